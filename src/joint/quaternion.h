@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Orientation coordinates Q[1..4] of joints that turn about any axis: the unit quaternion of R_FM,
+// vector part first, scalar part Q[4], as in Modelica. Speeds are the angular velocity of M in F, in M.
+#pragma once
+
+#include "math/spatial.h"
+
+namespace gelenk::quaternion {
+
+// R of Q/|Q|: the length of Q does not matter, so a step between two normalisations stays a rotation.
+template <class T>
+Matrix3<T> rotation(const T* Q) {
+  const Vector3<T> u(Q[0], Q[1], Q[2]);
+  const Matrix3<T> K = cross_matrix<T>(u);
+  const T s = T(2) / (u.squaredNorm() + Q[3] * Q[3]);
+  return Matrix3<T>::Identity() + (s * Q[3]) * K + s * (K * K);
+}
+
+// Qdot = 1/2 Q (w, 0).
+template <class T>
+void rate(const T* Q, const T* w, T* Qdot) {
+  const Vector3<T> u(Q[0], Q[1], Q[2]);
+  const Vector3<T> w_M(w[0], w[1], w[2]);
+  const Vector3<T> udot = T(0.5) * (Q[3] * w_M + u.cross(w_M));
+  for (int i = 0; i < 3; ++i) Qdot[i] = udot[i];
+  Qdot[3] = T(-0.5) * u.dot(w_M);
+}
+
+// w = 2 vec(conj(Q) Qdot), for unit Q.
+template <class T>
+void unrate(const T* Q, const T* Qdot, T* w) {
+  const Vector3<T> u(Q[0], Q[1], Q[2]);
+  const Vector3<T> udot(Qdot[0], Qdot[1], Qdot[2]);
+  const Vector3<T> w_M = T(2) * (Q[3] * udot - Qdot[3] * u - u.cross(udot));
+  for (int i = 0; i < 3; ++i) w[i] = w_M[i];
+}
+
+template <class T>
+void normalise(T* Q) {
+  using std::sqrt;
+  const T k = T(1) / sqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
+  for (int i = 0; i < 4; ++i) Q[i] *= k;
+}
+
+// The quaternion of R, of the two the one nearer to the Q given.
+template <class T>
+void from_rotation(const Matrix3<T>& R, T* Q) {
+  const Eigen::Quaternion<T> found(R);
+  const T side = Q[0] * found.x() + Q[1] * found.y() + Q[2] * found.z() + Q[3] * found.w();
+  const T sign = side < T(0) ? T(-1) : T(1);
+  Q[0] = sign * found.x();
+  Q[1] = sign * found.y();
+  Q[2] = sign * found.z();
+  Q[3] = sign * found.w();
+}
+
+}  // namespace gelenk::quaternion

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "joint/registry.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+
+namespace gelenk {
+namespace {
+
+template <class J>
+JointKind describe() {
+  return {.name = J::kind,
+          .summary = J::summary,
+          .nq = J::nq,
+          .nv = J::nv,
+          .axes = J::axes,
+          .planar = J::planar,
+          .q = J::q_names,
+          .v = J::v_names,
+          .a = J::a_names,
+          .q_zero = std::span<const double>(J::q_zero, J::nq),
+          .effort = J::effort_name};
+}
+
+template <class... J>
+auto describe_all(const std::variant<J...>*) {
+  return std::array<JointKind, sizeof...(J)>{describe<J>()...};
+}
+
+template <class... J>
+AnyJoint make_nth(std::size_t n, std::span<const Eigen::Vector3d> axes, const std::variant<J...>*) {
+  using Maker = AnyJoint (*)(std::span<const Eigen::Vector3d>);
+  static constexpr std::array<Maker, sizeof...(J)> makers = {
+      [](std::span<const Eigen::Vector3d> given) { return AnyJoint(J::make(given)); }...};
+  return makers.at(n)(axes);
+}
+
+template <class J>
+TreeJoint outward(const J& joint, bool reversed) {
+  if constexpr (!J::turned) {
+    if (reversed) return Reversed<J>{joint};
+  }
+  return joint;
+}
+
+}  // namespace
+
+std::span<const JointKind> joint_kinds() {
+  static const auto kinds = describe_all(static_cast<const AnyJoint*>(nullptr));
+  return kinds;
+}
+
+const JointKind* find_joint_kind(std::string_view name) {
+  const auto kinds = joint_kinds();
+  const auto found = std::ranges::find(kinds, name, &JointKind::name);
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes) {
+  const JointKind* found = find_joint_kind(kind);
+  if (found == nullptr) throw std::out_of_range("no kind of joint is called " + std::string(kind));
+  const auto index = static_cast<std::size_t>(found - joint_kinds().data());
+  return make_nth(index, axes, static_cast<const AnyJoint*>(nullptr));
+}
+
+const JointKind& kind_of(const AnyJoint& joint) { return joint_kinds()[joint.index()]; }
+
+TreeJoint tree_joint(const AnyJoint& joint, bool reversed) {
+  return std::visit([&](const auto& j) { return outward(j, reversed); }, joint);
+}
+
+bool reverses_by_turning(const AnyJoint& joint) {
+  return std::visit([](const auto& j) { return j.turned; }, joint);
+}
+
+Eigen::Matrix3d canonical_rotation(const AnyJoint& joint, std::span<const Eigen::Vector3d> axes) {
+  return std::visit([&](const auto& j) { return j.canonical(axes); }, joint);
+}
+
+std::span<const double> flip_signs(const AnyJoint& joint) {
+  static constexpr std::array<double, 7> unchanged = {1, 1, 1, 1, 1, 1, 1};
+  return std::visit(
+      [](const auto& j) -> std::span<const double> {
+        using J = std::decay_t<decltype(j)>;
+        if constexpr (J::planar == PlanarRole::normal) {
+          return {J::flip, J::nq};
+        } else {
+          return {unchanged.data(), J::nq};
+        }
+      },
+      joint);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows of a loop: what a joint forbids between its halves F and M.
+//
+// A row is a wrench w on M (torque about M's origin, force), written in F. It does no work on the
+// motions the joint allows, w . V_FM = 0, so it is at once the row of the Jacobian and the direction
+// of the reaction. V_FM here is (angular velocity of M in F, rate of p_FM), both written in F.
+// Phi is the position error whose rate is w . V_FM where Phi = 0.
+#pragma once
+
+#include "math/planar.h"
+#include "math/spatial.h"
+
+namespace gelenk {
+
+template <class A>
+struct Row {
+  typename A::Force w{};
+  typename A::Scalar Phi{0};
+};
+
+namespace rows {
+
+template <class A>
+using Pose = typename A::Pose;
+
+// p_FM has no component along axis i of F.
+template <class A>
+Row<A> point(const Pose<A>& X_FM, int i) {
+  Row<A> row;
+  if constexpr (A::planar) {
+    (i == 0 ? row.w.x : row.w.y) = 1;
+    row.Phi = i == 0 ? X_FM.px : X_FM.py;
+  } else {
+    row.w.f[i] = 1;
+    row.Phi = X_FM.p[i];
+  }
+  return row;
+}
+
+// All of p_FM vanishes. Returns the number of rows written.
+template <class A>
+int coincident(const Pose<A>& X_FM, Row<A>* out) {
+  constexpr int n = A::planar ? 2 : 3;
+  for (int i = 0; i < n; ++i) out[i] = point<A>(X_FM, i);
+  return n;
+}
+
+// M does not turn in F. The error is the rotation vector: it vanishes at no other pose, and its
+// direction is the shortest way back even from half a turn away.
+template <class A>
+int no_turn(const Pose<A>& X_FM, Row<A>* out) {
+  using std::atan2;
+  if constexpr (A::planar) {
+    out[0] = {{1, 0, 0}, atan2(X_FM.s, X_FM.c)};
+    return 1;
+  } else {
+    const auto turn = rotation_vector(X_FM.R);
+    for (int i = 0; i < 3; ++i) {
+      out[i].w = {};
+      out[i].w.n[i] = 1;
+      out[i].Phi = turn[i];
+    }
+    return 3;
+  }
+}
+
+// The z axes of F and M point the same way; the error is the rotation vector that takes one to the other.
+template <class A>
+int parallel_z(const Pose<A>& X_FM, Row<A>* out) {
+  if constexpr (A::planar) {
+    return 0;
+  } else {
+    using std::atan2;
+    using std::sqrt;
+    using T = typename A::Scalar;
+    const Vector3<T> z = X_FM.R.col(2);
+    const T s = sqrt(z.x() * z.x() + z.y() * z.y());
+    for (int i = 0; i < 2; ++i) {
+      out[i].w = {};
+      out[i].w.n[i] = 1;
+    }
+    // s = 0 upright: sin(x)/x = 1. s = 0 upside down: any axis will do.
+    const T k = s > T(0) ? T(atan2(s, z.z()) / s) : T(1);
+    out[0].Phi = s > T(0) || z.z() > T(0) ? T(-k * z.y()) : T(M_PI);
+    out[1].Phi = k * z.x();
+    return 2;
+  }
+}
+
+}  // namespace rows
+}  // namespace gelenk

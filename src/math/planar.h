@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planar algebra: what spatial.h does in space with 6-vectors, in a plane with 3-vectors:
+// motions (w | vx, vy), forces (n | fx, fy). The plane's normal is the common z axis.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace gelenk {
+
+template <class T>
+struct PlanarAlgebra {
+  using Scalar = T;
+  static constexpr bool planar = true;
+  static constexpr int dimension = 3;
+
+  struct Motion {
+    T w{0};
+    T x{0};
+    T y{0};
+
+    Motion& operator+=(const Motion& b) {
+      w += b.w;
+      x += b.x;
+      y += b.y;
+      return *this;
+    }
+    friend Motion operator+(Motion a, const Motion& b) { return a += b; }
+    friend Motion operator-(const Motion& a, const Motion& b) { return {a.w - b.w, a.x - b.x, a.y - b.y}; }
+    friend Motion operator*(const T& s, const Motion& a) { return {s * a.w, s * a.x, s * a.y}; }
+  };
+
+  struct Force {
+    T n{0};
+    T x{0};
+    T y{0};
+
+    Force& operator+=(const Force& b) {
+      n += b.n;
+      x += b.x;
+      y += b.y;
+      return *this;
+    }
+    Force& operator-=(const Force& b) {
+      n -= b.n;
+      x -= b.x;
+      y -= b.y;
+      return *this;
+    }
+    friend Force operator+(Force a, const Force& b) { return a += b; }
+    friend Force operator-(Force a, const Force& b) { return a -= b; }
+    friend Force operator*(const T& s, const Force& a) { return {s * a.n, s * a.x, s * a.y}; }
+  };
+
+  // X_AB: B's axes are A's turned by the angle with cosine c and sine s; p is B's origin in A.
+  struct Pose {
+    T c{1};
+    T s{0};
+    T px{0};
+    T py{0};
+
+    friend Pose operator*(const Pose& a, const Pose& b) {
+      return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s, a.px + a.c * b.px - a.s * b.py,
+              a.py + a.s * b.px + a.c * b.py};
+    }
+    Pose inverse() const { return {c, -s, -(c * px + s * py), s * px - c * py}; }
+
+    Motion to_child(const Motion& V) const {
+      const T x = V.x - V.w * py;
+      const T y = V.y + V.w * px;
+      return {V.w, c * x + s * y, c * y - s * x};
+    }
+    Motion to_parent(const Motion& V) const {
+      return {V.w, c * V.x - s * V.y + V.w * py, s * V.x + c * V.y - V.w * px};
+    }
+    Force to_parent(const Force& F) const {
+      const T x = c * F.x - s * F.y;
+      const T y = s * F.x + c * F.y;
+      return {F.n + px * y - py * x, x, y};
+    }
+    Force to_child(const Force& F) const {
+      return {F.n - px * F.y + py * F.x, c * F.x + s * F.y, c * F.y - s * F.x};
+    }
+  };
+
+  // Mass [kg], first moment [kg m] and polar second moment about the origin [kg m2].
+  struct Inertia {
+    T m{0};
+    T hx{0};
+    T hy{0};
+    T I{0};
+
+    Inertia& operator+=(const Inertia& b) {
+      m += b.m;
+      hx += b.hx;
+      hy += b.hy;
+      I += b.I;
+      return *this;
+    }
+    Force operator*(const Motion& V) const {
+      return {I * V.w + hx * V.y - hy * V.x, m * V.x - hy * V.w, m * V.y + hx * V.w};
+    }
+    Inertia moved_by(const Pose& X) const {
+      const T x = X.c * hx - X.s * hy;
+      const T y = X.s * hx + X.c * hy;
+      return {m, x + m * X.px, y + m * X.py,
+              I + T(2) * (X.px * x + X.py * y) + m * (X.px * X.px + X.py * X.py)};
+    }
+  };
+
+  static T dot(const Motion& V, const Force& F) { return V.w * F.n + V.x * F.x + V.y * F.y; }
+  static Motion cross(const Motion& V, const Motion& A) {
+    return {T(0), V.y * A.w - V.w * A.y, V.w * A.x - V.x * A.w};
+  }
+  static Force cross_force(const Motion& V, const Force& F) {
+    return {V.x * F.y - V.y * F.x, -V.w * F.y, V.w * F.x};
+  }
+};
+
+using Planar = PlanarAlgebra<double>;
+
+}  // namespace gelenk

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Spatial algebra: rigid-body motions, forces and inertias in space as 6-vectors
+// (Featherstone 2008, chapter 2), angular part first.
+//
+// T is the number type: double, or an automatic-differentiation scalar.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace gelenk {
+
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Matrix3 = Eigen::Matrix<T, 3, 3>;
+
+// The matrix K with K b = a x b.
+template <class T>
+Matrix3<T> cross_matrix(const Vector3<T>& a) {
+  Matrix3<T> K;
+  K << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
+  return K;
+}
+
+template <class T>
+struct SpatialAlgebra {
+  using Scalar = T;
+  static constexpr bool planar = false;
+  static constexpr int dimension = 6;
+
+  // Velocity or acceleration: angular [rad/s, rad/s2], linear [m/s, m/s2] of the frame's origin.
+  struct Motion {
+    Vector3<T> w{Vector3<T>::Zero()};
+    Vector3<T> v{Vector3<T>::Zero()};
+
+    Motion& operator+=(const Motion& b) {
+      w += b.w;
+      v += b.v;
+      return *this;
+    }
+    friend Motion operator+(Motion a, const Motion& b) { return a += b; }
+    friend Motion operator-(const Motion& a, const Motion& b) { return {a.w - b.w, a.v - b.v}; }
+    friend Motion operator*(const T& s, const Motion& a) { return {s * a.w, s * a.v}; }
+  };
+
+  // Torque about the frame's origin [N m] and force [N].
+  struct Force {
+    Vector3<T> n{Vector3<T>::Zero()};
+    Vector3<T> f{Vector3<T>::Zero()};
+
+    Force& operator+=(const Force& b) {
+      n += b.n;
+      f += b.f;
+      return *this;
+    }
+    Force& operator-=(const Force& b) {
+      n -= b.n;
+      f -= b.f;
+      return *this;
+    }
+    friend Force operator+(Force a, const Force& b) { return a += b; }
+    friend Force operator-(Force a, const Force& b) { return a -= b; }
+    friend Force operator*(const T& s, const Force& a) { return {s * a.n, s * a.f}; }
+  };
+
+  // X_AB: pose of frame B in frame A; R's columns are B's axes written in A.
+  struct Pose {
+    Matrix3<T> R{Matrix3<T>::Identity()};
+    Vector3<T> p{Vector3<T>::Zero()};
+
+    friend Pose operator*(const Pose& X_AB, const Pose& X_BC) {
+      return {X_AB.R * X_BC.R, X_AB.p + X_AB.R * X_BC.p};
+    }
+    Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
+    Vector3<T> point(const Vector3<T>& p_B) const { return p + R * p_B; }
+
+    // A motion of one and the same body, given at A in A, told at B in B.
+    Motion to_child(const Motion& V_A) const {
+      return {R.transpose() * V_A.w, R.transpose() * (V_A.v + V_A.w.cross(p))};
+    }
+    // ... and back.
+    Motion to_parent(const Motion& V_B) const {
+      const Vector3<T> w = R * V_B.w;
+      return {w, R * V_B.v - w.cross(p)};
+    }
+    // A force given at B in B, told at A in A.
+    Force to_parent(const Force& F_B) const {
+      const Vector3<T> f = R * F_B.f;
+      return {R * F_B.n + p.cross(f), f};
+    }
+    Force to_child(const Force& F_A) const {
+      return {R.transpose() * (F_A.n - p.cross(F_A.f)), R.transpose() * F_A.f};
+    }
+  };
+
+  // Rigid-body inertia about the frame's origin: mass [kg], first moment h = m c [kg m],
+  // second moment I [kg m2] about the origin (not the centre of mass).
+  struct Inertia {
+    T m{0};
+    Vector3<T> h{Vector3<T>::Zero()};
+    Matrix3<T> I{Matrix3<T>::Zero()};
+
+    static Inertia about_com(const T& m, const Vector3<T>& c, const Matrix3<T>& I_c) {
+      return {m, m * c, I_c + m * (c.squaredNorm() * Matrix3<T>::Identity() - c * c.transpose())};
+    }
+    Inertia& operator+=(const Inertia& b) {
+      m += b.m;
+      h += b.h;
+      I += b.I;
+      return *this;
+    }
+    Force operator*(const Motion& V) const { return {I * V.w + h.cross(V.v), m * V.v - h.cross(V.w)}; }
+
+    // The inertia of one and the same body, given at B in B, told at A in A (X = X_AB).
+    Inertia moved_by(const Pose& X) const {
+      const Vector3<T> Rh = X.R * h;
+      const Vector3<T>& p = X.p;
+      // I_A = R I R^T - [Rh]x[p]x - [p]x[Rh]x - m [p]x[p]x, written without the 3 matrix products.
+      const T s = T(2) * p.dot(Rh) + m * p.squaredNorm();
+      const Matrix3<T> outer = Rh * p.transpose() + p * (Rh + m * p).transpose();
+      Matrix3<T> out = X.R * I * X.R.transpose() - outer;
+      out.diagonal().array() += s;
+      return {m, Rh + m * p, out};
+    }
+  };
+
+  static T dot(const Motion& V, const Force& F) { return V.w.dot(F.n) + V.v.dot(F.f); }
+  // V x A, the rate of a motion vector carried along by V (Featherstone 2008, eq. 2.31).
+  static Motion cross(const Motion& V, const Motion& A) {
+    return {V.w.cross(A.w), V.w.cross(A.v) + V.v.cross(A.w)};
+  }
+  // V x* F, the rate of a force vector carried along by V (Featherstone 2008, eq. 2.32).
+  static Force cross_force(const Motion& V, const Force& F) {
+    return {V.w.cross(F.n) + V.v.cross(F.f), V.w.cross(F.f)};
+  }
+};
+
+using Spatial = SpatialAlgebra<double>;
+using Pose3 = Spatial::Pose;
+
+// Rotation whose z column is the unit vector n; the shortest turn from z (half a turn about x for n = -z).
+Eigen::Matrix3d rotation_taking_z_to(const Eigen::Vector3d& n);
+
+// Rotation vector (axis times angle in [0, pi]) of R.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R);
+
+}  // namespace gelenk
