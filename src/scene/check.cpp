@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/frames.h"
+#include "scene/read.h"
+#include "scene/text.h"
+#include "scene/words.h"
+
+namespace gelenk {
+namespace {
+
+// Below, a step's error estimate is rounding only; above, it says nothing.
+constexpr double tightest = 1e-15;
+constexpr double loosest = 1;
+
+void check_word(const std::string& word, const std::vector<std::string>& words, const std::string& path,
+                Faults& faults, bool partial) {
+  if (partial && word.empty()) return;
+  if (std::ranges::find(words, word) == words.end()) {
+    faults.add(path, text::quoted(word), text::one_of(word, words, "words"));
+  }
+}
+
+void check_positive(double x, const std::string& path, Faults& faults) {
+  if (!(x > 0) || !std::isfinite(x)) faults.add(path, text::number(x) + " s", "more than 0 s");
+}
+
+void check_settings(const Scene& scene, Faults& faults, bool partial) {
+  const Experiment& experiment = scene.experiment;
+  check_positive(experiment.stop, "experiment.stop", faults);
+  check_positive(experiment.step, "experiment.step", faults);
+  if (experiment.step > experiment.stop) {
+    faults.add("experiment.step", text::number(experiment.step) + " s",
+               "at most experiment.stop = " + text::number(experiment.stop) + " s");
+  }
+  if (!(experiment.tolerance >= tightest && experiment.tolerance <= loosest)) {
+    faults.add("experiment.tolerance", text::number(experiment.tolerance), "a number from 1e-15 to 1");
+  }
+  check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
+  check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
+  if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
+    faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
+  }
+}
+
+}  // namespace
+
+void check_finite(const double* data, std::size_t size, const std::string& path, Faults& faults) {
+  for (std::size_t i = 0; i < size; ++i) {
+    if (std::isfinite(data[i])) continue;
+    faults.add(size == 1 ? path : path + "[" + std::to_string(i + 1) + "]", text::number(data[i]), "a finite number");
+  }
+}
+
+void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& path, Faults& faults, bool partial) {
+  check_finite(frame.X_BF.p.data(), 3, path + ".position", faults);
+  const double error = rotation_error(frame.X_BF.R);
+  if (!(error < 1e-9)) {  // reading leaves rounding only
+    faults.add(path + ".rotation", "columns that miss unit length or right angles by " + text::rounded(error),
+               "a rotation");
+  }
+  if (frame.body == ground || (partial && frame.body.empty())) return;
+  if (std::ranges::find(scene.bodies, frame.body, &Body::name) != scene.bodies.end()) return;
+  std::vector<std::string> names = {ground};
+  for (const Body& body : scene.bodies) names.push_back(body.name);
+  faults.add(path + ".body", text::quoted(frame.body), text::one_of(frame.body, names, "bodies"));
+}
+
+void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
+  const bool partial = !faults.none();
+  if (!partial && scene.bodies.empty()) faults.add("bodies", "nothing", "at least one body");
+  if (!partial && scene.joints.empty()) faults.add("joints", "nothing", "at least one joint");
+  check_finite(scene.gravity.data(), 3, "gravity", faults);
+  check_names(scene, faults);
+  check_bodies(scene, faults, partial);
+  check_joints(scene, faults, partial);
+  check_connection(scene, faults);
+  check_elements(scene, faults, partial);
+  check_parameters(scene, faults, doubtful);
+  check_settings(scene, faults, partial);
+}
+
+void check_scene(const Scene& scene) {
+  Faults faults(scene.file);
+  find_faults(scene, faults);
+  faults.raise();
+}
+
+}  // namespace gelenk

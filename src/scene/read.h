@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scene files: reading, checking, writing. JSON is what the FMU carries; YAML is for people.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scene/scene.h"
+
+namespace gelenk {
+
+inline constexpr int scene_version = 1;  // `gelenk: 1`
+
+// Reads and checks a scene. file is only used in messages. Throws SceneError with every fault found.
+Scene read_scene_json(std::string_view text, const std::string& file);
+
+#ifdef GELENK_WITH_YAML
+// Likewise, from YAML 1.2 (core schema).
+Scene read_scene_yaml(std::string_view text, const std::string& file);
+#endif
+
+// Checks a scene that a program made or changed, by the rules for files. Throws SceneError.
+void check_scene(const Scene& scene);
+
+// The scene as JSON that read_scene_json reads back to the same bits: all frames in bodies, no `at:`.
+// The scene must be valid.
+std::string write_scene_json(const Scene& scene);
+
+// JSON Schema (draft 2020-12) of scene files, made from the joint registry.
+std::string scene_schema();
+
+}  // namespace gelenk

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters, experiment, solver.
+#include "scene/reader.h"
+#include "scene/words.h"
+
+namespace gelenk {
+
+void read_parameters(const Json& section, Reader& reader) {
+  if (!section.is_array()) {
+    reader.faults.add("parameters", shown(section), "a list of paths such as crank.mass");
+    return;
+  }
+  for (std::size_t i = 0; i < section.size(); ++i) {
+    const std::string path = "parameters[" + std::to_string(i + 1) + "]";
+    const auto name = read_text(section[i], path, reader.faults, "a path such as crank.mass");
+    reader.scene.parameters.push_back(name.value_or(""));
+  }
+}
+
+void read_experiment(const Json& section, Reader& reader) {
+  Fields fields(section, "experiment", reader.faults, "a mapping with stop, step, tolerance");
+  Experiment& experiment = reader.scene.experiment;
+  experiment.stop = fields.number("stop", experiment.stop, "s", Allowed::positive);
+  experiment.step = fields.number("step", experiment.step, "s", Allowed::positive);
+  experiment.tolerance = fields.number("tolerance", experiment.tolerance, "", Allowed::positive);
+  fields.done();
+}
+
+void read_solver(const Json& section, Reader& reader) {
+  Fields fields(section, "solver", reader.faults, "a mapping with formulation, integrator, step");
+  Solver& solver = reader.scene.solver;
+  solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
+  solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
+  solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
+  fields.done();
+}
+
+}  // namespace gelenk

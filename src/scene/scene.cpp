@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/scene.h"
+
+#include <utility>
+
+#include "scene/faults.h"
+
+namespace gelenk {
+namespace {
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += (out.empty() ? "" : "\n") + line;
+  return out;
+}
+
+}  // namespace
+
+SceneError::SceneError(std::vector<std::string> lines) : std::runtime_error(joined(lines)), lines_(std::move(lines)) {}
+
+Faults::Faults(std::string file) : file_(file.empty() ? "scene" : std::move(file)) {}
+
+void Faults::add(const std::string& path, const std::string& what) {
+  std::string line = file_ + ": " + (path.empty() ? "" : path + ": ") + what;
+  if (told_.insert(line).second) lines_.push_back(std::move(line));
+}
+
+void Faults::add(const std::string& path, const std::string& found, const std::string& expected) {
+  add(path, "found " + found + ", expected " + expected);
+}
+
+void Faults::raise() const {
+  if (!none()) throw SceneError(lines_);
+}
+
+}  // namespace gelenk

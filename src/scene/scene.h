@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scene: what a scene file says, as plain data. Everything in SI units, angles in radians.
+//
+// A scene that came out of read_scene (read.h) is valid: names resolve, numbers are finite, inertias
+// are possible, every body is connected to the ground, arrays have the sizes their joint kind asks for.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "math/spatial.h"
+
+namespace gelenk {
+
+inline constexpr const char* ground = "ground";  // the body that stands still; its frame is the world W
+
+// A frame fixed in a body.
+struct BodyFrame {
+  std::string body = ground;
+  Pose3 X_BF;  // pose in the body's frame
+};
+
+struct Body {
+  std::string name;
+  double mass = 0;                                        // kg
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();          // m, in the body's frame B
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();      // kg m2 about the centre of mass, along B's axes
+  std::optional<Pose3> pose;                              // X_WB in the reference configuration (`at:` joints)
+};
+
+// Start values of a joint. Sizes are the kind's nq and nv; what the file does not give is a free guess.
+struct JointStart {
+  std::vector<double> q, v;
+  std::vector<bool> q_given, v_given;  // named in the file
+  std::vector<bool> q_fixed, v_fixed;  // to be kept exactly; only given values can be
+};
+
+struct Joint {
+  std::string name;
+  std::string type;                    // a name in the joint registry
+  std::vector<Eigen::Vector3d> axes;   // unit vectors in the joint frame; as many as the kind has
+  BodyFrame parent, child;
+  JointStart start;
+  // Per speed, nv each, zeros where the file is silent: tau = -stiffness (q - spring_reference) - damping v.
+  std::vector<double> damping, stiffness, spring_reference;
+};
+
+// Applies torque (force) tau = gear_ratio * input to its joint and adds gear_ratio^2 * rotor_inertia to the
+// joint's inertia. The rotor's gyroscopic effect on the bodies is neglected.
+struct Motor {
+  std::string name;
+  std::string joint;
+  double gear_ratio = 1;     // motor angle / joint angle (prismatic: motor travel / joint travel)
+  double rotor_inertia = 0;  // kg m2 at the motor side (prismatic: kg)
+};
+
+enum class ForceType {
+  spring_damper,  // between two points: tension stiffness (L - length) + damping dL/dt
+  wrench,         // force and torque on a body at a point
+};
+
+struct Force {
+  std::string name;
+  ForceType type = ForceType::spring_damper;
+  // spring_damper
+  BodyFrame from, to;    // only positions matter
+  double stiffness = 0;  // N/m
+  double damping = 0;    // N s/m
+  double length = 0;     // m, free length
+  // wrench
+  BodyFrame at;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // N m
+  bool in_body = false;                              // components along the body's axes; else the world's
+  bool input = false;  // also an FMU input f[1..3], t[1..3], added to the constants above
+};
+
+enum class SensorType {
+  reaction,  // wrench of a joint on its child body at M, resolved in F: f[1..3], t[1..3]
+  frame,     // pose and velocity of a frame: r[1..3], Q[1..4], v[1..3] in the world, w[1..3] in the frame
+  energy,    // kinetic, potential (gravity and springs), total
+};
+
+struct Sensor {
+  std::string name;
+  SensorType type = SensorType::frame;
+  std::string joint;  // reaction
+  BodyFrame frame;    // frame
+};
+
+struct Experiment {
+  double stop = 1;          // s
+  double step = 1e-3;       // s
+  double tolerance = 1e-6;  // relative; absolute per radian, metre, rad/s, m/s
+};
+
+struct Solver {
+  std::string formulation = "projection";
+  std::string integrator = "auto";  // auto, ida, erk, rk4
+  double step = 0;                  // s, of fixed-step methods; 0: chosen from experiment.step
+};
+
+struct Scene {
+  std::string file;  // for messages; empty if the scene was not read from a file
+  std::string name = "Mechanism";
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  std::vector<Motor> motors;
+  std::vector<Force> forces;
+  std::vector<Sensor> sensors;
+  std::vector<std::string> parameters;  // paths the FMU exposes, "crank.mass"
+  Experiment experiment;
+  Solver solver;
+};
+
+// Everything that is wrong with a scene, one finished line each: "file: path: found ..., expected ...".
+class SceneError : public std::runtime_error {
+ public:
+  explicit SceneError(std::vector<std::string> lines);
+  const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The JSON Schema says what a schema can: fields, types, sizes, signs. Names that must exist, inertias, and
+// whatever else needs arithmetic are left to the reader.
+#include "joint/registry.h"
+#include "scene/read.h"
+#include "scene/schema_parts.h"
+#include "scene/units.h"
+#include "scene/words.h"
+
+namespace gelenk {
+namespace {
+
+using namespace schema;
+
+Json rotation() {
+  Json out;
+  out["description"] = "Orientation of a frame: columns of the matrix are its axes.";
+  out["oneOf"] = {
+      object({{"quaternion", list(4, "", "Scalar part first: [w, x, y, z]")}}, {"quaternion"}),
+      object({{"rpy", list(3, "rad", "Turns about the fixed x, y, z axes, in this order: R = Rz(y) Ry(p) Rx(r)")}},
+             {"rpy"}),
+      object({{"axis", list(3, "", "Direction of the axis")}, {"angle", number("rad", "Turn about the axis")}},
+             {"axis", "angle"}),
+      object({{"matrix",
+               {{"type", "array"}, {"items", list(3, "", "A row")}, {"minItems", 3}, {"maxItems", 3}}}},
+             {"matrix"})};
+  return out;
+}
+
+Json pose_fields() {
+  return {{"position", list(3, "m", "Origin of the frame")}, {"rotation", reference("rotation")}};
+}
+
+Json frame(bool with_rotation) {
+  Json fields;
+  fields["body"] = text("Name of a body, or ground");
+  fields["position"] = list(3, "m", "Position in the body");
+  if (with_rotation) fields["rotation"] = reference("rotation");
+  Json out;
+  out["description"] = "A frame fixed in a body: where it is, or only the body's name for the body's own frame.";
+  out["oneOf"] = {text("Name of a body, or ground"), object(fields, {"body"})};
+  return out;
+}
+
+Json body() {
+  const Json moments = list(3, "kg m2", "xx, yy, zz where the body's axes are principal axes");
+  const Json all = list(6, "kg m2", "xx, yy, zz, xy, xz, yz: entries of the inertia matrix");
+  Json inertia = {{"description", "About the centre of mass, along the body's axes."}, {"oneOf", {moments, all}}};
+  Json out = object({{"mass", number("kg", "Mass", Allowed::not_negative)},
+                     {"com", list(3, "m", "Centre of mass in the body's frame")},
+                     {"inertia", inertia},
+                     {"pose", object(pose_fields(), {})}},
+                    {"mass"});
+  out["properties"]["pose"]["description"] = "Pose in the world at the reference configuration, for joints given by 'at'.";
+  return out;
+}
+
+Json start(const JointKind& kind) {
+  Json fields = Json::object();
+  Json names = Json::array();
+  for (const auto quantities : {kind.q, kind.v}) {
+    for (const QuantityGroup& g : groups(quantities)) {
+      fields[g.name] = g.array ? list(static_cast<int>(g.size), g.unit, g.description) : number(g.unit, g.description);
+      names.push_back(g.name);
+    }
+  }
+  Json one_rotation;  // a rotation stands for the quaternion, not beside it
+  if (kind.has_quaternion()) {
+    fields["rotation"] = reference("rotation");
+    names.push_back("rotation");
+    one_rotation = {{"required", {"Q", "rotation"}}};
+  }
+  Json listed = {{"type", "array"}};
+  if (!names.empty()) listed["items"] = {{"enum", names}};
+  fields["fixed"] = {{"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
+                     {"oneOf", {{{"type", "boolean"}}, listed}}};
+  Json out = object(fields, {});
+  out["description"] = "Start values.";
+  if (!one_rotation.is_null()) out["not"] = one_rotation;
+  return out;
+}
+
+Json per_speed(const JointKind& kind, const std::string& unit, const std::string& what, Allowed allowed) {
+  return kind.nv == 1 ? number(unit, what, allowed) : list(kind.nv, unit, what, allowed);
+}
+
+Json joint(const JointKind& kind) {
+  Json fields;
+  fields["type"] = {{"const", kind.name}, {"description", kind.summary}};
+  if (kind.axes == 1) fields["axis"] = list(3, "", "Direction in the joint's frame; [0, 0, 1] if not given");
+  if (kind.axes == 2) {
+    fields["axes"] = {{"description", "First axis, fixed in the parent, and second, fixed in the child"},
+                      {"type", "array"},
+                      {"items", list(3, "", "Direction in the joint's frame")},
+                      {"minItems", 2},
+                      {"maxItems", 2}};
+  }
+  fields["parent"] = reference("frame");
+  fields["child"] = reference("frame");
+  fields["at"] = object(pose_fields(), {});
+  fields["at"]["description"] = "The joint's frame in the world at the reference configuration, instead of in both bodies.";
+  fields["start"] = start(kind);
+  const JointUnits units = joint_units(kind);
+  if (kind.nv > 0) fields["damping"] = per_speed(kind, units.damping, "Damping of each speed", Allowed::not_negative);
+  if (kind.springs()) {
+    fields["stiffness"] = per_speed(kind, units.stiffness, "Stiffness of each coordinate", Allowed::not_negative);
+    fields["spring_reference"] = per_speed(kind, units.coordinate, "Where the spring is slack", Allowed::any);
+  }
+  return object(fields, {"type", "parent", "child"});
+}
+
+// The kind by its name, then the fields of that kind: a validator's message stays with what was meant.
+Json any_joint() {
+  Json names = Json::array();
+  Json cases = Json::array();
+  for (const JointKind& kind : joint_kinds()) {
+    names.push_back(kind.name);
+    cases.push_back(when_type(std::string(kind.name), reference("joint_" + std::string(kind.name))));
+  }
+  return by_type(names, cases);
+}
+
+Json motor() {
+  return object({{"joint", text("Name of a joint with one degree of freedom")},
+                 {"gear_ratio", number("", "Travel of the motor per travel of the joint; 1 if not given", Allowed::not_zero)},
+                 {"rotor_inertia", number("kg m2, along an axis kg", "At the motor's side", Allowed::not_negative)}},
+                {"joint"});
+}
+
+Json force() {
+  const Json spring = object({{"type", {{"const", "spring_damper"}}},
+                              {"from", reference("point")},
+                              {"to", reference("point")},
+                              {"stiffness", number("N/m", "Stiffness", Allowed::not_negative)},
+                              {"damping", number("N s/m", "Damping", Allowed::not_negative)},
+                              {"length", number("m", "Free length", Allowed::not_negative)}},
+                             {"type", "from", "to"});
+  Json fields = {{"type", {{"const", "wrench"}}}, {"body", text("Name of a body")}};
+  fields.update(pose_fields());
+  fields["force"] = list(3, "N", "Constant force");
+  fields["torque"] = list(3, "N m", "Constant torque");
+  fields["frame"] = {{"enum", words::load_frames}, {"description", "Whose axes the components are along; world if not given"}};
+  fields["input"] = {{"type", "boolean"}, {"description", "Whether a load f, t comes from outside as well"}};
+  return by_type(words::forces,
+                 {when_type("spring_damper", spring), when_type("wrench", object(fields, {"type", "body"}))});
+}
+
+Json sensor() {
+  const Json reaction = object({{"type", {{"const", "reaction"}}}, {"joint", text("Name of a joint")}}, {"type", "joint"});
+  Json fields = {{"type", {{"const", "frame"}}}, {"body", text("Name of a body, or ground")}};
+  fields.update(pose_fields());
+  const Json energy = object({{"type", {{"const", "energy"}}}}, {"type"});
+  return by_type(words::sensors, {when_type("reaction", reaction),
+                                                   when_type("frame", object(fields, {"type", "body"})),
+                                                   when_type("energy", energy)});
+}
+
+Json definitions() {
+  Json out;
+  out["rotation"] = rotation();
+  out["frame"] = frame(true);
+  out["point"] = frame(false);
+  for (const JointKind& kind : joint_kinds()) out["joint_" + std::string(kind.name)] = joint(kind);
+  return out;
+}
+
+Json settings() {
+  Json out;
+  out["experiment"] = object({{"stop", number("s", "Default end of a run", Allowed::positive)},
+                              {"step", number("s", "Default communication step", Allowed::positive)},
+                              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Allowed::positive)}},
+                             {});
+  out["solver"] = object({{"formulation", {{"enum", words::formulations}}},
+                          {"integrator", {{"enum", words::integrators}}},
+                          {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)}},
+                         {});
+  return out;
+}
+
+}  // namespace
+
+std::string scene_schema() {
+  Json fields;
+  fields["gelenk"] = {{"const", scene_version}, {"description", "Version of the format"}};
+  fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
+  fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
+  fields["bodies"] = section(body(), "Rigid bodies. The ground is there by itself.", true);
+  fields["joints"] = section(any_joint(), "Joints, the edges of the mechanism's graph. Loops may close.", true);
+  fields["motors"] = section(motor(), "Motors, each an input.", false);
+  fields["forces"] = section(force(), "Springs, dampers, loads.", false);
+  fields["sensors"] = section(sensor(), "Outputs beyond the joints' states.", false);
+  fields["parameters"] = {{"type", "array"},
+                          {"items", {{"type", "string"}}},
+                          {"uniqueItems", true},
+                          {"description", "Paths of numbers that may be set before a run, such as crank.mass"}};
+  fields.update(settings());
+  Json out;
+  out["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+  out["title"] = "Gelenk scene";
+  out["description"] = "A mechanism, in SI units and radians.";
+  out.update(object(fields, {"gelenk", "bodies", "joints"}));
+  out["$defs"] = definitions();
+  return out.dump(2) + "\n";
+}
+
+}  // namespace gelenk

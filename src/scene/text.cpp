@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace gelenk::text {
+namespace {
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Letters to insert, drop, change or exchange with their neighbour (Damerau 1964), capitals aside.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1])) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string number(double x) {
+  if (std::isnan(x)) return "NaN";
+  if (std::isinf(x)) return x > 0 ? "Infinity" : "-Infinity";
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x).ptr;
+  return {buffer.data(), end};
+}
+
+std::string rounded(double x) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.6g", x);
+  return buffer.data();
+}
+
+std::string with_unit(const std::string& value, std::string_view unit) {
+  return unit.empty() ? value : value + " " + std::string(unit);
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+std::string printable(std::string_view raw) {
+  constexpr std::size_t longest = 60;
+  std::string out;
+  std::size_t i = 0;
+  for (; i < raw.size() && out.size() < longest; ++i) {
+    const auto c = static_cast<unsigned char>(raw[i]);
+    if (c >= 0x20 && c != 0x7f) {
+      out += raw[i];
+    } else {
+      std::array<char, 8> escaped{};
+      std::snprintf(escaped.data(), escaped.size(), "\\x%02x", c);
+      out += escaped.data();
+    }
+  }
+  // A UTF-8 character is shown whole or not at all.
+  for (; i < raw.size() && (static_cast<unsigned char>(raw[i]) & 0xc0) == 0x80; ++i) out += raw[i];
+  return i < raw.size() ? out + "..." : out;
+}
+
+std::string quoted(std::string_view raw) { return "'" + printable(raw) + "'"; }
+
+std::string nearest(std::string_view found, const std::vector<std::string>& names) {
+  if (found.size() > 60) return {};
+  std::string best;
+  std::size_t least = std::max<std::size_t>(1, found.size() / 3) + 1;  // one slip in three letters at most
+  for (const std::string& name : names) {
+    if (name.size() > 60) continue;
+    const std::size_t d = distance(found, name);
+    if (d < least) {
+      least = d;
+      best = name;
+    }
+  }
+  return best;
+}
+
+std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many) {
+  if (names.empty()) return "none, as there are no " + std::string(many);
+  if (names.size() == 1) return names.front();
+  const std::string near = nearest(found, names);
+  const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
+  if (names.size() > 12) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
+  // A list of four is seen at a glance.
+  return "one of " + list(names) + (names.size() > 4 ? hint : "");
+}
+
+bool is_identifier(std::string_view name) {
+  return !name.empty() && is_letter(name[0]) &&
+         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });
+}
+
+}  // namespace gelenk::text

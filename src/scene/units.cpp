@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/units.h"
+
+namespace gelenk {
+namespace {
+
+// The unit of all, or none where they differ.
+std::string common_unit(std::span<const Quantity> quantities) {
+  if (quantities.empty()) return {};
+  for (const Quantity& quantity : quantities) {
+    if (quantity.unit != quantities.front().unit) return {};
+  }
+  return std::string(quantities.front().unit);
+}
+
+}  // namespace
+
+std::vector<QuantityGroup> groups(std::span<const Quantity> quantities) {
+  std::vector<QuantityGroup> out;
+  for (std::size_t i = 0; i < quantities.size(); ++i) {
+    const std::string_view name = quantities[i].name;
+    const std::size_t bracket = name.find('[');
+    const std::string base(name.substr(0, bracket));
+    const bool array = bracket != std::string_view::npos;
+    if (array && !out.empty() && out.back().name == base) {
+      ++out.back().size;
+      continue;
+    }
+    const std::string_view unit = quantities[i].unit == "1" ? std::string_view() : quantities[i].unit;
+    out.push_back({base, std::string(unit), std::string(quantities[i].description), i, 1, array});
+  }
+  return out;
+}
+
+JointUnits joint_units(const JointKind& kind) {
+  const std::string unit = common_unit(kind.v);
+  if (unit == "rad/s") return {"rad", "N m s/rad", "N m/rad"};
+  if (unit == "m/s") return {"m", "N s/m", "N/m"};
+  return {};
+}
+
+JointStart free_start(const JointKind& kind) {
+  JointStart start;
+  start.q.assign(kind.q_zero.begin(), kind.q_zero.end());
+  start.v.assign(static_cast<std::size_t>(kind.nv), 0.0);
+  start.q_given.assign(start.q.size(), false);
+  start.v_given.assign(start.v.size(), false);
+  start.q_fixed = start.q_given;
+  start.v_fixed = start.v_given;
+  return start;
+}
+
+}  // namespace gelenk

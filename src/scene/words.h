@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Words that a scene file may choose from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace gelenk::words {
+
+inline const std::vector<std::string> formulations = {"projection"};
+inline const std::vector<std::string> integrators = {"auto", "ida", "erk", "rk4"};
+inline const std::vector<std::string> forces = {"spring_damper", "wrench"};
+inline const std::vector<std::string> sensors = {"reaction", "frame", "energy"};
+inline const std::vector<std::string> load_frames = {"world", "body"};
+
+}  // namespace gelenk::words
