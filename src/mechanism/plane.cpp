@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Does everything move in one plane?
+#include <cmath>
+#include <deque>
+
+#include "mechanism/graph.h"
+
+namespace gelenk {
+namespace {
+
+// Sine of the largest angle by which an axis may miss the plane. Frames turned by the user's own program carry
+// rounding of about 1e-16 a rotation; a misalignment meant to matter is far larger.
+constexpr double misalignment = 1e-11;
+
+PlanarRole role(const Edge& edge) { return kind_of(edge.joint).planar; }
+bool has_axis(const Edge& edge) { return kind_of(edge.joint).axes > 0; }
+
+// A normal to start from: (group, direction in the group's frame).
+std::optional<std::pair<int, Eigen::Vector3d>> candidate(const Graph& graph) {
+  for (const Edge& edge : graph.edges) {
+    if (role(edge) == PlanarRole::normal && has_axis(edge)) return {{edge.group_a, edge.X_AF.R.col(2)}};
+  }
+  // Only sliding joints: groups keep their orientation, so all axes can be compared at the ground.
+  for (const Edge& first : graph.edges) {
+    for (const Edge& second : graph.edges) {
+      if (first.group_a != second.group_a) continue;
+      const Eigen::Vector3d n = first.X_AF.R.col(2).cross(second.X_AF.R.col(2));
+      if (n.norm() > 0.01) return {{first.group_a, n.normalized()}};
+    }
+  }
+  if (graph.edges.empty() || role(graph.edges[0]) != PlanarRole::in_plane) return std::nullopt;
+  return {{graph.edges[0].group_a, graph.edges[0].X_AF.R.col(0)}};
+}
+
+bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  if (!has_axis(edge)) return true;
+  if (role(edge) == PlanarRole::normal) return n_F.cross(axis).norm() <= misalignment;
+  return std::abs(n_F.dot(axis)) <= misalignment;
+}
+
+}  // namespace
+
+std::optional<std::vector<Eigen::Vector3d>> plane_normals(const Graph& graph) {
+  for (const Edge& edge : graph.edges) {
+    if (role(edge) == PlanarRole::never) return std::nullopt;
+  }
+  const auto start = candidate(graph);
+  if (!start) return std::nullopt;
+  std::vector<Eigen::Vector3d> normals(graph.groups.size(), Eigen::Vector3d::Zero());
+  std::deque<int> open = {start->first};
+  normals[start->first] = start->second;
+  while (!open.empty()) {
+    const int group = open.front();
+    open.pop_front();
+    for (const Edge& edge : graph.edges) {
+      if (edge.group_a != group && edge.group_b != group) continue;
+      const bool from_a = edge.group_a == group;
+      const Pose3& here = from_a ? edge.X_AF : edge.X_BM;
+      const Pose3& there = from_a ? edge.X_BM : edge.X_AF;
+      const int other = from_a ? edge.group_b : edge.group_a;
+      const Eigen::Vector3d n_F = here.R.transpose() * normals[group];
+      if (!fits(edge, n_F)) return std::nullopt;
+      // Turning about n, or not at all, leaves n where it is: the same components in F and in M.
+      const Eigen::Vector3d n = there.R * n_F;
+      if (normals[other].isZero(0)) {
+        normals[other] = n.normalized();
+        open.push_back(other);
+      } else if ((normals[other] - n).norm() > misalignment) {
+        return std::nullopt;
+      }
+    }
+  }
+  return normals;
+}
+
+std::vector<bool> align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals) {
+  std::vector<bool> against(graph.edges.size(), false);
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    Edge& edge = graph.edges[e];
+    const Eigen::Vector3d n_F = edge.X_AF.R.transpose() * normals[edge.group_a];
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    if (!has_axis(edge)) {
+      turn = rotation_taking_z_to(n_F.normalized());
+    } else if (role(edge) == PlanarRole::normal) {
+      against[e] = n_F.z() < 0;
+      if (against[e]) turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    } else {  // sliding axis along x, normal along z
+      turn.col(0) = Eigen::Vector3d::UnitZ();
+      turn.col(2) = Eigen::Vector3d(n_F.x(), n_F.y(), 0).normalized();
+      turn.col(1) = turn.col(2).cross(turn.col(0));
+    }
+    edge.R_UC = edge.R_UC * turn;
+    edge.X_AF.R = edge.X_AF.R * turn;
+    edge.X_BM.R = edge.X_BM.R * turn;
+  }
+  return against;
+}
+
+}  // namespace gelenk
