@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dynamics/dynamics.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "dynamics/kernels.h"
+#include "dynamics/load_kernels.h"
+#include "dynamics/output_kernels.h"
+#include "dynamics/visit.h"
+
+namespace gelenk {
+namespace {
+
+// parent[k]: the speed before k on the way to the ground.
+std::vector<int> speed_parents(const Mechanism& mechanism) {
+  std::vector<int> parent(mechanism.nv, -1);
+  std::vector<int> last(mechanism.links.size(), -1);  // by link: its outermost speed, or its ancestors'
+  for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
+    const Link& link = mechanism.links[i];
+    int before = last[link.parent];
+    for (int k = link.iv; k < link.iv + link.nv; ++k) {
+      parent[k] = before;
+      before = k;
+    }
+    last[i] = before;
+  }
+  return parent;
+}
+
+template <class A>
+class DynamicsOf final : public Dynamics {
+ public:
+  DynamicsOf(const Mechanism& mechanism, const Loads& loads)
+      : mechanism_(mechanism),
+        loads_(loads),
+        model_(mechanism),
+        ws_(model_),
+        M_(speed_parents(mechanism)),
+        Y_(model_.nv, model_.rows),
+        max_rank_(model_.rows),
+        w_(model_.nv),
+        tau_(model_.nv),
+        v_(model_.nv),
+        q_(model_.nq),
+        cut_reference_(model_.cut_nq) {
+    const Eigen::Vector3d& g = loads.gravity;
+    if constexpr (A::planar) {
+      root_acceleration_ = {0, -g.x(), -g.y()};
+    } else {
+      root_acceleration_.v = -g;
+    }
+  }
+
+  void set_position(const double* q) override {
+    std::copy(q, q + model_.nq, q_.begin());
+    kernels::positions(model_, q, ws_);
+    kernels::loop_positions(model_, ws_);
+  }
+
+  void factorise() override {
+    kernels::mass_matrix(model_, ws_, M_);
+    for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
+    if (const int k = M_.factorise(); k >= 0) throw_singular(k);
+    if (model_.rows == 0) return;
+    kernels::loop_jacobian(model_, ws_);
+    for (int r = 0; r < model_.rows; ++r) {
+      double* y = Y_.column(r);
+      const double* row = &ws_.J[static_cast<std::size_t>(r) * model_.nv];
+      std::copy(row, row + model_.nv, y);
+      M_.solve_transposed(y);
+    }
+    Y_.factorise(max_rank_);
+  }
+
+  void set_velocity(const double* v) override {
+    std::copy(v, v + model_.nv, v_.begin());
+    kernels::velocities(model_, q_.data(), v, root_acceleration_, ws_);
+    kernels::loop_velocities(model_, ws_);
+  }
+
+  void solve(const double* u, double* vdot) override {
+    ++evaluations_;
+    kernels::link_loads(model_, loads_, u, ws_);
+    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
+    for (int k = 0; k < model_.nv; ++k) w_[k] = -tau_[k];
+    loads_.tree.add(q_.data(), v_.data(), u, w_.data());
+    M_.solve_transposed(w_.data());
+    if (model_.rows > 0) Y_.constrain(w_.data(), ws_.gamma.data(), ws_.lambda.data());
+    std::copy(w_.begin(), w_.end(), vdot);
+    M_.solve(vdot);
+  }
+
+  void set_acceleration(const double* vdot) override { kernels::accelerations(model_, vdot, ws_); }
+
+  void rate(const double* q, const double* v, double* qdot) const override {
+    for (std::size_t i = 1; i < model_.links.size(); ++i) {
+      const auto& link = model_.links[i];
+      visit_joint<A>(link.joint, [&](const auto& joint) { joint.rate(q + link.iq, v + link.iv, qdot + link.iq); });
+    }
+  }
+
+  void displace(double* q, const double* dv) const override {
+    double dq[7];
+    for (std::size_t i = 1; i < model_.links.size(); ++i) {
+      const auto& link = model_.links[i];
+      double* q_i = q + link.iq;
+      visit_joint<A>(link.joint, [&](const auto& joint) {
+        joint.rate(q_i, dv + link.iv, dq);
+        for (int k = 0; k < link.nq; ++k) q_i[k] += dq[k];
+        joint.normalise(q_i);
+      });
+    }
+  }
+
+  void normalise(double* q) const override {
+    for (std::size_t i = 1; i < model_.links.size(); ++i) {
+      const auto& link = model_.links[i];
+      if (link.nq == link.nv) continue;
+      visit_joint<A>(link.joint, [&](const auto& joint) { joint.normalise(q + link.iq); });
+    }
+  }
+
+  const std::vector<double>& Phi() const override { return ws_.Phi; }
+  bool row_is_angle(int row) const override {
+    const auto& w = ws_.row[row].w;
+    if constexpr (A::planar) {
+      return w.x == 0 && w.y == 0;
+    } else {
+      return w.f.isZero(0);
+    }
+  }
+  const std::vector<double>& row_rates() const override { return ws_.rate; }
+  const std::vector<double>& lambda() const override { return ws_.lambda; }
+  const std::vector<double>& jacobian() const override { return ws_.J; }
+  int rank() const override { return Y_.rank(); }
+  double pivot_ratio() const override { return Y_.pivot_ratio(); }
+  void limit_rank(int rank) override { max_rank_ = rank; }
+
+  void correct(const double* residual, double* dv) const override {
+    Y_.shortest(residual, dv);
+    for (int k = 0; k < model_.nv; ++k) dv[k] = -dv[k];
+    M_.solve(dv);
+  }
+
+  void cut_coordinates(int cut, double* q) const override {
+    visit_joint<A>(model_.cuts[cut].joint,
+                   [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
+  }
+  void cut_speeds(int cut, double* v) const override {
+    double q[7] = {};
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+  }
+  void cut_accelerations(int cut, double* a) const override {
+    double q[7] = {};
+    double v[6];
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+    kernels::cut_accelerations<A>(model_.cuts[cut], ws_, cut, q, v, a);
+  }
+  void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
+
+  Energy energy() const override {
+    Energy sum = kernels::energy(model_, loads_, ws_);
+    for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.reflected_inertia[k] * v_[k] * v_[k] / 2;
+    sum.potential += loads_.tree.energy(q_.data());
+    for (std::size_t c = 0; c < model_.cuts.size(); ++c) {
+      if (loads_.cuts[c].springs.empty()) continue;
+      double q[7] = {};
+      kernels::counted_cut_coordinates<A>(model_.cuts[c], ws_.X_FM[c], &cut_reference_[model_.cuts[c].iq], q);
+      sum.potential += loads_.cuts[c].energy(q);
+    }
+    return sum;
+  }
+
+  Pose3 link_pose(int link) const override { return kernels::pose3(ws_.X_0L[link], height(link)); }
+  Spatial::Motion link_velocity(int link) const override { return kernels::motion3(ws_.V[link]); }
+  Spatial::Force tree_reaction(int link) const override { return kernels::force3(ws_.F[link]); }
+  Spatial::Force cut_reaction(int cut) const override { return kernels::force3(kernels::cut_reaction(model_, ws_, cut)); }
+  Pose3 cut_pose(int cut) const override { return kernels::pose3(ws_.X_FM[cut], 0); }
+  long evaluations() const override { return evaluations_; }
+
+ private:
+  double height(int link) const { return mechanism_.planar ? mechanism_.heights[link] : 0; }
+
+  [[noreturn]] void throw_singular(int k) const {
+    for (const Link& link : mechanism_.links) {
+      if (k >= link.iv && k < link.iv + link.nv && link.parent >= 0) throw SingularMass(link.name);
+    }
+    throw SingularMass("?");
+  }
+
+  const Mechanism& mechanism_;
+  const Loads& loads_;
+  Model<A> model_;
+  Workspace<A> ws_;
+  SparseFactor M_;
+  RowFactor Y_;
+  int max_rank_;
+  typename A::Motion root_acceleration_{};
+  std::vector<double> w_, tau_, v_, q_, cut_reference_;
+  long evaluations_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads) {
+  if (mechanism.planar) return std::make_unique<DynamicsOf<Planar>>(mechanism, loads);
+  return std::make_unique<DynamicsOf<Spatial>>(mechanism, loads);
+}
+
+}  // namespace gelenk

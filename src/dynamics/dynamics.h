@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Equations of motion of a mechanism in joint coordinates (DESIGN section 3):
+//
+//   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q) = 0,   J v = 0,   J vdot = gamma(q, v)
+//
+// One object per instance and thread. After construction nothing here allocates memory. Arrays: q (nq), v, vdot,
+// tau (nv), lambda and rows (rows), u (inputs), in the mechanism's own signs and order.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "dynamics/model.h"
+
+namespace gelenk {
+
+struct Energy {
+  double kinetic = 0;    // J
+  double potential = 0;  // J, of gravity (zero at the world's origin) and springs
+};
+
+// Some body moves without inertia: M cannot be factorised. The message names the link.
+class SingularMass : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Dynamics {
+ public:
+  virtual ~Dynamics() = default;
+
+  // --- in this order; each uses what the ones before have left ---
+  // Poses and the rows' position errors Phi.
+  virtual void set_position(const double* q) = 0;
+  // M, J and their factors at that position. Throws SingularMass.
+  virtual void factorise() = 0;
+  // Velocities, J v (row_rates) and the velocity products h, gamma.
+  virtual void set_velocity(const double* v) = 0;
+  // Solves for vdot and lambda under the inputs u.
+  virtual void solve(const double* u, double* vdot) = 0;
+  // Body accelerations for any vdot; needed by the functions below that say so.
+  virtual void set_acceleration(const double* vdot) = 0;
+
+  virtual void rate(const double* q, const double* v, double* qdot) const = 0;
+  // q <- q moved by the small displacement dv (speeds times time), redundant parts renormalised.
+  virtual void displace(double* q, const double* dv) const = 0;
+  virtual void normalise(double* q) const = 0;
+
+  virtual const std::vector<double>& Phi() const = 0;        // after set_position
+  virtual bool row_is_angle(int row) const = 0;             // its error is in rad, not m
+  virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
+  virtual const std::vector<double>& lambda() const = 0;     // after solve
+  virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise
+  virtual int rank() const = 0;
+  virtual double pivot_ratio() const = 0;
+  // Rows beyond this rank are taken to repeat others; rows() at first.
+  virtual void limit_rank(int rank) = 0;
+
+  // dv <- the smallest displacement (mass metric, last factors) that takes the residual of the rows away.
+  virtual void correct(const double* residual, double* dv) const = 0;
+
+  // Cut joints: coordinates (angles within half a turn; quaternions near what `q` holds on entry), speeds,
+  // accelerations (after set_acceleration).
+  virtual void cut_coordinates(int cut, double* q) const = 0;
+  virtual void cut_speeds(int cut, double* v) const = 0;
+  virtual void cut_accelerations(int cut, double* a) const = 0;
+  // Angles of cut joints as last counted, for springs that act on them; cut_nq numbers.
+  virtual void set_cut_reference(const double* q) = 0;
+
+  virtual Energy energy() const = 0;  // after set_velocity
+
+  // Pose of a link in the root frame (the ground link's), velocity in the link's frame.
+  virtual Pose3 link_pose(int link) const = 0;
+  virtual Spatial::Motion link_velocity(int link) const = 0;
+  // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, at that half's frame, in it;
+  // drives and springs along the joint included. After solve and set_acceleration; spatial algebra only.
+  virtual Spatial::Force tree_reaction(int link) const = 0;
+  virtual Spatial::Force cut_reaction(int cut) const = 0;
+  virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
+
+  virtual long evaluations() const = 0;  // calls of solve
+};
+
+std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads);
+
+}  // namespace gelenk

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The recursions over links, templates on the algebra. Workspace holds what they leave behind.
+#pragma once
+
+#include <vector>
+
+#include "dynamics/model.h"
+#include "dynamics/row_factor.h"
+#include "dynamics/sparse_factor.h"
+
+namespace gelenk {
+
+template <class A>
+struct Workspace {
+  using Pose = typename A::Pose;
+  using Motion = typename A::Motion;
+  using Force = typename A::Force;
+
+  explicit Workspace(const Model<A>& model);
+
+  // by link
+  std::vector<Pose> X_PL, X_0L;
+  std::vector<Motion> V;       // of L in the world, in L
+  std::vector<Motion> A_bias;  // acceleration of L for vdot = 0, gravity as that of the root the other way
+  std::vector<Motion> A_full;  // the same for a given vdot
+  std::vector<Force> F;        // scratch of the backward passes; after reactions(): joint wrench on L in L
+  std::vector<Force> F_ext;    // loads on L in L
+  std::vector<typename A::Inertia> G_tree;  // of everything from L outwards
+  // by speed
+  std::vector<Motion> S;  // columns of the joints' motion spaces, in L
+  // by cut
+  std::vector<Pose> X_FM;
+  std::vector<Motion> V_FM;    // rows.h: angular velocity, rate of p_FM; in F
+  std::vector<Motion> A_cut;   // bias of the rate of V_FM
+  std::vector<Force> F_cut;    // drives and springs on M in M
+  // by row
+  std::vector<Row<A>> row;
+  std::vector<double> Phi, rate, gamma, lambda;
+  std::vector<double> J;  // rows x nv
+};
+
+namespace kernels {
+
+template <class A>
+void positions(const Model<A>& model, const double* q, Workspace<A>& ws);
+template <class A>
+void velocities(const Model<A>& model, const double* q, const double* v, const typename A::Motion& root_acceleration,
+                Workspace<A>& ws);
+// tau = the forces that vdot = 0 would need, loads taken off: h - J_ext^T F_ext.
+template <class A>
+void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau);
+template <class A>
+void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M);
+
+// Loops: X_FM, rows and Phi (after positions); J (after positions); V_FM, rates and gamma (after velocities).
+template <class A>
+void loop_positions(const Model<A>& model, Workspace<A>& ws);
+template <class A>
+void loop_jacobian(const Model<A>& model, Workspace<A>& ws);
+template <class A>
+void loop_velocities(const Model<A>& model, Workspace<A>& ws);
+
+}  // namespace kernels
+}  // namespace gelenk

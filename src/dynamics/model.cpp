@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dynamics/model.h"
+
+#include "dynamics/kernels.h"
+
+namespace gelenk {
+
+template <class A>
+Model<A>::Model(const Mechanism& mechanism)
+    : nq(mechanism.nq),
+      nv(mechanism.nv),
+      rows(mechanism.rows),
+      cut_nq(mechanism.cut_nq),
+      cut_nv(mechanism.cut_nv) {
+  for (const gelenk::Link& link : mechanism.links) {
+    const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
+    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, link.joint, pose_in<A>(link.X_PJ),
+                     inertia_in<A>(link.G)});
+  }
+  for (const gelenk::Cut& cut : mechanism.cuts) {
+    const JointKind& kind = kind_of(cut.joint);
+    cuts.push_back({cut.joint, cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.iq, cut.iv, kind.nq, kind.nv,
+                    pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a, cut.path_b});
+  }
+}
+
+template <class A>
+Workspace<A>::Workspace(const Model<A>& model)
+    : X_PL(model.links.size()),
+      X_0L(model.links.size()),
+      V(model.links.size()),
+      A_bias(model.links.size()),
+      A_full(model.links.size()),
+      F(model.links.size()),
+      F_ext(model.links.size()),
+      G_tree(model.links.size()),
+      S(model.nv),
+      X_FM(model.cuts.size()),
+      V_FM(model.cuts.size()),
+      A_cut(model.cuts.size()),
+      F_cut(model.cuts.size()),
+      row(model.rows),
+      Phi(model.rows),
+      rate(model.rows),
+      gamma(model.rows),
+      lambda(model.rows),
+      J(static_cast<std::size_t>(model.rows) * model.nv, 0.0) {}
+
+template struct Model<Planar>;
+template struct Model<Spatial>;
+template struct Workspace<Planar>;
+template struct Workspace<Spatial>;
+
+}  // namespace gelenk

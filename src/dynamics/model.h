@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mechanism and the loads on it, as the kernels read them: flat, in depth-first order, in one algebra.
+#pragma once
+
+#include <vector>
+
+#include "mechanism/mechanism.h"
+
+namespace gelenk {
+
+// A point on a link. Planar kernels know its height through `height` and p.z().
+struct Attachment {
+  int link = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m, in the link's frame
+  double height = 0;                            // m, of the link's origin along the plane's normal; 0 in space
+};
+
+struct PointSpring {
+  Attachment from, to;
+  double stiffness = 0, damping = 0, length = 0;
+};
+
+struct Wrench {
+  Attachment at;
+  Eigen::Vector3d force, torque;  // constant part, in the link's axes (in_link) or the root's
+  bool in_link = false;
+  Eigen::Matrix3d R_user;  // from the axes in which the inputs are given to those above
+  int input = -1;          // first of six inputs (force, torque), -1: none
+};
+
+// tau[v] = gain * input.
+struct Actuation {
+  int v = 0;
+  int input = 0;
+  double gain = 1;
+};
+// tau[v] = -stiffness (q[q] - reference) - damping v[v].
+struct JointSpring {
+  int q = 0, v = 0;
+  double stiffness = 0, damping = 0, reference = 0;
+};
+// Drives and springs along joints: of the whole tree, or of one cut joint (indices from its own first).
+struct JointLoads {
+  std::vector<Actuation> actuations;
+  std::vector<JointSpring> springs;
+
+  bool empty() const { return actuations.empty() && springs.empty(); }
+  void add(const double* q, const double* v, const double* u, double* tau) const {
+    for (const Actuation& drive : actuations) tau[drive.v] += drive.gain * u[drive.input];
+    for (const JointSpring& s : springs) {
+      tau[s.v] -= s.damping * v[s.v];
+      if (s.stiffness != 0) tau[s.v] -= s.stiffness * (q[s.q] - s.reference);
+    }
+  }
+  // J, stored in the springs.
+  double energy(const double* q) const {
+    double sum = 0;
+    for (const JointSpring& s : springs) {
+      if (s.stiffness != 0) sum += s.stiffness / 2 * (q[s.q] - s.reference) * (q[s.q] - s.reference);
+    }
+    return sum;
+  }
+};
+
+struct Loads {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // in the root's axes
+  std::vector<PointSpring> springs;
+  std::vector<Wrench> wrenches;
+  JointLoads tree;
+  std::vector<JointLoads> cuts;           // by cut
+  std::vector<double> reflected_inertia;  // by speed: gear_ratio^2 rotor_inertia
+  int inputs = 0;
+};
+
+// Signs and places of the scene's loads in the mechanism. Inputs are numbered as in simulation/signals.h.
+Loads make_loads(const Scene& scene, const Mechanism& mechanism);
+
+template <class A>
+typename A::Pose pose_in(const Pose3& X) {
+  if constexpr (A::planar) {
+    return {X.R(0, 0), X.R(1, 0), X.p.x(), X.p.y()};
+  } else {
+    return X;
+  }
+}
+
+template <class A>
+typename A::Inertia inertia_in(const Spatial::Inertia& G) {
+  if constexpr (A::planar) {
+    return {G.m, G.h.x(), G.h.y(), G.I(2, 2)};
+  } else {
+    return G;
+  }
+}
+
+template <class A>
+struct Model {
+  struct Link {
+    int parent;
+    int iq, iv, nq, nv;
+    bool plain;  // S constant, qdot = v (PlainJoint with constant axis): no visit needed for either
+    TreeJoint joint;
+    typename A::Pose X_PJ;
+    typename A::Inertia G;
+  };
+  struct Cut {
+    AnyJoint joint;
+    int link_a, link_b;
+    int first_row, rows;
+    int iq, iv, nq, nv;
+    typename A::Pose X_AF, X_BM;
+    std::vector<int> path_a, path_b;
+  };
+  std::vector<Link> links;
+  std::vector<Cut> cuts;
+  int nq, nv, rows, cut_nq, cut_nv;
+
+  explicit Model(const Mechanism& mechanism);
+};
+
+}  // namespace gelenk
