@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// Newton stops here: relative to the mechanism's size, some tens of roundings.
+constexpr double closed = 1e-14;
+// What may be left when rounding ends the progress earlier.
+constexpr double acceptable = 1e-11;
+
+double largest(const std::vector<double>& x) {
+  double max = 0;
+  for (const double value : x) {
+    if (!(std::abs(value) <= max)) max = std::abs(value);  // also takes a NaN, and keeps it
+  }
+  return max;
+}
+
+double size_of(const Mechanism& mechanism) {
+  double length = 1;
+  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
+  return length;
+}
+
+}  // namespace
+
+Projection::Projection(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      u_(u),
+      nq_(mechanism.nq),
+      nv_(mechanism.nv),
+      length_(size_of(mechanism)),
+      dv_(mechanism.nv),
+      cut_q_(mechanism.cut_nq),
+      cut_v_(mechanism.cut_nv),
+      cut_v_last_(mechanism.cut_nv) {}
+
+bool Projection::rhs(double, const double* y, double* ydot) {
+  const double* v = y + nq_;
+  for (int i = 0; i < nq_ + nv_; ++i) {
+    if (!std::isfinite(y[i])) return false;
+  }
+  dynamics_.set_position(y);
+  dynamics_.factorise();
+  factors_ = true;
+  dynamics_.set_velocity(v);
+  dynamics_.solve(u_.data(), ydot + nq_);
+  dynamics_.rate(y, v, ydot);
+  return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
+}
+
+bool Projection::project_position(double* q) {
+  dynamics_.normalise(q);
+  dynamics_.set_position(q);
+  if (mechanism_.rows == 0) return true;
+  double before = INFINITY;
+  for (int i = 0; i < 30; ++i) {
+    const double gap = largest(dynamics_.Phi());
+    if (!std::isfinite(gap)) return false;
+    if (gap <= closed * length_) return true;
+    // No progress: rounding, or the old factors are too far away.
+    if (gap > 0.5 * before && gap <= acceptable * length_) return true;
+    if (!factors_ || gap > 0.1 * before) {
+      dynamics_.factorise();
+      factors_ = true;
+    }
+    before = gap;
+    dynamics_.correct(dynamics_.Phi().data(), dv_.data());
+    dynamics_.displace(q, dv_.data());
+    dynamics_.set_position(q);
+  }
+  return false;
+}
+
+bool Projection::project_velocity(double* v) {
+  dynamics_.set_velocity(v);
+  if (mechanism_.rows == 0) return true;
+  double before = INFINITY;
+  for (int i = 0; i < 30; ++i) {
+    const double gap = largest(dynamics_.row_rates());
+    if (!std::isfinite(gap)) return false;
+    double speed = 1;
+    for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
+    if (gap <= closed * length_ * speed) return true;
+    if (gap > 0.5 * before && gap <= acceptable * length_ * speed) return true;
+    if (!factors_ || gap > 0.1 * before) {
+      dynamics_.factorise();
+      factors_ = true;
+    }
+    before = gap;
+    dynamics_.correct(dynamics_.row_rates().data(), dv_.data());
+    for (int k = 0; k < nv_; ++k) v[k] += dv_[k];
+    dynamics_.set_velocity(v);
+  }
+  return false;
+}
+
+bool Projection::project(double, double* y) { return project_position(y) && project_velocity(y + nq_); }
+
+void Projection::accepted(double t, const double* y) {
+  if (!mechanism_.cuts.empty()) count_turns(t, y);
+}
+
+void Projection::count_from(const std::vector<double>& cut_q, double t, const double* y) {
+  cut_q_ = cut_q;
+  last_time_ = t;
+  std::fill(cut_v_last_.begin(), cut_v_last_.end(), 0.0);
+  count_turns(t, y);
+}
+
+// Angles of cut joints are known within a turn; the speeds at both ends of the step say which turn it is.
+void Projection::count_turns(double t, const double* y) {
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  const double h = t - last_time_;
+  for (std::size_t c = 0; c < mechanism_.cuts.size(); ++c) {
+    const Cut& cut = mechanism_.cuts[c];
+    const JointKind& kind = kind_of(cut.joint);
+    dynamics_.cut_speeds(static_cast<int>(c), &cut_v_[cut.iv]);
+    double found[7];
+    std::copy(&cut_q_[cut.iq], &cut_q_[cut.iq] + kind.nq, found);
+    dynamics_.cut_coordinates(static_cast<int>(c), found);
+    for (int i = 0; i < kind.nq; ++i) {
+      double& q = cut_q_[cut.iq + i];
+      if (kind.q[i].unit == "rad") {
+        const double expected = q + h / 2 * (cut_v_last_[cut.iv + i] + cut_v_[cut.iv + i]);
+        found[i] += 2 * M_PI * std::round((expected - found[i]) / (2 * M_PI));
+      }
+      q = found[i];
+    }
+  }
+  cut_v_last_ = cut_v_;
+  last_time_ = t;
+  dynamics_.set_cut_reference(cut_q_.data());
+}
+
+}  // namespace gelenk

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `projection`: the index-1 form
+//   qdot = N v,   [M J^T; J 0] [vdot; lambda] = [tau - h; gamma],
+// with q and v put back on Phi = 0, J v = 0 after every accepted step by the smallest correction in the mass
+// metric (Eich 1993; Blajer 2002), so that neither drifts. Factors of the last evaluation are reused.
+#pragma once
+
+#include <vector>
+
+#include "dynamics/dynamics.h"
+#include "formulation/ode_system.h"
+
+namespace gelenk {
+
+class Projection final : public OdeSystem {
+ public:
+  // u: the inputs, read at every evaluation.
+  Projection(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+
+  int size() const override { return nq_ + nv_; }
+  bool rhs(double t, const double* y, double* ydot) override;
+  bool project(double t, double* y) override;
+  void accepted(double t, const double* y) override;
+
+  // The two halves of project(). Both leave `dynamics` at the projected state.
+  bool project_position(double* q);
+  bool project_velocity(double* v);
+
+  // Coordinates of the cut joints with their angles counted through all turns; cut_nq numbers.
+  const std::vector<double>& cut_coordinates() const { return cut_q_; }
+  // Starts counting: angles nearest to the numbers given.
+  void count_from(const std::vector<double>& cut_q, double t, const double* y);
+
+ private:
+  void count_turns(double t, const double* y);
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  const std::vector<double>& u_;
+  int nq_, nv_;
+  double length_;  // m: rounding of a closed loop grows with it
+  bool factors_ = false;
+  std::vector<double> dv_;
+  std::vector<double> cut_q_, cut_v_, cut_v_last_;
+  double last_time_ = 0;
+};
+
+}  // namespace gelenk

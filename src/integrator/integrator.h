@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all integrators offer. One instance belongs to one simulation.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "formulation/ode_system.h"
+
+namespace gelenk {
+
+struct IntegratorOptions {
+  double tolerance = 1e-6;  // relative; absolute per unit of y
+  double step = 1e-3;       // s, of fixed-step methods
+};
+
+// The step asked for could not be made; says why and how far it came.
+class IntegrationError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  // Begins anew at (t, y).
+  virtual void restart(double t, const double* y) = 0;
+  // The inputs have jumped since the last advance.
+  virtual void inputs_changed() {}
+  // Advances to `end` > t exactly and writes the state there to y. Throws IntegrationError and leaves y alone;
+  // restart() is due then.
+  virtual void advance(double end, double* y) = 0;
+
+  long steps() const { return steps_; }
+  long rejected_steps() const { return rejected_; }
+
+ protected:
+  long steps_ = 0;
+  long rejected_ = 0;
+};
+
+struct IntegratorKind {
+  std::string_view name;
+  std::string_view summary;
+  std::unique_ptr<Integrator> (*make)(OdeSystem& system, const IntegratorOptions& options);
+};
+
+// All integrators that can be named in a scene (registry.cpp).
+std::span<const IntegratorKind> integrator_kinds();
+
+// Throws std::out_of_range for an unknown name.
+std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& system, const IntegratorOptions& options);
+
+// One per file.
+std::unique_ptr<Integrator> make_rk4(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options);
+
+// "t = 1.2031 s: ..." as integrators begin their messages.
+std::string at_time(double t);
+
+}  // namespace gelenk
