@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Assembly: start values that satisfy the loops, as near as possible to what the user wants.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+
+namespace gelenk {
+
+// Wishes for one list of coordinates and speeds, in the mechanism's signs: the tree's, or the cut joints'.
+// Flags and weights go by speed: a quaternion is fixed as a whole.
+struct Wishes {
+  std::vector<double> q, v;
+  std::vector<bool> q_fixed, v_fixed;       // keep exactly
+  std::vector<double> q_weight, v_weight;   // of the squared distance to be made small; 0: no wish
+};
+
+struct Assembled {
+  std::vector<double> q, v;  // of the tree
+  double moved = 0;          // largest change of a coordinate that was given but not fixed
+  int tries = 1;             // starts needed until the loops closed
+};
+
+// Which joint gapes, and how far, when no start closed the loops.
+class CannotAssemble : public std::runtime_error {
+ public:
+  CannotAssemble(const std::string& text, int cut, std::vector<double> q)
+      : std::runtime_error(text), cut(cut), q(std::move(q)) {}
+  int cut;                // -1: positions fit, the fixed speeds do not
+  std::vector<double> q;  // where the gap is smallest
+};
+
+// Smallest weighted change of the wishes, fixed ones kept, damped and step-limited (Levenberg-Marquardt to close the
+// loops, Gauss-Newton along them to come near; Nocedal & Wright, ch. 10 and 18).
+// Throws CannotAssemble with the smallest gap reached ("0.134 m") for positions, or what remains of a speed.
+Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
+
+// Rank of the rows at positions without special symmetry: the largest over several assembled positions around q.
+// Leaves dynamics.limit_rank at it.
+int structural_rank(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q);
+
+// Speeds that may serve as independent ones at q: nv - rank of them. prefer[k]: wanted among them.
+std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
+                                    int rank, const std::vector<bool>& prefer);
+
+}  // namespace gelenk

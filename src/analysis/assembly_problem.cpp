@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/assembly_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::vector<int> not_fixed(const std::vector<bool>& fixed) {
+  std::vector<int> out;
+  for (int k = 0; k < static_cast<int>(fixed.size()); ++k) {
+    if (!fixed[k]) out.push_back(k);
+  }
+  return out;
+}
+
+// Difference of two coordinates of one joint as a displacement along its speeds, in user's or our signs alike:
+// plain coordinates subtract; a quaternion gives the rotation vector, in M, from q0 to q.
+void difference(const JointKind& kind, const double* q, const double* q0, double* out) {
+  const int plain = kind.has_quaternion() ? kind.nq - 4 : kind.nq;
+  for (int i = 0; i < plain; ++i) out[i] = q[i] - q0[i];
+  if (!kind.has_quaternion()) return;
+  const Eigen::Quaterniond Q(q[plain + 3], q[plain], q[plain + 1], q[plain + 2]);
+  const Eigen::Quaterniond Q0(q0[plain + 3], q0[plain], q0[plain + 1], q0[plain + 2]);
+  const Eigen::Vector3d turn = rotation_vector((Q0.inverse() * Q).toRotationMatrix());
+  for (int i = 0; i < 3; ++i) out[plain + i] = turn[i];
+}
+
+MatrixXd columns(const MatrixXd& all, const std::vector<int>& chosen) {
+  MatrixXd out(all.rows(), chosen.size());
+  for (std::size_t k = 0; k < chosen.size(); ++k) out.col(k) = all.col(chosen[k]);
+  return out;
+}
+
+// Rows of `all` whose flag is set, appended below `top`.
+void append_rows(MatrixXd& top, const MatrixXd& all, const std::vector<bool>& chosen) {
+  for (int k = 0; k < static_cast<int>(chosen.size()); ++k) {
+    if (!chosen[k]) continue;
+    top.conservativeResize(top.rows() + 1, all.cols());
+    top.row(top.rows() - 1) = all.row(k);
+  }
+}
+
+void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen) {
+  for (int k = 0; k < static_cast<int>(chosen.size()); ++k) {
+    if (!chosen[k]) continue;
+    top.conservativeResize(top.size() + 1);
+    top[top.size() - 1] = all[k];
+  }
+}
+
+}  // namespace
+
+AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree,
+                                 const Wishes& cuts)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      tree_(tree),
+      cuts_(cuts),
+      free_q_(not_fixed(tree.q_fixed)),
+      free_v_(not_fixed(tree.v_fixed)) {
+  const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
+  cut_wishes_ = any(cuts.q_fixed) || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
+}
+
+VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  const auto& Phi = dynamics_.Phi();
+  VectorXd g = Eigen::Map<const VectorXd>(Phi.data(), static_cast<Eigen::Index>(Phi.size()));
+  if (cut_wishes_) append(g, cut_offset(q), cuts_.q_fixed);
+  return g;
+}
+
+MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  dynamics_.factorise();
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  MatrixXd G = Eigen::Map<const RowMajor>(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv);
+  if (cut_wishes_) append_rows(G, cut_columns(q), cuts_.q_fixed);
+  return columns(G, free_q_);
+}
+
+VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
+  const VectorXd tree = tree_offset(q);
+  VectorXd d(mechanism_.nv + (cut_wishes_ ? mechanism_.cut_nv : 0));
+  for (int k = 0; k < mechanism_.nv; ++k) d[k] = std::sqrt(tree_.q_weight[k]) * tree[k];
+  if (!cut_wishes_) return d;
+  const VectorXd cut = cut_offset(q);
+  for (int k = 0; k < mechanism_.cut_nv; ++k) d[mechanism_.nv + k] = std::sqrt(cuts_.q_weight[k]) * cut[k];
+  return d;
+}
+
+MatrixXd AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
+  const int rows = mechanism_.nv + (cut_wishes_ ? mechanism_.cut_nv : 0);
+  MatrixXd T = MatrixXd::Zero(rows, mechanism_.nv);
+  for (int k = 0; k < mechanism_.nv; ++k) T(k, k) = std::sqrt(tree_.q_weight[k]);
+  if (cut_wishes_) {
+    const MatrixXd& C = cut_columns(q);
+    for (int k = 0; k < mechanism_.cut_nv; ++k) T.row(mechanism_.nv + k) = std::sqrt(cuts_.q_weight[k]) * C.row(k);
+  }
+  return columns(T, free_q_);
+}
+
+AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
+  const int nv = mechanism_.nv;
+  Speeds out;
+  out.v.assign(nv, 0);
+  VectorXd fixed = VectorXd::Zero(nv);
+  for (int k = 0; k < nv; ++k) {
+    if (tree_.v_fixed[k]) fixed[k] = out.v[k] = tree_.v[k];
+  }
+  dynamics_.set_position(q.data());
+  dynamics_.factorise();
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  MatrixXd G = Eigen::Map<const RowMajor>(dynamics_.jacobian().data(), mechanism_.rows, nv);
+  MatrixXd T = MatrixXd::Zero(nv, nv);
+  out.d0.resize(nv);
+  for (int k = 0; k < nv; ++k) {
+    const double root = std::sqrt(tree_.v_weight[k]);
+    T(k, k) = root;
+    out.d0[k] = root * (fixed[k] - tree_.v[k]);
+  }
+  out.g0 = G * fixed;
+  if (cut_wishes_) {
+    const MatrixXd& C = cut_columns(q);
+    const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);
+    append_rows(G, C, cuts_.v_fixed);
+    append(out.g0, offset, cuts_.v_fixed);
+    T.conservativeResize(nv + mechanism_.cut_nv, nv);
+    out.d0.conservativeResize(nv + mechanism_.cut_nv);
+    for (int k = 0; k < mechanism_.cut_nv; ++k) {
+      const double root = std::sqrt(cuts_.v_weight[k]);
+      T.row(nv + k) = root * C.row(k);
+      out.d0[nv + k] = root * offset[k];
+    }
+  }
+  out.G = columns(G, free_v_);
+  out.T = columns(T, free_v_);
+  return out;
+}
+
+std::vector<double> AssemblyProblem::displaced(const std::vector<double>& q, const VectorXd& step) const {
+  std::vector<double> dv(mechanism_.nv, 0);
+  for (std::size_t k = 0; k < free_q_.size(); ++k) dv[free_q_[k]] = step[static_cast<Eigen::Index>(k)];
+  std::vector<double> out = q;
+  dynamics_.displace(out.data(), dv.data());
+  return out;
+}
+
+VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
+  VectorXd d(mechanism_.nv);
+  for (const Link& link : mechanism_.links) {
+    if (link.parent < 0) continue;
+    const JointKind& kind = std::visit(
+        [](const auto& j) -> const JointKind& { return *find_joint_kind(j.kind); }, link.joint);
+    difference(kind, &q[link.iq], &tree_.q[link.iq], d.data() + link.iv);
+  }
+  return d;
+}
+
+VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  VectorXd d(mechanism_.cut_nv);
+  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+    const Cut& cut = mechanism_.cuts[c];
+    const JointKind& kind = kind_of(cut.joint);
+    double found[7];
+    std::copy_n(&cuts_.q[cut.iq], kind.nq, found);
+    dynamics_.cut_coordinates(c, found);
+    difference(kind, found, &cuts_.q[cut.iq], d.data() + cut.iv);
+    for (int i = 0; i < kind.nv && !kind.has_quaternion(); ++i) {
+      // A cut joint's angle is known within a turn.
+      if (kind.q[i].unit == "rad") d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);
+    }
+  }
+  return d;
+}
+
+const MatrixXd& AssemblyProblem::cut_columns(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  C_.resize(mechanism_.cut_nv, mechanism_.nv);
+  std::vector<double> unit(mechanism_.nv, 0);
+  for (int k = 0; k < mechanism_.nv; ++k) {
+    unit[k] = 1;
+    dynamics_.set_velocity(unit.data());
+    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+      dynamics_.cut_speeds(c, C_.col(k).data() + mechanism_.cuts[c].iv);
+    }
+    unit[k] = 0;
+  }
+  return C_;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equations of assembly: what must hold (the loops, fixed values of cut joints) and what is wished.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "analysis/assembly.h"
+
+namespace gelenk {
+
+class AssemblyProblem {
+ public:
+  AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
+
+  // Columns of the Jacobians below: the speeds whose coordinates (speeds) are not fixed.
+  enum class Level { position, velocity };
+  const std::vector<int>& free(Level level) const { return level == Level::position ? free_q_ : free_v_; }
+
+  // At q: what must vanish, and its derivative by the free speeds' displacements.
+  Eigen::VectorXd gap(const std::vector<double>& q);
+  Eigen::MatrixXd gap_jacobian(const std::vector<double>& q);
+  // Distances from the wishes times the roots of their weights, and their derivative. q as in the last gap().
+  Eigen::VectorXd distance(const std::vector<double>& q);
+  Eigen::MatrixXd distance_jacobian(const std::vector<double>& q);
+
+  // The same for speeds, linear: gap = G v_free + g0, distance = T v_free + d0, v_free from zero. At q.
+  struct Speeds {
+    Eigen::MatrixXd G, T;
+    Eigen::VectorXd g0, d0;
+    std::vector<double> v;  // fixed speeds in place, the rest zero
+  };
+  Speeds speeds(const std::vector<double>& q);
+
+  // q moved along the free speeds.
+  std::vector<double> displaced(const std::vector<double>& q, const Eigen::VectorXd& step) const;
+
+  // Scale of lengths [m], for limits on steps and gaps.
+  double length() const { return length_; }
+
+ private:
+  Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
+  Eigen::VectorXd cut_offset(const std::vector<double>& q);
+  const Eigen::MatrixXd& cut_columns(const std::vector<double>& q);
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  const Wishes& tree_;
+  const Wishes& cuts_;
+  std::vector<int> free_q_, free_v_;
+  bool cut_wishes_ = false;
+  double length_ = 1;
+  Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv
+};
+
+}  // namespace gelenk

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "integrator/integrator.h"
+#include "joint/registry.h"
+#include "scene/text.h"
+#include "scene/read.h"
+#include "simulation/properties.h"
+
+namespace gelenk {
+namespace {
+
+std::vector<std::string> integrators() {
+  std::vector<std::string> names = {"auto"};
+  for (const IntegratorKind& kind : integrator_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+// "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
+std::string start_name(const std::string& joint, std::string_view quantity) {
+  const std::size_t bracket = std::min(quantity.find('['), quantity.size());
+  return joint + "." + std::string(quantity.substr(0, bracket)) + "_start" + std::string(quantity.substr(bracket));
+}
+
+bool is_fixed(const JointStart& start) {
+  const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  return any(start.q_fixed) || any(start.v_fixed);
+}
+
+void fix(JointStart& start, bool fixed) {
+  start.q_fixed.assign(start.q.size(), fixed);
+  start.v_fixed.assign(start.v.size(), fixed);
+  if (!fixed) return;  // what was given stays a guess
+  start.q_given.assign(start.q.size(), true);
+  start.v_given.assign(start.v.size(), true);
+}
+
+// The elements of one array: from the first to one past the last.
+struct Range {
+  std::size_t first, last;
+};
+
+// The quantities that share the array of quantity i: "Q[1]" to "Q[4]".
+Range array_around(std::span<const Quantity> all, std::size_t i) {
+  const auto base = [&](std::size_t k) { return all[k].name.substr(0, all[k].name.find('[')); };
+  Range range{i, i + 1};
+  while (range.first > 0 && base(range.first - 1) == base(i)) --range.first;
+  while (range.last < all.size() && base(range.last) == base(i)) ++range.last;
+  return range;
+}
+
+Parameter start_value(const std::string& joint, std::size_t j, std::span<const Quantity> quantities, bool speed,
+                      std::size_t i) {
+  const Quantity& quantity = quantities[i];
+  const Range array = array_around(quantities, i);
+  Parameter p;
+  p.name = start_name(joint, quantity.name);
+  p.unit = quantity.unit;
+  p.description = joint + ": start value (exact when " + joint + ".fixed, else a guess) of " +
+                  std::string(quantity.description);
+  p.get = [=](const Scene& scene) {
+    const JointStart& start = scene.joints[j].start;
+    return (speed ? start.v : start.q)[i];
+  };
+  p.put = [=](Scene& scene, double value) {
+    JointStart& start = scene.joints[j].start;
+    const bool fixed = is_fixed(start);
+    (speed ? start.v : start.q)[i] = value;
+    for (std::size_t k = array.first; k < array.last; ++k) {  // an array is given, and kept, as a whole
+      (speed ? start.v_given : start.q_given)[k] = true;
+      if (fixed) (speed ? start.v_fixed : start.q_fixed)[k] = true;
+    }
+  };
+  return p;
+}
+
+void add_starts(std::vector<Parameter>& table, const Scene& scene) {
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const JointKind* kind = find_joint_kind(joint.type);
+    if (kind == nullptr || kind->nv == 0) continue;
+    for (std::size_t i = 0; i < kind->q.size(); ++i) table.push_back(start_value(joint.name, j, kind->q, false, i));
+    for (std::size_t i = 0; i < kind->v.size(); ++i) table.push_back(start_value(joint.name, j, kind->v, true, i));
+    Parameter fixed;
+    fixed.name = joint.name + ".fixed";
+    fixed.description = joint.name + ": start values are kept exactly; else they are guesses for assembly";
+    fixed.type = ParameterType::boolean;
+    fixed.get = [j](const Scene& s) { return is_fixed(s.joints[j].start) ? 1.0 : 0.0; };
+    fixed.put = [j](Scene& s, double value) { fix(s.joints[j].start, value != 0); };
+    table.push_back(std::move(fixed));
+  }
+}
+
+void add_gravity(std::vector<Parameter>& table) {
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    table.push_back(real_parameter("gravity[" + std::to_string(i + 1) + "]", "m/s2",
+                                   std::string("gravitational acceleration, ") + axes[i] + " component in the world",
+                                   [i](auto& scene) -> auto& { return scene.gravity[i]; }));
+  }
+}
+
+Parameter choice(const char* name, const char* description, std::vector<std::string> items,
+                 std::string Solver::*field) {
+  Parameter p;
+  p.name = name;
+  p.description = description;
+  p.type = ParameterType::enumeration;
+  p.items = std::move(items);
+  p.min = 1;
+  p.max = static_cast<double>(p.items.size());
+  p.get = [items = p.items, field](const Scene& scene) {
+    return 1.0 + static_cast<double>(std::ranges::find(items, scene.solver.*field) - items.begin());
+  };
+  p.put = [items = p.items, field](Scene& scene, double value) {
+    scene.solver.*field = items[static_cast<std::size_t>(value) - 1];
+  };
+  return p;
+}
+
+void add_solver(std::vector<Parameter>& table) {
+  Parameter tolerance =
+      real_parameter("solver.tolerance", "1", "relative tolerance; absolute per radian, metre, rad/s and m/s",
+                     [](auto& scene) -> auto& { return scene.experiment.tolerance; });
+  tolerance.min = 1e-15;  // below, a step's error estimate is rounding only
+  tolerance.max = 1;
+  table.push_back(std::move(tolerance));
+  Parameter step = real_parameter("solver.step", "s", "step of fixed-step methods; 0: chosen from the default step",
+                                  [](auto& scene) -> auto& { return scene.solver.step; });
+  step.min = 0;
+  table.push_back(std::move(step));
+  table.push_back(choice("solver.formulation", "how loop constraints meet the integrator", {"projection"},
+                         &Solver::formulation));
+  table.push_back(choice("solver.integrator", "integration method", integrators(), &Solver::integrator));
+}
+
+void add_listed(std::vector<Parameter>& table, const Scene& scene) {
+  const std::vector<Property> known = scene_properties(scene);
+  for (const std::string& path : scene.parameters) {
+    if (path.substr(0, path.find('[')) == "gravity") continue;  // always there
+    bool found = false;
+    for (const Property& property : known) {
+      if (property.path != path && property.element_path != path) continue;
+      table.push_back(property.parameter);
+      found = true;
+    }
+    if (!found) throw SceneError({"parameters: found '" + path + "', expected the path of a number that can be set"});
+  }
+}
+
+std::string allowed(const Parameter& p) {
+  if (p.type == ParameterType::boolean) return "false (0) or true (1)";
+  if (p.type == ParameterType::enumeration) {
+    std::string text;
+    for (std::size_t i = 0; i < p.items.size(); ++i) {
+      text += (i > 0 ? ", " : "") + std::to_string(i + 1) + " (" + p.items[i] + ")";
+    }
+    return p.items.size() == 1 ? text : "one of " + text;
+  }
+  const std::string unit = p.unit.empty() || p.unit == "1" ? "" : " " + p.unit;
+  if (std::isinf(p.min) && std::isinf(p.max)) return "a finite number";
+  if (std::isinf(p.max)) return "at least " + text::number(p.min) + unit;
+  return "between " + text::number(p.min) + " and " + text::number(p.max) + unit;
+}
+
+}  // namespace
+
+std::vector<Parameter> scene_parameters(const Scene& scene) {
+  std::vector<Parameter> table;
+  add_starts(table, scene);
+  add_gravity(table);
+  add_solver(table);
+  add_listed(table, scene);
+  return table;
+}
+
+void check_parameter(const Parameter& parameter, double value) {
+  const bool whole = parameter.type == ParameterType::real || value == std::floor(value);
+  const bool in_range = parameter.type == ParameterType::boolean ? value == 0 || value == 1
+                                                                 : parameter.min <= value && value <= parameter.max;
+  if (!std::isfinite(value) || !whole || !in_range) {
+    throw std::invalid_argument(parameter.name + ": found " + text::number(value) + ", expected " + allowed(parameter));
+  }
+}
+
+void set_parameter(Scene& scene, const Parameter& parameter, double value) {
+  check_parameter(parameter, value);
+  if (value != parameter.get(scene)) parameter.put(scene, value);
+}
+
+Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }
+
+}  // namespace gelenk

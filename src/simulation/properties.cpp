@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/properties.h"
+
+#include <algorithm>
+
+#include "joint/registry.h"
+
+namespace gelenk {
+namespace {
+
+constexpr const char* axis_names[] = {"x", "y", "z"};
+
+class Table {
+ public:
+  template <class Access>
+  Parameter& add(const std::string& owner, const std::string& key, const std::string& name, std::string_view unit,
+                 const std::string& description, Access access) {
+    const std::string path = owner + "." + key;
+    const std::string element = name.substr(std::min(name.find('['), name.size()));
+    rows_.push_back({path, path + element,
+                     real_parameter(owner + "." + name, unit, owner + ": " + description, std::move(access))});
+    return rows_.back().parameter;
+  }
+
+  // access(scene) gives a reference to a 3-vector.
+  template <class Access>
+  void add_vector(const std::string& owner, const std::string& key, std::string_view unit,
+                  const std::string& description, Access access) {
+    for (int i = 0; i < 3; ++i) {
+      add(owner, key, key + "[" + std::to_string(i + 1) + "]", unit, description + ", " + axis_names[i] + " component",
+          [access, i](auto& scene) -> auto& { return access(scene)[i]; });
+    }
+  }
+
+  std::vector<Property> take() { return std::move(rows_); }
+
+ private:
+  std::vector<Property> rows_;
+};
+
+void add_inertia(Table& table, const std::string& body, std::size_t b) {
+  static constexpr int places[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  for (int i = 0; i < 6; ++i) {
+    const int r = places[i][0];
+    const int c = places[i][1];
+    Parameter& p = table.add(body, "inertia", "inertia[" + std::to_string(i + 1) + "]", "kg.m2",
+                             std::string("inertia about the centre of mass, ") + axis_names[r] + axis_names[c],
+                             [=](auto& scene) -> auto& { return scene.bodies[b].inertia(r, c); });
+    p.put = [=](Scene& scene, double value) {
+      scene.bodies[b].inertia(r, c) = value;
+      scene.bodies[b].inertia(c, r) = value;
+    };
+    if (r == c) p.min = 0;
+  }
+}
+
+void add_body(Table& table, const std::string& body, std::size_t b) {
+  table.add(body, "mass", "m", "kg", "mass", [b](auto& scene) -> auto& { return scene.bodies[b].mass; }).min = 0;
+  table.add_vector(body, "com", "m", "centre of mass in the body's frame",
+                   [b](auto& scene) -> auto& { return scene.bodies[b].com; });
+  add_inertia(table, body, b);
+}
+
+// "rad" -> "N.m", "m" -> "N".
+std::string effort_unit(std::string_view coordinate_unit) { return coordinate_unit == "rad" ? "N.m" : "N"; }
+
+void add_spring(Table& table, const Joint& joint, const JointKind& kind, std::size_t j, std::size_t i) {
+  const std::string element = kind.nv == 1 ? "" : "[" + std::to_string(i + 1) + "]";
+  const std::string_view unit = kind.q[i].unit;
+  const std::string on = " on " + std::string(kind.q[i].name);
+  const std::string effort = effort_unit(unit);
+  table.add(joint.name, "stiffness", "stiffness" + element, effort + "/" + std::string(unit), "stiffness" + on,
+            [=](auto& scene) -> auto& { return scene.joints[j].stiffness[i]; });
+  table.add(joint.name, "spring_reference", "spring_reference" + element, unit, "where the spring is slack, " +
+            std::string(kind.q[i].name), [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
+}
+
+void add_joint(Table& table, const Joint& joint, std::size_t j) {
+  const JointKind* kind = find_joint_kind(joint.type);
+  if (kind == nullptr) return;
+  for (std::size_t i = 0; i < kind->v.size(); ++i) {
+    const std::string element = kind->nv == 1 ? "" : "[" + std::to_string(i + 1) + "]";
+    const std::string unit = kind->v[i].unit == "rad/s" ? "N.m.s/rad" : "N.s/m";
+    table.add(joint.name, "damping", "damping" + element, unit, "damping on " + std::string(kind->v[i].name),
+              [=](auto& scene) -> auto& { return scene.joints[j].damping[i]; });
+    if (kind->springs()) add_spring(table, joint, *kind, j, i);
+  }
+  table.add_vector(joint.name, "parent.position", "m", "position of its frame in " + joint.parent.body,
+                   [j](auto& scene) -> auto& { return scene.joints[j].parent.X_BF.p; });
+  table.add_vector(joint.name, "child.position", "m", "position of its frame in " + joint.child.body,
+                   [j](auto& scene) -> auto& { return scene.joints[j].child.X_BF.p; });
+}
+
+void add_motor(Table& table, const Scene& scene, std::size_t m) {
+  const Motor& motor = scene.motors[m];
+  const auto joint = std::ranges::find(scene.joints, motor.joint, &Joint::name);
+  const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
+  const bool turns = kind == nullptr || kind->effort.unit == "N.m";
+  table.add(motor.name, "gear_ratio", "gear_ratio", "1", "travel of the motor per travel of joint " + motor.joint,
+            [m](auto& s) -> auto& { return s.motors[m].gear_ratio; });
+  table.add(motor.name, "rotor_inertia", "rotor_inertia", turns ? "kg.m2" : "kg", "inertia at the motor side",
+            [m](auto& s) -> auto& { return s.motors[m].rotor_inertia; }).min = 0;
+}
+
+void add_force(Table& table, const Force& force, std::size_t f) {
+  if (force.type == ForceType::wrench) {
+    table.add_vector(force.name, "force", "N", "constant force", [f](auto& s) -> auto& { return s.forces[f].force; });
+    table.add_vector(force.name, "torque", "N.m", "constant torque",
+                     [f](auto& s) -> auto& { return s.forces[f].torque; });
+    return;
+  }
+  table.add(force.name, "stiffness", "stiffness", "N/m", "stiffness",
+            [f](auto& s) -> auto& { return s.forces[f].stiffness; });
+  table.add(force.name, "damping", "damping", "N.s/m", "damping", [f](auto& s) -> auto& { return s.forces[f].damping; });
+  table.add(force.name, "length", "length", "m", "free length", [f](auto& s) -> auto& { return s.forces[f].length; })
+      .min = 0;
+}
+
+}  // namespace
+
+std::vector<Property> scene_properties(const Scene& scene) {
+  Table table;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) add_body(table, scene.bodies[b].name, b);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) add_joint(table, scene.joints[j], j);
+  for (std::size_t m = 0; m < scene.motors.size(); ++m) add_motor(table, scene, m);
+  for (std::size_t f = 0; f < scene.forces.size(); ++f) add_force(table, scene.forces[f], f);
+  return table.take();
+}
+
+}  // namespace gelenk

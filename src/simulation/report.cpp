@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace gelenk {
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
+
+std::string list(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+// Joints around the loop that a cut closes, the cut first.
+std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
+  const Cut& c = mechanism.cuts[cut];
+  std::vector<int> out = {c.scene_joint};
+  for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
+  for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
+  std::ranges::sort(out);
+  return out;
+}
+
+// " at A.phi = 0.52 rad": the first scalar coordinate of the loop that sits in the tree.
+std::string position_text(const Scene& scene, const Mechanism& mechanism, const std::vector<int>& joints,
+                          const std::vector<double>& q) {
+  for (const int j : joints) {
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    const JointPlace& place = mechanism.joints[j];
+    if (place.role != JointPlace::Role::tree || kind.nq != 1) continue;
+    return " at " + scene.joints[j].name + "." + std::string(kind.q[0].name) + " = " +
+           number(place.q_sign[0] * q[place.iq]) + " " + std::string(kind.q[0].unit);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, const Assembled& found) {
+  if (mechanism.cuts.empty()) return "no loops: the start values are taken as they are";
+  std::string out = "loops closed at";
+  const char* separator = " ";
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const JointPlace& place = mechanism.joints[j];
+    if (place.role != JointPlace::Role::tree) continue;
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    if (kind.has_quaternion()) continue;
+    for (int i = 0; i < kind.nq; ++i) {
+      out += separator + scene.joints[j].name + "." + std::string(kind.q[i].name) + " = " +
+             number(place.q_sign[i] * found.q[place.iq + i]) + " " + std::string(kind.q[i].unit);
+      separator = ", ";
+    }
+  }
+  if (found.moved > 0) out += "; guesses moved by up to " + number(found.moved);
+  if (found.tries > 1) out += "; the guesses themselves led nowhere, start " + std::to_string(found.tries) + " did";
+  return out;
+}
+
+std::string describe_failure(const Scene& scene, const Mechanism& mechanism, const CannotAssemble& fault) {
+  if (fault.cut < 0) {
+    std::vector<std::string> fixed;
+    for (const Joint& joint : scene.joints) {
+      if (std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end()) fixed.push_back(joint.name);
+    }
+    return prefix(scene) + "the fixed start speeds of " + list(fixed) +
+           " contradict the loops: at best a rate of " + fault.what() +
+           " m/s (rad/s) is left (allowed 1e-9). Fix fewer speeds, or give them as guesses (fixed: false).";
+  }
+  const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
+  std::vector<std::string> names;
+  std::vector<std::string> fixed;
+  for (const int j : joints) {
+    names.push_back(scene.joints[j].name);
+    const auto& flags = scene.joints[j].start.q_fixed;
+    if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
+  }
+  std::string out = prefix(scene) + "loop through " + scene.joints[mechanism.cuts[fault.cut].scene_joint].name +
+                    " cannot be closed: smallest gap " + fault.what() +
+                    position_text(scene, mechanism, joints, fault.q) + " (allowed 1e-9 m). Check the positions in joints " +
+                    list(names);
+  if (!fixed.empty()) out += ", and the fixed start of " + list(fixed);
+  return out + ".";
+}
+
+std::string describe_massless(const Scene& scene, const std::string& link) {
+  return prefix(scene) + "bodies." + link + ": moves without inertia: found mass and inertia 0 along a motion of its "
+         "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it carries";
+}
+
+std::string describe_refusal(const std::string& cause, double good_time) {
+  return cause + ". The plant still stands at t = " + number(good_time) + " s and can go on from there.";
+}
+
+}  // namespace gelenk

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What happened, in the user's names.
+#pragma once
+
+#include <string>
+
+#include "analysis/assembly.h"
+
+namespace gelenk {
+
+// The branch found: start values of all scalar coordinates, and by how much guesses had to move.
+std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, const Assembled& found);
+
+// Why no start values satisfy the loops.
+std::string describe_failure(const Scene& scene, const Mechanism& mechanism, const CannotAssemble& fault);
+
+// A link that moves without inertia.
+std::string describe_massless(const Scene& scene, const std::string& link);
+
+// A step that was refused.
+std::string describe_refusal(const std::string& cause, double good_time);
+
+}  // namespace gelenk

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The names of what goes into and comes out of a scene: one list each, in one order, for the FMU's
+// variables, Python's tables and CSV columns alike.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace gelenk {
+
+struct Signal {
+  std::string name;         // "A.phi", "drive.tau", "C.f[1]"
+  std::string unit;         // FMI spelling; "" or "1": none
+  std::string description;  // one sentence
+  // Joint states only: which joint, 0 coordinate, 1 speed, 2 acceleration, and its place there; else -1.
+  int joint = -1;
+  int level = -1;
+  int component = -1;
+};
+
+// Motors in file order, then the loads of wrenches with `input: true` (f[1..3], t[1..3]).
+std::vector<Signal> input_signals(const Scene& scene);
+
+// Joints in file order (coordinates, speeds, accelerations), then sensors in file order.
+std::vector<Signal> output_signals(const Scene& scene);
+
+// Health of a run, the same for each scene: the order of diagnostic_signals().
+enum class Diagnostic : int {
+  constraint_position,  // largest |Phi| over the rows of all loops: m and rad alike
+  constraint_velocity,  // largest |J v| over these rows: m/s and rad/s alike
+  kinetic_energy,       // J
+  potential_energy,     // J, gravity and springs
+  total_energy,         // J
+  steps,                // of the integrator since initialize()
+  evaluations,          // of the equations of motion since initialize()
+  rejected_steps,       // tried and given up, since initialize()
+};
+inline constexpr int diagnostic_count = 8;
+
+std::vector<Signal> diagnostic_signals();
+
+}  // namespace gelenk

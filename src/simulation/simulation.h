@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulation: one running instance of a scene.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "simulation/signals.h"
+
+namespace gelenk {
+
+// The loops cannot be closed with these start values. Says the smallest gap and the joint where it gapes.
+class AssemblyError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A step could not be made. The simulation stands at its last good time and can go on from there.
+class StepError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A wrong call: an input that is not finite, a step back in time.
+class UsageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Sizes of the model behind a scene.
+struct ModelSize {
+  int bodies = 0;       // that can move, after merging welds
+  int coordinates = 0;  // nq
+  int speeds = 0;       // nv
+  int rows = 0;         // of the loops
+  int rank = 0;         // of the rows, at a position without special symmetry
+  int freedoms = 0;     // speeds - rank
+  bool planar = false;
+};
+
+// Not thread-safe; different simulations may run in different threads.
+class Simulation {
+ public:
+  // Compiles the scene. Throws SceneError for what no single field shows (a body without inertia that moves).
+  explicit Simulation(const Scene& scene);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  // Closes the loops at the start values and makes everything consistent at `time` [s].
+  // tolerance: overrides the scene's when positive. Throws AssemblyError.
+  void initialize(double time = 0, double tolerance = 0);
+
+  // Advances to `end` [s] under the inputs set now. Inputs may differ from those of the step before.
+  // Throws StepError (state unchanged since time()), UsageError when end < time() or is not finite.
+  void step_to(double end);
+
+  double time() const;
+  const Scene& scene() const;
+  const ModelSize& size() const;
+
+  // Signals, in the order of signals.h.
+  const std::vector<Signal>& inputs() const;
+  const std::vector<Signal>& outputs() const;
+  const std::vector<Signal>& diagnostics() const;
+
+  // Throws UsageError for a value that is not finite, naming the input; the former value stays.
+  void set_input(int index, double value);
+  double input(int index) const;
+  double output(int index);      // computed when first read after a change
+  double diagnostic(int index);  // likewise
+
+  // Indices into outputs(): of the scalar joint coordinates (level 0) whose joints make up a minimal,
+  // independent set of states at the start: size().freedoms of them where no quaternion is involved.
+  // Known after initialize().
+  const std::vector<int>& independent_coordinates() const;
+
+  // What assembly found, in words: the branch (start values of every joint) and what it changed.
+  std::string assembly_report() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gelenk

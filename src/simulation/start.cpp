@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/start.h"
+
+#include <algorithm>
+
+namespace gelenk {
+namespace {
+
+constexpr double given_weight = 1;
+// What nobody asked for moves first: by a metre before something asked for moves by a centimetre.
+constexpr double silent_weight = 1e-4;
+
+Wishes empty(int nq, int nv) {
+  Wishes w;
+  w.q.assign(nq, 0);
+  w.v.assign(nv, 0);
+  w.q_fixed.assign(nv, false);
+  w.v_fixed.assign(nv, false);
+  w.q_weight.assign(nv, 0);
+  w.v_weight.assign(nv, 0);
+  return w;
+}
+
+// Which coordinate of a joint stands for speed i: the quaternion's first for all three turns.
+int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
+
+void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, Wishes& out) {
+  const JointStart& start = joint.start;
+  for (int i = 0; i < kind.nq; ++i) {
+    out.q[place.iq + i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
+  }
+  for (int i = 0; i < kind.nv; ++i) {
+    const int c = coordinate_of(kind, i);
+    out.q_fixed[place.iv + i] = start.q_fixed[c];
+    out.q_weight[place.iv + i] = start.q_given[c] ? given_weight : silent;
+    out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
+    out.v_fixed[place.iv + i] = start.v_fixed[i];
+    out.v_weight[place.iv + i] = start.v_given[i] ? given_weight : silent;
+  }
+}
+
+}  // namespace
+
+StartWishes start_wishes(const Scene& scene, const Mechanism& mechanism) {
+  StartWishes out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const JointKind& kind = *find_joint_kind(joint.type);
+    const JointPlace& place = mechanism.joints[j];
+    if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
+    if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
+  }
+  return out;
+}
+
+std::vector<bool> preferred_speeds(const Scene& scene, const Mechanism& mechanism) {
+  std::vector<bool> out(mechanism.nv, false);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const JointPlace& place = mechanism.joints[j];
+    if (place.role != JointPlace::Role::tree) continue;
+    const Joint& joint = scene.joints[j];
+    const bool driven = std::ranges::find(scene.motors, joint.name, &Motor::joint) != scene.motors.end();
+    const JointKind& kind = *find_joint_kind(joint.type);
+    for (int i = 0; i < kind.nv; ++i) {
+      out[place.iv + i] = driven || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
+    }
+  }
+  return out;
+}
+
+}  // namespace gelenk
