@@ -76,6 +76,9 @@ class Ida final : public Integrator {
     if (!system_.rhs(t_, sundials::data(y_.get()), sundials::data(ydot_.get()))) {
       throw IntegrationError(at_time(t_) + "the accelerations are not finite");
     }
+    // IDA forgets its counts when it begins anew.
+    steps_before_ = steps_;
+    rejected_before_ = rejected_;
     IDAReInit(memory_, t_, y_.get(), ydot_.get());
     fresh_ = false;
   }
@@ -115,7 +118,8 @@ class Ida final : public Integrator {
     IDAGetNumSteps(memory_, &steps_);
     IDAGetNumErrTestFails(memory_, &error_fails);
     IDAGetNumNonlinSolvConvFails(memory_, &solver_fails);
-    rejected_ = error_fails + solver_fails;
+    steps_ += steps_before_;
+    rejected_ = rejected_before_ + error_fails + solver_fails;
   }
 
   [[noreturn]] void fail(int flag) {
@@ -142,6 +146,8 @@ class Ida final : public Integrator {
   void* memory_ = nullptr;
   double t_ = 0;
   bool fresh_ = true;
+  long steps_before_ = 0;
+  long rejected_before_ = 0;
 };
 
 }  // namespace
