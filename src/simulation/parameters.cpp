@@ -9,8 +9,8 @@
 
 #include "integrator/integrator.h"
 #include "joint/registry.h"
-#include "scene/text.h"
 #include "scene/read.h"
+#include "scene/text.h"
 #include "simulation/properties.h"
 
 namespace gelenk {
@@ -62,8 +62,8 @@ Parameter start_value(const std::string& joint, std::size_t j, std::span<const Q
   Parameter p;
   p.name = start_name(joint, quantity.name);
   p.unit = quantity.unit;
-  p.description = joint + ": start value (exact when " + joint + ".fixed, else a guess) of " +
-                  std::string(quantity.description);
+  p.description =
+      joint + ": start value (exact when " + joint + ".fixed, else a guess) of " + std::string(quantity.description);
   p.get = [=](const Scene& scene) {
     const JointStart& start = scene.joints[j].start;
     return (speed ? start.v : start.q)[i];
@@ -107,7 +107,7 @@ void add_gravity(std::vector<Parameter>& table) {
 }
 
 Parameter choice(const char* name, const char* description, std::vector<std::string> items,
-                 std::string Solver::*field) {
+                 std::string Solver::* field) {
   Parameter p;
   p.name = name;
   p.description = description;
@@ -135,8 +135,8 @@ void add_solver(std::vector<Parameter>& table) {
                                   [](auto& scene) -> auto& { return scene.solver.step; });
   step.min = 0;
   table.push_back(std::move(step));
-  table.push_back(choice("solver.formulation", "how loop constraints meet the integrator", {"projection"},
-                         &Solver::formulation));
+  table.push_back(
+      choice("solver.formulation", "how loop constraints meet the integrator", {"projection"}, &Solver::formulation));
   table.push_back(choice("solver.integrator", "integration method", integrators(), &Solver::integrator));
 }
 

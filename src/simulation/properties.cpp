@@ -71,8 +71,9 @@ void add_spring(Table& table, const Joint& joint, const JointKind& kind, std::si
   const std::string effort = effort_unit(unit);
   table.add(joint.name, "stiffness", "stiffness" + element, effort + "/" + std::string(unit), "stiffness" + on,
             [=](auto& scene) -> auto& { return scene.joints[j].stiffness[i]; });
-  table.add(joint.name, "spring_reference", "spring_reference" + element, unit, "where the spring is slack, " +
-            std::string(kind.q[i].name), [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
+  table.add(joint.name, "spring_reference", "spring_reference" + element, unit,
+            "where the spring is slack, " + std::string(kind.q[i].name),
+            [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
 }
 
 void add_joint(Table& table, const Joint& joint, std::size_t j) {
@@ -98,8 +99,10 @@ void add_motor(Table& table, const Scene& scene, std::size_t m) {
   const bool turns = kind == nullptr || kind->effort.unit == "N.m";
   table.add(motor.name, "gear_ratio", "gear_ratio", "1", "travel of the motor per travel of joint " + motor.joint,
             [m](auto& s) -> auto& { return s.motors[m].gear_ratio; });
-  table.add(motor.name, "rotor_inertia", "rotor_inertia", turns ? "kg.m2" : "kg", "inertia at the motor side",
-            [m](auto& s) -> auto& { return s.motors[m].rotor_inertia; }).min = 0;
+  table
+      .add(motor.name, "rotor_inertia", "rotor_inertia", turns ? "kg.m2" : "kg", "inertia at the motor side",
+           [m](auto& s) -> auto& { return s.motors[m].rotor_inertia; })
+      .min = 0;
 }
 
 void add_force(Table& table, const Force& force, std::size_t f) {
@@ -111,7 +114,8 @@ void add_force(Table& table, const Force& force, std::size_t f) {
   }
   table.add(force.name, "stiffness", "stiffness", "N/m", "stiffness",
             [f](auto& s) -> auto& { return s.forces[f].stiffness; });
-  table.add(force.name, "damping", "damping", "N.s/m", "damping", [f](auto& s) -> auto& { return s.forces[f].damping; });
+  table.add(force.name, "damping", "damping", "N.s/m", "damping",
+            [f](auto& s) -> auto& { return s.forces[f].damping; });
   table.add(force.name, "length", "length", "m", "free length", [f](auto& s) -> auto& { return s.forces[f].length; })
       .min = 0;
 }

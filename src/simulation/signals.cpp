@@ -77,8 +77,7 @@ Signal motor_input(const Scene& scene, const Motor& motor) {
   const Quantity& effort = kind_named(joint->type).effort;
   return {.name = motor.name + "." + std::string(effort.name),
           .unit = std::string(effort.unit),
-          .description =
-              motor.name + ": " + std::string(effort.description) + ", driving joint " + motor.joint};
+          .description = motor.name + ": " + std::string(effort.description) + ", driving joint " + motor.joint};
 }
 
 }  // namespace
@@ -129,7 +128,8 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::potential_energy, "energy.potential", "J", "potential energy of gravity and springs");
   set(Diagnostic::total_energy, "energy.total", "J", "kinetic and potential energy together");
   set(Diagnostic::steps, "solver.steps", "1", "steps the integrator made since initialisation");
-  set(Diagnostic::evaluations, "solver.evaluations", "1", "evaluations of the equations of motion since initialisation");
+  set(Diagnostic::evaluations, "solver.evaluations", "1",
+      "evaluations of the equations of motion since initialisation");
   set(Diagnostic::rejected_steps, "solver.rejected_steps", "1", "steps tried and given up since initialisation");
   return signals;
 }

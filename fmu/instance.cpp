@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/instance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+constexpr double no_stop = std::numeric_limits<double>::infinity();
+
+std::string seconds(double t) { return "t = " + text::number(t) + " s"; }
+
+}  // namespace
+
+const char* words(Mode mode) {
+  switch (mode) {
+    case Mode::instantiated:
+      return "before fmi2EnterInitializationMode";
+    case Mode::initialization:
+      return "in initialization mode";
+    case Mode::step_complete:
+      return "after initialization";
+    case Mode::step_failed:
+      return "after a discarded step";
+    case Mode::terminated:
+      return "after fmi2Terminate";
+    case Mode::error:
+      break;
+  }
+  return "after a fault of the FMU";
+}
+
+Instance::Instance(std::shared_ptr<const Model> model, Log log)
+    : model_(std::move(model)), log_(std::move(log)), plant_(model_), stop_(no_stop) {}
+
+void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {
+  if (!std::isfinite(start))
+    throw UsageError("start time: found " + text::number(start) + ", expected a finite number");
+  if (tolerance && !(*tolerance > 0 && *tolerance < 1)) {
+    throw UsageError("tolerance: found " + text::number(*tolerance) + ", expected a number between 0 and 1");
+  }
+  if (stop && !(*stop >= start)) {
+    throw UsageError("stop time: found " + text::number(*stop) + " s, expected at least the start time " +
+                     text::number(start) + " s");
+  }
+  plant_.set_experiment(start, tolerance.value_or(0));
+  stop_ = stop.value_or(no_stop);
+}
+
+void Instance::enter_initialization() { enter(Mode::initialization); }
+
+void Instance::exit_initialization() {
+  plant_.assemble();
+  clock_.start(plant_.time());
+  const std::string report = plant_.assembly_report();
+  if (!report.empty()) log_.say(Category::events, report);
+  enter(Mode::step_complete);
+}
+
+void Instance::terminate() { enter(Mode::terminated); }
+
+void Instance::reset() {
+  plant_ = Plant(model_);
+  clock_ = {};
+  stop_ = no_stop;
+  enter(Mode::instantiated);
+}
+
+void Instance::step(double current, double h) {
+  if (!std::isfinite(current)) {
+    throw UsageError("communication point: found " + text::number(current) + ", expected a finite number");
+  }
+  if (!(std::isfinite(h) && h > 0)) {
+    throw UsageError("communication step: found " + text::number(h) + " s, expected a positive, finite number");
+  }
+  if (!clock_.meets(current, h)) {
+    throw UsageError("communication point: found " + seconds(current) + ", but the plant stands at " +
+                     seconds(clock_.end()) +
+                     (current < clock_.end() ? " and cannot go back" : "; steps must follow each other without a gap"));
+  }
+  if (current + h == current) {
+    throw UsageError("communication step: found " + text::number(h) + " s, too small to change " + seconds(current));
+  }
+  // A millionth of a step for the master's rounding.
+  if (current + h > stop_ + 1e-6 * h) {
+    throw UsageError("communication step: found one to " + seconds(current + h) + ", past the stop time " +
+                     text::number(stop_) + " s of fmi2SetupExperiment");
+  }
+  Clock next = clock_;
+  try {
+    plant_.step_to(std::max(next.step(current, h), plant_.time()));
+  } catch (const StepError&) {
+    clock_.start(plant_.time());
+    mode_ = Mode::step_failed;
+    throw;
+  }
+  clock_ = next;
+  mode_ = Mode::step_complete;
+}
+
+void Instance::enter(Mode mode) {
+  mode_ = mode;
+  log_.say(Category::events, log_.instance_name() + " is now " + words(mode));
+}
+
+}  // namespace gelenk

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Instances come, change their mode, and go.
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "fmu/edge.h"
+#include "fmu/uri.h"
+
+namespace gelenk {
+namespace {
+
+std::shared_ptr<const Model> load(const char* location, const std::string& guid) {
+  if (location == nullptr) throw UsageError("resource location: found nothing, expected the FMU's resources directory");
+  const std::filesystem::path path = directory_of_uri(location) / "scene.json";
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  const std::string json{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    throw UsageError("the scene " + path.string() +
+                     " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
+  }
+  auto model = std::make_shared<const Model>(json, path.string());
+  if (guid != model->guid) {
+    throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
+                     "'; modelDescription.xml, resources/scene.json and the binary are not of one export");
+  }
+  return model;
+}
+
+std::string refusal(fmi2Type type, const char* guid) {
+  if (type != fmi2CoSimulation) return "found a wish for model exchange, expected co-simulation: this FMU has no other";
+  if (guid == nullptr) return "GUID: found nothing, expected the one in modelDescription.xml";
+  return {};
+}
+
+fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const char* location) {
+  std::string why;
+  try {
+    if (log.instance_name().empty()) throw UsageError("instance name: found nothing, expected a name");
+    why = refusal(type, guid);
+    if (why.empty()) return new Instance(load(location, guid), log);
+  } catch (const SceneError& error) {
+    for (const std::string& line : error.lines()) why += (why.empty() ? "" : "; ") + line;
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  log.say(Category::error, "fmi2Instantiate: " + why);
+  return nullptr;
+}
+
+}  // namespace
+}  // namespace gelenk
+
+using gelenk::Instance;
+using gelenk::Mode;
+
+extern "C" {
+
+const char* fmi2GetTypesPlatform() { return fmi2TypesPlatform; }
+
+const char* fmi2GetVersion() { return "2.0"; }
+
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions* functions,
+                              fmi2Boolean /*visible*/, fmi2Boolean loggingOn) {
+  try {
+    return gelenk::instantiate(
+        gelenk::Log(functions, instanceName != nullptr ? instanceName : "", loggingOn != fmi2False), fmuType, fmuGUID,
+        fmuResourceLocation);
+  } catch (...) {  // no memory even for a sentence
+    return nullptr;
+  }
+}
+
+void fmi2FreeInstance(fmi2Component c) { delete static_cast<Instance*>(c); }
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
+                               const fmi2String categories[]) {
+  return gelenk::call(c, "fmi2SetDebugLogging", gelenk::any_mode, [&](Instance& instance) {
+    if (nCategories > 0 && categories == nullptr) {
+      return gelenk::refuse(instance, "fmi2SetDebugLogging",
+                            "categories: found nothing, expected " + std::to_string(nCategories) + " names");
+    }
+    const char* unknown = instance.log().select(loggingOn != fmi2False, nCategories, categories);
+    if (unknown == nullptr) return fmi2OK;
+    std::string known(gelenk::log_all);
+    for (const auto& category : gelenk::log_categories) known += std::string(", ") + category.name;
+    return gelenk::refuse(instance, "fmi2SetDebugLogging",
+                          std::string("category: found '") + unknown + "', expected one of " + known);
+  });
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
+                               fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
+  return gelenk::call(c, "fmi2SetupExperiment", 0U | Mode::instantiated, [&](Instance& instance) {
+    const auto given = [](fmi2Boolean defined, double value) {
+      return defined != fmi2False ? std::optional(value) : std::nullopt;
+    };
+    instance.setup_experiment(given(toleranceDefined, tolerance), startTime, given(stopTimeDefined, stopTime));
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+  return gelenk::call(c, "fmi2EnterInitializationMode", 0U | Mode::instantiated, [](Instance& instance) {
+    instance.enter_initialization();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+  return gelenk::call(c, "fmi2ExitInitializationMode", 0U | Mode::initialization, [](Instance& instance) {
+    instance.exit_initialization();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+  return gelenk::call(c, "fmi2Terminate", gelenk::between_steps, [](Instance& instance) {
+    instance.terminate();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+  return gelenk::call(c, "fmi2Reset", gelenk::any_mode, [](Instance& instance) {
+    instance.reset();
+    return fmi2OK;
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/log.h"
+
+#include <cstring>
+#include <utility>
+
+namespace gelenk {
+namespace {
+
+fmi2Status status_of(Category category) {
+  switch (category) {
+    case Category::events:
+      break;
+    case Category::discard:
+      return fmi2Discard;
+    case Category::error:
+      return fmi2Error;
+  }
+  return fmi2OK;
+}
+
+}  // namespace
+
+Log::Log(const fmi2CallbackFunctions* callbacks, std::string instance_name, bool events)
+    : name_(std::move(instance_name)) {
+  if (callbacks != nullptr) {
+    logger_ = callbacks->logger;
+    environment_ = callbacks->componentEnvironment;
+  }
+  on_.fill(true);
+  on_[static_cast<std::size_t>(Category::events)] = events;
+}
+
+const char* Log::select(bool on, std::size_t count, const fmi2String names[]) {
+  std::array<bool, n> chosen{};
+  if (on && count == 0) chosen.fill(true);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool all = names[i] != nullptr && log_all == names[i];
+    bool known = all;
+    for (std::size_t c = 0; c < n; ++c) {
+      if (!all && (names[i] == nullptr || std::strcmp(names[i], log_categories[c].name) != 0)) continue;
+      known = true;
+      chosen[c] = on;
+    }
+    if (!known) return names[i] == nullptr ? "a null pointer" : names[i];
+  }
+  on_ = chosen;
+  return nullptr;
+}
+
+void Log::say(Category category, std::string_view sentence) const {
+  const auto c = static_cast<std::size_t>(category);
+  if (logger_ == nullptr || !on_[c]) return;
+  const std::string format = as_format(sentence);
+  logger_(environment_, name_.c_str(), status_of(category), log_categories[c].name, format.c_str());
+}
+
+std::string as_format(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    out += c;
+    if (c == '%') out += c;
+  }
+  return out;
+}
+
+}  // namespace gelenk

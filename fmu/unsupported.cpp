@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Functions of FMI 2.0 that this FMU does not offer: its capability flags say so, and so does each call.
+#include "fmu/edge.h"
+
+namespace gelenk {
+namespace {
+
+fmi2Status not_offered(fmi2Component c, const char* function, const char* flag) noexcept {
+  return call(c, function, any_mode, [&](Instance& instance) {
+    return refuse(instance, function, std::string("not offered by this FMU (") + flag + ")");
+  });
+}
+
+fmi2Status model_exchange_only(fmi2Component c, const char* function) noexcept {
+  return call(c, function, any_mode, [&](Instance& instance) {
+    return refuse(instance, function, "belongs to model exchange; this FMU is for co-simulation");
+  });
+}
+
+constexpr const char* states = "canGetAndSetFMUstate = false";
+constexpr const char* serialization = "canSerializeFMUstate = false";
+
+}  // namespace
+}  // namespace gelenk
+
+using gelenk::model_exchange_only;
+using gelenk::not_offered;
+
+extern "C" {
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* /*state*/) {
+  return not_offered(c, "fmi2GetFMUstate", gelenk::states);
+}
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate /*state*/) {
+  return not_offered(c, "fmi2SetFMUstate", gelenk::states);
+}
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* /*state*/) {
+  return not_offered(c, "fmi2FreeFMUstate", gelenk::states);
+}
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate /*state*/, size_t* /*size*/) {
+  return not_offered(c, "fmi2SerializedFMUstateSize", gelenk::serialization);
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate /*state*/, fmi2Byte /*bytes*/[], size_t /*size*/) {
+  return not_offered(c, "fmi2SerializeFMUstate", gelenk::serialization);
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte /*bytes*/[], size_t /*size*/,
+                                   fmi2FMUstate* /*state*/) {
+  return not_offered(c, "fmi2DeSerializeFMUstate", gelenk::serialization);
+}
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference /*unknown*/[], size_t /*nUnknown*/,
+                                        const fmi2ValueReference /*known*/[], size_t /*nKnown*/,
+                                        const fmi2Real /*dvKnown*/[], fmi2Real /*dvUnknown*/[]) {
+  return not_offered(c, "fmi2GetDirectionalDerivative", "providesDirectionalDerivative = false");
+}
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t /*nvr*/,
+                                       const fmi2Integer /*order*/[], const fmi2Real /*value*/[]) {
+  return not_offered(c, "fmi2SetRealInputDerivatives", "canInterpolateInputs = false");
+}
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t /*nvr*/,
+                                        const fmi2Integer /*order*/[], fmi2Real /*value*/[]) {
+  return not_offered(c, "fmi2GetRealOutputDerivatives", "maxOutputDerivativeOrder = 0");
+}
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return model_exchange_only(c, "fmi2EnterEventMode"); }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* /*info*/) {
+  return model_exchange_only(c, "fmi2NewDiscreteStates");
+}
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+  return model_exchange_only(c, "fmi2EnterContinuousTimeMode");
+}
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean /*noSetFMUStatePriorToCurrentPoint*/,
+                                       fmi2Boolean* /*enterEventMode*/, fmi2Boolean* /*terminateSimulation*/) {
+  return model_exchange_only(c, "fmi2CompletedIntegratorStep");
+}
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real /*time*/) { return model_exchange_only(c, "fmi2SetTime"); }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real /*x*/[], size_t /*nx*/) {
+  return model_exchange_only(c, "fmi2SetContinuousStates");
+}
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real /*derivatives*/[], size_t /*nx*/) {
+  return model_exchange_only(c, "fmi2GetDerivatives");
+}
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real /*indicators*/[], size_t /*ni*/) {
+  return model_exchange_only(c, "fmi2GetEventIndicators");
+}
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real /*x*/[], size_t /*nx*/) {
+  return model_exchange_only(c, "fmi2GetContinuousStates");
+}
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real /*nominals*/[], size_t /*nx*/) {
+  return model_exchange_only(c, "fmi2GetNominalsOfContinuousStates");
+}
+
+}  // extern "C"

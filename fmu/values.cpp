@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reading and setting values by value reference.
+#include <array>
+#include <cmath>
+
+#include "fmu/edge.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+const char* fmi_name(ParameterType type) {
+  switch (type) {
+    case ParameterType::real:
+      return "Real";
+    case ParameterType::boolean:
+      return "Boolean";
+    case ParameterType::enumeration:
+      break;
+  }
+  return "Enumeration (an Integer)";
+}
+
+// Everything that reading and setting have in common to refuse; an empty text when there is nothing.
+std::string fault(const Catalogue& catalogue, ParameterType type, const fmi2ValueReference* references, size_t count,
+                  const void* values) {
+  if (count == 0) return {};
+  if (references == nullptr || values == nullptr) {
+    return std::string(references == nullptr ? "value references" : "values") + ": found nothing, expected " +
+           std::to_string(count) + " of them";
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const Variable* v = catalogue.find(references[i]);
+    if (v == nullptr) {
+      return "value reference: found " + std::to_string(references[i]) + ", expected less than " +
+             std::to_string(catalogue.variables().size());
+    }
+    if (v->type != type) return v->name + " is of type " + fmi_name(v->type);
+  }
+  return {};
+}
+
+template <class T>
+fmi2Status get(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
+               size_t count, T* values) noexcept {
+  return call(c, function, assembled | Mode::instantiated, [&](Instance& instance) {
+    Plant& plant = instance.plant();
+    const std::string why = fault(plant.catalogue(), type, references, count, values);
+    if (!why.empty()) return refuse(instance, function, why);
+    for (size_t i = 0; i < count; ++i) {
+      const Variable& v = plant.catalogue().variables()[references[i]];
+      const bool set_by_master = v.source == Source::input || v.source == Source::parameter;
+      if (instance.mode() == Mode::instantiated && !set_by_master) {
+        return refuse(instance, function, v.name + " can be read from fmi2EnterInitializationMode on");
+      }
+      values[i] = static_cast<T>(plant.get(static_cast<int>(references[i])));
+    }
+    return fmi2OK;
+  });
+}
+
+// All values are checked before the first is set: a call counts as a whole or not at all.
+template <class T>
+fmi2Status set(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
+               size_t count, const T* values) noexcept {
+  return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+    Plant& plant = instance.plant();
+    const std::string why = fault(plant.catalogue(), type, references, count, values);
+    if (!why.empty()) return refuse(instance, function, why);
+    const bool running = (between_steps & static_cast<unsigned>(instance.mode())) != 0;
+    for (size_t i = 0; i < count; ++i) {
+      const Variable& v = plant.catalogue().variables()[references[i]];
+      if (running && v.source == Source::parameter) {
+        return refuse(instance, function, v.name + " is a parameter: it can be set until fmi2ExitInitializationMode");
+      }
+      plant.check(static_cast<int>(references[i]), static_cast<double>(values[i]));
+    }
+    for (size_t i = 0; i < count; ++i) plant.set(static_cast<int>(references[i]), static_cast<double>(values[i]));
+    return fmi2OK;
+  });
+}
+
+// No variable is a String: any reference is wrong.
+fmi2Status strings(fmi2Component c, const char* function, size_t count) noexcept {
+  return call(c, function, any_mode, [&](Instance& instance) {
+    return count == 0 ? fmi2OK : refuse(instance, function, "this FMU has no variables of type String");
+  });
+}
+
+}  // namespace
+}  // namespace gelenk
+
+using gelenk::ParameterType;
+
+extern "C" {
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
+  return gelenk::get(c, "fmi2GetReal", ParameterType::real, vr, nvr, value);
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
+  return gelenk::get(c, "fmi2GetInteger", ParameterType::enumeration, vr, nvr, value);
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[]) {
+  return gelenk::get(c, "fmi2GetBoolean", ParameterType::boolean, vr, nvr, value);
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t nvr, fmi2String /*value*/[]) {
+  return gelenk::strings(c, "fmi2GetString", nvr);
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[]) {
+  return gelenk::set(c, "fmi2SetReal", ParameterType::real, vr, nvr, value);
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
+  return gelenk::set(c, "fmi2SetInteger", ParameterType::enumeration, vr, nvr, value);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[]) {
+  return gelenk::set(c, "fmi2SetBoolean", ParameterType::boolean, vr, nvr, value);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t nvr, const fmi2String /*value*/[]) {
+  return gelenk::strings(c, "fmi2SetString", nvr);
+}
+
+}  // extern "C"

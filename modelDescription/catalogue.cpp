@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modelDescription/catalogue.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "joint/registry.h"
+#include "modelDescription/units.h"
+#include "simulation/signals.h"
+
+namespace gelenk {
+namespace {
+
+Variable described(const Signal& signal, Causality causality, Source source, std::size_t index) {
+  Variable v;
+  v.name = signal.name;
+  v.description = signal.description;
+  v.unit = signal.unit;
+  v.display_unit = default_display_unit(signal.unit);
+  v.causality = causality;
+  v.source = source;
+  v.index = static_cast<int>(index);
+  return v;
+}
+
+// Whether speed i is the rate of coordinate i; of a quaternion's components no speed is.
+bool is_rate_of_coordinate(const JointKind& kind, int i) {
+  const auto n = static_cast<std::size_t>(i);
+  return n < kind.v.size() && kind.v[n].unit == std::string(kind.q[n].unit) + "/s";
+}
+
+}  // namespace
+
+Catalogue::Catalogue(const Scene& scene) {
+  add_inputs(scene);
+  add_outputs(scene);
+  add_parameters(scene);
+  rates_begin_ = static_cast<int>(variables_.size());
+  for (std::size_t j = 0; j < kinds_.size(); ++j) {
+    for (int i = 0; i < kinds_[j]->nq; ++i) {
+      if (is_rate_of_coordinate(*kinds_[j], i)) continue;
+      const Variable& coordinate = variables_[static_cast<std::size_t>(output_variable(first_output_[j] + i))];
+      Variable v;
+      v.name = "der(" + coordinate.name + ")";
+      v.description = scene.joints[j].name + ": time derivative of the " + std::string(kinds_[j]->q[i].description);
+      v.unit = "1/s";
+      v.source = Source::rate;
+      v.index = static_cast<int>(rates_.size());
+      variables_.push_back(std::move(v));
+      rates_.push_back({static_cast<int>(j), i});
+    }
+  }
+  add_diagnostics();
+}
+
+const Variable* Catalogue::find(unsigned value_reference) const {
+  return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
+}
+
+void Catalogue::add_inputs(const Scene& scene) {
+  const std::vector<Signal> signals = input_signals(scene);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    variables_.push_back(described(signals[i], Causality::input, Source::input, i));
+    variables_.back().start = 0;
+  }
+}
+
+void Catalogue::add_outputs(const Scene& scene) {
+  outputs_begin_ = static_cast<int>(variables_.size());
+  int next = 0;
+  for (const Joint& joint : scene.joints) {
+    kinds_.push_back(find_joint_kind(joint.type));
+    first_output_.push_back(next);
+    next += kinds_.back()->nq + 2 * kinds_.back()->nv;
+  }
+  const std::vector<Signal> signals = output_signals(scene);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    variables_.push_back(described(signals[i], Causality::output, Source::output, i));
+    joint_of_.push_back(signals[i].joint);
+  }
+}
+
+void Catalogue::add_parameters(const Scene& scene) {
+  parameters_ = scene_parameters(scene);
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const Parameter& p = parameters_[i];
+    Variable v;
+    v.name = p.name;
+    v.description = p.description;
+    v.unit = p.unit;
+    v.display_unit = default_display_unit(p.unit);
+    if (p.type == ParameterType::enumeration) v.type_name = "Gelenk." + p.name;
+    v.causality = Causality::parameter;
+    v.variability = Variability::fixed;
+    v.type = p.type;
+    v.source = Source::parameter;
+    v.index = static_cast<int>(i);
+    v.start = p.get(scene);
+    v.min = p.min;
+    v.max = p.max;
+    variables_.push_back(std::move(v));
+  }
+}
+
+void Catalogue::add_diagnostics() {
+  const std::vector<Signal> signals = diagnostic_signals();
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    variables_.push_back(described(signals[i], Causality::local, Source::diagnostic, i));
+    // Counts are reals, since an Integer of FMI would be full after an hour.
+    if (signals[i].name.starts_with("solver.")) variables_.back().variability = Variability::discrete;
+  }
+}
+
+void Catalogue::declare(int state, int derivative) {
+  variables_[static_cast<std::size_t>(derivative)].derivative_of = state;
+  states_.push_back({state, derivative});
+}
+
+void Catalogue::declare_states(const std::vector<int>& independent_coordinates) {
+  states_.clear();
+  for (Variable& v : variables_) v.derivative_of = -1;
+  const auto independent = [&](int output) {
+    return std::ranges::find(independent_coordinates, output) != independent_coordinates.end();
+  };
+  for (std::size_t j = 0; j < kinds_.size(); ++j) {
+    const JointKind& kind = *kinds_[j];
+    const int q = first_output_[j];
+    const int v = q + kind.nq;
+    const int a = v + kind.nv;
+    bool whole = true;  // every quaternion component is independent
+    for (int i = 0; i < kind.nq; ++i) whole = whole && (is_rate_of_coordinate(kind, i) || independent(q + i));
+    for (int i = 0; i < kind.nv; ++i) {
+      const bool plain = is_rate_of_coordinate(kind, i);
+      if (plain ? !independent(q + i) : !whole) continue;
+      if (plain) declare(output_variable(q + i), output_variable(v + i));
+      declare(output_variable(v + i), output_variable(a + i));
+    }
+    if (!whole) continue;
+    for (std::size_t r = 0; r < rates_.size(); ++r) {
+      if (rates_[r].joint != static_cast<int>(j)) continue;
+      declare(output_variable(q + rates_[r].component), rates_begin_ + static_cast<int>(r));
+    }
+  }
+  std::ranges::sort(states_, {}, &State::derivative);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Catalogue: the one table of an FMU's variables. modelDescription.xml, the documentation page and the FMI
+// functions all work from it, so nothing about a variable is said twice.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "joint/kind.h"
+#include "scene/scene.h"
+#include "simulation/parameters.h"
+
+namespace gelenk {
+
+enum class Causality { input, output, parameter, local };
+enum class Variability { continuous, discrete, fixed };
+
+// Where a variable's value lives.
+enum class Source {
+  input,       // Simulation::input
+  output,      // Simulation::output
+  parameter,   // Catalogue::parameters()
+  rate,        // Catalogue::rates()
+  diagnostic,  // Simulation::diagnostic
+};
+
+struct Variable {
+  std::string name;
+  std::string description;
+  std::string unit;          // empty: none
+  std::string display_unit;  // empty: the unit itself
+  std::string type_name;     // of an enumeration
+  Causality causality = Causality::local;
+  Variability variability = Variability::continuous;
+  ParameterType type = ParameterType::real;
+  Source source = Source::diagnostic;
+  int index = 0;                // in the source's list
+  std::optional<double> start;  // inputs and parameters; all others are calculated
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  int derivative_of = -1;  // index of the variable whose time derivative this is, where it is a state
+};
+
+// The time derivative of a coordinate that no speed is: der(Q[i]) of a quaternion.
+struct Rate {
+  int joint = 0;      // in scene.joints
+  int component = 0;  // of the joint's coordinates
+};
+
+// A continuous state and its time derivative, as indices of variables.
+struct State {
+  int variable = 0;
+  int derivative = 0;
+};
+
+class Catalogue {
+ public:
+  // Of a scene that was read and checked: its names are all different.
+  explicit Catalogue(const Scene& scene);
+
+  // In this order: inputs, outputs, parameters, rates, diagnostics. A variable's value reference is its index.
+  const std::vector<Variable>& variables() const { return variables_; }
+  const Variable* find(unsigned value_reference) const;
+
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  const std::vector<Rate>& rates() const { return rates_; }
+
+  // The outputs that hold the coordinates of a joint: the first one's index in the outputs; speeds follow.
+  int first_output(int joint) const { return first_output_[static_cast<std::size_t>(joint)]; }
+
+  // Declares the states behind these coordinates (Simulation::independent_coordinates): the coordinate, its rate,
+  // the acceleration. Quaternions and the speeds beside them are states only where all four components are.
+  void declare_states(const std::vector<int>& independent_coordinates);
+  const std::vector<State>& states() const { return states_; }
+
+ private:
+  void add_inputs(const Scene& scene);
+  void add_outputs(const Scene& scene);
+  void add_parameters(const Scene& scene);
+  void add_diagnostics();
+  void declare(int state, int derivative);
+  int output_variable(int output) const { return outputs_begin_ + output; }
+
+  std::vector<Variable> variables_;
+  std::vector<Parameter> parameters_;
+  std::vector<Rate> rates_;
+  std::vector<State> states_;
+  std::vector<int> first_output_;        // per joint
+  std::vector<const JointKind*> kinds_;  // per joint
+  std::vector<int> joint_of_;            // per output; -1: a sensor's
+  int outputs_begin_ = 0;
+  int rates_begin_ = 0;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The GUID of an FMU: tells whether modelDescription.xml, scene.json and the runtime belong together.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gelenk {
+
+// Version of the exporter and of the runtime: both are built together.
+std::string_view gelenk_version();
+
+// FNV-1a, 128 bit, of the version and the scene file's bytes, as 8-4-4-4-12 hexadecimal digits.
+std::string fingerprint(std::string_view scene_json);
+
+}  // namespace gelenk

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modelDescription/pack.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <vector>
+
+#include "modelDescription/catalogue.h"
+#include "modelDescription/fingerprint.h"
+#include "modelDescription/write_page.h"
+#include "modelDescription/write_xml.h"
+#include "modelDescription/zip.h"
+#include "scene/read.h"
+#include "simulation/simulation.h"
+
+namespace gelenk {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path, const std::string& what) {
+  std::error_code none;
+  if (fs::is_directory(path, none)) throw ExportError(path.string() + ": " + what + " expected, found a directory");
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw ExportError(path.string() + ": " + what + " could not be read: " + std::strerror(errno));
+  return content;
+}
+
+// Relative names of all files below a directory, sorted: directory order differs between machines.
+std::vector<fs::path> files_below(const fs::path& directory) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(directory, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (entry->is_regular_file()) files.push_back(fs::relative(entry->path(), directory));
+  }
+  if (error) throw ExportError(directory.string() + ": directory of licences could not be read: " + error.message());
+  std::ranges::sort(files);
+  return files;
+}
+
+// A file beside its final place that vanishes unless it is moved there.
+class DraftFile {
+ public:
+  explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) { draft_ += ".part"; }
+  DraftFile(const DraftFile&) = delete;
+  DraftFile& operator=(const DraftFile&) = delete;
+  ~DraftFile() {
+    std::error_code none;
+    if (!moved_) fs::remove(draft_, none);
+  }
+  void write(const std::string& bytes) {
+    std::ofstream file(draft_, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) fail(std::strerror(errno));
+  }
+  void move() {
+    std::error_code error;
+    fs::rename(draft_, final_, error);
+    if (error) fail(error.message());
+    moved_ = true;
+  }
+
+ private:
+  void fail(const std::string& why) const {
+    throw ExportError(final_.string() + ": the FMU could not be written: " + why);
+  }
+  fs::path final_;
+  fs::path draft_;
+  bool moved_ = false;
+};
+
+}  // namespace
+
+void export_fmu(const Scene& scene, const fs::path& runtime, const fs::path& out, const fs::path& licenses) {
+  const std::string library = read_file(runtime, "the FMU runtime");
+  const std::string json = write_scene_json(scene);
+  const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
+  Catalogue catalogue(carried);
+  Simulation simulation(carried);
+  simulation.initialize();
+  catalogue.declare_states(simulation.independent_coordinates());
+
+  const FmuFacts facts{model_identifier(carried.name), fingerprint(json)};
+  Zip zip;
+  zip.add("modelDescription.xml", write_model_description(carried, catalogue, facts));
+  zip.add("binaries/linux64/" + facts.model_identifier + ".so", library, true);
+  zip.add("resources/scene.json", json);
+  zip.add("documentation/index.html", write_documentation(simulation, catalogue));
+  if (!licenses.empty()) {
+    for (const fs::path& file : files_below(licenses)) {
+      zip.add("documentation/licenses/" + file.generic_string(), read_file(licenses / file, "a licence"));
+    }
+  }
+  DraftFile draft(out);
+  draft.write(zip.finish());
+  draft.move();
+}
+
+}  // namespace gelenk

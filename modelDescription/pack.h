@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exporting: scene + prebuilt runtime -> FMU. Runs no compiler.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace gelenk {
+
+// A file that could not be read or written, and why.
+class ExportError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Writes the FMU to `out`, as a whole or not at all; the same arguments give the same bytes.
+//   runtime   the library with the FMI functions, for linux64
+//   licenses  directory whose files go into documentation/licenses; empty: none
+// Throws ExportError, SceneError, and AssemblyError when the start values cannot be assembled.
+void export_fmu(const Scene& scene, const std::filesystem::path& runtime, const std::filesystem::path& out,
+                const std::filesystem::path& licenses = {});
+
+}  // namespace gelenk

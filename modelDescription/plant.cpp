@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modelDescription/plant.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "modelDescription/fingerprint.h"
+#include "scene/read.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+std::size_t inputs_of(const Catalogue& catalogue) {
+  std::size_t n = 0;
+  for (const Variable& v : catalogue.variables()) n += v.source == Source::input ? 1 : 0;
+  return n;
+}
+
+}  // namespace
+
+Model::Model(std::string_view scene_json, const std::string& file)
+    : scene(read_scene_json(scene_json, file)), catalogue(scene), guid(fingerprint(scene_json)) {}
+
+Plant::Plant(std::shared_ptr<const Model> model)
+    : model_(std::move(model)), scene_(model_->scene), inputs_(inputs_of(model_->catalogue), 0.0) {
+  for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
+}
+
+void Plant::set_experiment(double start, double tolerance) {
+  start_ = start;
+  tolerance_ = tolerance;
+  simulation_.reset();
+}
+
+void Plant::assemble() {
+  if (simulation_) return;
+  Simulation fresh(parameters_set_ ? checked(scene_) : scene_);
+  const bool by_hand = scene_.experiment.tolerance != model_->scene.experiment.tolerance;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) fresh.set_input(static_cast<int>(i), inputs_[i]);
+  fresh.initialize(start_, by_hand ? 0 : tolerance_);
+  simulation_.emplace(std::move(fresh));
+}
+
+double Plant::get(int variable) {
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  const auto index = static_cast<std::size_t>(v.index);
+  switch (v.source) {
+    case Source::input:
+      return inputs_[index];
+    case Source::parameter:
+      return catalogue().parameters()[index].get(scene_);
+    case Source::output:
+      assemble();
+      return simulation_->output(v.index);
+    case Source::diagnostic:
+      assemble();
+      return simulation_->diagnostic(v.index);
+    case Source::rate:
+      assemble();
+      return rate(catalogue().rates()[index]);
+  }
+  return 0;
+}
+
+double Plant::rate(const Rate& rate) {
+  std::array<double, 7> q{};  // the free joint has the most coordinates
+  std::array<double, 7> v{};
+  std::array<double, 7> qdot{};
+  const AnyJoint& joint = joints_[static_cast<std::size_t>(rate.joint)];
+  const JointKind& kind = kind_of(joint);
+  const int first = catalogue().first_output(rate.joint);
+  for (int i = 0; i < kind.nq; ++i) q[static_cast<std::size_t>(i)] = simulation_->output(first + i);
+  for (int i = 0; i < kind.nv; ++i) v[static_cast<std::size_t>(i)] = simulation_->output(first + kind.nq + i);
+  std::visit([&](const auto& j) { j.rate(q.data(), v.data(), qdot.data()); }, joint);
+  return qdot[static_cast<std::size_t>(rate.component)];
+}
+
+void Plant::check(int variable, double value) const {
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  if (v.source == Source::parameter) {
+    check_parameter(catalogue().parameters()[static_cast<std::size_t>(v.index)], value);
+  } else if (v.source != Source::input) {
+    throw std::invalid_argument(v.name + " is computed by the plant and cannot be set");
+  } else if (!std::isfinite(value)) {
+    throw std::invalid_argument(v.name + ": found " + text::number(value) + ", expected a finite number; it stays " +
+                                text::number(inputs_[static_cast<std::size_t>(v.index)]) + " " + v.unit);
+  }
+}
+
+void Plant::set(int variable, double value) {
+  check(variable, value);
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  const auto index = static_cast<std::size_t>(v.index);
+  if (v.source == Source::input) {
+    inputs_[index] = value;
+    if (simulation_) simulation_->set_input(v.index, value);
+    return;
+  }
+  if (value == catalogue().parameters()[index].get(scene_)) return;
+  set_parameter(scene_, catalogue().parameters()[index], value);
+  parameters_set_ = true;
+  simulation_.reset();
+}
+
+}  // namespace gelenk

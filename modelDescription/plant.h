@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Plant: one instance of a model, seen through its catalogue: values by variable, whether they are settings of the
+// scene, inputs, or computed.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "joint/registry.h"
+#include "modelDescription/catalogue.h"
+#include "simulation/simulation.h"
+
+namespace gelenk {
+
+// What all instances of an FMU share. Immutable.
+struct Model {
+  Model(std::string_view scene_json, const std::string& file);  // throws SceneError
+
+  Scene scene;
+  Catalogue catalogue;
+  std::string guid;
+};
+
+class Plant {
+ public:
+  explicit Plant(std::shared_ptr<const Model> model);
+
+  const Model& model() const { return *model_; }
+  const Catalogue& catalogue() const { return model_->catalogue; }
+
+  // When the run starts [s], and the master's wish for the tolerance (0: none), which gives way to
+  // a solver.tolerance set by hand.
+  void set_experiment(double start, double tolerance);
+
+  // Builds and assembles the simulation if that has not happened since the last parameter was set.
+  // Throws SceneError (settings that do not fit together), AssemblyError.
+  void assemble();
+
+  // By index in the catalogue. Values that need the simulation assemble it. Booleans are 0 and 1.
+  double get(int variable);
+
+  // Throws std::invalid_argument for what check() refuses.
+  void set(int variable, double value);
+
+  // Whether set() will take the value: throws std::invalid_argument, naming the variable, if not.
+  void check(int variable, double value) const;
+
+  // As Simulation's; assembled plants only.
+  void step_to(double end) { simulation_->step_to(end); }
+  double time() const { return simulation_ ? simulation_->time() : start_; }
+  std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
+
+ private:
+  double rate(const Rate& rate);
+
+  std::shared_ptr<const Model> model_;
+  Scene scene_;  // with the parameters set so far
+  bool parameters_set_ = false;
+  std::vector<double> inputs_;
+  std::optional<Simulation> simulation_;
+  std::vector<AnyJoint> joints_;  // as many as rates need, by joint
+  double start_ = 0;
+  double tolerance_ = 0;
+};
+
+}  // namespace gelenk

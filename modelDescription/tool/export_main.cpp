@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// gelenk-export SCENE OUT.fmu --runtime FILE [--licenses DIR]: exporting without Python, for CMake.
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "modelDescription/pack.h"
+#include "scene/read.h"
+
+namespace {
+
+constexpr const char* usage =
+    "usage: gelenk-export SCENE OUT.fmu --runtime FILE [--licenses DIR]\n"
+    "  SCENE    scene file, JSON"
+#ifdef GELENK_WITH_YAML
+    " or YAML"
+#endif
+    "\n"
+    "  OUT.fmu  the FMU to write\n"
+    "  FILE     the library with the FMI functions that comes with Gelenk\n"
+    "  DIR      directory with the licences to pack\n";
+
+struct Options {
+  std::vector<std::string> files;
+  std::string runtime, licenses;
+};
+
+bool parse(int argc, char** argv, Options& options) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--runtime" || word == "--licenses") {
+      if (++i == argc) return false;
+      (word == "--runtime" ? options.runtime : options.licenses) = argv[i];
+    } else if (word.starts_with("--")) {
+      return false;
+    } else {
+      options.files.emplace_back(word);
+    }
+  }
+  return options.files.size() == 2 && !options.runtime.empty();
+}
+
+gelenk::Scene read_scene(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw gelenk::ExportError(path + ": the scene could not be read");
+#ifdef GELENK_WITH_YAML
+  if (path.ends_with(".yaml") || path.ends_with(".yml")) return gelenk::read_scene_yaml(text, path);
+#endif
+  return gelenk::read_scene_json(text, path);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  if (!parse(argc, argv, options)) {
+    std::cerr << usage;
+    return 2;
+  }
+  try {
+    gelenk::export_fmu(read_scene(options.files[0]), options.runtime, options.files[1], options.licenses);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modelDescription/write_page.h"
+
+#include <algorithm>
+
+#include "modelDescription/fingerprint.h"
+#include "modelDescription/write_xml.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+constexpr const char* style =
+    "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}"
+    "table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.2em .6em;border-bottom:1px solid #ddd}"
+    "td:first-child{font-family:monospace;white-space:nowrap}";
+
+std::string start_text(const Variable& v, const Catalogue& catalogue) {
+  if (!v.start) return {};
+  if (v.type == ParameterType::boolean) return *v.start != 0 ? "true" : "false";
+  if (v.type == ParameterType::real) return text::number(*v.start);
+  const auto& items = catalogue.parameters()[static_cast<std::size_t>(v.index)].items;
+  const auto item = static_cast<std::size_t>(*v.start) - 1;
+  return item < items.size() ? items[item] : std::string();
+}
+
+std::string range_text(const Variable& v, const Catalogue& catalogue) {
+  if (v.type == ParameterType::enumeration) {
+    std::string text;
+    for (const auto& item : catalogue.parameters()[static_cast<std::size_t>(v.index)].items) {
+      text += (text.empty() ? "" : ", ") + item;
+    }
+    return text;
+  }
+  const bool bounded_below = v.min > -std::numeric_limits<double>::infinity();
+  const bool bounded_above = v.max < std::numeric_limits<double>::infinity();
+  if (v.type == ParameterType::boolean || (!bounded_below && !bounded_above)) return {};
+  return (bounded_below ? text::number(v.min) + " …" : "…") + (bounded_above ? " " + text::number(v.max) : "");
+}
+
+void add_table(std::string& page, const char* heading, Causality causality, const Catalogue& catalogue) {
+  const auto& variables = catalogue.variables();
+  if (std::ranges::find(variables, causality, &Variable::causality) == variables.end()) return;
+  const bool settable = causality == Causality::input || causality == Causality::parameter;
+  page += std::string("<h2>") + heading + "</h2>\n<table>\n<tr><th>name</th><th>unit</th>";
+  page += settable ? "<th>start</th><th>allowed</th>" : "";
+  page += "<th>meaning</th></tr>\n";
+  for (const Variable& v : variables) {
+    if (v.causality != causality) continue;
+    page += "<tr><td>" + escaped(v.name) + "</td><td>" + escaped(v.unit == "1" ? "" : v.unit) + "</td>";
+    if (settable) {
+      page += "<td>" + escaped(start_text(v, catalogue)) + "</td><td>" + escaped(range_text(v, catalogue)) + "</td>";
+    }
+    page += "<td>" + escaped(v.description) + "</td></tr>\n";
+  }
+  page += "</table>\n";
+}
+
+std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
+
+}  // namespace
+
+std::string write_documentation(const Simulation& simulation, const Catalogue& catalogue) {
+  const Scene& scene = simulation.scene();
+  const ModelSize& size = simulation.size();
+  const std::string name = escaped(scene.name);
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name +
+                     "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n<p>";
+  page += "Multibody plant with " + std::to_string(size.bodies) + (size.bodies == 1 ? " body" : " bodies") +
+          " that can move: " + counted(size.coordinates, "coordinate") + ", " + counted(size.speeds, "speed") + ", " +
+          counted(size.rows, "constraint row") + " of rank " + std::to_string(size.rank) + ", so " +
+          (size.freedoms == 1 ? "1 degree" : std::to_string(size.freedoms) + " degrees") + " of freedom; " +
+          (size.planar ? "all motion is in one plane" : "motion is in space") + ".</p>\n";
+  page += "<p>Co-simulation FMU of FMI 2.0. Steps of any size; " + text::number(scene.experiment.step) +
+          " s is the one proposed. Parameters can be set until initialisation ends. SI units, angles in radians; they "
+          "count turns.</p>\n";
+  add_table(page, "Inputs", Causality::input, catalogue);
+  add_table(page, "Outputs", Causality::output, catalogue);
+  add_table(page, "Parameters", Causality::parameter, catalogue);
+  add_table(page, "Diagnostics", Causality::local, catalogue);
+  page += "<p>Made by Gelenk " + escaped(gelenk_version()) +
+          ". The scene is in <code>resources/scene.json</code>, the licences of what the runtime contains are in "
+          "<a href=\"licenses/\">licenses</a>.</p>\n</body>\n</html>\n";
+  return page;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// documentation/index.html of an FMU, from the catalogue.
+#pragma once
+
+#include <string>
+
+#include "modelDescription/catalogue.h"
+#include "simulation/simulation.h"
+
+namespace gelenk {
+
+// simulation: of the same scene, assembled at its start values.
+std::string write_documentation(const Simulation& simulation, const Catalogue& catalogue);
+
+}  // namespace gelenk

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modelDescription/write_xml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "modelDescription/capabilities.h"
+#include "modelDescription/fingerprint.h"
+#include "modelDescription/units.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+const char* name_of(Causality causality) {
+  switch (causality) {
+    case Causality::input:
+      return "input";
+    case Causality::output:
+      return "output";
+    case Causality::parameter:
+      return "parameter";
+    case Causality::local:
+      break;
+  }
+  return "local";
+}
+
+const char* name_of(Variability variability) {
+  switch (variability) {
+    case Variability::continuous:
+      return "continuous";
+    case Variability::discrete:
+      return "discrete";
+    case Variability::fixed:
+      break;
+  }
+  return "fixed";
+}
+
+const char* name_of(bool value) { return value ? "true" : "false"; }
+
+class Writer {
+ public:
+  Writer& open(int depth, std::string_view element) {
+    text_.append(2 * static_cast<std::size_t>(depth), ' ').append("<").append(element);
+    return *this;
+  }
+  Writer& attribute(std::string_view name, std::string_view value) {
+    text_.append(" ").append(name).append("=\"").append(escaped(value)).append("\"");
+    return *this;
+  }
+  Writer& attribute(std::string_view name, double value) { return attribute(name, text::number(value)); }
+  Writer& attribute(std::string_view name, int value) { return attribute(name, std::to_string(value)); }
+  Writer& attribute(std::string_view name, bool value) { return attribute(name, name_of(value)); }
+  Writer& attribute(std::string_view name, const char* value) { return attribute(name, std::string_view(value)); }
+  void end() { text_.append("/>\n"); }
+  void inside() { text_.append(">\n"); }
+  void close(int depth, std::string_view element) {
+    text_.append(2 * static_cast<std::size_t>(depth), ' ').append("</").append(element).append(">\n");
+  }
+  void raw(std::string_view text) { text_.append(text); }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+void write_capabilities(Writer& w, const FmuFacts& facts) {
+  w.open(1, "CoSimulation").attribute("modelIdentifier", facts.model_identifier);
+  for (const Capability& c : capabilities) w.attribute(c.name, c.works);
+  w.attribute("maxOutputDerivativeOrder", max_output_derivative_order).end();
+}
+
+void write_unit(Writer& w, const std::string& unit) {
+  w.open(2, "Unit").attribute("name", unit).inside();
+  w.open(3, "BaseUnit");
+  const UnitExponents exponents = unit_exponents(unit);
+  for (std::size_t i = 0; i < exponents.size(); ++i) {
+    if (exponents[i] != 0) w.attribute(base_units[i], exponents[i]);
+  }
+  w.end();
+  for (const DisplayUnit& d : display_units(unit)) {
+    w.open(3, "DisplayUnit").attribute("name", d.name).attribute("factor", d.factor).end();
+  }
+  w.close(2, "Unit");
+}
+
+void write_units(Writer& w, const Catalogue& catalogue) {
+  std::set<std::string> used;
+  for (const Variable& v : catalogue.variables()) {
+    if (!v.unit.empty()) used.insert(v.unit);
+  }
+  w.open(1, "UnitDefinitions").inside();
+  for (const std::string& unit : used) write_unit(w, unit);
+  w.close(1, "UnitDefinitions");
+}
+
+void write_types(Writer& w, const Catalogue& catalogue) {
+  w.open(1, "TypeDefinitions").inside();
+  for (const Variable& v : catalogue.variables()) {
+    if (v.type != ParameterType::enumeration) continue;
+    w.open(2, "SimpleType").attribute("name", v.type_name).attribute("description", v.description).inside();
+    w.open(3, "Enumeration").inside();
+    const auto& items = catalogue.parameters()[static_cast<std::size_t>(v.index)].items;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      w.open(4, "Item").attribute("name", items[i]).attribute("value", static_cast<int>(i) + 1).end();
+    }
+    w.close(3, "Enumeration");
+    w.close(2, "SimpleType");
+  }
+  w.close(1, "TypeDefinitions");
+}
+
+void write_log_categories(Writer& w) {
+  w.open(1, "LogCategories").inside();
+  for (const LogCategory& c : log_categories) {
+    w.open(2, "Category").attribute("name", c.name).attribute("description", c.description).end();
+  }
+  w.close(1, "LogCategories");
+}
+
+void write_type(Writer& w, const Variable& v) {
+  switch (v.type) {
+    case ParameterType::real:
+      w.open(3, "Real");
+      if (!v.unit.empty()) w.attribute("unit", v.unit);
+      if (!v.display_unit.empty()) w.attribute("displayUnit", v.display_unit);
+      if (std::isfinite(v.min)) w.attribute("min", v.min);
+      if (std::isfinite(v.max)) w.attribute("max", v.max);
+      if (v.start) w.attribute("start", *v.start);
+      if (v.derivative_of >= 0) w.attribute("derivative", v.derivative_of + 1);
+      break;
+    case ParameterType::boolean:
+      w.open(3, "Boolean").attribute("start", v.start == 1.0);
+      break;
+    case ParameterType::enumeration:
+      w.open(3, "Enumeration").attribute("declaredType", v.type_name);
+      w.attribute("start", static_cast<int>(v.start.value_or(1)));
+      break;
+  }
+  w.end();
+}
+
+void write_variable(Writer& w, const Variable& v, std::size_t value_reference) {
+  w.open(2, "ScalarVariable").attribute("name", v.name);
+  w.attribute("valueReference", static_cast<int>(value_reference)).attribute("description", v.description);
+  w.attribute("causality", name_of(v.causality)).attribute("variability", name_of(v.variability));
+  if (v.causality == Causality::parameter) w.attribute("initial", "exact");
+  if (v.causality == Causality::output || v.causality == Causality::local) w.attribute("initial", "calculated");
+  w.inside();
+  write_type(w, v);
+  w.close(2, "ScalarVariable");
+}
+
+// Indices from 1, as FMI counts.
+void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices) {
+  if (indices.empty()) return;
+  w.open(2, element).inside();
+  for (const int index : indices) w.open(3, "Unknown").attribute("index", index + 1).end();
+  w.close(2, element);
+}
+
+void write_structure(Writer& w, const Catalogue& catalogue) {
+  std::set<int> outputs;
+  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
+    if (catalogue.variables()[i].causality == Causality::output) outputs.insert(static_cast<int>(i));
+  }
+  std::set<int> derivatives;
+  std::set<int> initial = outputs;
+  for (const State& state : catalogue.states()) {
+    derivatives.insert(state.derivative);
+    initial.insert({state.variable, state.derivative});
+  }
+  w.open(1, "ModelStructure").inside();
+  write_unknowns(w, "Outputs", outputs);
+  write_unknowns(w, "Derivatives", derivatives);
+  write_unknowns(w, "InitialUnknowns", initial);
+  w.close(1, "ModelStructure");
+}
+
+}  // namespace
+
+std::string model_identifier(std::string_view name) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::string text;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    text += letter || digit(c) ? c : '_';
+  }
+  if (text.empty() || digit(text.front())) text.insert(0, "_");
+  return text;
+}
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        if (static_cast<unsigned char>(c) >= ' ') out += c;
+    }
+  }
+  return out;
+}
+
+std::string write_model_description(const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts) {
+  Writer w;
+  w.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+  w.open(0, "fmiModelDescription").attribute("fmiVersion", "2.0").attribute("modelName", scene.name);
+  w.attribute("guid", facts.guid).attribute("description", "Multibody plant " + scene.name);
+  w.attribute("generationTool", "Gelenk " + std::string(gelenk_version()));
+  w.attribute("variableNamingConvention", "structured").attribute("numberOfEventIndicators", 0).inside();
+  write_capabilities(w, facts);
+  write_units(w, catalogue);
+  write_types(w, catalogue);
+  write_log_categories(w);
+  w.open(1, "DefaultExperiment").attribute("startTime", 0).attribute("stopTime", scene.experiment.stop);
+  w.attribute("tolerance", scene.experiment.tolerance).attribute("stepSize", scene.experiment.step).end();
+  w.open(1, "ModelVariables").inside();
+  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) write_variable(w, catalogue.variables()[i], i);
+  w.close(1, "ModelVariables");
+  write_structure(w, catalogue);
+  w.close(0, "fmiModelDescription");
+  return w.take();
+}
+
+}  // namespace gelenk

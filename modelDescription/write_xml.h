@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// modelDescription.xml of FMI 2.0, from the catalogue.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "modelDescription/catalogue.h"
+
+namespace gelenk {
+
+// What an FMU's files share.
+struct FmuFacts {
+  std::string model_identifier;  // names the binary
+  std::string guid;
+};
+
+// The name as a C identifier: other characters become underscores.
+std::string model_identifier(std::string_view name);
+
+std::string write_model_description(const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts);
+
+// The text with the characters that XML and HTML keep for themselves written out; control characters are dropped.
+std::string escaped(std::string_view text);
+
+}  // namespace gelenk
