@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pieces of the Python module gelenk._core, one file each.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace gelenk {
+
+void bind_errors(nanobind::module_& m);
+void bind_scene(nanobind::module_& m);
+void bind_parameters(nanobind::module_& m);
+void bind_simulation(nanobind::module_& m);
+void bind_fmu(nanobind::module_& m);
+void bind_joints(nanobind::module_& m);
+
+}  // namespace gelenk

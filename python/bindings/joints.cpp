@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The joint functions of src/joint, kind by kind, for the tests of the laws that every joint must obey.
+// Poses are 4x4 matrices, motions and forces 6-vectors (angular part first); planar algebra is shown in
+// space, with the plane's normal along z.
+#include <nanobind/eigen/dense.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings.h"
+#include "joint/registry.h"
+
+namespace nb = nanobind;
+
+namespace gelenk {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Vector = Eigen::VectorXd;
+
+Eigen::Matrix4d shown(const Spatial::Pose& X) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+  out.topLeftCorner<3, 3>() = X.R;
+  out.topRightCorner<3, 1>() = X.p;
+  return out;
+}
+Eigen::Matrix4d shown(const Planar::Pose& X) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+  out.topLeftCorner<2, 2>() << X.c, -X.s, X.s, X.c;
+  out.topRightCorner<4, 1>().head<2>() << X.px, X.py;
+  return out;
+}
+Vector6 shown(const Spatial::Motion& V) { return (Vector6() << V.w, V.v).finished(); }
+Vector6 shown(const Planar::Motion& V) { return (Vector6() << 0, 0, V.w, V.x, V.y, 0).finished(); }
+Vector6 shown(const Spatial::Force& F) { return (Vector6() << F.n, F.f).finished(); }
+Vector6 shown(const Planar::Force& F) { return (Vector6() << 0, 0, F.n, F.x, F.y, 0).finished(); }
+
+template <class A>
+typename A::Pose pose(const Eigen::Matrix4d& X) {
+  if constexpr (A::planar) {
+    return {X(0, 0), X(1, 0), X(0, 3), X(1, 3)};
+  } else {
+    return {X.topLeftCorner<3, 3>(), X.topRightCorner<3, 1>()};
+  }
+}
+// A Motion or a Force of the algebra from its 6-vector.
+template <class A, class Out>
+Out pair_of(const Vector6& V) {
+  if constexpr (A::planar) {
+    return {V[2], V[3], V[4]};
+  } else {
+    return {V.head<3>(), V.tail<3>()};
+  }
+}
+
+// One joint in one algebra.
+class JointInAlgebra {
+  // Calls function.operator()<A>(joint) with this object's algebra and the joint's own type.
+  template <class Function>
+  auto in_algebra(const Function& function) const {
+    return std::visit(
+        [&](const auto& j) {
+          if constexpr (lives_in<Planar, std::decay_t<decltype(j)>>) {
+            if (planar_) return function.template operator()<Planar>(j);
+          }
+          return function.template operator()<Spatial>(j);
+        },
+        joint_);
+  }
+
+ public:
+  JointInAlgebra(const std::string& kind, std::vector<Eigen::Vector3d> axes, bool planar)
+      : axes_(std::move(axes)), joint_(make(kind, axes_)), planar_(planar) {
+    if (planar && kind_of(joint_).planar == PlanarRole::never)
+      throw std::invalid_argument(kind + " joints leave the plane; planar algebra has none");
+  }
+
+  Eigen::Matrix4d X_FM(const Vector& q) const {
+    check(q, nq(), "q");
+    return in_algebra([&]<class A>(const auto& j) { return shown(j.template X_FM<A>(q.data())); });
+  }
+  Vector6 V_FM(const Vector& q, const Vector& v) const {
+    check(q, v);
+    return in_algebra([&]<class A>(const auto& j) { return shown(j.template V_FM<A>(q.data(), v.data())); });
+  }
+  Vector6 bias(const Vector& q, const Vector& v) const {
+    check(q, v);
+    return in_algebra([&]<class A>(const auto& j) { return shown(j.template bias<A>(q.data(), v.data())); });
+  }
+  Vector project(const Vector& q, const Vector6& F) const {
+    check(q, nq(), "q");
+    Vector tau(nv());
+    in_algebra([&]<class A>(const auto& j) {
+      j.template project<A>(q.data(), pair_of<A, typename A::Force>(F), tau.data());
+      return 0;
+    });
+    return tau;
+  }
+  Vector speeds(const Vector& q, const Vector6& V) const {
+    check(q, nq(), "q");
+    Vector v(nv());
+    in_algebra([&]<class A>(const auto& j) {
+      j.template speeds<A>(q.data(), pair_of<A, typename A::Motion>(V), v.data());
+      return 0;
+    });
+    return v;
+  }
+  Vector rate(const Vector& q, const Vector& v) const {
+    check(q, v);
+    Vector qdot(nq());
+    std::visit([&](const auto& j) { j.rate(q.data(), v.data(), qdot.data()); }, joint_);
+    return qdot;
+  }
+  Vector unrate(const Vector& q, const Vector& qdot) const {
+    check(q, nq(), "q");
+    check(qdot, nq(), "qdot");
+    Vector v(nv());
+    std::visit([&](const auto& j) { j.unrate(q.data(), qdot.data(), v.data()); }, joint_);
+    return v;
+  }
+  Vector normalise(Vector q) const {
+    check(q, nq(), "q");
+    std::visit([&](const auto& j) { j.normalise(q.data()); }, joint_);
+    return q;
+  }
+  Vector coordinates(const Eigen::Matrix4d& X, Vector q) const {
+    check(q, nq(), "q");
+    in_algebra([&]<class A>(const auto& j) {
+      j.template coordinates<A>(pose<A>(X), q.data());
+      return 0;
+    });
+    return q;
+  }
+  // (W, Phi): a row of W for each wrench, torque first, written in F.
+  std::pair<Eigen::MatrixXd, Vector> rows(const Eigen::Matrix4d& X) const {
+    return in_algebra([&]<class A>(const auto& j) {
+      Row<A> found[6];
+      const int n = j.template rows<A>(pose<A>(X), found);
+      std::pair<Eigen::MatrixXd, Vector> out{Eigen::MatrixXd(n, 6), Vector(n)};
+      for (int i = 0; i < n; ++i) {
+        out.first.row(i) = shown(found[i].w).transpose();
+        out.second[i] = found[i].Phi;
+      }
+      return out;
+    });
+  }
+  Vector rows_bias(const Eigen::Matrix4d& X, const Vector6& V) const {
+    return in_algebra([&]<class A>(const auto& j) {
+      Row<A> found[6];
+      Vector out = Vector::Zero(6);
+      const int n = j.template rows<A>(pose<A>(X), found);
+      j.template rows_bias<A>(pose<A>(X), pair_of<A, typename A::Motion>(V), out.data());
+      return Vector(out.head(n));
+    });
+  }
+  Eigen::Matrix3d canonical() const { return canonical_rotation(joint_, axes_); }
+  Vector flip() const {
+    const auto signs = flip_signs(joint_);
+    return Eigen::Map<const Vector>(signs.data(), static_cast<Eigen::Index>(signs.size()));
+  }
+  int nq() const { return kind_of(joint_).nq; }
+  int nv() const { return kind_of(joint_).nv; }
+
+ private:
+  static AnyJoint make(const std::string& kind, const std::vector<Eigen::Vector3d>& axes) {
+    const JointKind* found = find_joint_kind(kind);
+    if (found == nullptr) throw std::invalid_argument("no kind of joint is called " + kind);
+    if (static_cast<int>(axes.size()) != found->axes)
+      throw std::invalid_argument(kind + " joints have " + std::to_string(found->axes) + " axes");
+    return make_joint(kind, axes);
+  }
+  static void check(const Vector& values, int size, const char* name) {
+    if (values.size() != size)
+      throw std::invalid_argument(std::string(name) + " must have length " + std::to_string(size));
+  }
+  void check(const Vector& q, const Vector& v) const {
+    check(q, nq(), "q");
+    check(v, nv(), "v");
+  }
+  std::vector<Eigen::Vector3d> axes_;
+  AnyJoint joint_;
+  bool planar_;
+};
+
+const char* role_name(PlanarRole role) {
+  if (role == PlanarRole::normal) return "normal";
+  return role == PlanarRole::in_plane ? "in_plane" : "never";
+}
+
+nb::list kinds() {
+  nb::list out;
+  for (const JointKind& kind : joint_kinds()) {
+    nb::dict entry;
+    entry["name"] = std::string(kind.name);
+    entry["nq"] = kind.nq;
+    entry["nv"] = kind.nv;
+    entry["axes"] = kind.axes;
+    entry["planar"] = role_name(kind.planar);
+    entry["quaternion"] = kind.has_quaternion();
+    entry["q_zero"] = std::vector<double>(kind.q_zero.begin(), kind.q_zero.end());
+    for (const auto& [key, quantities] : {std::pair{"q", kind.q}, std::pair{"v", kind.v}, std::pair{"a", kind.a}}) {
+      nb::list names;
+      for (const Quantity& quantity : quantities) names.append(std::string(quantity.name));
+      entry[key] = names;
+    }
+    out.append(entry);
+  }
+  return out;
+}
+
+}  // namespace
+
+void bind_joints(nb::module_& module) {
+  nb::module_ m = module.def_submodule("joints", "The functions of every kind of joint, see src/joint/base.h.");
+  m.def("kinds", &kinds, "All kinds of joint: name, sizes, names of coordinates, speeds and accelerations.");
+  nb::class_<JointInAlgebra>(m, "Joint")
+      .def(nb::init<const std::string&, std::vector<Eigen::Vector3d>, bool>(), nb::arg("kind"),
+           nb::arg("axes") = std::vector<Eigen::Vector3d>{}, nb::arg("planar") = false)
+      .def_prop_ro("nq", &JointInAlgebra::nq)
+      .def_prop_ro("nv", &JointInAlgebra::nv)
+      .def("X_FM", &JointInAlgebra::X_FM, nb::arg("q"))
+      .def("V_FM", &JointInAlgebra::V_FM, nb::arg("q"), nb::arg("v"))
+      .def("bias", &JointInAlgebra::bias, nb::arg("q"), nb::arg("v"))
+      .def("project", &JointInAlgebra::project, nb::arg("q"), nb::arg("F"))
+      .def("speeds", &JointInAlgebra::speeds, nb::arg("q"), nb::arg("V"))
+      .def("rate", &JointInAlgebra::rate, nb::arg("q"), nb::arg("v"))
+      .def("unrate", &JointInAlgebra::unrate, nb::arg("q"), nb::arg("qdot"))
+      .def("normalise", &JointInAlgebra::normalise, nb::arg("q"))
+      .def("coordinates", &JointInAlgebra::coordinates, nb::arg("X_FM"), nb::arg("q"))
+      .def("rows", &JointInAlgebra::rows, nb::arg("X_FM"))
+      .def("rows_bias", &JointInAlgebra::rows_bias, nb::arg("X_FM"), nb::arg("V"))
+      .def("canonical", &JointInAlgebra::canonical)
+      .def("flip", &JointInAlgebra::flip);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bindings.h"
+
+NB_MODULE(_core, m) {
+  m.doc() = "Gelenk's core: scenes, simulations, FMU export. Use the package gelenk, which wraps it.";
+  gelenk::bind_errors(m);
+  gelenk::bind_scene(m);
+  gelenk::bind_parameters(m);
+  gelenk::bind_simulation(m);
+  gelenk::bind_fmu(m);
+  gelenk::bind_joints(m);
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/parameters.h"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "bindings.h"
+#include "simulation/simulation.h"
+
+namespace nb = nanobind;
+using gelenk::Parameter;
+using gelenk::Scene;
+
+namespace {
+
+using Setting = std::pair<std::string, double>;
+
+const char* type_name(const Parameter& p) {
+  switch (p.type) {
+    case gelenk::ParameterType::boolean:
+      return "boolean";
+    case gelenk::ParameterType::enumeration:
+      return "enumeration";
+    default:
+      return "real";
+  }
+}
+
+// All settings together, so that what only several values can break (moments of inertia) is checked once.
+Scene with_parameters(const Scene& scene, const std::vector<Setting>& settings) {
+  Scene changed = scene;
+  const auto table = gelenk::scene_parameters(scene);
+  for (const auto& [name, value] : settings) {
+    const auto found = std::ranges::find(table, name, &Parameter::name);
+    if (found == table.end()) throw gelenk::UsageError(name + ": no such parameter");
+    try {
+      gelenk::set_parameter(changed, *found, value);
+    } catch (const std::invalid_argument& e) {
+      throw gelenk::UsageError(e.what());
+    }
+  }
+  return gelenk::checked(std::move(changed));
+}
+
+}  // namespace
+
+void gelenk::bind_parameters(nb::module_& m) {
+  nb::class_<Parameter>(m, "Parameter", "A number of a scene that may be set before a run starts.")
+      .def_ro("name", &Parameter::name)
+      .def_ro("unit", &Parameter::unit)
+      .def_ro("description", &Parameter::description)
+      .def_prop_ro("type", &type_name, "real, boolean (0 or 1) or enumeration (number of the item, from 1).")
+      .def_ro("items", &Parameter::items, "Names of an enumeration's values.")
+      .def_ro("min", &Parameter::min)
+      .def_ro("max", &Parameter::max)
+      .def("value", [](const Parameter& p, const Scene& scene) { return p.get(scene); }, nb::arg("scene"));
+  m.def("list_parameters", &gelenk::scene_parameters, nb::arg("scene"), "All parameters of the scene.");
+  m.def("with_parameters", &with_parameters, nb::arg("scene"), nb::arg("settings"),
+        "A copy of the scene with these (name, value) settings. Raises UsageError, SceneError.");
+}

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/simulation.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <mutex>
+#include <vector>
+
+#include "bindings.h"
+
+namespace nb = nanobind;
+using gelenk::ModelSize;
+using gelenk::Signal;
+using gelenk::Simulation;
+
+namespace {
+
+using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+
+// Steps run without the interpreter's lock, so another Python thread may call in meanwhile: it waits here.
+// The interpreter's lock is given up before ours is asked for; the other order could lock both threads up.
+class Plant {
+ public:
+  explicit Plant(const gelenk::Scene& scene) : simulation_(scene) {}
+
+  template <class Function>
+  auto with(Function&& function) {
+    const nb::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return function(simulation_);
+  }
+
+  // For what never changes after construction.
+  const Simulation& fixed() const { return simulation_; }
+
+ private:
+  Simulation simulation_;
+  std::mutex mutex_;
+};
+
+void check_index(int index, std::size_t size) {
+  if (index < 0 || static_cast<std::size_t>(index) >= size) {
+    throw nb::index_error(("index " + std::to_string(index) + ", of " + std::to_string(size)).c_str());
+  }
+}
+
+Vector to_numpy(std::vector<double>&& values) {
+  auto* kept = new std::vector<double>(std::move(values));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  return Vector(kept->data(), {kept->size()}, owner);
+}
+
+Vector read_outputs(Plant& plant, const std::vector<int>& indices) {
+  for (const int i : indices) check_index(i, plant.fixed().outputs().size());
+  return to_numpy(plant.with([&](Simulation& s) {
+    std::vector<double> values;
+    values.reserve(indices.size());
+    for (const int i : indices) values.push_back(s.output(i));
+    return values;
+  }));
+}
+
+void bind_signal(nb::module_& m) {
+  nb::class_<Signal>(m, "Signal", "Name, unit and meaning of one input, output or diagnostic.")
+      .def_ro("name", &Signal::name)
+      .def_ro("unit", &Signal::unit)
+      .def_ro("description", &Signal::description)
+      .def_ro("joint", &Signal::joint, "Number of the joint in the file; -1: not a joint state.")
+      .def_ro("level", &Signal::level, "0 coordinate, 1 speed, 2 acceleration; -1: not a joint state.")
+      .def_ro("component", &Signal::component, "Place within the joint's coordinates or speeds.")
+      .def("__repr__", [](const Signal& s) { return "<Signal " + s.name + " [" + s.unit + "]>"; });
+}
+
+void bind_size(nb::module_& m) {
+  nb::class_<ModelSize>(m, "ModelSize", "Sizes of the model behind a scene.")
+      .def_ro("bodies", &ModelSize::bodies, "Bodies that can move, welded ones counted once.")
+      .def_ro("coordinates", &ModelSize::coordinates)
+      .def_ro("speeds", &ModelSize::speeds)
+      .def_ro("rows", &ModelSize::rows, "Constraint rows of the loops.")
+      .def_ro("rank", &ModelSize::rank, "Rank of these rows.")
+      .def_ro("freedoms", &ModelSize::freedoms)
+      .def_ro("planar", &ModelSize::planar);
+}
+
+}  // namespace
+
+void gelenk::bind_simulation(nb::module_& m) {
+  bind_signal(m);
+  bind_size(m);
+  nb::class_<Plant>(m, "Simulation", "One running instance of a scene.")
+      .def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
+      .def(
+          "initialize",
+          [](Plant& p, double time, double tolerance) {
+            p.with([&](Simulation& s) { s.initialize(time, tolerance); });
+          },
+          nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
+          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
+      .def(
+          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
+          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+      .def_prop_ro(
+          "time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].")
+      .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
+      .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
+      .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
+      .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
+      .def(
+          "set_input",
+          [](Plant& p, int index, double value) {
+            check_index(index, p.fixed().inputs().size());
+            p.with([&](Simulation& s) { s.set_input(index, value); });
+          },
+          nb::arg("index"), nb::arg("value"))
+      .def(
+          "input",
+          [](Plant& p, int index) {
+            check_index(index, p.fixed().inputs().size());
+            return p.with([&](Simulation& s) { return s.input(index); });
+          },
+          nb::arg("index"))
+      .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
+      .def(
+          "diagnostic",
+          [](Plant& p, int index) {
+            check_index(index, p.fixed().diagnostics().size());
+            return p.with([&](Simulation& s) { return s.diagnostic(index); });
+          },
+          nb::arg("index"))
+      .def_prop_ro("independent_coordinates",
+                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
+      .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
+}

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gelenk: from the description of a mechanism to a running plant.
+
+>>> import gelenk
+>>> scene = gelenk.load("scenes/four_bar.yaml")
+>>> result = gelenk.simulate(scene, stop=1.0, inputs={"drive.tau": 3.0})
+>>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from os import PathLike
+
+from gelenk.errors import AssemblyError, ExportError, GelenkError, SceneError, StepError, UsageError
+from gelenk.export import export_fmu
+from gelenk.result import Result
+from gelenk.run import simulate
+from gelenk.scene import Scene, load
+from gelenk.simulation import Simulation
+
+__version__ = version("gelenk")
+
+__all__ = [
+    "AssemblyError",
+    "ExportError",
+    "GelenkError",
+    "Result",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "StepError",
+    "UsageError",
+    "__version__",
+    "export_fmu",
+    "import_urdf",
+    "load",
+    "simulate",
+]
+
+
+def import_urdf(path: str | PathLike[str], *, floating: bool = False) -> Scene:
+    """A scene from a URDF robot description, its root welded to the ground or `floating`.
+
+    See `gelenk.urdf.import_urdf`.
+    """
+    from gelenk import urdf
+
+    return urdf.import_urdf(path, floating=floating)

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The `gelenk` command. What a user can cause goes to stderr, one line each, with exit code 1."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gelenk
+from gelenk.errors import GelenkError, StepError, UsageError
+from gelenk.progress import progress_bar
+from gelenk.result import Result
+
+app = typer.Typer(
+    help="From the description of a mechanism to a plant FMU.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file: .yaml, .yml or .json.")]
+
+
+def _told[**P](command: Callable[P, None]) -> Callable[P, None]:
+    """Turns what a user can cause into lines on stderr and exit code 1."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            command(*args, **kwargs)
+        except GelenkError as e:
+            lines = e.lines
+        except BrokenPipeError:  # the reader of our output has gone: nothing to tell
+            sys.stderr.close()
+            raise typer.Exit(1) from None
+        except OSError as e:
+            lines = (f"{e.filename}: {(e.strerror or str(e)).lower()}" if e.filename else str(e),)
+        except KeyboardInterrupt:
+            lines = ("interrupted",)
+        else:
+            return
+        for line in lines:
+            print(line, file=sys.stderr)
+        raise typer.Exit(1)
+
+    return run
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"gelenk {gelenk.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main_options(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """From the description of a mechanism to a plant FMU."""
+
+
+@app.command()
+@_told
+def export(
+    scene: SceneFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu.")
+    ] = None,
+) -> None:
+    """Export a scene as an FMU (FMI 2.0 co-simulation)."""
+    loaded = gelenk.load(Path(scene))
+    out = gelenk.export_fmu(loaded, output or Path(f"{loaded.name}.fmu"))
+    print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
+
+
+@app.command()
+@_told
+def check(scene: SceneFile) -> None:
+    """Check a scene, close its loops, and say what it is."""
+    plant = gelenk.Simulation(Path(scene))
+    plant.initialize()
+    size = plant.size
+    algebra = "planar" if size.planar else "spatial"
+    print(f"{plant.scene!r}")
+    rows = f"{_count(size.rows, 'loop row')} of rank {size.rank}"
+    print(f"{_count(size.freedoms, 'freedom')}: {_count(size.speeds, 'speed')}, {rows}, "
+          f"{_count(size.bodies, 'moving body')}, {algebra}")  # fmt: skip
+    print(f"inputs: {', '.join(s.name for s in plant.inputs) or 'none'}")
+    report = plant.assembly_report()
+    if report:
+        print(report)
+
+
+@app.command("import")
+@_told
+def import_(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.urdf", help="URDF robot description.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="SCENE", help="Scene file: .yaml, .yml or .json.")
+    ],
+    floating: Annotated[bool, typer.Option("--floating", help="Let the root link move freely.")] = False,
+) -> None:
+    """Make a scene of a URDF robot description; what is not taken over is told on stderr."""
+    scene = gelenk.import_urdf(robot, floating=floating)
+    scene.save(output)
+    for line in scene.report:
+        print(line, file=sys.stderr)
+    print(f"{output}: {scene!r}")
+
+
+@app.command()
+@_told
+def simulate(
+    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    stop: Annotated[float | None, typer.Option(help="End of the run [s].")] = None,
+    step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,
+    tolerance: Annotated[float | None, typer.Option(help="Relative tolerance of the integrator.")] = None,
+    integrator: Annotated[str | None, typer.Option(help="auto, ida, erk or rk4.")] = None,
+    inputs: Annotated[
+        Path | None, typer.Option("--input", metavar="FILE.csv", help="Columns `time` and inputs by name.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="A parameter, or an input as a constant; repeatable."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE.csv", help="Result table; - is stdout.")
+    ] = None,
+) -> None:
+    """Run a scene or an FMU; without --output, tell the span of every output."""
+    try:
+        with progress_bar(sys.stderr) as progress:
+            result = gelenk.simulate(
+                plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator, inputs=inputs,
+                parameters=_settings(settings or []), progress=progress,
+            )  # fmt: skip
+    except StepError as e:
+        if e.result is not None and output is not None:
+            _write(e.result, output)
+        raise
+    _write(result, output)
+
+
+def _settings(given: list[str]) -> dict[str, gelenk.scene.Value]:
+    settings: dict[str, gelenk.scene.Value] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals and value.strip()):
+            raise UsageError(f"--set {text}: expected NAME=VALUE")
+        if name.strip() in settings:
+            raise UsageError(f"--set {text}: {name.strip()} is set twice")
+        settings[name.strip()] = value.strip()
+    return settings
+
+
+def _write(result: Result, output: Path | None) -> None:
+    if output is None:
+        _summary(result)
+    elif str(output) == "-":
+        print(result.csv(), end="")
+    else:
+        result.to_csv(output)
+        print(f"{output}: {len(result)} rows, {len(result.names)} outputs, to {result.time[-1]:g} s")
+
+
+def _summary(result: Result) -> None:
+    print(f"0 to {result.time[-1]:g} s, {len(result)} rows; --output FILE.csv writes them")
+    if not result.names:
+        return
+    width = max(map(len, result.names))
+    print(f"{'':{width}}  {'start':>12} {'least':>12} {'most':>12} {'end':>12}")
+    for name in result.names:
+        x = result[name]
+        cells = " ".join(f"{value:12.6g}" for value in (x[0], x.min(), x.max(), x[-1]))
+        unit = result.units[name]
+        print(f"{name:{width}}  {cells}{'' if unit in ('', '1') else '  ' + unit}")
+
+
+def _count(n: int, what: str) -> str:
+    plural = f"{what[:-1]}ies" if what.endswith("body") else f"{what}s"
+    return f"{n} {what if n == 1 else plural}"
+
+
+def main() -> None:
+    """Entry point of the command."""
+    app(prog_name="gelenk")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`python -m gelenk.demo [FOLDER]`: a four-bar, from its scene file to the plot of a run of its FMU.
+
+Needs the extra `charts` for the plot.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import sys
+import time
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+import gelenk
+
+STOP, STEP = 5.0, 1e-3  # s
+HEALTH = ("constraints.position", "constraints.velocity")
+
+
+def torque(t: float) -> float:
+    """Of the crank's motor [N.m]: 3 N m and a sine of 2 N m, twice in three seconds."""
+    return 3.0 + 2.0 * math.sin(2 * math.pi * t / 1.5)
+
+
+def main(folder: Path) -> None:
+    """Exports, runs, tells, plots."""
+    if importlib.util.find_spec("matplotlib") is None:
+        sys.exit("The demo draws with matplotlib: pip install 'gelenk[charts]'")
+    folder.mkdir(parents=True, exist_ok=True)
+    scene = gelenk.load(Path(str(resources.files("gelenk") / "scenes/four_bar.yaml")))
+    begun = time.perf_counter()
+    fmu = gelenk.export_fmu(scene, folder / f"{scene.name}.fmu")
+    exported = time.perf_counter()
+    print(f"Exported {scene!r} to {fmu}: {fmu.stat().st_size / 1e6:.2f} MB in {exported - begun:.2f} s.")
+
+    names = [name for joint in "ABCD" for name in (f"{joint}.phi", f"{joint}.w")]
+    begun = time.perf_counter()
+    result = gelenk.simulate(
+        fmu, stop=STOP, step=STEP, inputs={"drive.tau": torque}, outputs=[*names, *HEALTH]
+    )
+    took = time.perf_counter() - begun
+    csv = folder / "four_bar.csv"
+    result.to_csv(csv)
+    plot = folder / "four_bar.png"
+    draw(result, plot)
+
+    crank = result["A.phi"]
+    turns = (crank[-1] - crank[0]) / (2 * math.pi)
+    print(f"Ran the FMU in fmpy for {STOP:g} s in {len(result) - 1} steps of {STEP * 1e3:g} ms, "
+          f"the motor torque 3 N m + 2 N m sin(2 pi t / 1.5 s): {took:.2f} s.")  # fmt: skip
+    print(f"The crank went from {crank[0]:.4f} rad to {crank[-1]:.4f} rad, {turns:.2f} turns, "
+          f"at most {np.abs(result['A.w']).max():.2f} rad/s.")  # fmt: skip
+    print(f"The rocker swings between {result['D.phi'].min():.4f} rad and {result['D.phi'].max():.4f} rad.")
+    print(f"Largest gap of the loop: {result[HEALTH[0]].max():.1e} m; "
+          f"of its rate: {result[HEALTH[1]].max():.1e} m/s.")  # fmt: skip
+    print(f"Numbers: {csv}. Joint states: {plot}.")
+
+
+def draw(result: gelenk.Result, path: Path) -> None:
+    """Angles, speeds and torque over time, as a PNG."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    t = result.time
+    figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 10), layout="constrained")
+    for joint, label in (("A", "A crank"), ("B", "B crank–coupler")):
+        axes[0].plot(t, result[f"{joint}.phi"] / (2 * math.pi), label=label)
+    for joint, label in (("C", "C coupler–rocker"), ("D", "D rocker")):
+        axes[1].plot(t, np.degrees(result[f"{joint}.phi"]), label=label)
+    for joint in "ABCD":
+        axes[2].plot(t, result[f"{joint}.w"], label=joint)
+    axes[3].plot(t, [torque(x) for x in t], color="black")
+    for axis, label in zip(
+        axes, ("angle [turns]", "angle [deg]", "speed [rad/s]", "torque [N m]"), strict=True
+    ):
+        axis.set_ylabel(label)
+        axis.grid(alpha=0.3)
+        axis.margins(x=0)
+    for axis in axes[:3]:
+        axis.legend(loc="upper left")
+    axes[3].set_xlabel("time [s]")
+    axes[0].set_title("Four-bar: joint states of the FMU under a changing motor torque")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An FMU as a plant that `gelenk.simulate` can run, through fmpy."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, override
+
+import fmpy
+import fmpy.fmi1
+import fmpy.simulation
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import AssemblyError, GelenkError, StepError, UsageError
+from gelenk.plant import Plant
+from gelenk.scene import Value, number
+
+_WARNING = 1  # FMI's status; what is above has failed
+_KINDS = {"Enumeration": "enumeration", "Boolean": "boolean"}
+
+
+class FmuPlant(Plant):
+    """See `gelenk.plant.Plant`. Any FMI 2.0 co-simulation FMU."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path
+        self._messages: list[str] = []
+        self._description = _description(path)
+        self._variables = {v.name: v for v in self._description.modelVariables}
+        experiment = self._description.defaultExperiment
+        self.stop = float(getattr(experiment, "stopTime", None) or 1.0)
+        self.step = float(getattr(experiment, "stepSize", None) or 1e-3)
+        self.inputs = self._names("input")
+        self.outputs = self._names("output")
+        self.parameters = self._names("parameter")
+        self.units = {name: _unit(v) for name, v in self._variables.items() if v.type == "Real"}
+        self.assembly_report = ""
+        self._references: list[int] = []
+        self._folder = tempfile.mkdtemp(prefix="gelenk-")
+        self._slave: Any = None
+        try:
+            _extract(path, self._folder)
+            with self._told(UsageError):
+                self._slave = fmpy.simulation.instantiate_fmu(
+                    self._folder, self._description, "CoSimulation", logger=self._log
+                )
+        except BaseException:
+            self.close()
+            raise
+
+    def _names(self, causality: str) -> list[str]:
+        return [v.name for v in self._description.modelVariables if v.causality == causality]
+
+    @override
+    def set_parameters(self, settings: Mapping[str, Value]) -> None:
+        for name, value in settings.items():
+            self._set(name, value)
+
+    def _set(self, name: str, value: Value) -> None:
+        v = self._variables[name]
+        with self._told(UsageError):
+            if v.type == "String":
+                self._slave.setString([v.valueReference], [str(value)])
+                return
+            items = v.declaredType.items if v.type == "Enumeration" else []
+            x = number(name, value, _KINDS.get(v.type, "real"), [item.name for item in items])
+            if v.type == "Enumeration":
+                self._slave.setInteger([v.valueReference], [int(items[int(x) - 1].value)])
+            elif v.type == "Boolean":
+                self._slave.setBoolean([v.valueReference], [bool(x)])
+            elif v.type == "Integer":
+                if x != round(x):
+                    raise UsageError(f"{name}: found {value!r}, expected a whole number")
+                self._slave.setInteger([v.valueReference], [int(x)])
+            else:
+                self._slave.setReal([v.valueReference], [x])
+
+    @override
+    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+        with self._told(AssemblyError):
+            self._slave.setupExperiment(tolerance=tolerance, startTime=0.0)
+            self._slave.enterInitializationMode()
+            for name, value in inputs.items():
+                self.set_input(name, value)
+            self._slave.exitInitializationMode()
+
+    @override
+    def select(self, names: list[str]) -> None:
+        for name in names:
+            if self._variables[name].type != "Real":
+                raise UsageError(f"{name}: only real variables can be recorded")
+        self._references = [self._variables[name].valueReference for name in names]
+
+    @override
+    def set_input(self, name: str, value: float) -> None:
+        if not np.isfinite(value):
+            raise UsageError(f"{name}: found {value}, expected a finite number")
+        self._set(name, value)
+
+    @override
+    def advance(self, start: float, end: float) -> None:
+        with self._told(StepError):
+            self._slave.doStep(start, end - start)
+
+    @override
+    def read(self) -> NDArray[np.float64]:
+        with self._told(StepError):
+            return np.array(self._slave.getReal(self._references) if self._references else [])
+
+    @override
+    def close(self) -> None:
+        if self._slave is not None:
+            self._slave.freeInstance()
+            self._slave = None
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _log(self, _environment: Any, _instance: Any, status: int, _category: Any, message: Any) -> None:
+        text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
+        if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
+            text = re.sub(r"^fmi2\w+: ", "", text)
+            self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
+
+    @contextmanager
+    def _told(self, error: Callable[[str], GelenkError]) -> Iterator[None]:
+        """A call that fails is told in the words that the FMU logged."""
+        self._messages.clear()
+        try:
+            yield
+        except GelenkError:
+            raise
+        except Exception as e:  # fmpy's own, and plain Exception where instantiation fails
+            if (
+                not self._messages
+                and not isinstance(e, fmpy.fmi1.FMICallException)
+                and type(e) is not Exception
+            ):
+                raise
+            raise error("\n".join(self._messages) or f"{self._file}: {e}") from e
+
+
+def _description(path: Path) -> Any:
+    path.open("rb").close()  # raises what is the matter with the file itself
+    try:
+        found = fmpy.read_model_description(str(path), validate=False)
+    except (zipfile.BadZipFile, KeyError):
+        raise UsageError(f"{path}: not an FMU (a zip file with a modelDescription.xml)") from None
+    except Exception as e:  # an XML parser's and fmpy's own
+        raise UsageError(
+            f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
+        ) from None
+    if found.fmiVersion != "2.0" or found.coSimulation is None:
+        raise UsageError(f"{path}: found an FMU of FMI {found.fmiVersion}, expected FMI 2.0 co-simulation")
+    return found
+
+
+def _extract(path: Path, folder: str) -> None:
+    try:
+        fmpy.extract(str(path), folder)
+    except (zipfile.BadZipFile, zlib.error) as e:
+        raise UsageError(f"{path}: damaged: {e}") from None
+
+
+def _unit(variable: Any) -> str:
+    declared = getattr(variable.declaredType, "unit", None)
+    return str(variable.unit or declared or "1")

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inputs of a run as functions of time: constants, callables, tables, CSV files."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gelenk.errors import UsageError
+from gelenk.scene import unknown
+
+type Signal = Callable[[float], float]
+type Input = Signal | float | tuple[ArrayLike, ArrayLike]
+type Inputs = Mapping[str, Input] | NDArray[np.void] | str | PathLike[str]
+
+
+def functions(inputs: Inputs | None, known: Iterable[str]) -> dict[str, Signal]:
+    """One function of time [s] per input named.
+
+    Args:
+        inputs: by name, a callable of time, a constant, or (times, values) between which it is linear, held
+            before the first and after the last; a time given twice is a jump. Or all of them as columns of a
+            structured array or CSV file with a column `time`.
+        known: the names of the plant's inputs.
+
+    Raises:
+        UsageError: unknown names, tables that are no functions of time.
+        OSError: the file cannot be read.
+    """
+    if inputs is None:
+        return {}
+    names = list(known)
+    where = ""
+    if isinstance(inputs, str | PathLike):
+        where = f"{inputs}: "
+        inputs = read_csv(inputs)
+    if isinstance(inputs, np.ndarray):
+        inputs = _columns(inputs, where)
+    faults = [where + unknown(name, "input", names) for name in inputs if name not in names]
+    if faults:
+        raise UsageError("\n".join(faults))
+    return {name: _function(where + name, value) for name, value in inputs.items()}
+
+
+def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
+    """A CSV file with a line of names as a structured array.
+
+    Raises:
+        UsageError: with the line of each cell that is no number, or too many or few of them.
+        OSError: the file cannot be read.
+    """
+    try:
+        with Path(path).open(encoding="utf-8-sig", newline="") as file:
+            lines = [(i, row) for i, row in enumerate(csv.reader(file), 1) if row]
+    except (UnicodeDecodeError, csv.Error) as e:
+        raise UsageError(f"{path}: no CSV file: {e}") from None
+    if len(lines) < 2:
+        raise UsageError(
+            f"{path}: found {len(lines)} lines, expected one of names and at least one of numbers"
+        )
+    names = [name.strip() for name in lines[0][1]]
+    faults = [
+        f"{path}:1: column {name!r} is there twice" for name in dict.fromkeys(names) if names.count(name) > 1
+    ]
+    rows = []
+    for number, cells in lines[1:]:
+        if len(cells) != len(names):
+            faults.append(f"{path}:{number}: found {len(cells)} cells, expected {len(names)}")
+            continue
+        rows.append(tuple(_cell(f"{path}:{number}: {name}", cell, faults)
+                          for name, cell in zip(names, cells, strict=True)))  # fmt: skip
+    if faults:
+        raise UsageError("\n".join(faults[:20]))
+    return np.array(rows, dtype=[(name, np.float64) for name in names])
+
+
+def _cell(where: str, text: str, faults: list[str]) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        faults.append(f"{where}: found {text.strip()!r}, expected a number")
+    return value
+
+
+def _columns(table: NDArray[np.void], where: str) -> dict[str, Input]:
+    fields = table.dtype.names
+    if fields is None or "time" not in fields:
+        found = ", ".join(fields or ()) or "no names"
+        raise UsageError(f"{where}found the columns {found}, expected one called time")
+    return {name: (table["time"], table[name]) for name in fields if name != "time"}
+
+
+def _function(name: str, value: Input) -> Signal:
+    if callable(value):
+        return value
+    if isinstance(value, tuple):
+        return _interpolated(name, *value)
+    try:
+        constant = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"{name}: found {value!r}, expected a number, a function of time, or (times, values)"
+        ) from None
+    return lambda _: constant
+
+
+def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> Signal:
+    t = np.asarray(times, np.float64)
+    x = np.asarray(values, np.float64)
+    if t.ndim != 1 or t.shape != x.shape or not len(t):
+        shapes = f"times of shape {t.shape} and values of shape {x.shape}"
+        raise UsageError(f"{name}: found {shapes}, expected two lists of one length")
+    if not (np.isfinite(t).all() and np.isfinite(x).all()):
+        raise UsageError(f"{name}: found times or values that are not finite")
+    back = np.flatnonzero(np.diff(t) < 0)
+    if len(back):
+        k = int(back[0])
+        raise UsageError(f"{name}: time goes back from {t[k]:g} s to {t[k + 1]:g} s (row {k + 2})")
+    last = len(t) - 1
+
+    def at(time: float) -> float:
+        i = int(np.searchsorted(t, time, side="right")) - 1  # t[i] <= time < t[i + 1]
+        if i < 0:
+            return float(x[0])
+        if i == last:
+            return float(x[last])
+        return float(x[i] + (x[i + 1] - x[i]) * ((time - t[i]) / (t[i + 1] - t[i])))
+
+    return at

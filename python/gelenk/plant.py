@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a run needs of a plant, be it a scene or an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.scene import Value
+
+
+class Plant(Protocol):
+    """A plant that stands at t = 0 once started."""
+
+    stop: float  # default end [s]
+    step: float  # default communication step [s]
+    inputs: list[str]
+    outputs: list[str]
+    parameters: list[str]
+    units: dict[str, str]  # of all that can be read
+    assembly_report: str
+
+    def set_parameters(self, settings: Mapping[str, Value]) -> None:
+        """Before start()."""
+
+    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+        """Makes everything consistent at t = 0. Raises AssemblyError."""
+
+    def select(self, names: list[str]) -> None:
+        """Chooses what read() gives."""
+
+    def set_input(self, name: str, value: float) -> None:
+        """Holds until set again. Raises UsageError."""
+
+    def advance(self, start: float, end: float) -> None:
+        """Steps [s]. Raises StepError."""
+
+    def read(self) -> NDArray[np.float64]:
+        """The selected values now."""
+
+    def close(self) -> None:
+        """Frees what the plant holds."""

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A progress bar for long runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import IO, Any
+
+from tqdm import tqdm
+
+QUIET = 1.0  # s; shorter runs show no bar
+PERIOD = 0.1  # s between drawings
+
+
+@contextmanager
+def progress_bar(stream: IO[str]) -> Iterator[Callable[[float, float], None] | None]:
+    """A function to be called with the time reached and the end [s]; None where no one would see it."""
+    if not stream.isatty():
+        yield None
+        return
+    begun = last = time.monotonic()
+    bar: tqdm[Any] | None = None
+
+    def reached(t: float, stop: float) -> None:
+        nonlocal bar, last
+        now = time.monotonic()
+        if now - last < PERIOD or now - begun < QUIET:
+            return
+        last = now
+        if bar is None:
+            bar = tqdm(total=stop, unit="s", file=stream, leave=False,
+                       bar_format="{l_bar}{bar}| {n:.3g} of {total:g} s, {remaining} left")  # fmt: skip
+        bar.n = t
+        bar.refresh()
+
+    try:
+        yield reached
+    finally:
+        if bar is not None:
+            bar.close()

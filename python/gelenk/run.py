@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Running a scene or an FMU over a time span."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import StepError, UsageError
+from gelenk.inputs import Inputs, functions
+from gelenk.plant import Plant
+from gelenk.result import Result
+from gelenk.scene import Scene, Value, load, number, unknown
+from gelenk.scene_plant import ScenePlant
+
+MOST_NUMBERS = 500_000_000  # of a result, 4 GB
+
+
+def simulate(
+    plant: Scene | str | PathLike[str] | Mapping[str, Any],
+    *,
+    stop: float | None = None,
+    step: float | None = None,
+    tolerance: float | None = None,
+    integrator: str | None = None,
+    inputs: Inputs | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    outputs: Sequence[str] | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Result:
+    """Runs a scene, or an FMU, from t = 0.
+
+    Inputs are sampled at the start of every communication step and held over it, as a master does. A row
+    of the result is what the plant shows at the end of a step, before the next input is set.
+
+    Args:
+        plant: a .fmu file, or whatever `gelenk.load` takes.
+        stop: end of the run [s]; by default the scene's or the FMU's own.
+        step: communication step [s]; the last one is shortened to end at `stop`.
+        tolerance: relative tolerance of the integrator.
+        integrator: "auto", "ida", "erk" or "rk4".
+        inputs: see `gelenk.inputs.functions`; inputs that are not named stay 0.
+        parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
+        outputs: names to record; by default all outputs.
+        progress: called after every step with the time reached and `stop` [s].
+
+    Returns:
+        Result: `time` and the outputs.
+
+    Raises:
+        SceneError, UsageError: the scene, a name or a value is wrong.
+        AssemblyError: the loops cannot be closed with the start values.
+        StepError: a step failed; its `result` holds the rows until then.
+        OSError: a file cannot be read.
+
+    >>> import math
+    >>> result = gelenk.simulate(four_bar, stop=0.5, inputs={"drive.tau": lambda t: 3 + math.sin(10 * t)})
+    >>> bool(result["A.phi"][-1] > result["A.phi"][0])
+    True
+    """
+    opened = _open(plant)
+    try:
+        settings = dict(parameters or {})
+        signals = functions(inputs, opened.inputs)
+        for name in [name for name in settings if name in opened.inputs]:
+            if name in signals:
+                raise UsageError(f"{name}: given as input and as parameter")
+            constant = number(name, settings.pop(name), "real")
+            signals[name] = lambda _, x=constant: x  # type: ignore[misc]
+        _configure(opened, settings, tolerance, integrator)
+        times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
+        names = _selected(opened, outputs)
+        if len(times) * (1 + len(names)) > MOST_NUMBERS:
+            raise UsageError(
+                f"{len(times)} rows of {1 + len(names)} columns would not fit; choose a longer step"
+            )
+        tolerance = None if "solver.tolerance" in settings else tolerance
+        opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()})
+        return _run(opened, times, names, signals, progress)
+    finally:
+        opened.close()
+
+
+def grid(stop: float, step: float) -> NDArray[np.float64]:
+    """Times k step [s] from 0, the last one `stop`. Computed, not summed, so that errors do not grow.
+
+    Raises:
+        UsageError: stop or step that no run can have.
+    """
+    if not (math.isfinite(stop) and stop >= 0):
+        raise UsageError(f"stop: found {stop} s, expected 0 or more")
+    if not (math.isfinite(step) and step > 0):
+        raise UsageError(f"step: found {step} s, expected more than 0")
+    ratio = stop / step
+    if ratio > MOST_NUMBERS:
+        raise UsageError(
+            f"step: {stop:g} s in steps of {step:g} s are {ratio:.3g} steps; choose a longer one"
+        )
+    # 0.3 / 0.1 and 1.1 / 0.1 miss their integers by an ulp: a last step of 1e-16 s is not meant.
+    whole = round(ratio)
+    count = whole if abs(ratio - whole) <= 1e-12 * max(1.0, ratio) else math.ceil(ratio)
+    times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * step
+    times[-1] = stop
+    return times
+
+
+def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Plant:
+    if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
+        from gelenk.fmu_plant import FmuPlant
+
+        return FmuPlant(Path(plant))
+    return ScenePlant(load(plant))
+
+
+def _configure(
+    plant: Plant, settings: dict[str, Value], tolerance: float | None, integrator: str | None
+) -> None:
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
+    if integrator is not None:
+        if "solver.integrator" in settings:
+            raise UsageError("solver.integrator: given as integrator and as parameter")
+        settings["solver.integrator"] = integrator
+    known = [*plant.parameters, *plant.inputs]
+    faults = [unknown(name, "parameter or input", known) for name in settings if name not in plant.parameters]
+    if faults:
+        raise UsageError("\n".join(faults))
+    if settings:
+        plant.set_parameters(settings)
+
+
+def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
+    names = list(plant.outputs if outputs is None else outputs)
+    faults = [unknown(name, "output", plant.units) for name in names if name not in plant.units]
+    faults += [f"{name}: asked for twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+    if faults:
+        raise UsageError("\n".join(faults))
+    plant.select(names)
+    return names
+
+
+def _run(
+    plant: Plant,
+    times: NDArray[np.float64],
+    names: list[str],
+    signals: dict[str, Callable[[float], float]],
+    progress: Callable[[float, float], None] | None,
+) -> Result:
+    rows = np.empty((len(times), 1 + len(names)))
+    rows[:, 0] = times
+    rows[0, 1:] = plant.read()
+    stop = float(times[-1])
+
+    def result(count: int) -> Result:
+        found = Result(names, rows[:count], {name: plant.units[name] for name in names})
+        found.assembly_report = plant.assembly_report
+        return found
+
+    for k in range(1, len(times)):
+        t = float(times[k - 1])
+        end = float(times[k])
+        for name, signal in signals.items():
+            plant.set_input(name, signal(t))
+        try:
+            plant.advance(t, end)
+            rows[k, 1:] = plant.read()
+        except StepError as e:
+            e.result = result(k)
+            raise
+        if progress is not None:
+            progress(end, stop)
+    return result(len(times))

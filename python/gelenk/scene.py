@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes: loading, changing, saving."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gelenk import _core, yaml12
+from gelenk.errors import SceneError, UsageError
+
+type Value = float | int | bool | str
+type Source = Scene | str | PathLike[str] | Mapping[str, Any]
+
+
+class Scene:
+    """A mechanism that has been read and found valid. Immutable; made by `gelenk.load`."""
+
+    def __init__(
+        self, core: _core.Scene, source: dict[str, Any] | None = None, report: Iterable[str] = ()
+    ) -> None:
+        self._core = core
+        self._source = source
+        #: What an import did not take over, in words; empty for scenes of Gelenk's own.
+        self.report = tuple(report)
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+        return self._core.name
+
+    @property
+    def file(self) -> str:
+        """Where the scene was read from; empty if it was not read from a file."""
+        return self._core.file
+
+    @property
+    def stop(self) -> float:
+        """Default end of a run [s]."""
+        return self._core.stop
+
+    @property
+    def step(self) -> float:
+        """Default communication step [s]."""
+        return self._core.step
+
+    @property
+    def tolerance(self) -> float:
+        """Default relative tolerance."""
+        return self._core.tolerance
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """What may still be set before a run: names as in the FMU, present values."""
+        return {p.name: _shown(p, p.value(self._core)) for p in _core.list_parameters(self._core)}
+
+    def with_parameters(self, settings: Mapping[str, Value]) -> Scene:
+        """A changed copy.
+
+        Args:
+            settings: parameter names with numbers (SI units), booleans, or names of enumeration items.
+
+        Raises:
+            UsageError: a name that does not exist, a value that is not allowed.
+            SceneError: values that no body can have together.
+        """
+        table = {p.name: p for p in _core.list_parameters(self._core)}
+        values = []
+        for name, value in settings.items():
+            if name not in table:
+                raise UsageError(unknown(name, "parameter", table))
+            values.append((name, number(name, value, table[name].type, table[name].items)))
+        return Scene(_core.with_parameters(self._core, values), None, self.report)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as plain data: defaults filled in, all frames told in their bodies."""
+        data = json.loads(_core.write_scene_json(self._core))
+        assert isinstance(data, dict)
+        return data
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the scene to a .yaml, .yml or .json file: as it was given where it was not changed since.
+
+        Raises:
+            SceneError: the file's name has another ending.
+        """
+        data = self.to_dict() if self._source is None else self._source
+        target = Path(path)
+        language = _language(target)
+        text = yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
+        target.write_text(text, encoding="utf-8")
+
+    def __repr__(self) -> str:
+        data = self.to_dict()
+        counts = [
+            f"{len(data[key])} {key if len(data[key]) != 1 else key[:-1].replace('bodie', 'body')}"
+            for key in ("bodies", "joints", "motors", "forces", "sensors")
+            if data.get(key)
+        ]
+        return f"<Scene {self.name}: {', '.join(counts)}>"
+
+
+def load(source: Source) -> Scene:
+    """Reads and checks a scene.
+
+    Args:
+        source: a .yaml, .yml or .json file; a mapping with the same keys; or the text of a scene
+            (recognised by its line breaks or its opening brace).
+
+    Raises:
+        SceneError: with every fault found, one line each.
+        OSError: the file cannot be read.
+
+    >>> pendulum = gelenk.load('''
+    ... gelenk: 1
+    ... name: Pendulum
+    ... gravity: [0, 0, -9.81]
+    ... bodies:
+    ...   bob: {mass: 0.5, com: [0, 0, -0.8]}
+    ... joints:
+    ...   A: {type: revolute, axis: [0, 1, 0], parent: {body: ground}, child: {body: bob}}
+    ... ''')
+    >>> pendulum
+    <Scene Pendulum: 1 body, 1 joint>
+    """
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Mapping):
+        return from_dict(source)
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+        return _read(yaml12.to_json(source, "scene"), "")
+    path = Path(source)
+    content = path.read_bytes()
+    language = _language(path)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as e:
+        raise SceneError(f"{path}: byte {e.start + 1} is not UTF-8 text") from None
+    return _read(yaml12.to_json(text, str(path)) if language == "yaml" else text, str(path))
+
+
+def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = ()) -> Scene:
+    """A scene from plain data; numpy numbers and arrays are taken, too. Raises SceneError."""
+    try:
+        text = json.dumps(data, default=_plain)
+    except ValueError:
+        raise SceneError(f"{file or 'scene'}: contains itself") from None
+    except TypeError as e:
+        raise SceneError(f"{file or 'scene'}: {e}") from None
+    return Scene(_core.read_scene_json(text, file), json.loads(text), report)
+
+
+def _read(text: str, file: str) -> Scene:
+    return Scene(_core.read_scene_json(text, file), json.loads(text))
+
+
+def _language(path: Path) -> str:
+    ending = path.suffix.lower()
+    if ending in (".yaml", ".yml"):
+        return "yaml"
+    if ending == ".json":
+        return "json"
+    hint = {
+        ".urdf": "; `gelenk import` makes a scene of a robot description",
+        ".xacro": "; expand it with xacro, then `gelenk import` makes a scene of the robot description",
+        ".fmu": "; an FMU is already exported",
+    }.get(ending, "")
+    raise SceneError(f"{path}: found the ending {ending or 'none'}, expected .yaml, .yml or .json{hint}")
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"found a {type(value).__name__}, expected numbers, strings, lists and mappings")
+
+
+def unknown(name: str, what: str, known: Iterable[str]) -> str:
+    """The sentence for a name that does not exist: the nearest ones, else all if they are few."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, n=3)
+    if near:
+        return f"{name}: no such {what}; did you mean {' or '.join(near)}?"
+    if not names:
+        return f"{name}: no such {what}; there are none"
+    if len(names) <= 12:
+        return f"{name}: no such {what}; there are {', '.join(names)}"
+    return f"{name}: no such {what}; there are {', '.join(names[:10])} and {len(names) - 10} more"
+
+
+def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> float:
+    """What a user wrote for a parameter, as the number that stands for it. Raises UsageError."""
+    if kind == "boolean":
+        if value in (True, False):
+            return float(value)
+        if isinstance(value, str) and value.lower() in ("true", "false", "1", "0"):
+            return float(value.lower() in ("true", "1"))
+        raise UsageError(f"{name}: found {value!r}, expected true or false")
+    names = list(items)
+    if kind == "enumeration":
+        if isinstance(value, str) and value in names:
+            return float(names.index(value) + 1)
+        if not isinstance(value, str) and value in range(1, len(names) + 1):
+            return float(value)
+        raise UsageError(f"{name}: found {value!r}, expected one of {', '.join(names)}")
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: found {value!r}, expected a number") from None
+    if not math.isfinite(result):
+        raise UsageError(f"{name}: found {result}, expected a finite number")
+    return result
+
+
+def _shown(parameter: _core.Parameter, value: float) -> Value:
+    if parameter.type == "boolean":
+        return bool(value)
+    return parameter.items[round(value) - 1] if parameter.type == "enumeration" else value

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A scene as a plant that `gelenk.simulate` can run, without an FMU in between."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import override
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.plant import Plant
+from gelenk.scene import Scene, Value
+from gelenk.simulation import Simulation
+
+
+class ScenePlant(Plant):
+    """See `gelenk.plant.Plant`."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._simulation = Simulation(scene)
+        self.stop, self.step = scene.stop, scene.step
+        self.inputs = [s.name for s in self._simulation.inputs]
+        self.outputs = [s.name for s in self._simulation.outputs]
+        signals = (*self._simulation.outputs, *self._simulation.diagnostic_signals)
+        self.units = {s.name: s.unit for s in signals}
+        self.parameters = list(scene.parameters)
+        self.assembly_report = ""
+        self._selection: list[str] = []
+        self._diagnostics: list[tuple[int, str]] = []
+
+    @override
+    def set_parameters(self, settings: Mapping[str, Value]) -> None:
+        self._simulation = Simulation(self._scene.with_parameters(settings))
+
+    @override
+    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+        for name, value in inputs.items():
+            self._simulation.set_input(name, value)
+        self._simulation.initialize(0.0, tolerance or 0.0)
+        self.assembly_report = self._simulation.assembly_report()
+
+    @override
+    def select(self, names: list[str]) -> None:
+        outputs = set(self.outputs)
+        self._selection = [name for name in names if name in outputs]
+        self._diagnostics = [(i, name) for i, name in enumerate(names) if name not in outputs]
+
+    @override
+    def set_input(self, name: str, value: float) -> None:
+        self._simulation.set_input(name, value)
+
+    @override
+    def advance(self, start: float, end: float) -> None:
+        self._simulation.step_to(end)
+
+    @override
+    def read(self) -> NDArray[np.float64]:
+        values = self._simulation.values(self._selection)
+        if not self._diagnostics:
+            return values
+        health = self._simulation.diagnostics
+        places = [i - k for k, (i, _) in enumerate(self._diagnostics)]
+        return np.insert(values, places, [health[name] for _, name in self._diagnostics])
+
+    @override
+    def close(self) -> None:
+        pass

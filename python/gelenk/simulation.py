@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Simulation: one running instance of a scene, stepped by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk import _core
+from gelenk.errors import UsageError
+from gelenk.scene import Source, load, unknown
+
+
+class Simulation:
+    """One running instance of a scene. Steps run without Python's lock: several may run in threads.
+
+    >>> plant = gelenk.Simulation(four_bar)
+    >>> plant.initialize()
+    >>> plant.set_input("drive.tau", 3.0)     # N.m, held until it is set again
+    >>> for k in range(100):
+    ...     plant.step_to((k + 1) * 1e-3)
+    >>> plant.output("A.w") > 0
+    True
+    """
+
+    def __init__(self, scene: Source) -> None:
+        """Compiles the scene (anything `gelenk.load` takes). Raises SceneError."""
+        self.scene = load(scene)
+        self._core = _core.Simulation(self.scene._core)
+        #: What can be set: tuple of signals with `.name`, `.unit`, `.description`.
+        self.inputs = tuple(self._core.inputs)
+        #: What can be read, joints first, then sensors: tuple of signals.
+        self.outputs = tuple(self._core.outputs)
+        #: Health of the run: tuple of signals; their values are in `diagnostics`.
+        self.diagnostic_signals = tuple(self._core.diagnostics)
+        self._input = {s.name: i for i, s in enumerate(self.inputs)}
+        self._output = {s.name: i for i, s in enumerate(self.outputs)}
+
+    def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
+        """Closes the loops at the start values.
+
+        Args:
+            time: [s] at which the run starts.
+            tolerance: relative tolerance of the integrator; 0: the scene's.
+
+        Raises:
+            AssemblyError: the loops cannot be closed.
+        """
+        self._core.initialize(time, tolerance)
+
+    def step_to(self, end: float) -> None:
+        """Advances to `end` [s] under the inputs set now.
+
+        Raises:
+            StepError: the step cannot be made; the plant still stands at `time`.
+            UsageError: `end` lies before `time` or is not finite.
+        """
+        self._core.step_to(end)
+
+    @property
+    def time(self) -> float:
+        """Where the plant stands [s]."""
+        return self._core.time
+
+    @property
+    def size(self) -> _core.ModelSize:
+        """Sizes: bodies, coordinates, speeds, rows, planar; rank and freedoms after `initialize`."""
+        return self._core.size
+
+    def set_input(self, name: str, value: float) -> None:
+        """Sets an input, in its unit. Raises UsageError: no such name, or a value that is not finite."""
+        self._core.set_input(self._index(name, "input", self._input), value)
+
+    def input(self, name: str) -> float:
+        """The present value of an input. Raises UsageError for an unknown name."""
+        return self._core.input(self._index(name, "input", self._input))
+
+    def output(self, name: str) -> float:
+        """The present value of an output. Raises UsageError for an unknown name."""
+        return float(self._core.read_outputs([self._index(name, "output", self._output)])[0])
+
+    def values(self, names: Iterable[str] | None = None) -> NDArray[np.float64]:
+        """The present values of these outputs, of all when None: shape (number of names,).
+
+        Raises:
+            UsageError: a name that does not exist.
+        """
+        if names is None:
+            return self._core.read_outputs(range(len(self.outputs)))
+        return self._core.read_outputs([self._index(name, "output", self._output) for name in names])
+
+    @property
+    def diagnostics(self) -> dict[str, float]:
+        """Health of the run by name: constraint errors, energies, counts of the integrator."""
+        return {s.name: self._core.diagnostic(i) for i, s in enumerate(self.diagnostic_signals)}
+
+    @property
+    def independent_coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates that make up a minimal set of states; known after `initialize`."""
+        return tuple(self.outputs[i].name for i in self._core.independent_coordinates)
+
+    def assembly_report(self) -> str:
+        """What assembly found, in words: the branch and what it changed."""
+        return self._core.assembly_report()
+
+    @staticmethod
+    def _index(name: str, what: str, known: dict[str, int]) -> int:
+        if name not in known:
+            raise UsageError(unknown(name, what, known))
+        return known[name]
