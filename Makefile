@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# make demo     build Gelenk into .venv, export a four-bar, run it, plot it
+# make test     formatting, linters, all tests
+# make lint     formatting, ruff, mypy, warnings as errors, clang-tidy
+# make format   set all code
+# make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
+# make clean    remove what was built
+# A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.DEFAULT_GOAL := help
+
+JOBS  ?= 2
+TESTS ?= tests
+VENV  := .venv
+BIN   := $(VENV)/bin
+PIP   := $(BIN)/python -m pip --quiet --disable-pip-version-check
+# A virtualenv that happens to be active must not leak into the build.
+unexport VIRTUAL_ENV PYTHONHOME
+export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
+
+NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp' -o -name '*.h' \) 2>/dev/null)
+PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
+BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
+
+.PHONY: help demo test lint style tidy format pytest clean
+help:
+	@sed -n '2,9s/^# //p' Makefile
+
+demo: $(VENV)/gelenk.stamp
+	$(BIN)/python -m gelenk.demo
+
+test: style pytest tidy
+
+lint: style tidy
+
+pytest: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m pytest -n $(JOBS) $(TESTS)
+
+# Whatever reads only.
+style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/clang-format --dry-run -Werror $(NATIVE)
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/mypy
+
+# Compiles all of it with warnings as errors and clang-tidy, and makes the FMUs of scenes/ as a C++ user does.
+tidy: $(VENV)/tools.stamp
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset ci -j $(JOBS)
+	PATH="$(abspath $(BIN)):$$PATH" bash tests/cmake_user/run.sh build/ci build/cmake_user
+
+format: $(VENV)/tools.stamp
+	$(BIN)/clang-format -i $(NATIVE)
+	$(BIN)/ruff check --fix --exit-zero
+	$(BIN)/ruff format
+
+clean:
+	rm -rf build dist out $(VENV) .mypy_cache .pytest_cache .ruff_cache
+
+$(VENV)/created.stamp:
+	@python=$$(sh cmake/find_python.sh); \
+	echo "Making $(VENV) with $$python"; \
+	"$$python" -m venv --clear $(VENV)
+	$(PIP) install --upgrade pip
+	@touch $@
+
+# First as any user installs it: pip fetches what the build needs and builds apart. After an edit, what the
+# linters brought into .venv is used and only what changed is compiled.
+$(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
+	@if [ -e $@ ] && [ -e $(VENV)/tools.stamp ] && [ -z "$(filter pyproject.toml,$?)" ]; then \
+	  echo "Building Gelenk again"; \
+	  PATH="$(abspath $(BIN)):$$PATH" $(PIP) install --no-build-isolation --no-deps --force-reinstall \
+	    -C build-dir=build/wheel .; \
+	else \
+	  echo "Building Gelenk (some minutes)"; \
+	  $(PIP) install '.[charts,urdf]'; \
+	fi
+	@touch $@
+
+$(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
+	$(PIP) install --group test --group lint
+	@touch $@

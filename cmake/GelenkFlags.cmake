@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Compiler flags. No -ffast-math and no -march: the same FMU must give the same bits on every x86-64 machine.
+get_property(multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+if(NOT CMAKE_BUILD_TYPE AND NOT multi_config)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# What every target of ours is compiled with; third-party headers come in as SYSTEM and stay quiet.
+add_library(gelenk_flags INTERFACE)
+target_compile_options(gelenk_flags INTERFACE
+  -Wall -Wextra -Wpedantic
+  -ffp-contract=off  # a compiler free to fuse would give other bits than the next one
+  -ffunction-sections -fdata-sections
+  # Unique symbols would tie two FMUs in one process together. clang-tidy does not know the flag.
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<NOT:$<BOOL:${GELENK_TIDY}>>>:-fno-gnu-unique>
+  # GCC 12 warns of overlapping copies inside its own std::string where there are none (GCC bug 105651).
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
+  $<$<BOOL:${GELENK_WERROR}>:-Werror>)
+
+if(GELENK_SANITIZE)
+  target_compile_options(gelenk_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+    -fno-omit-frame-pointer)
+  target_link_options(gelenk_flags INTERFACE -fsanitize=address,undefined)
+endif()
+if(GELENK_COVERAGE)
+  target_compile_options(gelenk_flags INTERFACE --coverage -fprofile-update=atomic)
+  target_link_options(gelenk_flags INTERFACE --coverage)
+endif()
+
+# clang-tidy beside the compiler, so that only what changed is looked at again; for targets of ours only.
+function(gelenk_tidy)
+  if(NOT GELENK_TIDY)
+    return()
+  endif()
+  find_program(GELENK_CLANG_TIDY clang-tidy REQUIRED)
+  foreach(target IN LISTS ARGN)
+    if(TARGET ${target})
+      set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY
+        "${GELENK_CLANG_TIDY};--quiet;--extra-arg=-Wno-unknown-warning-option;--extra-arg=-Wno-ignored-optimization-argument")
+    endif()
+  endforeach()
+endfunction()

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The Python module gelenk._core and what the package carries: the FMU runtime, the schema, the scenes, the
+# licences.
+gelenk_wheel_dir(nanobind_DIR "${wheel_nanobind}")
+find_package(nanobind CONFIG REQUIRED)
+
+file(GLOB binding_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/bindings/*.cpp)
+if(binding_sources)
+  nanobind_add_module(_core NB_STATIC ${binding_sources})
+  target_link_libraries(_core PRIVATE gelenk_flags gelenk_core)
+  # nanobind's headers warn under -Wpedantic.
+  target_include_directories(_core SYSTEM PRIVATE $<TARGET_PROPERTY:nanobind-static,INTERFACE_INCLUDE_DIRECTORIES>)
+  install(TARGETS _core LIBRARY DESTINATION gelenk COMPONENT python)
+endif()
+if(TARGET gelenk_fmu)
+  install(TARGETS gelenk_fmu LIBRARY DESTINATION gelenk/runtime/linux64 COMPONENT python)
+endif()
+if(TARGET gelenk_schema)
+  install(FILES ${GELENK_SCHEMA} DESTINATION gelenk/schema COMPONENT python)
+endif()
+file(GLOB scene_files CONFIGURE_DEPENDS
+  ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.json ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.yaml)
+install(FILES ${scene_files} DESTINATION gelenk/scenes COMPONENT python)
+install(FILES ${GELENK_LICENSES} DESTINATION gelenk/licenses COMPONENT python)
+install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/scenes/four_bar.yaml DESTINATION gelenk/scenes COMPONENT python)  # the demo's

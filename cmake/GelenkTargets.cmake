@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The native targets: the core, the FMU runtime, the export tool. Folders are globbed: a new file needs no edit here.
+set(rooms math joint scene mechanism dynamics formulation integrator analysis simulation)
+list(TRANSFORM rooms PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
+list(TRANSFORM rooms APPEND /*.cpp OUTPUT_VARIABLE patterns)
+file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp)
+set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/yaml.cpp)
+set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
+list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
+
+add_library(gelenk_core STATIC ${core_sources})
+target_include_directories(gelenk_core PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(gelenk_core PUBLIC GELENK_VERSION="${PROJECT_VERSION}")
+find_package(Threads REQUIRED)
+target_link_libraries(gelenk_core
+  PUBLIC gelenk_eigen
+  PRIVATE gelenk_flags gelenk_sundials gelenk_json Threads::Threads)
+
+# The stubs must come after the archives that call them, so they are told as something that SUNDIALS needs.
+if(GELENK_SUNDIALS_WHEEL)
+  add_library(gelenk_sundials_stubs STATIC ${stubs_source})
+  target_link_libraries(gelenk_sundials_stubs PRIVATE gelenk_flags)
+  set_property(TARGET SUNDIALS::core_static APPEND PROPERTY INTERFACE_LINK_LIBRARIES gelenk_sundials_stubs)
+endif()
+
+# Everything an FMU needs in one file. Nothing of it can be seen from outside but the functions of FMI, and
+# nothing is taken from outside but the C library: two FMUs in one process must not meet.
+file(GLOB fmu_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/*.cpp)
+set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
+if(fmu_sources)
+  add_library(gelenk_fmu MODULE ${fmu_sources})
+  add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
+  target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
+  target_link_options(gelenk_fmu PRIVATE
+    -static-libgcc -static-libstdc++
+    -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+    $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>
+    $<$<CONFIG:Release>:-Wl,--strip-all>)
+  set_target_properties(gelenk_fmu PROPERTIES
+    PREFIX "" SUFFIX .so LINK_DEPENDS ${exports_map}
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/linux64)
+endif()
+
+set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/export_main.cpp)
+if(EXISTS ${export_source})
+  add_executable(gelenk-export ${export_source})
+  add_executable(gelenk::gelenk-export ALIAS gelenk-export)
+  target_link_libraries(gelenk-export PRIVATE gelenk_flags gelenk_core)
+  if(GELENK_YAML AND EXISTS ${yaml_source})
+    target_sources(gelenk-export PRIVATE ${yaml_source})
+    target_compile_definitions(gelenk-export PRIVATE GELENK_WITH_YAML)
+    target_link_libraries(gelenk-export PRIVATE gelenk_json ${GELENK_YAML_TARGET})
+  endif()
+endif()
+
+# The JSON Schema of scene files, written from the joint registry at build time.
+set(schema_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/schema_main.cpp)
+file(GLOB scene_sources ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/*.cpp)
+if(scene_sources)
+  set(GELENK_SCHEMA ${PROJECT_BINARY_DIR}/schema/scene.schema.json)
+  add_executable(gelenk-schema ${schema_source})
+  target_link_libraries(gelenk-schema PRIVATE gelenk_flags gelenk_core)
+  add_custom_command(OUTPUT ${GELENK_SCHEMA} COMMAND gelenk-schema ${GELENK_SCHEMA}
+    COMMENT "Writing scene.schema.json" VERBATIM)
+  add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
+endif()
+
+# Licences of what an FMU carries; the texts stand beside the runtime as they do in the installed package.
+file(GLOB GELENK_LICENSES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/licenses/*.txt)
+list(APPEND GELENK_LICENSES ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
+file(COPY ${GELENK_LICENSES} DESTINATION ${PROJECT_BINARY_DIR}/licenses)
+set_property(GLOBAL PROPERTY GELENK_LICENSE_DIR ${PROJECT_BINARY_DIR}/licenses)
