@@ -16,8 +16,8 @@ namespace {
 constexpr double tightest = 1e-15;
 constexpr double loosest = 1;
 
-void check_word(const std::string& word, const std::vector<std::string>& words, const std::string& path,
-                Faults& faults, bool partial) {
+void check_word(const std::string& word, const std::vector<std::string>& words, const std::string& path, Faults& faults,
+                bool partial) {
   if (partial && word.empty()) return;
   if (std::ranges::find(words, word) == words.end()) {
     faults.add(path, text::quoted(word), text::one_of(word, words, "words"));

@@ -75,9 +75,12 @@ std::vector<std::string> force_suffixes(const Force& force) {
 
 std::vector<std::string> sensor_suffixes(const Sensor& sensor) {
   switch (sensor.type) {
-    case SensorType::reaction: return {"f", "t"};
-    case SensorType::frame: return {"r", "Q", "v", "w"};
-    case SensorType::energy: return {"kinetic", "potential", "total"};
+    case SensorType::reaction:
+      return {"f", "t"};
+    case SensorType::frame:
+      return {"r", "Q", "v", "w"};
+    case SensorType::energy:
+      return {"kinetic", "potential", "total"};
   }
   return {};
 }
@@ -95,7 +98,8 @@ void check_names(const Scene& scene, Faults& faults) {
   const std::string always = "every mechanism";
   names.take(always, "constraints", {"position", "velocity"});
   names.take(always, "energy", {"kinetic", "potential", "total"});
-  names.take(always, "solver", {"steps", "evaluations", "rejected_steps", "tolerance", "formulation", "integrator", "step"});
+  names.take(always, "solver",
+             {"steps", "evaluations", "rejected_steps", "tolerance", "formulation", "integrator", "step"});
   for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
   for (const Motor& motor : scene.motors) names.take("motors." + motor.name, motor.name, motor_suffixes(scene, motor));

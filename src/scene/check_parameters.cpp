@@ -65,7 +65,8 @@ std::vector<Settable> settables(const Scene& scene) {
     if (force.type == ForceType::wrench) {
       out.insert(out.end(), {{force.name + ".force", 3}, {force.name + ".torque", 3}});
     } else {
-      out.insert(out.end(), {{force.name + ".stiffness", 1}, {force.name + ".damping", 1}, {force.name + ".length", 1}});
+      out.insert(out.end(),
+                 {{force.name + ".stiffness", 1}, {force.name + ".damping", 1}, {force.name + ".length", 1}});
     }
   }
   return out;

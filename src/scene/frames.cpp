@@ -57,7 +57,8 @@ Rotation read_matrix(const Json& value, const std::string& path, Faults& faults)
   Eigen::Matrix3d R;
   bool complete = true;
   for (int i = 0; i < 3; ++i) {
-    const auto row = read_vector(value[static_cast<std::size_t>(i)], path + "[" + std::to_string(i + 1) + "]", faults, "");
+    const auto row =
+        read_vector(value[static_cast<std::size_t>(i)], path + "[" + std::to_string(i + 1) + "]", faults, "");
     complete = complete && row.has_value();
     if (row) R.row(i) = row->transpose();
   }
@@ -161,12 +162,13 @@ BodyFrame read_body_frame(const Json& value, const std::string& path, Faults& fa
     frame.body = read_body_name(value, path, faults, names);
     return frame;
   }
-  Fields fields(value, path, faults,
-                with_rotation ? "{body, position, rotation} or the name of a body"
-                              : "{body, position} or the name of a body");
+  Fields fields(
+      value, path, faults,
+      with_rotation ? "{body, position, rotation} or the name of a body" : "{body, position} or the name of a body");
   const Json* body = fields.require("body", "the name of a body");
   frame.body = body != nullptr ? read_body_name(*body, fields.path("body"), faults, names) : "";
-  if (placed != nullptr) *placed = fields.find("position") != nullptr || fields.find("rotation") != nullptr;  // joints only
+  if (placed != nullptr)
+    *placed = fields.find("position") != nullptr || fields.find("rotation") != nullptr;  // joints only
   frame.X_BF = read_pose(fields, with_rotation);
   fields.done();
   return frame;

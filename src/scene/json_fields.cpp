@@ -15,20 +15,28 @@ std::string in_unit(std::string_view unit) { return unit.empty() ? "" : " in " +
 
 bool permits(Allowed allowed, double x) {
   switch (allowed) {
-    case Allowed::not_negative: return x >= 0;
-    case Allowed::positive: return x > 0;
-    case Allowed::not_zero: return x != 0;
-    case Allowed::any: break;
+    case Allowed::not_negative:
+      return x >= 0;
+    case Allowed::positive:
+      return x > 0;
+    case Allowed::not_zero:
+      return x != 0;
+    case Allowed::any:
+      break;
   }
   return true;
 }
 
 std::string bound(Allowed allowed, std::string_view unit) {
   switch (allowed) {
-    case Allowed::not_negative: return text::with_unit("0", unit) + " or more";
-    case Allowed::positive: return "more than " + text::with_unit("0", unit);
-    case Allowed::not_zero: return "a number other than 0";
-    case Allowed::any: break;
+    case Allowed::not_negative:
+      return text::with_unit("0", unit) + " or more";
+    case Allowed::positive:
+      return "more than " + text::with_unit("0", unit);
+    case Allowed::not_zero:
+      return "a number other than 0";
+    case Allowed::any:
+      break;
   }
   return "a number" + in_unit(unit);
 }

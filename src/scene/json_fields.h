@@ -27,8 +27,7 @@ std::optional<std::vector<double>> read_list(const Json& value, const std::strin
                                              std::size_t size, std::string_view unit, Allowed allowed = Allowed::any);
 std::optional<Eigen::Vector3d> read_vector(const Json& value, const std::string& path, Faults& faults,
                                            std::string_view unit);
-std::optional<std::string> read_text(const Json& value, const std::string& path, Faults& faults,
-                                     std::string_view what);
+std::optional<std::string> read_text(const Json& value, const std::string& path, Faults& faults, std::string_view what);
 
 // A mapping. Fields must be asked for before done(), which turns the rest into faults.
 class Fields {

@@ -61,58 +61,62 @@ void read_wrench(Fields& fields, Reader& reader, Force& force) {
 }  // namespace
 
 void read_motors(const Json& section, Reader& reader) {
-  each_entry(section, "motors", reader.faults, [&](const std::string& name, const Json& value, const std::string& path) {
-    Motor motor;
-    motor.name = name;
-    Fields fields(value, path, reader.faults, "a mapping with joint, gear_ratio, rotor_inertia");
-    motor.joint = read_joint_name(fields, reader);
-    motor.gear_ratio = fields.number("gear_ratio", 1, "", Allowed::not_zero);
-    motor.rotor_inertia = fields.number("rotor_inertia", 0, rotor_unit(reader.scene, motor.joint), Allowed::not_negative);
-    fields.done();
-    reader.scene.motors.push_back(std::move(motor));
-  });
+  each_entry(section, "motors", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               Motor motor;
+               motor.name = name;
+               Fields fields(value, path, reader.faults, "a mapping with joint, gear_ratio, rotor_inertia");
+               motor.joint = read_joint_name(fields, reader);
+               motor.gear_ratio = fields.number("gear_ratio", 1, "", Allowed::not_zero);
+               motor.rotor_inertia =
+                   fields.number("rotor_inertia", 0, rotor_unit(reader.scene, motor.joint), Allowed::not_negative);
+               fields.done();
+               reader.scene.motors.push_back(std::move(motor));
+             });
 }
 
 void read_forces(const Json& section, Reader& reader) {
-  each_entry(section, "forces", reader.faults, [&](const std::string& name, const Json& value, const std::string& path) {
-    Force force;
-    force.name = name;
-    Fields fields(value, path, reader.faults, "a mapping with type");
-    const std::string type = fields.choice("type", words::forces, "");
-    if (type.empty()) {
-      reader.doubtful.insert(name);
-      return;
-    }
-    force.type = type == "wrench" ? ForceType::wrench : ForceType::spring_damper;
-    if (type == "wrench") {
-      read_wrench(fields, reader, force);
-    } else {
-      read_spring_damper(fields, reader, force);
-    }
-    fields.done();
-    reader.scene.forces.push_back(std::move(force));
-  });
+  each_entry(section, "forces", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               Force force;
+               force.name = name;
+               Fields fields(value, path, reader.faults, "a mapping with type");
+               const std::string type = fields.choice("type", words::forces, "");
+               if (type.empty()) {
+                 reader.doubtful.insert(name);
+                 return;
+               }
+               force.type = type == "wrench" ? ForceType::wrench : ForceType::spring_damper;
+               if (type == "wrench") {
+                 read_wrench(fields, reader, force);
+               } else {
+                 read_spring_damper(fields, reader, force);
+               }
+               fields.done();
+               reader.scene.forces.push_back(std::move(force));
+             });
 }
 
 void read_sensors(const Json& section, Reader& reader) {
-  each_entry(section, "sensors", reader.faults, [&](const std::string& name, const Json& value, const std::string& path) {
-    Sensor sensor;
-    sensor.name = name;
-    Fields fields(value, path, reader.faults, "a mapping with type");
-    const std::string type = fields.choice("type", words::sensors, "");
-    if (type.empty()) return;
-    if (type == "reaction") {
-      sensor.type = SensorType::reaction;
-      sensor.joint = read_joint_name(fields, reader);
-    } else if (type == "frame") {
-      sensor.type = SensorType::frame;
-      sensor.frame = read_own_frame(fields, reader);
-    } else {
-      sensor.type = SensorType::energy;
-    }
-    fields.done();
-    reader.scene.sensors.push_back(std::move(sensor));
-  });
+  each_entry(section, "sensors", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               Sensor sensor;
+               sensor.name = name;
+               Fields fields(value, path, reader.faults, "a mapping with type");
+               const std::string type = fields.choice("type", words::sensors, "");
+               if (type.empty()) return;
+               if (type == "reaction") {
+                 sensor.type = SensorType::reaction;
+                 sensor.joint = read_joint_name(fields, reader);
+               } else if (type == "frame") {
+                 sensor.type = SensorType::frame;
+                 sensor.frame = read_own_frame(fields, reader);
+               } else {
+                 sensor.type = SensorType::energy;
+               }
+               fields.done();
+               reader.scene.sensors.push_back(std::move(sensor));
+             });
 }
 
 }  // namespace gelenk

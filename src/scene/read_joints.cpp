@@ -78,8 +78,7 @@ void read_frames(Fields& fields, Reader& reader, Joint& joint) {
     bool placed = false;
     *frame = read_body_frame(*value, fields.path(key), faults, reader.bodies, true, &placed);
     if (placed && at != nullptr) {
-      faults.add(fields.path(key), "a position or rotation beside 'at'",
-                 "either 'at' or the frames in both bodies");
+      faults.add(fields.path(key), "a position or rotation beside 'at'", "either 'at' or the frames in both bodies");
     }
   }
   if (at == nullptr) return;
@@ -136,12 +135,13 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
 }  // namespace
 
 void read_joints(const Json& section, Reader& reader) {
-  each_entry(section, "joints", reader.faults, [&](const std::string& name, const Json& value, const std::string& path) {
-    Joint joint;
-    joint.name = name;
-    read_joint(value, path, reader, joint);
-    reader.scene.joints.push_back(std::move(joint));
-  });
+  each_entry(section, "joints", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               Joint joint;
+               joint.name = name;
+               read_joint(value, path, reader, joint);
+               reader.scene.joints.push_back(std::move(joint));
+             });
 }
 
 }  // namespace gelenk

@@ -26,10 +26,10 @@ struct BodyFrame {
 
 struct Body {
   std::string name;
-  double mass = 0;                                        // kg
-  Eigen::Vector3d com = Eigen::Vector3d::Zero();          // m, in the body's frame B
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();      // kg m2 about the centre of mass, along B's axes
-  std::optional<Pose3> pose;                              // X_WB in the reference configuration (`at:` joints)
+  double mass = 0;                                    // kg
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, in the body's frame B
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m2 about the centre of mass, along B's axes
+  std::optional<Pose3> pose;                          // X_WB in the reference configuration (`at:` joints)
 };
 
 // Start values of a joint. Sizes are the kind's nq and nv; what the file does not give is a free guess.
@@ -41,8 +41,8 @@ struct JointStart {
 
 struct Joint {
   std::string name;
-  std::string type;                    // a name in the joint registry
-  std::vector<Eigen::Vector3d> axes;   // unit vectors in the joint frame; as many as the kind has
+  std::string type;                   // a name in the joint registry
+  std::vector<Eigen::Vector3d> axes;  // unit vectors in the joint frame; as many as the kind has
   BodyFrame parent, child;
   JointStart start;
   // Per speed, nv each, zeros where the file is silent: tau = -stiffness (q - spring_reference) - damping v.
@@ -76,7 +76,7 @@ struct Force {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // N m
   bool in_body = false;                              // components along the body's axes; else the world's
-  bool input = false;  // also an FMU input f[1..3], t[1..3], added to the constants above
+  bool input = false;                                // also an FMU input f[1..3], t[1..3], added to the constants above
 };
 
 enum class SensorType {

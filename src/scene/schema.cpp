@@ -21,15 +21,12 @@ Json rotation() {
              {"rpy"}),
       object({{"axis", list(3, "", "Direction of the axis")}, {"angle", number("rad", "Turn about the axis")}},
              {"axis", "angle"}),
-      object({{"matrix",
-               {{"type", "array"}, {"items", list(3, "", "A row")}, {"minItems", 3}, {"maxItems", 3}}}},
+      object({{"matrix", {{"type", "array"}, {"items", list(3, "", "A row")}, {"minItems", 3}, {"maxItems", 3}}}},
              {"matrix"})};
   return out;
 }
 
-Json pose_fields() {
-  return {{"position", list(3, "m", "Origin of the frame")}, {"rotation", reference("rotation")}};
-}
+Json pose_fields() { return {{"position", list(3, "m", "Origin of the frame")}, {"rotation", reference("rotation")}}; }
 
 Json frame(bool with_rotation) {
   Json fields;
@@ -51,7 +48,8 @@ Json body() {
                      {"inertia", inertia},
                      {"pose", object(pose_fields(), {})}},
                     {"mass"});
-  out["properties"]["pose"]["description"] = "Pose in the world at the reference configuration, for joints given by 'at'.";
+  out["properties"]["pose"]["description"] =
+      "Pose in the world at the reference configuration, for joints given by 'at'.";
   return out;
 }
 
@@ -72,8 +70,9 @@ Json start(const JointKind& kind) {
   }
   Json listed = {{"type", "array"}};
   if (!names.empty()) listed["items"] = {{"enum", names}};
-  fields["fixed"] = {{"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
-                     {"oneOf", {{{"type", "boolean"}}, listed}}};
+  fields["fixed"] = {
+      {"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
+      {"oneOf", {{{"type", "boolean"}}, listed}}};
   Json out = object(fields, {});
   out["description"] = "Start values.";
   if (!one_rotation.is_null()) out["not"] = one_rotation;
@@ -98,7 +97,8 @@ Json joint(const JointKind& kind) {
   fields["parent"] = reference("frame");
   fields["child"] = reference("frame");
   fields["at"] = object(pose_fields(), {});
-  fields["at"]["description"] = "The joint's frame in the world at the reference configuration, instead of in both bodies.";
+  fields["at"]["description"] =
+      "The joint's frame in the world at the reference configuration, instead of in both bodies.";
   fields["start"] = start(kind);
   const JointUnits units = joint_units(kind);
   if (kind.nv > 0) fields["damping"] = per_speed(kind, units.damping, "Damping of each speed", Allowed::not_negative);
@@ -121,10 +121,11 @@ Json any_joint() {
 }
 
 Json motor() {
-  return object({{"joint", text("Name of a joint with one degree of freedom")},
-                 {"gear_ratio", number("", "Travel of the motor per travel of the joint; 1 if not given", Allowed::not_zero)},
-                 {"rotor_inertia", number("kg m2, along an axis kg", "At the motor's side", Allowed::not_negative)}},
-                {"joint"});
+  return object(
+      {{"joint", text("Name of a joint with one degree of freedom")},
+       {"gear_ratio", number("", "Travel of the motor per travel of the joint; 1 if not given", Allowed::not_zero)},
+       {"rotor_inertia", number("kg m2, along an axis kg", "At the motor's side", Allowed::not_negative)}},
+      {"joint"});
 }
 
 Json force() {
@@ -139,20 +140,21 @@ Json force() {
   fields.update(pose_fields());
   fields["force"] = list(3, "N", "Constant force");
   fields["torque"] = list(3, "N m", "Constant torque");
-  fields["frame"] = {{"enum", words::load_frames}, {"description", "Whose axes the components are along; world if not given"}};
+  fields["frame"] = {{"enum", words::load_frames},
+                     {"description", "Whose axes the components are along; world if not given"}};
   fields["input"] = {{"type", "boolean"}, {"description", "Whether a load f, t comes from outside as well"}};
   return by_type(words::forces,
                  {when_type("spring_damper", spring), when_type("wrench", object(fields, {"type", "body"}))});
 }
 
 Json sensor() {
-  const Json reaction = object({{"type", {{"const", "reaction"}}}, {"joint", text("Name of a joint")}}, {"type", "joint"});
+  const Json reaction =
+      object({{"type", {{"const", "reaction"}}}, {"joint", text("Name of a joint")}}, {"type", "joint"});
   Json fields = {{"type", {{"const", "frame"}}}, {"body", text("Name of a body, or ground")}};
   fields.update(pose_fields());
   const Json energy = object({{"type", {{"const", "energy"}}}}, {"type"});
-  return by_type(words::sensors, {when_type("reaction", reaction),
-                                                   when_type("frame", object(fields, {"type", "body"})),
-                                                   when_type("energy", energy)});
+  return by_type(words::sensors, {when_type("reaction", reaction), when_type("frame", object(fields, {"type", "body"})),
+                                  when_type("energy", energy)});
 }
 
 Json definitions() {
@@ -166,14 +168,16 @@ Json definitions() {
 
 Json settings() {
   Json out;
-  out["experiment"] = object({{"stop", number("s", "Default end of a run", Allowed::positive)},
-                              {"step", number("s", "Default communication step", Allowed::positive)},
-                              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Allowed::positive)}},
-                             {});
-  out["solver"] = object({{"formulation", {{"enum", words::formulations}}},
-                          {"integrator", {{"enum", words::integrators}}},
-                          {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)}},
-                         {});
+  out["experiment"] =
+      object({{"stop", number("s", "Default end of a run", Allowed::positive)},
+              {"step", number("s", "Default communication step", Allowed::positive)},
+              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Allowed::positive)}},
+             {});
+  out["solver"] =
+      object({{"formulation", {{"enum", words::formulations}}},
+              {"integrator", {{"enum", words::integrators}}},
+              {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)}},
+             {});
   return out;
 }
 

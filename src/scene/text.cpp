@@ -103,6 +103,29 @@ std::string one_of(std::string_view found, const std::vector<std::string>& names
   return "one of " + list(names) + (names.size() > 4 ? hint : "");
 }
 
+std::size_t first_not_utf8(std::string_view s) {
+  const auto byte = [&](std::size_t i) { return i < s.size() ? static_cast<unsigned char>(s[i]) : 0U; };
+  for (std::size_t i = 0; i < s.size();) {
+    const unsigned lead = byte(i);
+    const std::size_t more = lead < 0x80   ? 0
+                             : lead < 0xc2 ? 4
+                             : lead < 0xe0 ? 1
+                             : lead < 0xf0 ? 2
+                             : lead < 0xf5 ? 3
+                                           : 4;
+    if (more == 4) return i;
+    // The second byte keeps out longer ways of writing a sign, surrogates, and what is beyond U+10FFFF.
+    const unsigned low = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
+    const unsigned high = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
+    if (more > 0 && (byte(i + 1) < low || byte(i + 1) > high)) return i;
+    for (std::size_t k = 2; k <= more; ++k) {
+      if ((byte(i + k) & 0xc0) != 0x80) return i;
+    }
+    i += more + 1;
+  }
+  return std::string_view::npos;
+}
+
 bool is_identifier(std::string_view name) {
   return !name.empty() && is_letter(name[0]) &&
          std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });

@@ -31,6 +31,9 @@ std::string nearest(std::string_view found, const std::vector<std::string>& name
 // many: what these are, "bodies".
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many);
 
+// The place of the first byte that is not UTF-8 (RFC 3629), or npos.
+std::size_t first_not_utf8(std::string_view s);
+
 // A letter or _, then letters, digits or _: what FMI's structured names take.
 bool is_identifier(std::string_view name);
 

@@ -121,9 +121,12 @@ Json force(const Force& force) {
 
 Json sensor(const Sensor& sensor) {
   switch (sensor.type) {
-    case SensorType::reaction: return {{"type", "reaction"}, {"joint", sensor.joint}};
-    case SensorType::energy: return {{"type", "energy"}};
-    case SensorType::frame: break;
+    case SensorType::reaction:
+      return {{"type", "reaction"}, {"joint", sensor.joint}};
+    case SensorType::energy:
+      return {{"type", "energy"}};
+    case SensorType::frame:
+      break;
   }
   Json out;
   out["type"] = "frame";

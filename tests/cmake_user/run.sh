@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# run.sh BUILD WORK: installs what was built in BUILD below WORK and builds this folder's project against it.
+set -euo pipefail
+build=$(realpath "$1")
+rm -rf "$2"
+mkdir -p "$2"
+work=$(realpath "$2")
+cmake --install "$build" --prefix "$work/prefix" --component native >/dev/null
+cmake -S "$(dirname "${BASH_SOURCE[0]}")" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/build"
+files=$(python -m zipfile --list "$work/build/Pendulum.fmu")
+for file in modelDescription.xml binaries/linux64/Pendulum.so resources/scene.json documentation/licenses/Eigen.txt; do
+  grep -q "^$file " <<<"$files" || { echo "Pendulum.fmu lacks $file; it holds:"; echo "$files"; exit 1; }
+done
+echo "find_package(gelenk), gelenk_add_fmu(Pendulum): Pendulum.fmu is complete"

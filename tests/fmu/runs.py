@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a master may do to an FMU, with what it has to give."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import shutil
+from ctypes import c_double, c_int, c_size_t
+
+from fmu.host import DISCARD, ERROR, LAST_SUCCESSFUL_TIME, OK, TERMINATED, Fmu, Slave, expect
+
+
+def instances_without_callbacks_work_in_silence(fmu: Fmu) -> None:
+    for slave in (Slave(fmu, callbacks=False), Slave(fmu, logger=False)):
+        assert slave.component
+        assert slave.step(0.0, 0.1) == ERROR
+        slave.start().run(3)
+        slave.free()
+
+
+def numbers_that_are_none_do_not_enter(fmu: Fmu) -> None:
+    reference = Slave(fmu).start()
+    reference.set_real(drive__tau=2.5)
+    expected = reference.run(20)
+    s = Slave(fmu).start()
+    s.set_real(drive__tau=2.5)
+    rows = s.run(10)
+    for bad in (math.nan, math.inf, -math.inf):
+        expect(s, s.set_real(drive__tau=bad), ERROR, "fmi2SetReal: drive.tau: found", "it stays 2.5 N.m")
+        assert s.get("drive.tau") == 2.5
+    rows += s.run(10, first=10)
+    assert rows == expected  # to the bit
+
+
+def a_refused_step_leaves_the_plant_where_it_was(fmu: Fmu) -> None:
+    s = Slave(fmu).start()
+    s.run(5)
+    before = s.outputs()
+    s.set_real(drive__tau=1e300)
+    expect(s, s.step(0.05, 0.01), DISCARD, "fmi2DoStep: t = ", "not finite", "still stands at t = 0.05 s")
+    time, wish = c_double(), c_int()
+    assert s.call("fmi2GetRealStatus", c_int(LAST_SUCCESSFUL_TIME), ctypes.byref(time)) == OK
+    assert s.call("fmi2GetBooleanStatus", c_int(TERMINATED), ctypes.byref(wish)) == OK
+    assert wish.value == 1
+    assert abs(time.value - 0.05) < 1e-15
+    s.set_real(drive__tau=0.0)
+    assert s.outputs() == before
+    assert s.step(time.value, 0.01) == OK
+    assert all(map(math.isfinite, s.outputs()))
+    assert s.call("fmi2GetBooleanStatus", c_int(TERMINATED), ctypes.byref(wish)) == OK
+    assert wish.value == 0
+
+
+def start_values_that_cannot_be_assembled_can_be_mended(fmu: Fmu) -> None:
+    s = Slave(fmu)
+    assert s.setup() == OK
+    assert s.enter() == OK
+    # Fixed at angles that tear the loop apart.
+    for joint, angle in {"A": 1.0, "B": 1.0, "C": 1.0, "D": 1.0}.items():
+        assert s.set({f"{joint}.phi_start": angle}) == OK
+        assert s.set({f"{joint}.fixed": 1}, "fmi2SetBoolean", c_int) == OK
+    expect(s, s.leave(), ERROR, "fmi2ExitInitializationMode: ", "cannot be closed", "gap")
+    for joint in "BCD":
+        assert s.set({f"{joint}.fixed": 0}, "fmi2SetBoolean", c_int) == OK
+    assert s.leave() == OK, s.said
+    assert abs(s.get("A.phi") - 1.0) < 1e-15
+    s.run(2)
+
+
+def parameters_act(fmu: Fmu) -> None:
+    usual = Slave(fmu).start().run(5)
+    for name, factor in {"crank.m": 1.1, "coupler.com[1]": 0.9, "A.damping": 3.0, "gravity[2]": 0.5}.items():
+        s = Slave(fmu)
+        value = s.get(name) * factor
+        assert s.set({name: value}) == OK
+        assert s.start().run(5) != usual
+        assert s.get(name) == value
+
+
+def setting_what_is_set_already_changes_nothing(fmu: Fmu) -> None:
+    """Masters write all start values back; a guess must stay a guess."""
+    usual = Slave(fmu).start().run(5)
+    s = Slave(fmu)
+    for v in fmu.description.modelVariables:
+        if v.causality == "parameter":
+            kind = {
+                "Real": ("fmi2GetReal", "fmi2SetReal", c_double),
+                "Boolean": ("fmi2GetBoolean", "fmi2SetBoolean", c_int),
+            }
+            getter, setter, ctype = kind.get(v.type, ("fmi2GetInteger", "fmi2SetInteger", c_int))
+            assert s.set({v.name: s.get(v.name, getter, ctype)}, setter, ctype) == OK, s.said
+    assert s.start().run(5) == usual
+
+
+def reset_gives_a_fresh_instance(fmu: Fmu) -> None:
+    fresh = Slave(fmu).start()
+    fresh.set_real(drive__tau=1.7)
+    expected = fresh.run(15)
+    s = Slave(fmu)
+    s.set_real(crank__m=4.0, drive__tau=-3.0)
+    s.start().run(7)
+    assert s.call("fmi2Terminate") == OK
+    assert s.call("fmi2Reset") == OK
+    s.start()
+    assert s.get("drive.tau") == 0.0
+    s.set_real(drive__tau=1.7)
+    assert s.run(15) == expected
+
+
+def interleaved_instances_are_as_alone(fmu: Fmu) -> None:
+    torques = [0.3 * k - 1.1 for k in range(6)]
+    alone = []
+    for torque in torques:
+        s = Slave(fmu).start()
+        s.set_real(drive__tau=torque)
+        alone.append(s.run(12))
+        s.free()
+    slaves = [Slave(fmu).start() for _ in torques]
+    for s, torque in zip(slaves, torques, strict=True):
+        s.set_real(drive__tau=torque)
+    rows: list[list[list[float]]] = [[] for _ in torques]
+    for k in range(12):
+        for s, found in zip(slaves, rows, strict=True):
+            found += s.run(1, first=k)
+    assert rows == alone
+
+
+def clocks_that_round_differently_see_the_same_plant(fmu: Fmu) -> None:
+    multiplied = Slave(fmu).start()
+    summed = Slave(fmu).start()
+    size, time, count = 1e-3, 0.0, 700
+    for k in range(count):
+        assert multiplied.step(k * size, (k + 1) * size - k * size) == OK, multiplied.said
+        assert summed.step(time, size) == OK, summed.said
+        time += size
+    assert time != count * size  # the clocks do differ
+    assert multiplied.outputs() == summed.outputs()
+
+
+def resource_locations_of_all_kinds(fmu: Fmu) -> None:
+    target = fmu.folder.parent / "a room with spaces, 100% Ünïcode"
+    shutil.copytree(fmu.folder / "resources", target, dirs_exist_ok=True)
+    plain = str(target)
+    escaped = target.as_uri().removeprefix("file://")
+    for location in (
+        f"file:{escaped}",
+        f"file://{escaped}",
+        f"file:///{escaped}",
+        f"file://localhost{escaped}",
+        f"FILE://{escaped}",
+        f"file://{escaped}/",
+        plain,
+        plain + "/",
+        os.path.relpath(plain),
+    ):
+        s = Slave(fmu, resources=location)
+        assert s.component, (location, s.log)
+        s.free()
+
+
+def logging_follows_the_categories(fmu: Fmu) -> None:
+    s = Slave(fmu, name="50% of % the plant", logging_on=True).start()
+    assert [category for _, category, _ in s.log] == ["logEvents"] * len(s.log)
+    assert len(s.log) >= 3
+    assert "50% of % the plant is now in initialization mode" in [text for _, _, text in s.log]
+    s.log.clear()
+    only = (ctypes.c_char_p * 1)(b"logStatusDiscard")
+    assert s.call("fmi2SetDebugLogging", c_int(1), c_size_t(1), only) == OK
+    assert s.step(0.0, -1.0) == ERROR
+    assert s.log == []
+    assert s.call("fmi2SetDebugLogging", c_int(1), c_size_t(0), None) == OK
+    unknown = (ctypes.c_char_p * 1)(b"100%")
+    status = s.call("fmi2SetDebugLogging", c_int(1), c_size_t(1), unknown)
+    expect(s, status, ERROR, "category: found '100%', expected one of logAll, logEvents")
+    expect(s, s.call("fmi2SetDebugLogging", c_int(1), c_size_t(2), None), ERROR, "categories: found nothing")

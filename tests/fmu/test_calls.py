@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Right and wrong calls of the FMI functions, each scenario in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import pytest
+
+import gelenk
+
+from .plants import crank_rocker
+from .scenarios import SCENARIOS
+
+TESTS = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="module")
+def crank_rocker_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return gelenk.export_fmu(crank_rocker(), tmp_path_factory.mktemp("fmu") / "crank_rocker.fmu")
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_calls(name: str, crank_rocker_fmu: Path, tmp_path: Path) -> None:
+    folder = Path(fmpy.extract(str(crank_rocker_fmu), str(tmp_path / "extracted")))
+    run = subprocess.run(
+        [sys.executable, "-m", "fmu.scenarios", name, str(folder)],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert run.returncode == 0, f"exit code {run.returncode}\n{run.stdout}\n{run.stderr}"
+    assert run.stdout.endswith("done\n")
+    assert run.stderr == ""  # nothing but the logger speaks

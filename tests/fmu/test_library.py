@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The binary: what it shows to the outside and what it needs from there."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from ctypes import CDLL
+from pathlib import Path
+
+import fmpy
+import pytest
+
+import gelenk
+
+from .plants import crank_rocker, gyroscope
+
+HEADER = Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h"
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("library")
+    found = gelenk.export_fmu(crank_rocker(), folder / "x.fmu")
+    fmpy.extract(str(found), str(folder / "extracted"))
+    return next((folder / "extracted" / "binaries" / "linux64").glob("*.so"))
+
+
+def tool(name: str, *arguments: str) -> str:
+    program = shutil.which(name)
+    if program is None:
+        pytest.skip(f"{name} (binutils) is not installed")
+    return subprocess.run([program, *arguments], capture_output=True, text=True, check=True).stdout
+
+
+def test_exactly_the_functions_of_fmi_are_exported(library: Path) -> None:
+    listing = tool("nm", "-D", "--defined-only", str(library))
+    found = {line.split()[-1].split("@")[0] for line in listing.splitlines()}
+    wanted = set(re.findall(r"^\s+FMI2_Export \w+\s+(fmi2\w+);", HEADER.read_text(), re.MULTILINE))
+    assert len(wanted) == 44
+    assert found == wanted
+    for name in wanted:
+        assert hasattr(CDLL(str(library)), name)
+
+
+def test_only_the_c_library_is_needed(library: Path) -> None:
+    needed = set(re.findall(r"\(NEEDED\).*\[(.*?)\]", tool("readelf", "-d", str(library))))
+    assert needed <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "ld-linux-x86-64.so.2"}
+
+
+def test_the_library_is_small(library: Path) -> None:
+    assert library.stat().st_size < 5e6
+
+
+RUN_BOTH = """
+import sys
+from fmu.host import Fmu, Slave
+first, second = Fmu(sys.argv[1]), Fmu(sys.argv[2])
+def run(fmu, name, value):
+    s = Slave(fmu).start()
+    s.set({name: value})
+    return s
+a = run(first, "drive.tau", 2.0)
+alone_a = a.run(10)
+b = run(second, "push.f[1]", 0.5)
+alone_b = b.run(10)
+a, b = run(first, "drive.tau", 2.0), run(second, "push.f[1]", 0.5)
+both_a, both_b = [], []
+for k in range(10):
+    both_a += a.run(1, first=k)
+    both_b += b.run(1, first=k)
+assert both_a == alone_a
+assert both_b == alone_b
+wrong = Slave(first, guid=second.description.guid)
+assert wrong.component is None
+a.free()
+b.run(1, first=10)
+print("done")
+"""
+
+
+def test_two_different_fmus_in_one_process_do_not_touch_each_other(tmp_path: Path) -> None:
+    folders = []
+    for plant in (crank_rocker, gyroscope):
+        found = gelenk.export_fmu(plant(), tmp_path / f"{plant.__name__}.fmu")
+        folders.append(fmpy.extract(str(found), str(tmp_path / plant.__name__)))
+    tests = Path(__file__).resolve().parent.parent
+    run = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tests)!r})\n{RUN_BOTH}", *folders],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "done\n"

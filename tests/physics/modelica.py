@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Examples of the Modelica Standard Library 4.0.0 (Mechanics.MultiBody.Examples, BSD-3-Clause) as scenes.
+
+Gravity is Modelica's g_n = 9.80665 m/s2 along -y; boxes and cylinders have 7700 kg/m3. The published
+curves are Dymola's at tolerance 1e-6; the library compares its own runs to them within 2e-3 of a range.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import Scene, body, box, cylinder, frame, joint, scene
+
+G_N = 9.80665
+RESULTS = Path(__file__).resolve().parents[3] / "shared" / "reference" / "msl"
+ABOUT_Z = {"axis": [0, 0, 1]}
+
+
+def published(name: str) -> dict[str, np.ndarray]:
+    """The published curve, or a skipped test that says which file is missing. Rows at events are dropped."""
+    path = RESULTS / f"{name}.csv"
+    if not path.is_file():
+        pytest.skip(f"published curve not found: {path}")
+    table = np.genfromtxt(path, delimiter=",", names=True, deletechars="")
+    _, rows = np.unique(table["time"], return_index=True)
+    kept = rows[:: max(1, len(rows) // 250)]
+    return {key.strip('"'): table[key][kept] for key in table.dtype.names or ()}
+
+
+def pendulum() -> Scene:
+    """Elementary.Pendulum: 1 kg at 0.5 m with Modelica's default inertia, damper 0.1 N m s/rad."""
+    return scene(
+        {"body": body(1.0, (0.5, 0, 0), (0.001, 0.001, 0.001))},
+        {
+            "rev": joint(
+                "revolute",
+                frame("ground"),
+                frame("body"),
+                **ABOUT_Z,
+                damping=0.1,
+                start={"phi": 0.0, "w": 0.0, "fixed": True},
+            )
+        },
+        gravity=[0, -G_N, 0],
+    )
+
+
+def double_pendulum() -> Scene:
+    """Elementary.DoublePendulum: two boxes of 0.5 x 0.06 x 0.06 m, damper 0.1 at the first hinge."""
+    return scene(
+        {"boxBody1": box((0.5, 0, 0), 0.06, 0.06), "boxBody2": box((0.5, 0, 0), 0.06, 0.06)},
+        {
+            "revolute1": joint("revolute", frame("ground"), frame("boxBody1"), **ABOUT_Z, damping=0.1),
+            "revolute2": joint("revolute", frame("boxBody1", (0.5, 0, 0)), frame("boxBody2"), **ABOUT_Z),
+        },
+        gravity=[0, -G_N, 0],
+    )
+
+
+def planar_four_bar() -> Scene:
+    """Loops.PlanarFourbar: body1 from the origin, body2 on it, body4 from body3's end at (-0.15, 1) in the
+    world; boxes 0.05 m wide; all angles zero at the start.
+    """
+    ends = {"body1": (0.4, 0, 0), "body2": (0.1, 1.1, 0), "body4": (0.65, 0.1, 0)}
+    return scene(
+        {name: box(end, 0.05, 0.05) for name, end in ends.items()},
+        {
+            "revolute1": joint(
+                "revolute",
+                frame("ground"),
+                frame("body1"),
+                **ABOUT_Z,
+                damping=0.1,
+                start={"phi": 0.0, "w": 0.0, "fixed": True},
+            ),
+            "revolute2": joint("revolute", frame("body1", ends["body1"]), frame("body2"), **ABOUT_Z),
+            "revolute3": joint("revolute", frame("ground", (-0.15, 1, 0)), frame("body4"), **ABOUT_Z),
+            "revolute4": joint(
+                "revolute", frame("body4", ends["body4"]), frame("body2", ends["body2"]), **ABOUT_Z
+            ),
+        },
+        gravity=[0, -G_N, 0],
+    )
+
+
+def fourbar1(chain: bool = False) -> Scene:
+    """Loops.Fourbar1: see spatial_loops.ModelicaFourbar1.
+
+    chain: as in Modelica, with three and two revolute joints through massless parts for the spherical and
+    the universal joint.
+    """
+    start = {"phi": 0.0, "w": 5.235987755982989, "fixed": True}  # 300 deg/s
+    bodies = {
+        "b1": cylinder((0, 0.5, 0.1), 0.05),
+        "b2": cylinder((0, 0.2, 0), 0.05),
+        "b3": cylinder((-1, 0.3, 0.1), 0.05),
+    }
+    joints = {
+        "j1": joint("revolute", frame("ground"), frame("b1"), axis=[1, 0, 0], start=start),
+        "j2": joint(
+            "prismatic", frame("ground", (1.2, 0, 0)), frame("b2"), axis=[1, 0, 0], start={"s": -0.2}
+        ),
+    }
+    top, bottom, tip = frame("b1", (0, 0.5, 0.1)), frame("b2", (0, 0.2, 0)), frame("b3", (-1, 0.3, 0.1))
+    if chain:
+        bodies.update(x=body(0.0), y=body(0.0), c=body(0.0))
+        joints["j3"] = joint("revolute", top, frame("x"), axis=[1, 0, 0])
+        joints["j4"] = joint("revolute", frame("x"), frame("y"), axis=[0, 1, 0])
+        joints["j5"] = joint("revolute", frame("y"), tip, axis=[0, 0, 1])
+        joints["rev"] = joint("revolute", bottom, frame("c"), axis=[0, 1, 0])
+        joints["rev1"] = joint("revolute", frame("c"), frame("b3"), axis=[0, 0, 1])
+    else:
+        joints["ball"] = joint("spherical", top, tip)
+        joints["cross"] = joint("universal", bottom, frame("b3"), axes=[[0, 1, 0], [0, 0, 1]])
+    return scene(bodies, joints, gravity=[0, -G_N, 0])

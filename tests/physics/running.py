@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs scenes and compares: the one place of these tests that talks to gelenk."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import gelenk
+
+Array = NDArray[np.float64]
+
+INTEGRATORS = ("ida", "erk")  # the adaptive ones
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Every output and diagnostic at every time asked for."""
+
+    time: Array
+    values: dict[str, Array]
+    units: dict[str, str]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.values[name]
+
+    def vector(self, name: str) -> Array:
+        """Columns name[1], name[2], ...: shape (times, elements)."""
+        columns: list[Array] = []
+        while f"{name}[{len(columns) + 1}]" in self.values:
+            columns.append(self.values[f"{name}[{len(columns) + 1}]"])
+        assert columns, f"no output {name}[1] among {sorted(self.values)}"
+        return np.array(columns).T
+
+    def joint_states(self, source: Mapping[str, Any]) -> dict[str, Array]:
+        """Outputs that belong to joints, not to sensors or to the run's health."""
+        names = set(source["joints"])
+        return {name: value for name, value in self.values.items() if name.split(".")[0] in names}
+
+
+def run(
+    source: Mapping[str, Any],
+    times: Array | Sequence[float],
+    *,
+    tolerance: float = 1e-10,
+    integrator: str = "auto",
+    inputs: Mapping[str, float] | None = None,
+    step: float = 0.0,
+) -> Recording:
+    """Runs from times[0] and records at each of the times [s]. step: of fixed-step methods [s]."""
+    scene = copy.deepcopy(dict(source))
+    scene["solver"] = {"integrator": integrator, **({"step": step} if step else {})}
+    simulation = gelenk.Simulation(gelenk.load(scene))
+    for name, value in (inputs or {}).items():
+        simulation.set_input(name, value)
+    simulation.initialize(float(times[0]), tolerance)
+    return record(simulation, times)
+
+
+def record(simulation: Any, times: Iterable[float]) -> Recording:
+    """Goes on from where the simulation stands."""
+    outputs = {signal.name: signal.unit for signal in simulation.outputs}
+    rows = []
+    health = []
+    for t in times:
+        if t > simulation.time:
+            simulation.step_to(float(t))
+        rows.append(simulation.values())
+        health.append(dict(simulation.diagnostics))
+    values = {name: np.array(column) for name, column in zip(outputs, zip(*rows, strict=True), strict=True)}
+    values.update({name: np.array([h[name] for h in health]) for name in health[0]})
+    return Recording(np.array(list(times), float), values, outputs)
+
+
+def assert_close(what: str, found: Any, expected: Any, bound: float, why: str) -> None:
+    """The largest difference stays within the bound; else values, difference and bound are told."""
+    a, b = np.broadcast_arrays(np.asarray(found, float), np.asarray(expected, float))
+    difference = np.abs(a - b)
+    worst = np.unravel_index(int(np.argmax(np.where(np.isnan(difference), np.inf, difference))), a.shape)
+    assert difference[worst] <= bound, (
+        f"{what}: found {a[worst]:.12g}, expected {b[worst]:.12g} at {tuple(map(int, worst))}, difference "
+        f"{difference[worst]:.3g} exceeds {bound:.3g} ({why})"
+    )
+
+
+def assert_same(first: Mapping[str, Array], second: Mapping[str, Array], bound: float, why: str) -> None:
+    """Both hold the same signals with the same values within the bound."""
+    assert set(first) == set(second)
+    for name, value in first.items():
+        assert_close(name, value, second[name], bound, why)

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The gelenk command: what it prints, what it writes, how it fails."""
+
+from __future__ import annotations
+
+import csv
+import os
+import pty
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+import pytest
+
+import gelenk
+from gelenk import progress
+
+COMMAND = [sys.executable, "-m", "gelenk"]
+
+
+def call(*args: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *map(str, args)], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def told(*args: str | Path, cwd: Path | None = None) -> str:
+    """What a call that has to succeed prints."""
+    done = call(*args, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def faults(*args: str | Path, cwd: Path | None = None) -> list[str]:
+    """What a call that has to fail says: whole lines, exit code 1, nothing on stdout, no traceback."""
+    done = call(*args, cwd=cwd)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    return done.stderr.splitlines()
+
+
+def test_version_is_the_packages() -> None:
+    assert told("--version") == f"gelenk {gelenk.__version__}\n"
+
+
+def test_export_then_simulate_the_fmu(four_bar_file: Path, tmp_path: Path) -> None:
+    out = told("export", four_bar_file, "-o", "x.fmu", cwd=tmp_path)
+    assert re.fullmatch(r"x\.fmu: \d\.\d\d MB, FourBar\n", out)
+    out = told(
+        "simulate", "x.fmu", "--stop", "0.1", "--output", "r.csv", "--set", "drive.tau=3", cwd=tmp_path
+    )
+    assert out == "r.csv: 101 rows, 12 outputs, to 0.1 s\n"
+    with (tmp_path / "r.csv").open() as file:
+        rows = list(csv.reader(file))
+    expected = gelenk.simulate(four_bar_file, stop=0.1, inputs={"drive.tau": 3})
+    assert rows[0] == ["time", *expected.names]
+    assert [tuple(map(float, row)) for row in rows[1:]] == expected.table.tolist()
+
+
+def test_export_names_the_fmu_after_the_scene(four_bar_file: Path, tmp_path: Path) -> None:
+    told("export", four_bar_file, cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["FourBar.fmu"]
+
+
+def test_every_option_of_simulate_reaches_the_run(four_bar_file: Path, tmp_path: Path) -> None:
+    (tmp_path / "in.csv").write_text("time,drive.tau\n0,3\n0.05,4\n")
+    out = told(
+        "simulate", four_bar_file, "--stop", "0.1", "--step", "0.005", "--tolerance", "1e-8",
+        "--integrator", "ida", "--input", tmp_path / "in.csv", "--set", "A.phi_start=1.2",
+        "--set", "gravity[3]=-1.62", "--output", "-",
+    )  # fmt: skip
+    expected = gelenk.simulate(
+        four_bar_file, stop=0.1, step=0.005, tolerance=1e-8, integrator="ida",
+        inputs={"drive.tau": ([0, 0.05], [3, 4])}, parameters={"A.phi_start": 1.2, "gravity[3]": -1.62},
+    )  # fmt: skip
+    assert out == expected.csv()
+
+
+def test_without_output_the_span_of_every_output_is_told(four_bar_file: Path) -> None:
+    lines = told("simulate", four_bar_file, "--stop", "0.1").splitlines()
+    assert lines[0] == "0 to 0.1 s, 101 rows; --output FILE.csv writes them"
+    assert lines[1].split() == ["start", "least", "most", "end"]
+    assert [line.split()[0] for line in lines[2:5]] == ["A.phi", "A.w", "A.a"]
+    assert [line.split()[-1] for line in lines[2:5]] == ["rad", "rad/s", "rad/s2"]
+    assert lines[2].split()[1] == "1.5708"
+
+
+def test_check_says_what_a_scene_is(four_bar_file: Path) -> None:
+    lines = told("check", four_bar_file).splitlines()
+    assert lines[0] == "<Scene FourBar: 3 bodies, 4 joints, 1 motor>"
+    assert lines[1] == "1 freedom: 3 speeds, 2 loop rows of rank 2, 3 moving bodies, planar"
+    assert lines[2] == "inputs: drive.tau"
+    assert lines[3].startswith("loops closed at A.phi = 1.5708 rad")
+
+
+def test_import_writes_a_scene_and_tells_what_it_left_out(tmp_path: Path) -> None:
+    pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/></inertial></link>'
+        '<joint name="j" type="prismatic"><parent link="a"/><child link="b"/></joint></robot>'
+    )
+    done = call("import", "r.urdf", "-o", "r.yaml", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout == "r.yaml: <Scene r: 2 bodies, 2 joints, 1 motor>\n"
+    assert done.stderr == "links without mass: a\n"
+    assert "prismatic" in (tmp_path / "r.yaml").read_text()
+    told("import", "r.urdf", "-o", "f.json", "--floating", cwd=tmp_path)
+    assert gelenk.load(tmp_path / "f.json").to_dict()["joints"]["base"]["type"] == "free"
+
+
+@pytest.mark.parametrize("command", [["export"], ["check"], ["simulate"]])
+def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: Path) -> None:
+    (tmp_path / "s.yaml").write_text(
+        "gelenk: 1\nbodies: {a: {mass: -1, com: [0, 0]}}\njoints:\n  A: {type: weld}\n"
+    )
+    lines = faults(*command, "s.yaml", cwd=tmp_path)
+    assert lines[:2] == [
+        "s.yaml: bodies.a.mass: found -1 kg, expected 0 kg or more",
+        "s.yaml: bodies.a.com: found a list of 2, expected a list of 3 numbers in m",
+    ]
+    assert all(line.startswith("s.yaml: ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["check", "none.yaml"], "none.yaml: no such file or directory"),
+        (["check", "folder"], "folder: is a directory"),
+        (["simulate", "none.fmu"], "none.fmu: no such file or directory"),
+        (["check", "s.txt"], "s.txt: found the ending .txt, expected .yaml, .yml or .json"),
+        (["simulate", "SCENE", "--input", "none.csv"], "none.csv: no such file or directory"),
+        (["simulate", "SCENE", "--input", "s.txt"],
+         "s.txt: drive.ta: no such input; did you mean drive.tau?"),
+        (["simulate", "SCENE", "--set", "A.phi"], "--set A.phi: expected NAME=VALUE"),
+        (["simulate", "SCENE", "--set", "gravity[3]="], "--set gravity[3]=: expected NAME=VALUE"),
+        (["simulate", "SCENE", "--set", "drive.tau=x"], "drive.tau: found 'x', expected a number"),
+        (["simulate", "SCENE", "--set", "a=1", "--set", "a=2"], "--set a=2: a is set twice"),
+        (["simulate", "SCENE", "--set", "gravit[3]=1"],
+         "gravit[3]: no such parameter or input; did you mean gravity[3] or gravity[2] or gravity[1]?"),
+        (["simulate", "SCENE", "--stop", "-1"], "stop: found -1.0 s, expected 0 or more"),
+        (["simulate", "SCENE", "--output", "none/r.csv", "--stop", "0"],
+         "none/r.csv: no such file or directory"),
+        (["export", "SCENE", "-o", "x.zip"], "x.zip: found the ending .zip, expected .fmu"),
+    ],
+)  # fmt: skip
+def test_slips_are_told_in_one_line(
+    args: list[str], message: str, four_bar_file: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "s.txt").write_text("time,drive.ta\n0,1\n")
+    assert faults(*(str(four_bar_file) if a == "SCENE" else a for a in args), cwd=tmp_path) == [message]
+
+
+def test_failed_run_writes_the_rows_until_then(four_bar_file: Path, tmp_path: Path) -> None:
+    (tmp_path / "in.csv").write_text("time,drive.tau\n0,3\n0.0049,3\n0.0049,1e100\n")
+    done = call("simulate", four_bar_file, "--input", "in.csv", "-o", "r.csv", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "The plant still stands at t = 0.005 s" in done.stderr
+    assert len((tmp_path / "r.csv").read_text().splitlines()) == 7  # names, 0 to 0.005 s
+
+
+@pytest.fixture
+def terminal() -> Iterator[tuple[int, IO[str]]]:
+    """Both ends of a terminal: what a user would see, and what a program writes to."""
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "w") as stream:
+        yield ours, stream
+    os.close(ours)
+
+
+def seen(end: int) -> str:
+    """What has been written to the terminal."""
+    os.set_blocking(end, False)
+    try:
+        return os.read(end, 1 << 16).decode()
+    except (BlockingIOError, OSError):
+        return ""
+
+
+def test_long_run_shows_its_progress_on_a_terminal(
+    terminal: tuple[int, IO[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "QUIET", 0.0)
+    monkeypatch.setattr(progress, "PERIOD", 0.0)
+    end, stream = terminal
+    with progress.progress_bar(stream) as reached:
+        assert reached is not None
+        reached(1.0, 4.0)
+        assert re.search(r"25%.*1 of 4 s", seen(end))
+
+
+def test_short_run_shows_no_progress(four_bar_file: Path, terminal: tuple[int, IO[str]]) -> None:
+    end, stream = terminal
+    done = subprocess.run(
+        [*COMMAND, "simulate", four_bar_file, "--stop", "0.1"], stdout=subprocess.DEVNULL, stderr=stream,
+        timeout=60, check=True,
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert seen(end) == ""
+
+
+def test_no_progress_is_shown_where_no_one_looks(tmp_path: Path) -> None:
+    with (tmp_path / "log").open("w") as stream, progress.progress_bar(stream) as reached:
+        assert reached is None

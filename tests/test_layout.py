@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The folders are the architecture: includes point one way, and each outside library has one room."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# What a room may include of ours: itself and these.
+BELOW: dict[str, set[str]] = {"math": set()}
+BELOW["joint"] = {"math"}
+BELOW["scene"] = {"joint", *BELOW["joint"]}
+BELOW["mechanism"] = {"scene", *BELOW["scene"]}
+BELOW["dynamics"] = {"mechanism", *BELOW["mechanism"]}
+BELOW["formulation"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
+BELOW["analysis"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["simulation"] = {"integrator", "analysis", *BELOW["integrator"]}
+BELOW["modelDescription"] = {"simulation", *BELOW["simulation"]}
+BELOW["fmu"] = {"modelDescription", *BELOW["modelDescription"]}
+BELOW["bindings"] = {"modelDescription", *BELOW["modelDescription"]}
+
+FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
+    "modelDescription": ROOT / "modelDescription",
+    "fmu": ROOT / "fmu",
+    "bindings": ROOT / "python" / "bindings",
+}
+
+# Headers of other people's libraries, and the only room that may know each.
+OWNERS = {
+    "integrator": re.compile(r"(ida|idas|cvode|cvodes|arkode|kinsol|nvector|sun[a-z]*|sundials)/"),
+    "fmu": re.compile(r"fmi[23]\w*\.h"),
+    "scene": re.compile(r"(nlohmann|yaml-cpp)/"),
+    "bindings": re.compile(r"(nanobind/|Python\.h)"),
+}
+
+MAX_LINES = 400
+LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+
+def code_files(*suffixes: str) -> Iterator[tuple[str, Path]]:
+    """Every source file of every room, as (room, path)."""
+    for room, folder in FOLDERS.items():
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in suffixes:
+                yield room, path
+
+
+def wrong_includes(room: str, text: str) -> list[str]:
+    """The includes in `text`, a file of `room`, that this room must not have."""
+    wrong = []
+    for _, name in INCLUDE.findall(text):
+        target = name.split("/")[0]
+        if target == "python":
+            target = "bindings"
+        if target in BELOW and target != room and target not in BELOW[room]:
+            wrong.append(name)
+        wrong += [name for owner, headers in OWNERS.items() if owner != room and headers.match(name)]
+    return wrong
+
+
+@pytest.mark.parametrize(
+    ("room", "line"),
+    [
+        ("math", '#include "joint/kind.h"'),
+        ("scene", '#include "mechanism/mechanism.h"'),
+        ("formulation", '#include "integrator/integrator.h"'),
+        ("analysis", '#include "formulation/formulation.h"'),
+        ("integrator", '#include "analysis/assembly.h"'),
+        ("simulation", '#include "modelDescription/catalogue.h"'),
+        ("modelDescription", '#include "fmu/instance.h"'),
+        ("simulation", "#include <idas/idas.h>"),
+        ("dynamics", "#include <sundials/sundials_types.h>"),
+        ("modelDescription", "#include <fmi2Functions.h>"),
+        ("modelDescription", "# include <nlohmann/json.hpp>"),
+    ],
+)
+def test_the_check_sees_an_arrow_that_points_back(room: str, line: str) -> None:
+    assert len(wrong_includes(room, f"#pragma once\n{line}\n")) == 1
+
+
+def test_includes_point_one_way() -> None:
+    files = list(code_files(".h", ".cpp"))
+    assert len(files) > 20  # the folders were found
+    wrong = [
+        f"{path.relative_to(ROOT)} includes {name}"
+        for room, path in files
+        for name in wrong_includes(room, path.read_text(encoding="utf-8"))
+    ]
+    assert wrong == []
+
+
+def joint_words() -> tuple[str, str]:
+    """Alternatives of a regular expression: the names of the joint kinds, and of the structs behind them."""
+    kinds, structs = set(), set()
+    for path in (ROOT / "src" / "joint").glob("*.h"):
+        text = path.read_text(encoding="utf-8")
+        named = re.findall(r'std::string_view kind = "(\w+)"', text)
+        if named:
+            kinds.update(named)
+            structs.update(re.findall(r"^struct (\w+)", text, re.MULTILINE))
+    return "|".join(sorted(kinds)), "|".join(sorted(structs))
+
+
+def joint_switches(text: str) -> list[str]:
+    """The places in `text` that decide something by the kind of a joint."""
+    kinds, structs = joint_words()
+    name = rf"""["'](?:{kinds})["']"""
+    patterns = [
+        rf"(?:==|!=|\bcase)\s*{name}",
+        rf"{name}(?:sv)?\s*(?:==|!=)",
+        rf"\bin\s*[(\[{{][^)\]}}\n]*{name}",  # Python: kind in ("revolute", ...)
+        r"\bswitch\s*\([^)\n]*\b(?:joint\w*\.|joint_?)(?:kind|type)\b",
+        rf"\b(?:holds_alternative|get_if|get)<\s*(?:gelenk::)?(?:{structs})\s*>",
+        rf"\bis_same(?:_v)?<[^;\n]*\b(?:{structs})\b",
+    ]
+    return [found.group(0) for pattern in patterns for found in re.finditer(pattern, text)]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'if (joint.type == "revolute") turn();',
+        'if ("prismatic"sv != kind) return;',
+        'if joint.kind in ("planar", "free"):',
+        "    case 'spherical':",
+        "switch (joint.kind) {",
+        "if (std::holds_alternative<Weld>(joint)) continue;",
+        "if constexpr (std::is_same_v<J, Universal>) {",
+    ],
+)
+def test_the_check_sees_a_switch_on_the_kind_of_joint(line: str) -> None:
+    assert joint_switches(line)
+
+
+def test_no_switch_on_the_kind_of_joint_outside_its_room() -> None:
+    """The registry is asked instead: what a joint is stands in its own file."""
+    files = [path for room, path in code_files(".h", ".cpp") if room != "joint"]
+    # URDF's own words, "revolute" and "prismatic" among them, are the importer's business.
+    files += [p for p in sorted((ROOT / "python" / "gelenk").rglob("*.py")) if "urdf" not in p.stem]
+    found = [
+        f"{path.relative_to(ROOT)}: {place}"
+        for path in files
+        for place in joint_switches(path.read_text(encoding="utf-8"))
+    ]
+    assert found == []
+
+
+def own_files() -> Iterator[Path]:
+    """Every file of code that people write."""
+    yield from (path for _, path in code_files(".h", ".cpp"))
+    for folder in ("python", "tests", "benchmarks", "cmake"):
+        yield from sorted((ROOT / folder).rglob("*.py"))
+    yield from sorted((ROOT / "cmake").glob("*.cmake"))
+
+
+def test_files_are_short() -> None:
+    lengths = {
+        str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines())
+        for path in own_files()
+    }
+    assert {name: lines for name, lines in lengths.items() if lines > MAX_LINES} == {}
+
+
+def test_every_file_names_its_licence() -> None:
+    silent = [
+        str(path.relative_to(ROOT))
+        for path in own_files()
+        if path.stat().st_size > 0 and LICENCE not in path.read_text(encoding="utf-8")[:200]
+    ]
+    assert silent == []

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What README, docs and docstrings say is so: their commands and examples are run."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import inspect
+import pkgutil
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import joint_table
+import pytest
+
+import gelenk
+
+MODULES = [m.name for m in pkgutil.iter_modules(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """The fenced blocks of a page in one language."""
+    return re.findall(
+        rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
+
+
+@pytest.fixture
+def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in with the README's scene file and the scenes of the repository."""
+    (tmp_path / "scenes").symlink_to(root / "scenes")
+    (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk.Scene) -> None:
+    assert gelenk.load(folder / "four_bar.yaml").to_dict() == four_bar.to_dict()
+
+
+@pytest.mark.usefixtures("folder")
+def test_commands_of_the_readme_print_what_it_shows(root: Path) -> None:
+    calls = re.findall(
+        r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / "README.md", "console")), re.M
+    )
+    assert len(calls) >= 4
+    for arguments, expected in calls:
+        done = subprocess.run(
+            [sys.executable, "-m", "gelenk", *shlex.split(arguments)],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False,
+        )  # fmt: skip
+        pattern = re.escape(expected).replace(re.escape("..."), r"\S+")
+        assert re.fullmatch(pattern, done.stdout), f"gelenk {arguments} printed:\n{done.stdout}\n{expected}"
+
+
+@pytest.mark.usefixtures("folder")
+def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, object] = {}
+    for block in blocks(root / "README.md", "python"):
+        exec(compile(block, "README.md", "exec"), names)
+    angle, gap = map(float, capsys.readouterr().out.split())
+    assert abs(angle - 1.2) > 0.1  # rad: it moved
+    assert gap < 1e-10  # m: the projection's own bound
+    assert Path("run.csv").read_text().startswith("time,A.phi,D.phi,constraints.position\n")
+
+
+def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
+    tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
+    for line in blocks(root / "README.md", "cmake")[0].splitlines():
+        assert line in tested
+
+
+def test_targets_of_make_are_there(root: Path) -> None:
+    makefile = (root / "Makefile").read_text()
+    for target in re.findall(r"^make (\w+)", blocks(root / "README.md", "sh")[0], re.MULTILINE):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md"])
+def test_links_lead_somewhere(page: str, root: Path) -> None:
+    for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
+        assert (root / page).parent.joinpath(link).exists(), link
+
+
+def test_examples_of_the_format_page_fit_together_into_a_scene(root: Path) -> None:
+    pieces = blocks(root / "docs" / "scene-format.md", "yaml")
+    assert len(pieces) >= 3
+    text = "gelenk: 1\n" + "".join(pieces)
+    scene = gelenk.load(text)
+    gelenk.Simulation(scene).initialize()
+
+
+def test_joint_table_of_the_format_page_is_the_registrys(root: Path) -> None:
+    _, inside, _ = joint_table.section((root / "docs" / "scene-format.md").read_text(encoding="utf-8"))
+    assert inside == joint_table.table(), "run python tests/joint_table.py"
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("name", ["gelenk", *MODULES])
+def test_docstring_examples_run(name: str, four_bar: gelenk.Scene) -> None:
+    if name == "gelenk.urdf":
+        pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
+    module = importlib.import_module(name)
+    result = doctest.testmod(module, extraglobs={"gelenk": gelenk, "four_bar": four_bar})
+    assert result.failed == 0
+
+
+def public_functions() -> dict[str, Callable[..., Any]]:
+    """Functions and methods of what `from gelenk import *` gives."""
+    found: dict[str, Callable[..., Any]] = {}
+    for name in gelenk.__all__:
+        thing = getattr(gelenk, name)
+        if inspect.isfunction(thing):
+            found[name] = thing
+        elif inspect.isclass(thing) and not issubclass(thing, Exception):
+            methods = inspect.getmembers(thing, inspect.isfunction)
+            found |= {f"{name}.{n}": f for n, f in methods if not n.startswith("_")}
+    return found
+
+
+SPEAK_FOR_THEMSELVES = {"self", "name", "path", "value"}
+
+
+@pytest.mark.parametrize("name", public_functions())
+def test_every_public_argument_is_documented(name: str) -> None:
+    function = public_functions()[name]
+    doc = inspect.getdoc(function) or ""
+    arguments = set(inspect.signature(function).parameters) - SPEAK_FOR_THEMSELVES
+    assert doc
+    assert [n for n in arguments if not re.search(rf"\b{n}\b", doc)] == []
+
+
+def test_demo_writes_table_plot_and_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib (the extra charts) is not installed")
+    from gelenk import demo
+
+    demo.main(tmp_path / "out")
+    told = capsys.readouterr().out
+    gap = float(re.search(r"Largest gap of the loop: (\S+) m;", told).group(1))  # type: ignore[union-attr]
+    assert gap < 1e-10  # m: the projection's own bound
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {"FourBar.fmu", "four_bar.csv", "four_bar.png"}
+    assert (tmp_path / "out" / "four_bar.png").read_bytes().startswith(b"\x89PNG")
+    assert len((tmp_path / "out" / "four_bar.csv").read_text().splitlines()) == 5002
+    for file in (tmp_path / "out").iterdir():
+        assert str(file) in told

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every malformed scene is refused with exactly the sentences it deserves."""
+
+from __future__ import annotations
+
+import re
+from math import cos, hypot, sin
+from pathlib import Path
+
+import pytest
+import scene_files
+
+import gelenk
+
+
+@pytest.mark.parametrize("path", scene_files.malformed(), ids=lambda path: path.stem)
+def test_malformed_scene_is_refused_in_these_words(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    expected = scene_files.expected(path)
+    assert expected, f"{path.name} does not say what it expects"
+    monkeypatch.chdir(path.parent)  # the message has the name as it was given
+    with pytest.raises(gelenk.SceneError) as error:
+        gelenk.load(path.name)
+    assert list(error.value.lines) == expected
+
+
+def test_there_are_enough_malformed_scenes() -> None:
+    assert len(scene_files.malformed()) >= 40
+
+
+def test_ready_scenes_are_not_refused() -> None:
+    assert [gelenk.load(path).name for path in scene_files.good()]
+
+
+def test_loop_that_cannot_close_says_by_how_much() -> None:
+    """With the crank held, its pin stands off the rocker's; coupler and rocker stretched reach 0.4 m."""
+    scene = gelenk.load(scene_files.FOLDER / "loop_too_short.yaml")
+    with pytest.raises(gelenk.AssemblyError) as error:
+        gelenk.Simulation(scene).initialize()
+    gap = re.search(r"smallest gap ([0-9.]+) m", str(error.value))
+    assert gap, str(error.value)
+    apart = hypot(0.7 - 0.15 * cos(0.52), 0.15 * sin(0.52))
+    assert float(gap[1]) == pytest.approx(apart - 0.4, abs=1e-3)  # three digits are printed
+    assert re.search(r"loop through [BCD] cannot be closed", str(error.value))
+
+
+def test_link_that_cannot_say_how_it_moves_is_named() -> None:
+    scene = gelenk.load(scene_files.FOLDER / "link_without_mass.yaml")
+    with pytest.raises(gelenk.SceneError, match=r"coupler.*(mass|inertia)"):
+        gelenk.Simulation(scene).initialize()

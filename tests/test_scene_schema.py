@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The JSON Schema takes what the reader takes, and refuses what a schema can refuse."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import scene_files
+
+import gelenk
+from gelenk import _core, yaml12
+
+# Beyond a schema: names that must exist, arithmetic, numbers that are none, repeated keys, two ways at once.
+BEYOND = {
+    "at_and_position", "axes_parallel", "axis_not_finite", "axis_zero", "body_unknown", "body_unknown_many",
+    "disconnected", "duplicate_field", "experiment_step_longer_than_run", "inertia_impossible",
+    "inertia_negative", "inertia_principal", "inertia_products", "inertia_without_mass", "joint_to_itself",
+    "mass_infinite", "mass_nan", "motor_joint_unknown", "motor_on_spherical", "name_of_health_variable",
+    "names_collide", "parameter_unknown", "rotation_matrix_mirror", "rotation_matrix_stretched",
+    "rotation_quaternion_zero", "sensor_joint_unknown", "spring_on_one_body", "start_nan",
+    "start_quaternion_zero",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def validator() -> jsonschema.Draft202012Validator:
+    schema = json.loads(_core.scene_schema())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def tree(path: Path) -> Any:
+    return json.loads(yaml12.to_json(path.read_text(encoding="utf-8"), path.name))
+
+
+@pytest.mark.parametrize("path", scene_files.good(), ids=lambda path: path.stem)
+def test_schema_takes_ready_scenes_as_written_and_as_read(
+    path: Path, validator: jsonschema.Draft202012Validator
+) -> None:
+    validator.validate(tree(path))
+    validator.validate(gelenk.load(path).to_dict())
+
+
+def test_schema_refuses_malformed_scenes(validator: jsonschema.Draft202012Validator) -> None:
+    files = [path for path in scene_files.malformed() if path.suffix == ".yaml"]
+    accepted = {path.stem for path in files if validator.is_valid(tree(path))}
+    assert accepted == BEYOND
+
+
+def test_schema_knows_every_kind_of_joint(validator: jsonschema.Draft202012Validator) -> None:
+    kinds = validator.schema["properties"]["joints"]["additionalProperties"]["properties"]["type"]["enum"]
+    for kind in kinds:
+        scene = {
+            "gelenk": 1,
+            "bodies": {"b": {"mass": 2.5, "inertia": [0.3, 0.4, 0.5]}},
+            "joints": {"J": {"type": kind, "parent": "ground", "child": "b"}},
+        }
+        validator.validate(scene)
+        gelenk.load(scene)

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Robots from URDF: real ones against Pinocchio, small ones for every corner of the format."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gelenk
+
+pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
+
+ROBOTS = {"panda": "panda_description/urdf/panda.urdf", "ur5": "ur_description/urdf/ur5_robot.urdf"}
+
+
+def robot_file(name: str) -> Path:
+    """A URDF of the package example-robot-data."""
+    try:
+        files = metadata.files("example-robot-data") or []
+    except metadata.PackageNotFoundError:
+        pytest.skip("example-robot-data is not installed")
+    return Path(str(next(file.locate() for file in files if str(file).endswith(ROBOTS[name]))))
+
+
+def write(tmp_path: Path, body: str, name: str = "robot") -> Path:
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<?xml version="1.0"?>\n<robot name="{name}">\n{body}\n</robot>\n')
+    return path
+
+
+LINK = '<link name="{}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>'
+
+
+def link(name: str) -> str:
+    return LINK.format(name)
+
+
+def joint(name: str, kind: str, parent: str, child: str, inside: str = "") -> str:
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
+    )
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_forward_dynamics_of_real_arms_equal_pinocchios(name: str) -> None:
+    """Accelerations at 100 random states and torques. 1e-10 relative; measured 2e-14, which is
+    round-off in a chain of nine joints. A transposed inertia or rotation gives differences of order one.
+    """
+    pin = pytest.importorskip("pinocchio", reason="pinocchio (PyPI: pin) is not installed")
+    path = robot_file(name)
+    scene = gelenk.import_urdf(path)
+    model = pin.buildModelFromUrdf(str(path))
+    data = model.createData()
+    names = list(model.names)[1:]
+    kinds = scene.to_dict()["joints"]
+    damping = np.array([kinds[n]["damping"] for n in names])
+    letters = [
+        {"revolute": ("phi", "w", "tau"), "prismatic": ("s", "v", "f")}[kinds[n]["type"]] for n in names
+    ]
+    at = [model.joints[model.getJointId(n)].idx_v for n in names]
+    assert model.nq == model.nv == len(names)
+    assert sorted(n for n in kinds if kinds[n]["type"] != "weld") == sorted(names)
+    rng = np.random.default_rng(20)
+    for _ in range(100):
+        q, v, tau = (rng.uniform(-a, a, model.nv) for a in (np.pi, 2.0, 40.0))
+        settings: dict[str, Any] = {}
+        for n, (x, w, _), i in zip(names, letters, at, strict=True):
+            settings |= {f"{n}.{x}_start": q[i], f"{n}.{w}_start": v[i], f"{n}.fixed": True}
+        plant = gelenk.Simulation(scene.with_parameters(settings))
+        for n, (_, _, effort), i in zip(names, letters, at, strict=True):
+            plant.set_input(f"{n}_motor.{effort}", tau[i])
+        plant.initialize()
+        # aba knows no damping: it enters as a torque
+        drag = np.zeros(model.nv)
+        drag[at] = damping * v[at]
+        expected = pin.aba(model, data, q, v, tau - drag)[at]
+        found = plant.values([f"{n}.a" for n in names])
+        assert np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_real_arms_become_fmus_that_run(name: str, tmp_path: Path) -> None:
+    scene = gelenk.import_urdf(robot_file(name))
+    fmu = gelenk.export_fmu(scene, tmp_path / f"{name}.fmu")
+    result = gelenk.simulate(fmu, stop=0.1)
+    assert np.isfinite(result.table.view(float)).all()
+    moved = [n for n in result.names if n.endswith(".phi") and abs(result[n][-1]) > 1e-3]
+    assert moved  # they fall
+
+
+def test_panda_tells_what_it_left_out() -> None:
+    report = gelenk.import_urdf(robot_file("panda")).report
+    assert report[0] == (
+        "joint panda_finger_joint2: follows panda_finger_joint1 in the file (mimic); "
+        "here it moves freely and has a motor"
+    )
+    assert report[1].startswith("limits of position, speed and effort are not modelled: panda_joint1, ")
+    assert report[2] == "links without mass: panda_link8, panda_hand_tcp"
+    assert report[3].startswith("shapes and meshes are not taken over: ")
+
+
+def test_saved_import_is_the_same_scene(tmp_path: Path) -> None:
+    scene = gelenk.import_urdf(robot_file("ur5"))
+    scene.save(tmp_path / "ur5.yaml")
+    assert gelenk.load(tmp_path / "ur5.yaml").to_dict() == scene.to_dict()
+
+
+def test_root_is_welded_or_floats() -> None:
+    welded = gelenk.Simulation(gelenk.import_urdf(robot_file("ur5")))
+    floating = gelenk.Simulation(gelenk.import_urdf(robot_file("ur5"), floating=True))
+    for plant in (welded, floating):
+        plant.initialize()
+    assert welded.size.freedoms == 6
+    assert floating.size.freedoms == 12
+
+
+def test_every_kind_of_joint_has_its_counterpart(tmp_path: Path) -> None:
+    kinds = {
+        "revolute": "revolute",
+        "continuous": "revolute",
+        "prismatic": "prismatic",
+        "fixed": "weld",
+        "floating": "free",
+        "planar": "planar",
+    }
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    body = link("base") + "".join(link(f"l_{k}") + joint(k, k, "base", f"l_{k}", limit) for k in kinds)
+    scene = gelenk.import_urdf(write(tmp_path, body)).to_dict()
+    assert {n: scene["joints"][n]["type"] for n in kinds} == kinds
+    assert scene["motors"].keys() == {"revolute_motor", "continuous_motor", "prismatic_motor"}
+    assert scene["joints"]["revolute"]["axis"] == [1, 0, 0]  # URDF's default is x, not z
+    assert scene["gravity"] == [0, 0, -9.81]
+
+
+def test_inertia_is_turned_from_the_inertial_frame_into_the_links(tmp_path: Path) -> None:
+    """A quarter turn about z exchanges xx and yy and turns com with nothing: it is told in the link."""
+    inertial = (
+        '<inertial><origin xyz="0.1 0.2 0.3" rpy="0 0 1.5707963267948966"/><mass value="2"/>'
+        '<inertia ixx="1" iyy="2" izz="2.5" ixy="0.3" ixz="0.1" iyz="-0.2"/></inertial>'
+    )
+    path = write(tmp_path, f'<link name="a">{inertial}</link>')
+    body = gelenk.import_urdf(path).to_dict()["bodies"]["a"]
+    assert body["com"] == [0.1, 0.2, 0.3]
+    # R = (y, -x, z): J_xx = iyy, J_yy = ixx, J_xy = -ixy, J_xz = -iyz, J_yz = ixz
+    assert body["inertia"] == pytest.approx([2, 1, 2.5, -0.3, 0.2, 0.1], abs=4 * 2.2e-16)
+
+
+@pytest.mark.parametrize(
+    "rpy",
+    [
+        (0.1, -0.7, 2.9),
+        (1.3, np.pi / 2, 0.4),
+        (0.2, -np.pi / 2, -1.1),
+        (np.pi, 0.3, -np.pi),
+        (0, 1.57079632679, 0),
+    ],
+)
+def test_frame_of_a_joint_is_the_one_of_the_file(rpy: tuple[float, float, float], tmp_path: Path) -> None:
+    """Turns about the fixed axes x, y, z in this order, also where roll and yaw cannot be told apart."""
+    origin = f'<origin xyz="0.3 -0.2 0.5" rpy="{rpy[0]!r} {rpy[1]!r} {rpy[2]!r}"/>'
+    body = link("base") + link("tip") + joint("j", "fixed", "base", "tip", origin)
+    scene = gelenk.import_urdf(write(tmp_path, body)).to_dict()
+    scene["sensors"] = {"s": {"type": "frame", "body": "tip"}}
+    scene["joints"]["base_to_ground"]["type"] = "free"  # something has to move
+    plant = gelenk.Simulation(scene)
+    plant.initialize()
+    x, y, z, w = plant.values([f"s.Q[{i}]" for i in (1, 2, 3, 4)])
+    found = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    (a, b, c), (p, q, r) = np.cos(rpy), np.sin(rpy)
+    X = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
+    Y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
+    Z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
+    assert np.abs(found - Z @ Y @ X).max() < 1e-14  # round-off of some 40 operations
+    assert plant.values(["s.r[1]", "s.r[2]", "s.r[3]"]).tolist() == pytest.approx([0.3, -0.2, 0.5], abs=1e-15)
+
+
+def test_names_become_identifiers_each_used_once(tmp_path: Path) -> None:
+    body = (
+        link("base link") + link("2nd") + link("ground") + link("arm")
+        + joint("arm", "revolute", "base link", "2nd")
+        + joint("a-b", "revolute", "2nd", "ground")
+        + joint("a b", "revolute", "ground", "arm")
+    )  # fmt: skip
+    scene = gelenk.import_urdf(write(tmp_path, body, "my robot"))
+    data = scene.to_dict()
+    assert data["name"] == "my_robot"
+    assert list(data["bodies"]) == ["base_link", "_2nd", "ground_link", "arm"]
+    assert list(data["joints"])[1:] == ["arm_joint", "a_b", "a_b_joint"]
+    assert list(data["motors"]) == ["arm_joint_motor", "a_b_motor", "a_b_joint_motor"]
+    assert [line for line in scene.report if "is called" in line] == [
+        "link base link: is called base_link here",
+        "link 2nd: is called _2nd here",
+        "link ground: is called ground_link here",
+        "joint arm: is called arm_joint here",
+        "joint a-b: is called a_b here",
+        "joint a b: is called a_b_joint here",
+    ]
+
+
+def test_friction_mimic_and_transmissions_are_told(tmp_path: Path) -> None:
+    body = (
+        link("base") + link("a") + link("b")
+        + joint("j", "revolute", "base", "a", '<dynamics damping="0.5" friction="0.2"/>')
+        + joint("k", "planar", "a", "b", '<dynamics damping="0.3"/><mimic joint="j"/>')
+    )  # fmt: skip
+    scene = gelenk.import_urdf(write(tmp_path, body))
+    assert scene.to_dict()["joints"]["j"]["damping"] == 0.5
+    assert list(scene.report) == [
+        "joint k: follows j in the file (mimic); here it moves freely",
+        "joint j: its dry friction of 0.2 is not modelled",
+        "joint k: its damping of 0.3 is not modelled",
+    ]
+
+
+def robot(*parts: str) -> str:
+    return f"<robot name='r'>{''.join(parts)}</robot>"
+
+
+def one_link(inertial: str) -> str:
+    return robot(f"<link name='a'><inertial>{inertial}</inertial></link>")
+
+
+BASE, A = link("base"), link("a")
+WELDED_TWICE = joint("j", "fixed", "base", "a") + joint("k", "fixed", "base", "a")
+XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>'
+KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
+
+
+@pytest.mark.parametrize(
+    ("text", "messages"),
+    [
+        ("<robot", [":1:1: no XML: unclosed token"]),
+        ("<sdf/>", [": found <sdf>, expected <robot>"]),
+        (robot(), [": has no links"]),
+        (XACRO, [": holds xacro macros; expand it with xacro first"]),
+        (robot(BASE, BASE), [": link base: is there twice"]),
+        (robot(BASE, joint("j", "hinge", "base", "tip")),
+         [f": joint j: found type 'hinge', expected one of {KINDS}",
+          ": joint j: child: found 'tip', which is no link"]),
+        (one_link("<mass value='1'/><inertia ixx='1'/>"),
+         [": link a: inertia: has no iyy", ": link a: inertia: has no izz"]),
+        (one_link(""), [": link a: inertial: has no mass value"]),
+        (one_link("<mass value='heavy'/>"), [": could not convert string to float: 'heavy'"]),
+        (robot(BASE, A, WELDED_TWICE), [": link a: is the child of 2 joints, expected at most one"]),
+        (robot(BASE, A),
+         [": found the root links base, a, expected exactly one (a link that is no joint's child)"]),
+        (one_link("<mass value='1'/><inertia ixx='9' iyy='1' izz='1'/>"),
+         [": bodies.a.inertia: xx = 9 exceeds yy + zz = 2 kg m2; no rigid body has such moments"]),
+    ],
+)  # fmt: skip
+def test_description_that_is_wrong_is_refused(text: str, messages: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(text)
+    with pytest.raises(gelenk.SceneError) as caught:
+        gelenk.import_urdf(path)
+    assert list(caught.value.lines) == [f"{path}{message}" for message in messages]
+
+
+def test_missing_file_is_the_systems_own_error(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        gelenk.import_urdf(tmp_path / "none.urdf")

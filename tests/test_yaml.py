@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scene files in YAML mean what they look like: YAML 1.2's core schema, not 1.1's surprises."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import pytest
+
+from gelenk import SceneError, yaml12
+
+
+def read(text: str) -> Any:
+    return json.loads(yaml12.to_json(text, "s.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e-6", 1e-6),  # a string in YAML 1.1, which wants a point and a sign
+        ("-2E3", -2000.0),
+        (".5", 0.5),
+        ("3.", 3.0),
+        ("+7", 7),
+        ("010", 10),  # eight in YAML 1.1
+        ("0o17", 15),
+        ("0x1F", 31),
+        ("1:30", "1:30"),  # ninety in YAML 1.1
+        ("1_000", "1_000"),  # a thousand in YAML 1.1
+        ("2026-11-21", "2026-11-21"),  # a date in YAML 1.1
+        ("-.inf", -math.inf),
+        ("on", "on"),  # true in YAML 1.1
+        ("No", "No"),
+        ("TRUE", True),
+        ("false", False),
+        ("~", None),
+        ("", None),
+        ("'1'", "1"),
+        ("!!float 1", 1.0),
+        ("µ", "µ"),
+    ],
+)
+def test_scalar_means_what_it_looks_like(text: str, value: Any) -> None:
+    found = read(f"[{text}]" if text else "[~]")[0]
+    assert found == value
+    assert type(found) is type(value)
+
+
+def test_nan_is_passed_on_for_the_reader_to_report_with_its_path() -> None:
+    assert math.isnan(read("a: .nan")["a"])
+
+
+def test_keys_are_names_as_written() -> None:
+    assert read("{on: 1, 1: 2, 1e3: 3, null: 4}") == {"on": 1, "1": 2, "1e3": 3, "null": 4}
+
+
+def test_key_given_twice_reaches_the_reader_twice() -> None:
+    assert yaml12.to_json("a: 1\na: 2\n", "s.yaml") == '{"a":1,"a":2}'
+
+
+def test_alias_repeats_what_its_anchor_holds() -> None:
+    assert read("a: &x [1, {b: 2}]\nc: *x") == {"a": [1, {"b": 2}], "c": [1, {"b": 2}]}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "a: [1, 2",
+            "s.yaml:1:9: while parsing a flow sequence, expected ',' or ']', but got '<stream end>'",
+        ),
+        ("a: 1\n b: 2", "s.yaml:2:3: mapping values are not allowed here"),
+        ("a: &x [*x]", "s.yaml:1:4: contains itself through an alias"),
+        ("a: *y", "s.yaml:1:4: found undefined alias 'y'"),
+        ("{[1]: 2}", "s.yaml:1:2: found a list or mapping as key, expected a name"),
+        ("a: !rod {l: 1}", "s.yaml:1:4: found the tag !rod, expected a plain value"),
+        ("a: !!int x", "s.yaml:1:4: found 'x', expected int"),
+        ("--- 1\n--- 2", "s.yaml:2:1: expected a single document in the stream, but found another document"),
+    ],
+)
+def test_mistake_is_told_with_line_and_column(text: str, message: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        yaml12.to_json(text, "s.yaml")
+    assert caught.value.lines == (message,)
+
+
+def test_depth_without_end_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"s\.yaml: nested too deeply for a scene"):
+        yaml12.to_json("[" * 5000 + "]" * 5000, "s.yaml")
+
+
+def test_aliases_that_multiply_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten lines that each name the one before ten times stand for ten thousand million values."""
+    lines = ["a0: &a0 x"] + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 11)]
+    monkeypatch.setattr(yaml12, "MOST_VALUES", 10_000)
+    with pytest.raises(SceneError, match="aliases stand for more than 10000 values"):
+        yaml12.to_json("\n".join(lines), "s.yaml")
+
+
+def test_what_is_dumped_is_read_back() -> None:
+    data = {"a": 1e-06, "b": [1, 2.5, "on", "1e3", "0o7", "~", True, None], "c": {"d": "x: y"}}
+    assert read(yaml12.dump(data)) == data
