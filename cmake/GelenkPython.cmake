@@ -22,4 +22,3 @@ file(GLOB scene_files CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.json ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.yaml)
 install(FILES ${scene_files} DESTINATION gelenk/scenes COMPONENT python)
 install(FILES ${GELENK_LICENSES} DESTINATION gelenk/licenses COMPONENT python)
-install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/scenes/four_bar.yaml DESTINATION gelenk/scenes COMPONENT python)  # the demo's

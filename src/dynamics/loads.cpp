@@ -16,7 +16,7 @@ Wrench make_wrench(const Scene& scene, const Mechanism& mechanism, const Force& 
   out.at = attach(scene, mechanism, force.at);
   out.in_link = force.in_body;
   const BodyFrame body{force.at.body, {}};
-  out.R_user = force.in_body ? place(scene, mechanism, body).X_LB.R : Eigen::Matrix3d(mechanism.R_W0.transpose());
+  out.R_user = force.in_body ? place(scene, mechanism, body).X_LB.R : Eigen::Matrix3d(mechanism.X_W0.R.transpose());
   out.force = out.R_user * force.force;
   out.torque = out.R_user * force.torque;
   return out;
@@ -81,7 +81,12 @@ struct LoadMaker {
 
 Loads make_loads(const Scene& scene, const Mechanism& mechanism) {
   Loads out;
-  out.gravity = mechanism.R_W0.transpose() * scene.gravity;
+  out.gravity = mechanism.X_W0.R.transpose() * scene.gravity;
+  for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
+    const Spatial::Inertia& G = mechanism.links[i].G;
+    out.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
+    if (mechanism.planar) out.potential_offset -= out.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
+  }
   out.cuts.resize(mechanism.cuts.size());
   out.reflected_inertia.assign(mechanism.nv, 0);
   const LoadMaker maker{scene, mechanism, out};

@@ -30,6 +30,13 @@ typename A::Motion angular_part(const typename A::Motion& V) {
   }
 }
 
+// X of a frame on the first link of the path, in the parent of the last.
+template <class A>
+typename A::Pose from_ancestor(const Workspace<A>& ws, const std::vector<int>& path, typename A::Pose X) {
+  for (const int i : path) X = ws.X_PL[i] * X;
+  return X;
+}
+
 // Adds the generalised force of F (on a link, in it) to row, from the link down its path.
 template <class A>
 void transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<int>& path, typename A::Force F,
@@ -47,8 +54,8 @@ template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
-    const typename A::Pose X_0F = ws.X_0L[cut.link_a] * cut.X_AF;
-    ws.X_FM[c] = X_0F.inverse() * (ws.X_0L[cut.link_b] * cut.X_BM);
+    // From the nearest common ancestor, not from the root: a loop on a vehicle closes as exactly far away as at home.
+    ws.X_FM[c] = from_ancestor<A>(ws, cut.path_a, cut.X_AF).inverse() * from_ancestor<A>(ws, cut.path_b, cut.X_BM);
     visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows<A>(ws.X_FM[c], &ws.row[cut.first_row]); });
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.Phi[r] = ws.row[r].Phi;
   }

@@ -70,6 +70,9 @@ struct Loads {
   std::vector<JointLoads> cuts;           // by cut
   std::vector<double> reflected_inertia;  // by speed: gear_ratio^2 rotor_inertia
   int inputs = 0;
+  // J: potential energy of gravity that the kernels do not see, from the world's origin to the root's and, in planar
+  // mechanisms, along the normal.
+  double potential_offset = 0;
 };
 
 // Signs and places of the scene's loads in the mechanism. Inputs are numbered as in simulation/signals.h.

@@ -77,6 +77,7 @@ void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws
 template <class A>
 Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws) {
   Energy sum;
+  sum.potential = loads.potential_offset;
   for (std::size_t i = 1; i < model.links.size(); ++i) {
     const auto& G = model.links[i].G;
     sum.kinetic += A::dot(ws.V[i], G * ws.V[i]) / 2;

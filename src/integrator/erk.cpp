@@ -53,10 +53,12 @@ class Erk final : public Integrator {
     if (fresh_) ARKodeReset(memory_, t_, y_.get());
     fresh_ = false;
     ARKodeSetStopTime(memory_, end);
+    Patience patience(t_, end);
     while (t_ < end) {
       const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
       if (flag < 0) fail(flag);
       system_.accepted(t_, sundials::data(y_.get()));
+      patience.step_to(t_);
     }
     count();
     std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);

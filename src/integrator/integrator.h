@@ -59,6 +59,19 @@ std::unique_ptr<Integrator> make_rk4(OdeSystem& system, const IntegratorOptions&
 std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options);
 
+// Tells a run that gets nowhere from one that is long: a window of steps must take it some way towards the end.
+class Patience {
+ public:
+  Patience(double start, double end) : least_(1e-4 * (end - start)), mark_(start) {}
+  // Call after each step. Throws IntegrationError.
+  void step_to(double t);
+
+ private:
+  static constexpr int window = 20000;  // steps; some tens of milliseconds for a small mechanism
+  double least_, mark_;
+  int count_ = 0;
+};
+
 // "t = 1.2031 s: ..." as integrators begin their messages.
 std::string at_time(double t);
 

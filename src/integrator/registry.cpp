@@ -25,6 +25,17 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& sy
   return found->make(system, options);
 }
 
+void Patience::step_to(double t) {
+  if (++count_ < window) return;
+  if (t - mark_ < least_) {
+    char text[96];
+    std::snprintf(text, sizeof text, "the last %d steps took the run only %.3g s further", window, t - mark_);
+    throw IntegrationError(at_time(t) + text);
+  }
+  count_ = 0;
+  mark_ = t;
+}
+
 std::string at_time(double t) {
   char text[64];
   std::snprintf(text, sizeof text, "t = %.9g s: ", t);

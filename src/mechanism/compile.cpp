@@ -37,7 +37,12 @@ struct Compiler {
     Link link;
     link.name = ground;
     link_of[0] = 0;
-    if (out.planar) X_LG[0].R = out.R_W0.transpose();
+    for (const Edge& edge : graph.edges) {
+      if (edge.group_a != 0 && edge.group_b != 0) continue;
+      out.X_W0.p = edge.group_a == 0 ? edge.X_AF.p : edge.X_BM.p;
+      break;
+    }
+    X_LG[0] = out.X_W0.inverse();
     out.links.push_back(link);
     out.heights.push_back(0);
   }
@@ -202,7 +207,7 @@ Mechanism compile(const Scene& scene, const CompileOptions& options) {
     if (const auto normals = plane_normals(compiler.graph)) {
       Compiler planar = compiler;
       planar.against = align_to_plane(planar.graph, *normals);
-      planar.out.R_W0 = rotation_taking_z_to((*normals)[0]);
+      planar.out.X_W0.R = rotation_taking_z_to((*normals)[0]);
       planar.run(true);
       if (heights_agree(planar.out)) {
         check_drives(scene, planar.out);
@@ -217,7 +222,7 @@ Mechanism compile(const Scene& scene, const CompileOptions& options) {
 
 BodyPlace place(const Scene& scene, const Mechanism& mechanism, const BodyFrame& frame) {
   const int body = body_index(scene, frame.body);
-  if (body < 0) return {0, Pose3{mechanism.R_W0.transpose(), Eigen::Vector3d::Zero()} * frame.X_BF};
+  if (body < 0) return {0, mechanism.X_W0.inverse() * frame.X_BF};
   const BodyPlace& found = mechanism.bodies[body];
   return {found.link, found.X_LB * frame.X_BF};
 }

@@ -61,7 +61,9 @@ struct Mechanism {
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;
-  Eigen::Matrix3d R_W0 = Eigen::Matrix3d::Identity();  // the ground link's axes in the world
+  // The ground link's frame in the world: at the first joint on the ground, so that a mechanism far from the world's
+  // origin is computed as exactly as one at it.
+  Pose3 X_W0;
   std::vector<double> heights;     // planar: of each link's origin along the normal [m]
 };
 

@@ -8,9 +8,13 @@
 namespace gelenk {
 namespace {
 
-// Larger is kept in the tree first. A drive with inertia must be in the tree. Then: few freedoms in the tree
-// means many freedoms, so few rows and no quaternions, at the cuts. Then what is driven or held.
-std::tuple<bool, int, bool> preference(const Scene& scene, const Edge& edge) {
+// Drive with inertia, massless part, fewness of freedoms, driven or held.
+using Preference = std::tuple<bool, bool, int, bool>;
+
+// Larger is kept in the tree first. A drive with inertia must be in the tree. A part without mass must carry one with
+// mass there, or M is singular: a cut beside it would leave it at the end of a branch. Few freedoms in the tree mean
+// many freedoms, so few rows and no quaternions, at the cuts.
+Preference preference(const Scene& scene, const Graph& graph, const Edge& edge) {
   const Joint& joint = scene.joints[edge.scene_joint];
   bool driven = false;
   bool inertia = false;
@@ -21,7 +25,8 @@ std::tuple<bool, int, bool> preference(const Scene& scene, const Edge& edge) {
   }
   const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
   const bool wanted = driven || any(joint.start.q_fixed) || any(joint.stiffness) || any(joint.damping);
-  return {inertia, -kind_of(edge.joint).nv, wanted};
+  const auto massless = [&](int group) { return group != 0 && graph.groups[group].G.m == 0; };
+  return {inertia, massless(edge.group_a) || massless(edge.group_b), -kind_of(edge.joint).nv, wanted};
 }
 
 }  // namespace
@@ -30,10 +35,10 @@ std::vector<int> spanning_tree(const Scene& scene, const Graph& graph) {
   std::vector<int> tree;
   std::vector<int> depth(graph.groups.size(), -1);
   depth[0] = 0;
-  using Key = std::tuple<std::tuple<bool, int, bool>, int, int>;
-  std::vector<std::tuple<bool, int, bool>> preferences;
+  using Key = std::tuple<Preference, int, int>;
+  std::vector<Preference> preferences;
   preferences.reserve(graph.edges.size());
-  for (const Edge& edge : graph.edges) preferences.push_back(preference(scene, edge));
+  for (const Edge& edge : graph.edges) preferences.push_back(preference(scene, graph, edge));
   // Prim's algorithm; among equals the shallower, then the earlier in the file: short chains make short columns.
   while (tree.size() + 1 < graph.groups.size()) {
     int best = -1;

@@ -136,8 +136,8 @@ double Outputs::reaction(const Place& place, int component, const Dynamics& dyna
 double Outputs::pose(const Place& place, int component, const Dynamics& dynamics) const {
   const Pose3& X_LS = place.frame.X_LB;
   const Pose3 X_0L = dynamics.link_pose(place.frame.link);
-  const Eigen::Matrix3d R_WL = mechanism_.R_W0 * X_0L.R;
-  if (component < 3) return (mechanism_.R_W0 * X_0L.point(X_LS.p))[component];
+  const Eigen::Matrix3d R_WL = mechanism_.X_W0.R * X_0L.R;
+  if (component < 3) return mechanism_.X_W0.point(X_0L.point(X_LS.p))[component];
   if (component < 7) return quaternion_component(R_WL * X_LS.R, component - 3);
   const Spatial::Motion V = dynamics.link_velocity(place.frame.link);
   if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];

@@ -120,11 +120,11 @@ def test_repeated_rows_in_space(plain: Recording) -> None:
 
 @pytest.mark.parametrize("distance", [1e4])
 def test_far_from_the_origin(plain: Recording, distance: float) -> None:
-    """10 km away positions round to 2e-12 m, over bars of 0.5 m some 1e-11 rad. The loop is closed to 1e-14
-    of the distances in it, the way from the origin included: 1e-10 m, to which roundings add.
+    """10 km away the joints' positions round to 2e-12 m, over bars of 0.5 m some 1e-11 rad; closing the loop does not
+    see the distance.
     """
     p = distance * np.array([0.6, -0.64, 0.48])
     R = Rotation.random(random_state=4).as_matrix()
     found = run(placed(four_bar(START, torque=3.0), R, p), TIMES, tolerance=TOLERANCE)
-    assert_same(states(found), states(plain), 10 * BOUND, "roundings of 2e-12 m, amplified by the motion")
-    assert_close("constraints.position", found["constraints.position"], 0, 2e-10, "1e-14 x 1e4 m + roundings")
+    assert_same(states(found), states(plain), BOUND, "roundings of 2e-12 m, amplified by the motion")
+    assert_close("constraints.position", found["constraints.position"], 0, 1e-13, "closure, some 1e-14 of the bars")
