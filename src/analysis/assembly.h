@@ -15,8 +15,8 @@ namespace gelenk {
 // Flags and weights go by speed: a quaternion is fixed as a whole.
 struct Wishes {
   std::vector<double> q, v;
-  std::vector<bool> q_fixed, v_fixed;       // keep exactly
-  std::vector<double> q_weight, v_weight;   // of the squared distance to be made small; 0: no wish
+  std::vector<bool> q_fixed, v_fixed;      // keep exactly
+  std::vector<double> q_weight, v_weight;  // of the squared distance to be made small; 0: no wish
 };
 
 struct Assembled {

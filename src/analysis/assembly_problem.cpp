@@ -55,8 +55,7 @@ void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen)
 
 }  // namespace
 
-AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree,
-                                 const Wishes& cuts)
+AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       tree_(tree),
@@ -157,8 +156,8 @@ VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
   VectorXd d(mechanism_.nv);
   for (const Link& link : mechanism_.links) {
     if (link.parent < 0) continue;
-    const JointKind& kind = std::visit(
-        [](const auto& j) -> const JointKind& { return *find_joint_kind(j.kind); }, link.joint);
+    const JointKind& kind =
+        std::visit([](const auto& j) -> const JointKind& { return *find_joint_kind(j.kind); }, link.joint);
     difference(kind, &q[link.iq], &tree_.q[link.iq], d.data() + link.iv);
   }
   return d;

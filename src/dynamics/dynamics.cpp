@@ -145,8 +145,7 @@ class DynamicsOf final : public Dynamics {
   }
 
   void cut_coordinates(int cut, double* q) const override {
-    visit_joint<A>(model_.cuts[cut].joint,
-                   [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
+    visit_joint<A>(model_.cuts[cut].joint, [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
   }
   void cut_speeds(int cut, double* v) const override {
     double q[7] = {};
@@ -178,7 +177,9 @@ class DynamicsOf final : public Dynamics {
   Pose3 link_pose(int link) const override { return kernels::pose3(ws_.X_0L[link], height(link)); }
   Spatial::Motion link_velocity(int link) const override { return kernels::motion3(ws_.V[link]); }
   Spatial::Force tree_reaction(int link) const override { return kernels::force3(ws_.F[link]); }
-  Spatial::Force cut_reaction(int cut) const override { return kernels::force3(kernels::cut_reaction(model_, ws_, cut)); }
+  Spatial::Force cut_reaction(int cut) const override {
+    return kernels::force3(kernels::cut_reaction(model_, ws_, cut));
+  }
   Pose3 cut_pose(int cut) const override { return kernels::pose3(ws_.X_FM[cut], 0); }
   long evaluations() const override { return evaluations_; }
 

@@ -47,7 +47,7 @@ class Dynamics {
   virtual void normalise(double* q) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
-  virtual bool row_is_angle(int row) const = 0;             // its error is in rad, not m
+  virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
   virtual const std::vector<double>& lambda() const = 0;     // after solve
   virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise

@@ -20,19 +20,19 @@ struct Workspace {
 
   // by link
   std::vector<Pose> X_PL, X_0L;
-  std::vector<Motion> V;       // of L in the world, in L
-  std::vector<Motion> A_bias;  // acceleration of L for vdot = 0, gravity as that of the root the other way
-  std::vector<Motion> A_full;  // the same for a given vdot
-  std::vector<Force> F;        // scratch of the backward passes; after reactions(): joint wrench on L in L
-  std::vector<Force> F_ext;    // loads on L in L
+  std::vector<Motion> V;                    // of L in the world, in L
+  std::vector<Motion> A_bias;               // acceleration of L for vdot = 0, gravity as that of the root the other way
+  std::vector<Motion> A_full;               // the same for a given vdot
+  std::vector<Force> F;                     // scratch of the backward passes; after reactions(): joint wrench on L in L
+  std::vector<Force> F_ext;                 // loads on L in L
   std::vector<typename A::Inertia> G_tree;  // of everything from L outwards
   // by speed
   std::vector<Motion> S;  // columns of the joints' motion spaces, in L
   // by cut
   std::vector<Pose> X_FM;
-  std::vector<Motion> V_FM;    // rows.h: angular velocity, rate of p_FM; in F
-  std::vector<Motion> A_cut;   // bias of the rate of V_FM
-  std::vector<Force> F_cut;    // drives and springs on M in M
+  std::vector<Motion> V_FM;   // rows.h: angular velocity, rate of p_FM; in F
+  std::vector<Motion> A_cut;  // bias of the rate of V_FM
+  std::vector<Force> F_cut;   // drives and springs on M in M
   // by row
   std::vector<Row<A>> row;
   std::vector<double> Phi, rate, gamma, lambda;

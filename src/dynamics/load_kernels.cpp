@@ -119,19 +119,19 @@ void cut_loads(const Model<A>& model, const Loads& loads, const double* u, const
     cut_speeds<A>(cut, ws, c, q, v);
     double tau[6] = {};
     on.add(q, v, u, tau);
-    const typename A::Force F_M =
-        visit_joint<A>(cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q, tau); });
+    const typename A::Force F_M = visit_joint<A>(
+        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q, tau); });
     ws.F_cut[c] = F_M;
     ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);
     ws.F_ext[cut.link_a] -= cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
   }
 }
 
-#define GELENK_INSTANTIATE(A)                                                                                    \
-  template Vector3d spring_span<A>(const PointSpring&, const Workspace<A>&);                                     \
-  template void link_loads(const Model<A>&, const Loads&, const double*, Workspace<A>&);                         \
-  template void cut_loads(const Model<A>&, const Loads&, const double*, const double*, Workspace<A>&);           \
-  template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, double*);        \
+#define GELENK_INSTANTIATE(A)                                                                             \
+  template Vector3d spring_span<A>(const PointSpring&, const Workspace<A>&);                              \
+  template void link_loads(const Model<A>&, const Loads&, const double*, Workspace<A>&);                  \
+  template void cut_loads(const Model<A>&, const Loads&, const double*, const double*, Workspace<A>&);    \
+  template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, double*); \
   template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const double*, double*);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)

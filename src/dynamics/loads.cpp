@@ -58,8 +58,8 @@ struct LoadMaker {
 
   void force(const Force& force) const {
     if (force.type == ForceType::spring_damper) {
-      out.springs.push_back({attach(scene, mechanism, force.from), attach(scene, mechanism, force.to),
-                             force.stiffness, force.damping, force.length});
+      out.springs.push_back({attach(scene, mechanism, force.from), attach(scene, mechanism, force.to), force.stiffness,
+                             force.damping, force.length});
       return;
     }
     Wrench wrench = make_wrench(scene, mechanism, force);

@@ -97,14 +97,13 @@ void loop_velocities(const Model<A>& model, Workspace<A>& ws) {
       ws.rate[r] = A::dot(V_M, ws.row[r].w);
       ws.gamma[r] = A::dot(ws.A_cut[c], ws.row[r].w);
     }
-    visit_joint<A>(cut.joint, [&](const auto& joint) {
-      joint.template rows_bias<A>(ws.X_FM[c], V_M, &ws.gamma[cut.first_row]);
-    });
+    visit_joint<A>(cut.joint,
+                   [&](const auto& joint) { joint.template rows_bias<A>(ws.X_FM[c], V_M, &ws.gamma[cut.first_row]); });
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.gamma[r] = -ws.gamma[r];
   }
 }
 
-#define GELENK_INSTANTIATE(A)                              \
+#define GELENK_INSTANTIATE(A)                                   \
   template void loop_positions(const Model<A>&, Workspace<A>&); \
   template void loop_jacobian(const Model<A>&, Workspace<A>&);  \
   template void loop_velocities(const Model<A>&, Workspace<A>&);

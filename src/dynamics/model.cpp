@@ -7,11 +7,7 @@ namespace gelenk {
 
 template <class A>
 Model<A>::Model(const Mechanism& mechanism)
-    : nq(mechanism.nq),
-      nv(mechanism.nv),
-      rows(mechanism.rows),
-      cut_nq(mechanism.cut_nq),
-      cut_nv(mechanism.cut_nv) {
+    : nq(mechanism.nq), nv(mechanism.nv), rows(mechanism.rows), cut_nq(mechanism.cut_nq), cut_nv(mechanism.cut_nv) {
   for (const gelenk::Link& link : mechanism.links) {
     const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
     links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, link.joint, pose_in<A>(link.X_PJ),

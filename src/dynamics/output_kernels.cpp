@@ -7,7 +7,9 @@
 namespace gelenk::kernels {
 namespace {
 
-Eigen::Vector3d first_moment_in_root(const Spatial::Pose& X, const Spatial::Inertia& G) { return G.m * X.p + X.R * G.h; }
+Eigen::Vector3d first_moment_in_root(const Spatial::Pose& X, const Spatial::Inertia& G) {
+  return G.m * X.p + X.R * G.h;
+}
 Eigen::Vector3d first_moment_in_root(const Planar::Pose& X, const Planar::Inertia& G) {
   return {G.m * X.px + X.c * G.hx - X.s * G.hy, G.m * X.py + X.s * G.hx + X.c * G.hy, 0};
 }
@@ -66,12 +68,10 @@ void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws
   const auto in_F = [&](const Motion& on_b) { return ws.X_FM[c].to_parent(cut.X_BM.to_child(on_b)); };
   const Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
   const Motion V = in_F(ws.V[cut.link_b]) - V_a;
-  const Motion rate =
-      in_F(ws.A_full[cut.link_b]) - cut.X_AF.to_child(ws.A_full[cut.link_a]) - A::cross(V_a, V);
+  const Motion rate = in_F(ws.A_full[cut.link_b]) - cut.X_AF.to_child(ws.A_full[cut.link_a]) - A::cross(V_a, V);
   const Motion in_M = ws.X_FM[c].to_child(rate);
-  visit_joint<A>(cut.joint, [&](const auto& joint) {
-    joint.template speeds<A>(q, in_M - joint.template bias<A>(q, v), a);
-  });
+  visit_joint<A>(cut.joint,
+                 [&](const auto& joint) { joint.template speeds<A>(q, in_M - joint.template bias<A>(q, v), a); });
 }
 
 template <class A>
@@ -90,11 +90,11 @@ Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws)
   return sum;
 }
 
-#define GELENK_INSTANTIATE(A)                                                                              \
-  template void accelerations(const Model<A>&, const double*, Workspace<A>&);                              \
-  template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                               \
-  template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const double*,        \
-                                     const double*, double*);                                              \
+#define GELENK_INSTANTIATE(A)                                                                                      \
+  template void accelerations(const Model<A>&, const double*, Workspace<A>&);                                      \
+  template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                       \
+  template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const double*, const double*, \
+                                     double*);                                                                     \
   template Energy energy(const Model<A>&, const Loads&, const Workspace<A>&);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)

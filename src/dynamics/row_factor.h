@@ -34,19 +34,19 @@ class RowFactor {
  private:
   void factorise_rows(int max_rank);
   void factorise_redundant();
-  void reflect(double* x) const;       // x <- Q^T x
-  void unreflect(double* x) const;     // x <- Q x
+  void reflect(double* x) const;                        // x <- Q^T x
+  void unreflect(double* x) const;                      // x <- Q x
   void from_rows(const double* in, double* d) const;    // d = least-squares solution of R_1^T d = P^T in
   void to_rows(const double* d, double* lambda) const;  // lambda = minimum-norm solution of R_1 P^T lambda = d
 
   int n_, m_;
   int rank_ = 0;
   double ratio_ = 1;
-  std::vector<double> Y_;       // R above, Householder vectors from the diagonal down
-  std::vector<double> diagonal_;  // of R
-  std::vector<double> scale_;     // 2 / |u|^2 of each Householder vector
-  std::vector<int> order_;        // column k of R belongs to row order_[k]
-  std::vector<double> norms_;     // squared norms of what is left of each column
+  std::vector<double> Y_;                         // R above, Householder vectors from the diagonal down
+  std::vector<double> diagonal_;                  // of R
+  std::vector<double> scale_;                     // 2 / |u|^2 of each Householder vector
+  std::vector<int> order_;                        // column k of R belongs to row order_[k]
+  std::vector<double> norms_;                     // squared norms of what is left of each column
   std::vector<double> Z_, T_diagonal_, Z_scale_;  // of R_1^T, m x rank, column-major
   mutable std::vector<double> d_, e_, f_;
 };

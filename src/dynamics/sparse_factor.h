@@ -20,8 +20,8 @@ class SparseFactor {
   // Returns -1, or the speed at which M has no inertia (pivot not positive beyond rounding).
   int factorise();
 
-  void solve_transposed(double* x) const;  // x <- L^-T x: whitens a generalised force
-  void solve(double* x) const;             // x <- L^-1 x: from whitened to speeds
+  void solve_transposed(double* x) const;           // x <- L^-T x: whitens a generalised force
+  void solve(double* x) const;                      // x <- L^-1 x: from whitened to speeds
   void multiply(const double* x, double* y) const;  // y = L x: whitens speeds
 
  private:

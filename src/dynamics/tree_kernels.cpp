@@ -77,10 +77,10 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
   }
 }
 
-#define GELENK_INSTANTIATE(A)                                                                                    \
-  template void positions(const Model<A>&, const double*, Workspace<A>&);                                        \
-  template void velocities(const Model<A>&, const double*, const double*, const A::Motion&, Workspace<A>&);      \
-  template void inverse_dynamics_bias(const Model<A>&, Workspace<A>&, double*);                                  \
+#define GELENK_INSTANTIATE(A)                                                                               \
+  template void positions(const Model<A>&, const double*, Workspace<A>&);                                   \
+  template void velocities(const Model<A>&, const double*, const double*, const A::Motion&, Workspace<A>&); \
+  template void inverse_dynamics_bias(const Model<A>&, Workspace<A>&, double*);                             \
   template void mass_matrix(const Model<A>&, Workspace<A>&, SparseFactor&);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)

@@ -13,9 +13,7 @@ namespace {
 
 // Of ARKODE's tables of order 5 to 9 these two gave the smallest error for the evaluations spent, on loops and trees
 // (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 above, 8 below.
-ARKODE_ERKTableID table_for(double tolerance) {
-  return tolerance > 3e-7 ? ARKODE_VERNER_9_5_6 : ARKODE_VERNER_13_7_8;
-}
+ARKODE_ERKTableID table_for(double tolerance) { return tolerance > 3e-7 ? ARKODE_VERNER_9_5_6 : ARKODE_VERNER_13_7_8; }
 
 // With ARKODE's own 0.96 every third step was rejected on the same scenes. Controllers with a memory (PI, Gustafsson)
 // do better still over long stretches, but lose it all where steps end at communication points: those steps are cut
@@ -25,9 +23,7 @@ constexpr double safety = 0.8;
 class Erk final : public Integrator {
  public:
   Erk(OdeSystem& system, const IntegratorOptions& options)
-      : system_(system),
-        n_(system.size()),
-        y_(sundials::made(N_VNew_Serial(std::max(1, n_), context_))) {
+      : system_(system), n_(system.size()), y_(sundials::made(N_VNew_Serial(std::max(1, n_), context_))) {
     N_VConst(0, y_.get());
     memory_ = sundials::made(ERKStepCreate(rhs, 0, y_.get(), context_));
     ARKodeSetUserData(memory_, this);

@@ -53,8 +53,8 @@ class Ida final : public Integrator {
     fresh_ = true;
   }
 
-  // Carried on across the jump where its error test allows: on the four-bar with a new torque every millisecond a restart
-  // at each costs more than twice as much and is less accurate.
+  // Carried on across the jump where its error test allows: on the four-bar with a new torque every millisecond a
+  // restart at each costs more than twice as much and is less accurate.
   void inputs_changed() override { jumped_ = true; }
 
   void advance(double end, double* y) override {

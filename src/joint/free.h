@@ -29,12 +29,10 @@ struct Free : NoAxis {
                                          {"w[1]", "rad/s", "angular velocity of M in F, along M's x axis"},
                                          {"w[2]", "rad/s", "angular velocity of M in F, along M's y axis"},
                                          {"w[3]", "rad/s", "angular velocity of M in F, along M's z axis"}};
-  static constexpr Quantity a_names[] = {{"a[1]", "m/s2", "acceleration, der(v[1])"},
-                                         {"a[2]", "m/s2", "acceleration, der(v[2])"},
-                                         {"a[3]", "m/s2", "acceleration, der(v[3])"},
-                                         {"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
-                                         {"z[2]", "rad/s2", "angular acceleration, der(w[2])"},
-                                         {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
+  static constexpr Quantity a_names[] = {
+      {"a[1]", "m/s2", "acceleration, der(v[1])"},           {"a[2]", "m/s2", "acceleration, der(v[2])"},
+      {"a[3]", "m/s2", "acceleration, der(v[3])"},           {"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
+      {"z[2]", "rad/s2", "angular acceleration, der(w[2])"}, {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
   static constexpr bool turned = false;
   static constexpr Quantity effort_name = {};
   static constexpr double q_zero[] = {0, 0, 0, 0, 0, 0, 1};
@@ -47,8 +45,7 @@ struct Free : NoAxis {
   }
   template <class A, class T>
   typename A::Motion V_FM(const T* q, const T* v) const {
-    return {Vector3<T>(v[3], v[4], v[5]),
-            quaternion::rotation(q + 3).transpose() * Vector3<T>(v[0], v[1], v[2])};
+    return {Vector3<T>(v[3], v[4], v[5]), quaternion::rotation(q + 3).transpose() * Vector3<T>(v[0], v[1], v[2])};
   }
   template <class A, class T>
   typename A::Motion bias(const T* q, const T* v) const {

@@ -78,9 +78,7 @@ struct PlanarAlgebra {
       const T y = s * F.x + c * F.y;
       return {F.n + px * y - py * x, x, y};
     }
-    Force to_child(const Force& F) const {
-      return {F.n - px * F.y + py * F.x, c * F.x + s * F.y, c * F.y - s * F.x};
-    }
+    Force to_child(const Force& F) const { return {F.n - px * F.y + py * F.x, c * F.x + s * F.y, c * F.y - s * F.x}; }
   };
 
   // Mass [kg], first moment [kg m] and polar second moment about the origin [kg m2].
@@ -103,18 +101,13 @@ struct PlanarAlgebra {
     Inertia moved_by(const Pose& X) const {
       const T x = X.c * hx - X.s * hy;
       const T y = X.s * hx + X.c * hy;
-      return {m, x + m * X.px, y + m * X.py,
-              I + T(2) * (X.px * x + X.py * y) + m * (X.px * X.px + X.py * X.py)};
+      return {m, x + m * X.px, y + m * X.py, I + T(2) * (X.px * x + X.py * y) + m * (X.px * X.px + X.py * X.py)};
     }
   };
 
   static T dot(const Motion& V, const Force& F) { return V.w * F.n + V.x * F.x + V.y * F.y; }
-  static Motion cross(const Motion& V, const Motion& A) {
-    return {T(0), V.y * A.w - V.w * A.y, V.w * A.x - V.x * A.w};
-  }
-  static Force cross_force(const Motion& V, const Force& F) {
-    return {V.x * F.y - V.y * F.x, -V.w * F.y, V.w * F.x};
-  }
+  static Motion cross(const Motion& V, const Motion& A) { return {T(0), V.y * A.w - V.w * A.y, V.w * A.x - V.x * A.w}; }
+  static Force cross_force(const Motion& V, const Force& F) { return {V.x * F.y - V.y * F.x, -V.w * F.y, V.w * F.x}; }
 };
 
 using Planar = PlanarAlgebra<double>;

@@ -70,9 +70,7 @@ struct SpatialAlgebra {
     Matrix3<T> R{Matrix3<T>::Identity()};
     Vector3<T> p{Vector3<T>::Zero()};
 
-    friend Pose operator*(const Pose& X_AB, const Pose& X_BC) {
-      return {X_AB.R * X_BC.R, X_AB.p + X_AB.R * X_BC.p};
-    }
+    friend Pose operator*(const Pose& X_AB, const Pose& X_BC) { return {X_AB.R * X_BC.R, X_AB.p + X_AB.R * X_BC.p}; }
     Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
     Vector3<T> point(const Vector3<T>& p_B) const { return p + R * p_B; }
 
@@ -90,9 +88,7 @@ struct SpatialAlgebra {
       const Vector3<T> f = R * F_B.f;
       return {R * F_B.n + p.cross(f), f};
     }
-    Force to_child(const Force& F_A) const {
-      return {R.transpose() * (F_A.n - p.cross(F_A.f)), R.transpose() * F_A.f};
-    }
+    Force to_child(const Force& F_A) const { return {R.transpose() * (F_A.n - p.cross(F_A.f)), R.transpose() * F_A.f}; }
   };
 
   // Rigid-body inertia about the frame's origin: mass [kg], first moment h = m c [kg m],
@@ -128,9 +124,7 @@ struct SpatialAlgebra {
 
   static T dot(const Motion& V, const Force& F) { return V.w.dot(F.n) + V.v.dot(F.f); }
   // V x A, the rate of a motion vector carried along by V (Featherstone 2008, eq. 2.31).
-  static Motion cross(const Motion& V, const Motion& A) {
-    return {V.w.cross(A.w), V.w.cross(A.v) + V.v.cross(A.w)};
-  }
+  static Motion cross(const Motion& V, const Motion& A) { return {V.w.cross(A.w), V.w.cross(A.v) + V.v.cross(A.w)}; }
   // V x* F, the rate of a force vector carried along by V (Featherstone 2008, eq. 2.32).
   static Force cross_force(const Motion& V, const Force& F) {
     return {V.w.cross(F.n) + V.v.cross(F.f), V.w.cross(F.f)};

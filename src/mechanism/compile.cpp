@@ -16,8 +16,8 @@ struct Compiler {
   Graph graph;
   std::vector<bool> against{};  // by edge: the axis points against the plane's normal
   Mechanism out{};
-  std::vector<int> link_of{};   // by group
-  std::vector<Pose3> X_LG{};    // by group: its frame in its link's
+  std::vector<int> link_of{};  // by group
+  std::vector<Pose3> X_LG{};   // by group: its frame in its link's
 
   void run(bool planar) {
     out.planar = planar;
@@ -163,8 +163,8 @@ struct Compiler {
 
   std::string name_of(int group) const {
     const auto& bodies = graph.groups[group].bodies;
-    const auto heaviest = std::ranges::max_element(
-        bodies, [&](int a, int b) { return scene.bodies[a].mass < scene.bodies[b].mass; });
+    const auto heaviest =
+        std::ranges::max_element(bodies, [&](int a, int b) { return scene.bodies[a].mass < scene.bodies[b].mass; });
     return scene.bodies[*heaviest].name;
   }
 };
@@ -183,8 +183,8 @@ void check_drives(const Scene& scene, const Mechanism& mechanism) {
     const auto joint = std::ranges::find(scene.joints, motor.joint, &Joint::name);
     const JointPlace& place = mechanism.joints[joint - scene.joints.begin()];
     if (place.role == JointPlace::Role::tree || motor.rotor_inertia == 0) continue;
-    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name +
-                     ".rotor_inertia: found " + std::to_string(motor.rotor_inertia) +
+    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name + ".rotor_inertia: found " +
+                     std::to_string(motor.rotor_inertia) +
                      " kg m2 where every joint of a loop is driven with rotor inertia; expected 0 at one joint of "
                      "each loop (add the rotor's inertia to a body there)");
   }

@@ -26,8 +26,8 @@ struct Edge {
 struct Graph {
   std::vector<Group> groups;
   std::vector<Edge> edges;
-  std::vector<int> group_of;    // by scene body
-  std::vector<Pose3> X_GB;      // by scene body: its frame in its group's
+  std::vector<int> group_of;  // by scene body
+  std::vector<Pose3> X_GB;    // by scene body: its frame in its group's
 };
 
 // Index of a body in scene.bodies; -1 for the ground.

@@ -19,11 +19,11 @@ struct Link {
   int parent = -1;   // link
   int scene_joint = -1;
   TreeJoint joint;
-  bool reversed = false;   // the outer link is the scene joint's parent
-  int iq = 0, iv = 0;      // where its coordinates and speeds begin
+  bool reversed = false;  // the outer link is the scene joint's parent
+  int iq = 0, iv = 0;     // where its coordinates and speeds begin
   int nq = 0, nv = 0;
-  Pose3 X_PJ;              // the joint's inner frame in the parent link
-  Spatial::Inertia G;      // about L in L
+  Pose3 X_PJ;          // the joint's inner frame in the parent link
+  Spatial::Inertia G;  // about L in L
 };
 
 // A joint that closes a loop: rows between frame F on link a and frame M on link b.
@@ -47,9 +47,9 @@ struct BodyPlace {
 struct JointPlace {
   enum class Role { tree, cut, merged };
   Role role = Role::merged;
-  int index = -1;                   // link or cut
-  int iq = 0, iv = 0;               // tree: in q, v; cut: in the cut joints' lists
-  std::vector<double> q_sign, v_sign;  // user's value = sign * ours
+  int index = -1;                                      // link or cut
+  int iq = 0, iv = 0;                                  // tree: in q, v; cut: in the cut joints' lists
+  std::vector<double> q_sign, v_sign;                  // user's value = sign * ours
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();  // from the user's joint frame F to ours
 };
 
@@ -64,7 +64,7 @@ struct Mechanism {
   // The ground link's frame in the world: at the first joint on the ground, so that a mechanism far from the world's
   // origin is computed as exactly as one at it.
   Pose3 X_W0;
-  std::vector<double> heights;     // planar: of each link's origin along the normal [m]
+  std::vector<double> heights;  // planar: of each link's origin along the normal [m]
 };
 
 struct CompileOptions {

@@ -52,9 +52,7 @@ struct Gatherer {
   }
 };
 
-Spatial::Inertia inertia_of(const Body& body) {
-  return Spatial::Inertia::about_com(body.mass, body.com, body.inertia);
-}
+Spatial::Inertia inertia_of(const Body& body) { return Spatial::Inertia::about_com(body.mass, body.com, body.inertia); }
 
 // A weld inside a group must agree with the welds that made the group.
 void check_weld(const Scene& scene, const Graph& graph, const Joint& weld, std::vector<std::string>& errors) {

@@ -72,8 +72,8 @@ std::string describe_failure(const Scene& scene, const Mechanism& mechanism, con
     for (const Joint& joint : scene.joints) {
       if (std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end()) fixed.push_back(joint.name);
     }
-    return prefix(scene) + "the fixed start speeds of " + list(fixed) +
-           " contradict the loops: at best a rate of " + fault.what() +
+    return prefix(scene) + "the fixed start speeds of " + list(fixed) + " contradict the loops: at best a rate of " +
+           fault.what() +
            " m/s (rad/s) is left (allowed 1e-9). Fix fewer speeds, or give them as guesses (fixed: false).";
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
@@ -86,15 +86,17 @@ std::string describe_failure(const Scene& scene, const Mechanism& mechanism, con
   }
   std::string out = prefix(scene) + "loop through " + scene.joints[mechanism.cuts[fault.cut].scene_joint].name +
                     " cannot be closed: smallest gap " + fault.what() +
-                    position_text(scene, mechanism, joints, fault.q) + " (allowed 1e-9 m). Check the positions in joints " +
-                    list(names);
+                    position_text(scene, mechanism, joints, fault.q) +
+                    " (allowed 1e-9 m). Check the positions in joints " + list(names);
   if (!fixed.empty()) out += ", and the fixed start of " + list(fixed);
   return out + ".";
 }
 
 std::string describe_massless(const Scene& scene, const std::string& link) {
-  return prefix(scene) + "bodies." + link + ": moves without inertia: found mass and inertia 0 along a motion of its "
-         "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it carries";
+  return prefix(scene) + "bodies." + link +
+         ": moves without inertia: found mass and inertia 0 along a motion of its "
+         "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it "
+         "carries";
 }
 
 std::string describe_refusal(const std::string& cause, double good_time) {

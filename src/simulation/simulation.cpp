@@ -106,8 +106,7 @@ void Simulation::Impl::place_start() {
 void Simulation::Impl::find_independent() {
   independent.clear();
   const std::vector<double> position(y.begin(), y.begin() + mechanism.nq);
-  const auto speeds =
-      independent_speeds(mechanism, *dynamics, position, size.rank, preferred_speeds(scene, mechanism));
+  const auto speeds = independent_speeds(mechanism, *dynamics, position, size.rank, preferred_speeds(scene, mechanism));
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
     if (s.level != 0 || s.unit == "1") continue;  // quaternions are no integrals of speeds
@@ -183,8 +182,9 @@ std::string Simulation::assembly_report() const { return impl_->report; }
 
 void Simulation::set_input(int index, double value) {
   Impl& s = *impl_;
-  if (!std::isfinite(value)) throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
-                                              ", expected a finite number; the former value stays");
+  if (!std::isfinite(value))
+    throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
+                     ", expected a finite number; the former value stays");
   if (s.u.at(index) == value) return;
   s.u[index] = value;
   s.inputs_jumped = true;

@@ -127,4 +127,6 @@ def test_far_from_the_origin(plain: Recording, distance: float) -> None:
     R = Rotation.random(random_state=4).as_matrix()
     found = run(placed(four_bar(START, torque=3.0), R, p), TIMES, tolerance=TOLERANCE)
     assert_same(states(found), states(plain), BOUND, "roundings of 2e-12 m, amplified by the motion")
-    assert_close("constraints.position", found["constraints.position"], 0, 1e-13, "closure, some 1e-14 of the bars")
+    assert_close(
+        "constraints.position", found["constraints.position"], 0, 1e-13, "closure, some 1e-14 of the bars"
+    )
