@@ -120,8 +120,8 @@ def test_repeated_rows_in_space(plain: Recording) -> None:
 
 @pytest.mark.parametrize("distance", [1e4])
 def test_far_from_the_origin(plain: Recording, distance: float) -> None:
-    """10 km away the joints' positions round to 2e-12 m, over bars of 0.5 m some 1e-11 rad; closing the loop does not
-    see the distance.
+    """10 km away the joints' positions round to 2e-12 m, over bars of 0.5 m some 1e-11 rad; closing the
+    loop does not see the distance.
     """
     p = distance * np.array([0.6, -0.64, 0.48])
     R = Rotation.random(random_state=4).as_matrix()
