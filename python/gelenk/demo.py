@@ -69,12 +69,15 @@ def draw(result: gelenk.Result, path: Path) -> None:
 
     t = result.time
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 10), layout="constrained")
-    for joint, label in (("A", "A crank"), ("B", "B crank–coupler")):
-        axes[0].plot(t, result[f"{joint}.phi"] / (2 * math.pi), label=label)
-    for joint, label in (("C", "C coupler–rocker"), ("D", "D rocker")):
-        axes[1].plot(t, np.degrees(result[f"{joint}.phi"]), label=label)
-    for joint in "ABCD":
-        axes[2].plot(t, result[f"{joint}.w"], label=joint)
+    labels = {"A": "A crank", "B": "B crank–coupler", "C": "C coupler–rocker", "D": "D rocker"}
+    for color, (joint, label) in enumerate(labels.items()):
+        turns, swings, speeds = axes[:3]
+        style = {"label": label, "color": f"C{color}"}
+        if joint in "AB":
+            turns.plot(t, result[f"{joint}.phi"] / (2 * math.pi), **style)
+        else:
+            swings.plot(t, np.degrees(result[f"{joint}.phi"]), **style)
+        speeds.plot(t, result[f"{joint}.w"], **style)
     axes[3].plot(t, [torque(x) for x in t], color="black")
     for axis, label in zip(
         axes, ("angle [turns]", "angle [deg]", "speed [rad/s]", "torque [N m]"), strict=True
@@ -83,7 +86,7 @@ def draw(result: gelenk.Result, path: Path) -> None:
         axis.grid(alpha=0.3)
         axis.margins(x=0)
     for axis in axes[:3]:
-        axis.legend(loc="upper left")
+        axis.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes[3].set_xlabel("time [s]")
     axes[0].set_title("Four-bar: joint states of the FMU under a changing motor torque")
     figure.savefig(path, dpi=110)

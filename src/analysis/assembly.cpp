@@ -22,7 +22,7 @@ constexpr int most_tries = 24;        // starts before the loops are called impo
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
-VectorXd limited(VectorXd step) {
+VectorXd limited(const VectorXd& step) {
   const double size = largest(step);
   return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
 }

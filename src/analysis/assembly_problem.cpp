@@ -31,8 +31,8 @@ void difference(const JointKind& kind, const double* q, const double* q0, double
 }
 
 MatrixXd columns(const MatrixXd& all, const std::vector<int>& chosen) {
-  MatrixXd out(all.rows(), chosen.size());
-  for (std::size_t k = 0; k < chosen.size(); ++k) out.col(k) = all.col(chosen[k]);
+  MatrixXd out(all.rows(), static_cast<Eigen::Index>(chosen.size()));
+  for (Eigen::Index k = 0; k < out.cols(); ++k) out.col(k) = all.col(chosen[static_cast<std::size_t>(k)]);
   return out;
 }
 

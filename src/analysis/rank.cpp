@@ -47,7 +47,7 @@ int structural_rank(const Mechanism& mechanism, Dynamics& dynamics, const std::v
   dynamics.factorise();
   int rank = rank_here(mechanism, dynamics);
   // Steps along random free motions away from q, closed again; the rank there is that of no special position.
-  std::mt19937 random(1);
+  std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same rank
   std::normal_distribution<double> normal;
   for (int sample = 0; sample < 5; ++sample) {
     dynamics.limit_rank(rank);

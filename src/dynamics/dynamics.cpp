@@ -88,7 +88,7 @@ class DynamicsOf final : public Dynamics {
     loads_.tree.add(q_.data(), v_.data(), u, w_.data());
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) Y_.constrain(w_.data(), ws_.gamma.data(), ws_.lambda.data());
-    std::copy(w_.begin(), w_.end(), vdot);
+    std::ranges::copy(w_, vdot);
     M_.solve(vdot);
   }
 

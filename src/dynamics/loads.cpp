@@ -15,8 +15,7 @@ Wrench make_wrench(const Scene& scene, const Mechanism& mechanism, const Force& 
   Wrench out;
   out.at = attach(scene, mechanism, force.at);
   out.in_link = force.in_body;
-  const BodyFrame body{force.at.body, {}};
-  out.R_user = force.in_body ? place(scene, mechanism, body).X_LB.R : Eigen::Matrix3d(mechanism.X_W0.R.transpose());
+  out.R_user = force.in_body ? place(scene, mechanism, force.at).X_LB.R : Eigen::Matrix3d(mechanism.X_W0.R.transpose());
   out.force = out.R_user * force.force;
   out.torque = out.R_user * force.torque;
   return out;

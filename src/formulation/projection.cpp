@@ -9,8 +9,8 @@ namespace {
 
 // Newton stops here: relative to the mechanism's size, some tens of roundings.
 constexpr double closed = 1e-14;
-// What may be left when rounding ends the progress earlier.
-constexpr double acceptable = 1e-11;
+// Where rounding ends the progress earlier: so much more may be left.
+constexpr double slack = 1e3;
 
 double largest(const std::vector<double>& x) {
   double max = 0;
@@ -54,17 +54,25 @@ bool Projection::rhs(double, const double* y, double* ydot) {
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
 
+// Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.
+double Projection::rounding(const double* q) const {
+  double largest_q = 0;
+  for (int i = 0; i < nq_; ++i) largest_q = std::max(largest_q, std::abs(q[i]));
+  return length_ * std::max(closed, 2e-16 * largest_q);
+}
+
 bool Projection::project_position(double* q) {
   dynamics_.normalise(q);
   dynamics_.set_position(q);
   if (mechanism_.rows == 0) return true;
+  const double floor = rounding(q);
   double before = INFINITY;
   for (int i = 0; i < 30; ++i) {
     const double gap = largest(dynamics_.Phi());
     if (!std::isfinite(gap)) return false;
-    if (gap <= closed * length_) return true;
+    if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too far away.
-    if (gap > 0.5 * before && gap <= acceptable * length_) return true;
+    if (gap > 0.5 * before && gap <= slack * floor) return true;
     if (!factors_ || gap > 0.1 * before) {
       dynamics_.factorise();
       factors_ = true;
@@ -87,7 +95,7 @@ bool Projection::project_velocity(double* v) {
     double speed = 1;
     for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
     if (gap <= closed * length_ * speed) return true;
-    if (gap > 0.5 * before && gap <= acceptable * length_ * speed) return true;
+    if (gap > 0.5 * before && gap <= slack * closed * length_ * speed) return true;
     if (!factors_ || gap > 0.1 * before) {
       dynamics_.factorise();
       factors_ = true;
@@ -109,7 +117,7 @@ void Projection::accepted(double t, const double* y) {
 void Projection::count_from(const std::vector<double>& cut_q, double t, const double* y) {
   cut_q_ = cut_q;
   last_time_ = t;
-  std::fill(cut_v_last_.begin(), cut_v_last_.end(), 0.0);
+  std::ranges::fill(cut_v_last_, 0.0);
   count_turns(t, y);
 }
 

@@ -32,6 +32,7 @@ class Projection final : public OdeSystem {
   void count_from(const std::vector<double>& cut_q, double t, const double* y);
 
  private:
+  double rounding(const double* q) const;
   void count_turns(double t, const double* y);
 
   const Mechanism& mechanism_;

@@ -4,6 +4,7 @@
 #include <arkode/arkode_erkstep.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "integrator/integrator.h"
 #include "integrator/sundials.h"
@@ -49,10 +50,11 @@ class Erk final : public Integrator {
     if (fresh_) ARKodeReset(memory_, t_, y_.get());
     fresh_ = false;
     ARKodeSetStopTime(memory_, end);
-    Patience patience(t_, end);
+    const double start = t_;
+    Patience patience(start, end);
     while (t_ < end) {
       const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
-      if (flag < 0) fail(flag);
+      if (flag < 0) fail(flag, start);
       system_.accepted(t_, sundials::data(y_.get()));
       patience.step_to(t_);
     }
@@ -77,9 +79,10 @@ class Erk final : public Integrator {
     rejected_ = std::max(failures, attempts - steps_);
   }
 
-  [[noreturn]] void fail(int flag) {
-    double reached = t_;
+  [[noreturn]] void fail(int flag, double start) const {
+    double reached = start;
     ARKodeGetCurrentTime(memory_, &reached);
+    if (!std::isfinite(reached)) reached = start;
     if (flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE) {
       throw IntegrationError(at_time(reached) + "no step is small enough for the tolerance");
     }

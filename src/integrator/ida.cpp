@@ -6,6 +6,7 @@
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "integrator/integrator.h"
@@ -72,7 +73,7 @@ class Ida final : public Integrator {
         flag = IDASolve(memory_, end, &t_, y_.get(), ydot_.get(), IDA_ONE_STEP);
       }
       jumped_ = false;
-      if (flag < 0) fail(flag);
+      if (flag < 0) fail(flag, start);
       system_.accepted(t_, sundials::data(y_.get()));
       patience.step_to(t_);
     }
@@ -137,9 +138,10 @@ class Ida final : public Integrator {
     rejected_ = rejected_before_ + error_fails + solver_fails;
   }
 
-  [[noreturn]] void fail(int flag) {
-    double reached = t_;
+  [[noreturn]] void fail(int flag, double start) const {
+    double reached = start;
     IDAGetCurrentTime(memory_, &reached);
+    if (!std::isfinite(reached)) reached = start;
     if (flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL || flag == IDA_NLS_FAIL) {
       throw IntegrationError(at_time(reached) + "no step is small enough for the tolerance");
     }

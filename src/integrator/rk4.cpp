@@ -31,13 +31,13 @@ class Rk4 final : public Integrator {
       system_.accepted(t_, y_.data());
       ++steps_;
     }
-    std::copy(y_.begin(), y_.end(), y);
+    std::ranges::copy(y_, y);
   }
 
  private:
   void make_step(double t, double h) {
     evaluate(t, y_.data());
-    std::copy(k_.begin(), k_.end(), sum_.begin());
+    std::ranges::copy(k_, sum_.begin());
     for (const double part : {0.5, 0.5, 1.0}) {
       for (int i = 0; i < n_; ++i) stage_[i] = y_[i] + part * h * k_[i];
       evaluate(t + part * h, stage_.data());

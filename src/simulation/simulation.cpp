@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "formulation/projection.h"
 #include "integrator/integrator.h"
@@ -23,8 +24,8 @@ double largest(const std::vector<double>& x) {
 }  // namespace
 
 struct Simulation::Impl {
-  explicit Impl(const Scene& given)
-      : scene(given),
+  explicit Impl(Scene given)
+      : scene(std::move(given)),
         mechanism(compile(scene)),
         loads(make_loads(scene, mechanism)),
         dynamics(make_dynamics(mechanism, loads)),
@@ -89,9 +90,11 @@ void Simulation::Impl::place_start() {
   const StartWishes wishes = start_wishes(scene, mechanism);
   try {
     const Assembled found = assemble(mechanism, *dynamics, wishes.tree, wishes.cuts);
-    std::copy(found.q.begin(), found.q.end(), y.begin());
-    std::copy(found.v.begin(), found.v.end(), y.begin() + mechanism.nq);
+    std::ranges::copy(found.q, y.begin());
+    std::ranges::copy(found.v, y.begin() + mechanism.nq);
     dynamics->normalise(y.data());
+    dynamics->set_position(found.q.data());
+    dynamics->factorise();  // tells parts that move without inertia
     size.rank = structural_rank(mechanism, *dynamics, found.q);
     size.freedoms = size.speeds - size.rank;
     report = describe_assembly(scene, mechanism, found);
