@@ -4,10 +4,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <random>
 
 #include "analysis/assembly_problem.h"
+#include "scene/text.h"
 
 namespace gelenk {
 namespace {
@@ -33,6 +33,7 @@ double close(AssemblyProblem& problem, std::vector<double>& q) {
   double damping = 0;
   for (int i = 0; i < 200 && largest(g) > closed * problem.length(); ++i) {
     const MatrixXd G = problem.gap_jacobian(q);
+    if (G.cols() == 0) break;  // everything is fixed
     const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
     bool better = false;
     for (int k = 0; k < 12 && !better; ++k) {
@@ -62,7 +63,7 @@ double close(AssemblyProblem& problem, std::vector<double>& q) {
 
 // An orthonormal basis of the free displacements that keep the loops closed.
 MatrixXd nullspace(const MatrixXd& G, Eigen::Index n) {
-  if (G.rows() == 0) return MatrixXd::Identity(n, n);
+  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
   Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
   qr.setThreshold(1e-9);
   const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
@@ -124,13 +125,8 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
     turn = std::sqrt(angle);
     worst = c;
   }
-  char text[96];
-  if (turn > acceptable) {
-    std::snprintf(text, sizeof text, "%.3g m and %.3g rad", std::max(0.0, gap), turn);
-  } else {
-    std::snprintf(text, sizeof text, "%.3g m", std::max(0.0, gap));
-  }
-  return text;
+  const std::string metres = text::rounded(std::max(0.0, gap), 3) + " m";
+  return turn > acceptable ? metres + " and " + text::rounded(turn, 3) + " rad" : metres;
 }
 
 std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
@@ -148,8 +144,8 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
   }
   problem.gap(best);
   int worst = 0;
-  const std::string text = gap_text(mechanism, dynamics, worst);
-  throw CannotAssemble(text, worst, best);
+  const std::string gap = gap_text(mechanism, dynamics, worst);
+  throw CannotAssemble(gap, worst, best);
 }
 
 std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vector<double>& q) {
@@ -162,9 +158,7 @@ std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vecto
   double speed = 1;
   for (const double fixed : s.v) speed = std::max(speed, std::abs(fixed));
   if (largest(left) > acceptable * speed * problem.length()) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.3g", largest(left));
-    throw CannotAssemble(text, -1, q);
+    throw CannotAssemble(text::rounded(largest(left), 3), -1, q);
   }
   const MatrixXd Z = nullspace(s.G, n);
   if (Z.cols() > 0) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "integrator/integrator.h"
+#include "scene/text.h"
 
 namespace gelenk {
 namespace {
@@ -28,18 +28,13 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& sy
 void Patience::step_to(double t) {
   if (++count_ < window) return;
   if (t - mark_ < least_) {
-    char text[96];
-    std::snprintf(text, sizeof text, "the last %d steps took the run only %.3g s further", window, t - mark_);
-    throw IntegrationError(at_time(t) + text);
+    throw IntegrationError(at_time(t) + "the last " + std::to_string(window) + " steps took the run only " +
+                           text::rounded(t - mark_) + " s further");
   }
   count_ = 0;
   mark_ = t;
 }
 
-std::string at_time(double t) {
-  char text[64];
-  std::snprintf(text, sizeof text, "t = %.9g s: ", t);
-  return text;
-}
+std::string at_time(double t) { return "t = " + text::rounded(t) + " s: "; }
 
 }  // namespace gelenk

@@ -41,10 +41,11 @@ std::string number(double x) {
   return {buffer.data(), end};
 }
 
-std::string rounded(double x) {
+std::string rounded(double x, int digits) {
+  // Not printf: the host's locale may write a comma.
   std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.6g", x);
-  return buffer.data();
+  const auto end = std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::general, digits).ptr;
+  return {buffer.begin(), end};
 }
 
 std::string with_unit(const std::string& value, std::string_view unit) {

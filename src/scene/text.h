@@ -11,8 +11,8 @@ namespace gelenk::text {
 // The shortest decimal that reads back to the same bits: "0.1", "1e-06", "NaN".
 std::string number(double x);
 
-// A number we computed, to six digits: rounding in its last places is of no interest.
-std::string rounded(double x);
+// A number we computed, to that many digits: rounding in its last places is of no interest.
+std::string rounded(double x, int digits = 6);
 
 // "0.5 kg"; the bare number where there is no unit.
 std::string with_unit(const std::string& value, std::string_view unit);

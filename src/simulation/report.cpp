@@ -2,24 +2,14 @@
 #include "simulation/report.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <vector>
+
+#include "scene/text.h"
 
 namespace gelenk {
 namespace {
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
-
 std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
-
-std::string list(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
 
 // Joints around the loop that a cut closes, the cut first.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
@@ -39,7 +29,7 @@ std::string position_text(const Scene& scene, const Mechanism& mechanism, const 
     const JointPlace& place = mechanism.joints[j];
     if (place.role != JointPlace::Role::tree || kind.nq != 1) continue;
     return " at " + scene.joints[j].name + "." + std::string(kind.q[0].name) + " = " +
-           number(place.q_sign[0] * q[place.iq]) + " " + std::string(kind.q[0].unit);
+           text::rounded(place.q_sign[0] * q[place.iq]) + " " + std::string(kind.q[0].unit);
   }
   return "";
 }
@@ -57,11 +47,11 @@ std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, co
     if (kind.has_quaternion()) continue;
     for (int i = 0; i < kind.nq; ++i) {
       out += separator + scene.joints[j].name + "." + std::string(kind.q[i].name) + " = " +
-             number(place.q_sign[i] * found.q[place.iq + i]) + " " + std::string(kind.q[i].unit);
+             text::rounded(place.q_sign[i] * found.q[place.iq + i]) + " " + std::string(kind.q[i].unit);
       separator = ", ";
     }
   }
-  if (found.moved > 0) out += "; guesses moved by up to " + number(found.moved);
+  if (found.moved > 0) out += "; guesses moved by up to " + text::rounded(found.moved);
   if (found.tries > 1) out += "; the guesses themselves led nowhere, start " + std::to_string(found.tries) + " did";
   return out;
 }
@@ -72,8 +62,8 @@ std::string describe_failure(const Scene& scene, const Mechanism& mechanism, con
     for (const Joint& joint : scene.joints) {
       if (std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end()) fixed.push_back(joint.name);
     }
-    return prefix(scene) + "the fixed start speeds of " + list(fixed) + " contradict the loops: at best a rate of " +
-           fault.what() +
+    return prefix(scene) + "the fixed start speeds of " + text::list(fixed) +
+           " contradict the loops: at best a rate of " + fault.what() +
            " m/s (rad/s) is left (allowed 1e-9). Fix fewer speeds, or give them as guesses (fixed: false).";
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
@@ -87,8 +77,8 @@ std::string describe_failure(const Scene& scene, const Mechanism& mechanism, con
   std::string out = prefix(scene) + "loop through " + scene.joints[mechanism.cuts[fault.cut].scene_joint].name +
                     " cannot be closed: smallest gap " + fault.what() +
                     position_text(scene, mechanism, joints, fault.q) +
-                    " (allowed 1e-9 m). Check the positions in joints " + list(names);
-  if (!fixed.empty()) out += ", and the fixed start of " + list(fixed);
+                    " (allowed 1e-9 m). Check the positions in joints " + text::list(names);
+  if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";
 }
 
@@ -100,7 +90,7 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
 }
 
 std::string describe_refusal(const std::string& cause, double good_time) {
-  return cause + ". The plant still stands at t = " + number(good_time) + " s and can go on from there.";
+  return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
 }
 
 }  // namespace gelenk

@@ -112,10 +112,16 @@ void Simulation::Impl::find_independent() {
   const auto speeds = independent_speeds(mechanism, *dynamics, position, size.rank, preferred_speeds(scene, mechanism));
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
-    if (s.level != 0 || s.unit == "1") continue;  // quaternions are no integrals of speeds
+    if (s.level != 0) continue;
     const JointPlace& place = mechanism.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
-    if (std::ranges::find(speeds, place.iv + s.component) != speeds.end()) independent.push_back(i);
+    // A quaternion counts if all three turns are free.
+    const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
+    const bool quaternion = kind.has_quaternion() && s.component >= kind.nq - 4;
+    const int first = place.iv + (quaternion ? kind.nv - 3 : s.component);
+    const int last = quaternion ? first + 2 : first;
+    const auto free = [&](int k) { return std::ranges::find(speeds, k) != speeds.end(); };
+    if (free(first) && free(last) && free((first + last) / 2)) independent.push_back(i);
   }
 }
 

@@ -71,8 +71,8 @@ class Simulation {
   double output(int index);      // computed when first read after a change
   double diagnostic(int index);  // likewise
 
-  // Indices into outputs(): of the scalar joint coordinates (level 0) whose joints make up a minimal,
-  // independent set of states at the start: size().freedoms of them where no quaternion is involved.
+  // Indices into outputs(): of the joint coordinates (level 0) that make up a minimal, independent set of states at the
+  // start: size().freedoms of them, and one more for each quaternion whose three turns are all independent.
   // Known after initialize().
   const std::vector<int>& independent_coordinates() const;
 
