@@ -35,7 +35,7 @@ const char* words(Mode mode) {
   return "after a fault of the FMU";
 }
 
-Instance::Instance(std::shared_ptr<const Model> model, Log log)
+Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
     : model_(std::move(model)), log_(std::move(log)), plant_(model_), stop_(no_stop) {}
 
 void Instance::setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop) {

@@ -30,7 +30,7 @@ const char* words(Mode mode);
 
 class Instance {
  public:
-  Instance(std::shared_ptr<const Model> model, Log log);
+  Instance(std::shared_ptr<const PlantModel> model, Log log);
 
   Mode mode() const { return mode_; }
   Log& log() { return log_; }
@@ -50,7 +50,7 @@ class Instance {
  private:
   void enter(Mode mode);
 
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const PlantModel> model_;
   Log log_;
   Plant plant_;
   Clock clock_;

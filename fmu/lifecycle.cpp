@@ -12,7 +12,7 @@
 namespace gelenk {
 namespace {
 
-std::shared_ptr<const Model> load(const char* location, const std::string& guid) {
+std::shared_ptr<const PlantModel> load(const char* location, const std::string& guid) {
   if (location == nullptr) throw UsageError("resource location: found nothing, expected the FMU's resources directory");
   const std::filesystem::path path = directory_of_uri(location) / "scene.json";
   errno = 0;
@@ -22,7 +22,7 @@ std::shared_ptr<const Model> load(const char* location, const std::string& guid)
     throw UsageError("the scene " + path.string() +
                      " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
   }
-  auto model = std::make_shared<const Model>(json, path.string());
+  auto model = std::make_shared<const PlantModel>(json, path.string());
   if (guid != model->guid) {
     throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
                      "'; modelDescription.xml, resources/scene.json and the binary are not of one export");

@@ -21,10 +21,10 @@ std::size_t inputs_of(const Catalogue& catalogue) {
 
 }  // namespace
 
-Model::Model(std::string_view scene_json, const std::string& file)
+PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
     : scene(read_scene_json(scene_json, file)), catalogue(scene), guid(fingerprint(scene_json)) {}
 
-Plant::Plant(std::shared_ptr<const Model> model)
+Plant::Plant(std::shared_ptr<const PlantModel> model)
     : model_(std::move(model)), scene_(model_->scene), inputs_(inputs_of(model_->catalogue), 0.0) {
   for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
 }

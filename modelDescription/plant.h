@@ -16,8 +16,8 @@
 namespace gelenk {
 
 // What all instances of an FMU share. Immutable.
-struct Model {
-  Model(std::string_view scene_json, const std::string& file);  // throws SceneError
+struct PlantModel {
+  PlantModel(std::string_view scene_json, const std::string& file);  // throws SceneError
 
   Scene scene;
   Catalogue catalogue;
@@ -26,9 +26,9 @@ struct Model {
 
 class Plant {
  public:
-  explicit Plant(std::shared_ptr<const Model> model);
+  explicit Plant(std::shared_ptr<const PlantModel> model);
 
-  const Model& model() const { return *model_; }
+  const PlantModel& model() const { return *model_; }
   const Catalogue& catalogue() const { return model_->catalogue; }
 
   // When the run starts [s], and the master's wish for the tolerance (0: none), which gives way to
@@ -56,7 +56,7 @@ class Plant {
  private:
   double rate(const Rate& rate);
 
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const PlantModel> model_;
   Scene scene_;  // with the parameters set so far
   bool parameters_set_ = false;
   std::vector<double> inputs_;
