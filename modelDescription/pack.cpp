@@ -31,13 +31,14 @@ std::string read_file(const fs::path& path, const std::string& what) {
   return content;
 }
 
-// Relative names of all files below a directory, sorted: directory order differs between machines.
-std::vector<fs::path> files_below(const fs::path& directory) {
+// Names of the files in a directory, sorted: directory order differs between machines. Not of those in folders below:
+// these hold the licences of what an FMU does not carry.
+std::vector<fs::path> files_in(const fs::path& directory) {
   std::vector<fs::path> files;
   std::error_code error;
-  fs::recursive_directory_iterator entry(directory, error);
-  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    if (entry->is_regular_file()) files.push_back(fs::relative(entry->path(), directory));
+  fs::directory_iterator entry(directory, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (entry->is_regular_file()) files.push_back(entry->path().filename());
   }
   if (error) throw ExportError(directory.string() + ": directory of licences could not be read: " + error.message());
   std::ranges::sort(files);
@@ -94,7 +95,7 @@ void export_fmu(const Scene& scene, const fs::path& runtime, const fs::path& out
   zip.add("resources/scene.json", json);
   zip.add("documentation/index.html", write_documentation(simulation, catalogue));
   if (!licenses.empty()) {
-    for (const fs::path& file : files_below(licenses)) {
+    for (const fs::path& file : files_in(licenses)) {
       zip.add("documentation/licenses/" + file.generic_string(), read_file(licenses / file, "a licence"));
     }
   }

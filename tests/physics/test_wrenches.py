@@ -113,3 +113,17 @@ def test_fed_wrench_adds_to_the_constant_one(frame_name: str) -> None:
         "r", fed.vector("com.r"), constant.vector("com.r"), 1e-13, "the same numbers but for one rounding"
     )
     assert [s.name for s in gelenk.Simulation(gelenk.load(pushed(half))).inputs] == list(inputs)
+
+
+def test_body_wrench_follows_its_own_rotation() -> None:
+    """Components along a frame turned in the body are those along the body's axes, turned: constants and inputs."""
+    turn = Rotation.from_rotvec([0.4, -0.9, 0.7])
+    f, n = np.array([1.2, -0.7, 2.1]), np.array([0.5, -0.3, 0.4])
+    x, y, z, w = turn.as_quat()
+    place = {"frame": "body", "position": [0.4, 0.3, -0.2]}
+    turned = {**place, "rotation": {"quaternion": [w, x, y, z]}, "force": f.tolist(), "input": True}
+    along = {**place, "force": turn.apply(f).tolist(), "torque": turn.apply(n).tolist()}
+    inputs = {f"push.t[{i + 1}]": float(n[i]) for i in range(3)}
+    found = run(pushed(turned, (0.8, 1.1, -0.6)), TIMES, tolerance=1e-12, inputs=inputs)
+    expected = run(pushed(along, (0.8, 1.1, -0.6)), TIMES, tolerance=1e-12)
+    assert_close("com", found.vector("com.r"), expected.vector("com.r"), 1e-10, "100 rtol")
