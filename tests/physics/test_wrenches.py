@@ -116,7 +116,7 @@ def test_fed_wrench_adds_to_the_constant_one(frame_name: str) -> None:
 
 
 def test_body_wrench_follows_its_own_rotation() -> None:
-    """Components along a frame turned in the body are those along the body's axes, turned: constants and inputs."""
+    """Components along a frame turned in the body are those along its axes, turned: constants and inputs."""
     turn = Rotation.from_rotvec([0.4, -0.9, 0.7])
     f, n = np.array([1.2, -0.7, 2.1]), np.array([0.5, -0.3, 0.4])
     x, y, z, w = turn.as_quat()
