@@ -30,10 +30,11 @@ def progress_bar(stream: IO[str]) -> Iterator[Callable[[float, float], None] | N
             return
         last = now
         if bar is None:
-            bar = tqdm(total=stop, unit="s", file=stream, leave=False,
+            bar = tqdm(total=stop, initial=t, unit="s", file=stream, leave=False,
                        bar_format="{l_bar}{bar}| {n:.3g} of {total:g} s, {remaining} left")  # fmt: skip
-        bar.n = t
-        bar.refresh()
+        else:
+            bar.n = t
+            bar.refresh()
 
     try:
         yield reached
