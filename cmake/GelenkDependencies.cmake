@@ -41,7 +41,7 @@ target_link_libraries(gelenk_eigen INTERFACE Eigen3::Eigen)
 target_compile_definitions(gelenk_eigen INTERFACE EIGEN_MPL2_ONLY)  # nothing under the LGPL gets in
 
 gelenk_wheel_dir(SUNDIALS_DIR "${wheel_sundials}")
-find_package(SUNDIALS 6.0 REQUIRED COMPONENTS
+find_package(SUNDIALS 7.1 REQUIRED COMPONENTS
   idas cvodes arkode nvecserial sunmatrixdense sunlinsoldense sunnonlinsolnewton sunnonlinsolfixedpoint)
 # One name for all that we use; _static where both kinds are installed, the FMU must carry it inside.
 add_library(gelenk_sundials INTERFACE)
