@@ -9,9 +9,9 @@
 
 namespace gelenk {
 
-// The name in scene.solver.integrator; for `auto`, ida where the start looks stiff, else erk.
-// Stiff: the fastest decay at (y, u), found by power iteration on differences of vdot, is faster than an explicit
-// method with a step of 1/100 of the experiment could follow.
+// The name in scene.solver.integrator; for `auto`, ida where the start looks stiff, else erk. Stiff: following the
+// fastest decay at (y, u), found by power iteration on differences of vdot, would cost an explicit method thousands
+// of steps over the experiment.
 std::string choose_integrator(const Scene& scene, const Mechanism& mechanism, Dynamics& dynamics,
                               const std::vector<double>& y, const std::vector<double>& u);
 
