@@ -44,7 +44,7 @@ Scene with_parameters(const Scene& scene, const std::vector<Setting>& settings) 
       throw gelenk::UsageError(e.what());
     }
   }
-  return gelenk::checked(std::move(changed));
+  return gelenk::checked(changed);
 }
 
 }  // namespace
