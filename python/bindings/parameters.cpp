@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 #include "bindings.h"
 #include "simulation/simulation.h"

@@ -28,7 +28,7 @@ class Plant {
   template <class Function>
   auto with(Function&& function) {
     const nb::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::scoped_lock lock(mutex_);
     return function(simulation_);
   }
 
