@@ -4,10 +4,8 @@
 #include <arkode/arkode_erkstep.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "integrator/integrator.h"
-#include "integrator/sundials.h"
+#include "integrator/sundials_integrator.h"
 
 namespace gelenk {
 namespace {
@@ -21,11 +19,9 @@ ARKODE_ERKTableID table_for(double tolerance) { return tolerance > 3e-7 ? ARKODE
 // short, and their tiny errors mislead the next.
 constexpr double safety = 0.8;
 
-class Erk final : public Integrator {
+class Erk final : public SundialsIntegrator {
  public:
-  Erk(OdeSystem& system, const IntegratorOptions& options)
-      : system_(system), n_(system.size()), y_(sundials::made(N_VNew_Serial(std::max(1, n_), context_))) {
-    N_VConst(0, y_.get());
+  Erk(OdeSystem& system, const IntegratorOptions& options) : SundialsIntegrator(system) {
     memory_ = sundials::made(ERKStepCreate(rhs, 0, y_.get(), context_));
     ARKodeSetUserData(memory_, this);
     ARKodeSStolerances(memory_, options.tolerance, options.tolerance);
@@ -38,39 +34,32 @@ class Erk final : public Integrator {
   }
   ~Erk() override { ARKodeFree(&memory_); }
 
-  void restart(double t, const double* y) override {
-    t_ = t;
-    std::copy(y, y + n_, sundials::data(y_.get()));
-    fresh_ = true;
-  }
-  void inputs_changed() override { fresh_ = true; }
-
-  void advance(double end, double* y) override {
+ private:
+  void prepare(double end) override {
     // A reset drops the derivative kept from the last step, which belongs to the former inputs, but not the step size.
-    if (fresh_) ARKodeReset(memory_, t_, y_.get());
+    if (fresh_ || jumped_) ARKodeReset(memory_, t_, y_.get());
     fresh_ = false;
     ARKodeSetStopTime(memory_, end);
-    const double start = t_;
-    Patience patience(start, end);
-    while (t_ < end) {
-      const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
-      if (flag < 0) fail(flag, start);
-      system_.accepted(t_, sundials::data(y_.get()));
-      patience.step_to(t_);
+  }
+
+  Step make_step(double end) override {
+    const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
+    if (flag >= 0) return Step::made;
+    if (flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE) return Step::too_small;
+    if (flag == ARK_RHSFUNC_FAIL || flag == ARK_UNREC_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
+        flag == ARK_FIRST_RHSFUNC_ERR) {
+      return Step::not_finite;
     }
-    count();
-    std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
+    return flag == ARK_POSTPROCESS_STEP_FAIL ? Step::not_closed : Step::stopped;
   }
 
- private:
-  static int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
-    return static_cast<Erk*>(self)->system_.rhs(t, sundials::data(y), sundials::data(ydot)) ? 0 : 1;
-  }
-  static int project(sunrealtype t, N_Vector y, void* self) {
-    return static_cast<Erk*>(self)->system_.project(t, sundials::data(y)) ? 0 : 1;
+  double reached() const override {
+    double t = t_;
+    ARKodeGetCurrentTime(memory_, &t);
+    return t;
   }
 
-  void count() {
+  void count() override {
     long attempts = 0;
     long failures = 0;
     ARKodeGetNumSteps(memory_, &steps_);
@@ -79,30 +68,14 @@ class Erk final : public Integrator {
     rejected_ = std::max(failures, attempts - steps_);
   }
 
-  [[noreturn]] void fail(int flag, double start) const {
-    double reached = start;
-    ARKodeGetCurrentTime(memory_, &reached);
-    if (!std::isfinite(reached)) reached = start;
-    if (flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE) {
-      throw IntegrationError(at_time(reached) + "no step is small enough for the tolerance");
-    }
-    if (flag == ARK_RHSFUNC_FAIL || flag == ARK_UNREC_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
-        flag == ARK_FIRST_RHSFUNC_ERR) {
-      throw IntegrationError(at_time(reached) + "the accelerations are not finite");
-    }
-    if (flag == ARK_POSTPROCESS_STEP_FAIL) {
-      throw IntegrationError(at_time(reached) + "the loops could not be closed again");
-    }
-    throw IntegrationError(at_time(reached) + "the integrator stopped (" + context_.last_error() + ")");
+  static int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
+    return static_cast<Erk*>(self)->system_.rhs(t, sundials::data(y), sundials::data(ydot)) ? 0 : 1;
+  }
+  static int project(sunrealtype t, N_Vector y, void* self) {
+    return static_cast<Erk*>(self)->system_.project(t, sundials::data(y)) ? 0 : 1;
   }
 
-  sundials::Context context_;
-  OdeSystem& system_;
-  int n_;
-  sundials::Vector y_;
   void* memory_ = nullptr;
-  double t_ = 0;
-  bool fresh_ = true;
 };
 
 }  // namespace

@@ -6,11 +6,9 @@
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
-#include "integrator/integrator.h"
-#include "integrator/sundials.h"
+#include "integrator/sundials_integrator.h"
 
 namespace gelenk {
 namespace {
@@ -21,12 +19,10 @@ using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, su
 // four-bar); this keeps the state's error near what was asked for.
 constexpr double local_share = 0.1;
 
-class Ida final : public Integrator {
+class Ida final : public SundialsIntegrator {
  public:
   Ida(OdeSystem& system, const IntegratorOptions& options)
-      : system_(system),
-        n_(system.size()),
-        y_(new_vector()),
+      : SundialsIntegrator(system),
         ydot_(new_vector()),
         f_(n_),
         matrix_(sundials::made(SUNDenseMatrix(std::max(1, n_), std::max(1, n_), context_))),
@@ -48,44 +44,12 @@ class Ida final : public Integrator {
     SUNNonlinSolFree(newton_);
   }
 
-  void restart(double t, const double* y) override {
-    t_ = t;
-    std::copy(y, y + n_, sundials::data(y_.get()));
-    fresh_ = true;
-  }
-
-  // Carried on across the jump where its error test allows: on the four-bar with a new torque every millisecond a
-  // restart at each costs more than twice as much and is less accurate.
-  void inputs_changed() override { jumped_ = true; }
-
-  void advance(double end, double* y) override {
-    const double start = t_;
+ private:
+  // A jump of the inputs alone does not begin anew: on the four-bar with a new torque every millisecond a restart at
+  // each costs more than twice as much as carrying the history on, and is less accurate.
+  void prepare(double end) override {
     if (fresh_) begin();
     IDASetStopTime(memory_, end);
-    Patience patience(start, end);
-    while (t_ < end) {
-      int flag = IDASolve(memory_, end, &t_, y_.get(), ydot_.get(), IDA_ONE_STEP);
-      if (flag < 0 && jumped_ && t_ == start) {
-        // The history cannot be carried across this jump.
-        restart(start, y);
-        begin();
-        IDASetStopTime(memory_, end);
-        flag = IDASolve(memory_, end, &t_, y_.get(), ydot_.get(), IDA_ONE_STEP);
-      }
-      jumped_ = false;
-      if (flag < 0) fail(flag, start);
-      system_.accepted(t_, sundials::data(y_.get()));
-      patience.step_to(t_);
-    }
-    count();
-    std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
-  }
-
- private:
-  N_Vector new_vector() {
-    N_Vector v = sundials::made(N_VNew_Serial(std::max(1, n_), context_));
-    N_VConst(0, v);
-    return v;
   }
 
   void begin() {
@@ -97,6 +61,20 @@ class Ida final : public Integrator {
     rejected_before_ = rejected_;
     IDAReInit(memory_, t_, y_.get(), ydot_.get());
     fresh_ = false;
+  }
+
+  Step make_step(double end) override {
+    const int flag = IDASolve(memory_, end, &t_, y_.get(), ydot_.get(), IDA_ONE_STEP);
+    if (flag >= 0) return Step::made;
+    if (flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL || flag == IDA_NLS_FAIL) return Step::too_small;
+    const bool residual = flag == IDA_RES_FAIL || flag == IDA_REP_RES_ERR || flag == IDA_FIRST_RES_FAIL;
+    return residual ? Step::not_finite : Step::stopped;
+  }
+
+  double reached() const override {
+    double t = t_;
+    IDAGetCurrentTime(memory_, &t);
+    return t;
   }
 
   static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void* self) {
@@ -128,7 +106,7 @@ class Ida final : public Integrator {
     return flag;
   }
 
-  void count() {
+  void count() override {
     long error_fails = 0;
     long solver_fails = 0;
     IDAGetNumSteps(memory_, &steps_);
@@ -138,32 +116,13 @@ class Ida final : public Integrator {
     rejected_ = rejected_before_ + error_fails + solver_fails;
   }
 
-  [[noreturn]] void fail(int flag, double start) const {
-    double reached = start;
-    IDAGetCurrentTime(memory_, &reached);
-    if (!std::isfinite(reached)) reached = start;
-    if (flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL || flag == IDA_NLS_FAIL) {
-      throw IntegrationError(at_time(reached) + "no step is small enough for the tolerance");
-    }
-    if (flag == IDA_RES_FAIL || flag == IDA_REP_RES_ERR || flag == IDA_FIRST_RES_FAIL) {
-      throw IntegrationError(at_time(reached) + "the accelerations are not finite");
-    }
-    throw IntegrationError(at_time(reached) + "the integrator stopped (" + context_.last_error() + ")");
-  }
-
-  sundials::Context context_;
-  OdeSystem& system_;
-  int n_;
-  sundials::Vector y_, ydot_;
+  sundials::Vector ydot_;
   std::vector<double> f_;
   sundials::Matrix matrix_;
   sundials::LinearSolver linear_;
   SUNNonlinearSolver newton_ = nullptr;
   NewtonSolve newton_solve_ = nullptr;
   void* memory_ = nullptr;
-  double t_ = 0;
-  bool fresh_ = true;
-  bool jumped_ = false;
   long steps_before_ = 0;
   long rejected_before_ = 0;
 };

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrator/sundials_integrator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+
+SundialsIntegrator::SundialsIntegrator(OdeSystem& system) : system_(system), n_(system.size()), y_(new_vector()) {}
+
+N_Vector SundialsIntegrator::new_vector() {
+  N_Vector v = sundials::made(N_VNew_Serial(std::max(1, n_), context_));  // a scene may have nothing that moves
+  N_VConst(0, v);
+  return v;
+}
+
+void SundialsIntegrator::restart(double t, const double* y) {
+  t_ = t;
+  std::copy(y, y + n_, sundials::data(y_.get()));
+  fresh_ = true;
+}
+
+void SundialsIntegrator::advance(double end, double* y) {
+  const double start = t_;
+  Patience patience(start, end);
+  prepare(end);
+  while (t_ < end) {
+    Step step = make_step(end);
+    if (step != Step::made && jumped_ && t_ == start) {
+      // A history that cannot be carried across the jump.
+      restart(start, y);
+      prepare(end);
+      step = make_step(end);
+    }
+    jumped_ = false;
+    if (step != Step::made) fail(step, start);
+    system_.accepted(t_, sundials::data(y_.get()));
+    patience.step_to(t_);
+  }
+  count();
+  std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
+}
+
+void SundialsIntegrator::fail(Step step, double start) const {
+  const double t = reached();
+  const std::string where = at_time(std::isfinite(t) ? t : start);
+  switch (step) {
+    case Step::too_small:
+      throw IntegrationError(where + "no step is small enough for the tolerance");
+    case Step::not_finite:
+      throw IntegrationError(where + "the accelerations are not finite");
+    case Step::not_closed:
+      throw IntegrationError(where + "the loops could not be closed again");
+    default:
+      throw IntegrationError(where + "the integrator stopped (" + context_.last_error() + ")");
+  }
+}
+
+}  // namespace gelenk

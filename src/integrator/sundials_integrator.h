@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The way from one communication point to the next, which SUNDIALS' adaptive integrators share.
+#pragma once
+
+#include "integrator/integrator.h"
+#include "integrator/sundials.h"
+
+namespace gelenk {
+
+class SundialsIntegrator : public Integrator {
+ public:
+  void restart(double t, const double* y) final;
+  void inputs_changed() final { jumped_ = true; }
+  void advance(double end, double* y) final;
+
+ protected:
+  enum class Step { made, too_small, not_finite, not_closed, stopped };
+
+  explicit SundialsIntegrator(OdeSystem& system);
+  N_Vector new_vector();  // of zeros
+
+  // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
+  virtual void prepare(double end) = 0;
+  // One step; writes t_ and y_.
+  virtual Step make_step(double end) = 0;
+  // How far the step that failed had come [s].
+  virtual double reached() const = 0;
+  // Writes steps_ and rejected_.
+  virtual void count() = 0;
+
+  sundials::Context context_;
+  OdeSystem& system_;
+  int n_;
+  sundials::Vector y_;
+  double t_ = 0;
+  bool fresh_ = true;    // (t_, y_) is not where the last step ended
+  bool jumped_ = false;  // the inputs are not those of the last step
+
+ private:
+  [[noreturn]] void fail(Step step, double start) const;
+};
+
+}  // namespace gelenk
