@@ -61,6 +61,7 @@ struct Simulation::Impl {
   Outputs::Needs fresh = Outputs::Needs::state;  // what `dynamics` holds for (time, y, u)
   bool initialized = false;
   bool inputs_jumped = false;
+  long evaluations_before = 0;  // made by initialize()
   std::vector<int> independent;
   std::string report;
 
@@ -167,6 +168,7 @@ void Simulation::initialize(double time, double tolerance) {
   s.place_start();
   s.find_independent();
   s.start_integrator(tolerance);
+  s.evaluations_before = s.dynamics->evaluations();
   s.initialized = true;
 }
 
@@ -218,7 +220,7 @@ double Simulation::diagnostic(int index) {
     case Diagnostic::rejected_steps:
       return static_cast<double>(s.integrator->rejected_steps());
     case Diagnostic::evaluations:
-      return static_cast<double>(s.dynamics->evaluations());
+      return static_cast<double>(s.dynamics->evaluations() - s.evaluations_before);
     default:
       break;
   }
