@@ -81,7 +81,9 @@ void bind_size(nb::module_& m) {
       .def_ro("rows", &ModelSize::rows, "Constraint rows of the loops.")
       .def_ro("rank", &ModelSize::rank, "Rank of these rows.")
       .def_ro("freedoms", &ModelSize::freedoms)
-      .def_ro("planar", &ModelSize::planar);
+      .def_ro("islands", &ModelSize::islands, "Parts without coupling, solved apart.")
+      .def_ro("planar_islands", &ModelSize::planar_islands)
+      .def_ro("planar", &ModelSize::planar, "Whether all of them are computed in their plane.");
 }
 
 }  // namespace
@@ -131,5 +133,8 @@ void gelenk::bind_simulation(nb::module_& m) {
           nb::arg("index"))
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
+      .def(
+          "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
+          "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
 }

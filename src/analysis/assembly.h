@@ -39,12 +39,4 @@ class CannotAssemble : public std::runtime_error {
 // Throws CannotAssemble with the smallest gap reached ("0.134 m") for positions, or what remains of a speed.
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
 
-// Rank of the rows at positions without special symmetry: the largest over several assembled positions around q.
-// Leaves dynamics.limit_rank at it.
-int structural_rank(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q);
-
-// Speeds that may serve as independent ones at q: nv - rank of them. prefer[k]: wanted among them.
-std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
-                                    int rank, const std::vector<bool>& prefer);
-
 }  // namespace gelenk

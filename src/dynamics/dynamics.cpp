@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "dynamics/kernels.h"
 #include "dynamics/load_kernels.h"
@@ -28,12 +29,38 @@ std::vector<int> speed_parents(const Mechanism& mechanism) {
   return parent;
 }
 
+// Links whose poses in the root frame the loads ask for, and their ancestors.
+std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
+  std::vector<bool> needed(mechanism.links.size(), false);
+  for (const PointSpring& spring : loads.springs) needed[spring.from.link] = needed[spring.to.link] = true;
+  for (const Wrench& wrench : loads.wrenches) {
+    if (!wrench.in_link) needed[wrench.at.link] = true;
+  }
+  for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
+    if (needed[i]) needed[mechanism.links[i].parent] = true;
+  }
+  std::vector<int> out;
+  for (int i = 1; i < static_cast<int>(needed.size()); ++i) {
+    if (needed[i]) out.push_back(i);
+  }
+  return out;
+}
+
+std::vector<int> all_links(const Mechanism& mechanism) {
+  std::vector<int> out(mechanism.links.size() - 1);
+  std::iota(out.begin(), out.end(), 1);
+  return out;
+}
+
 template <class A>
 class DynamicsOf final : public Dynamics {
  public:
-  DynamicsOf(const Mechanism& mechanism, const Loads& loads)
+  DynamicsOf(const Mechanism& mechanism, const Loads& loads, bool everything)
       : mechanism_(mechanism),
         loads_(loads),
+        everything_(everything),
+        all_links_(all_links(mechanism)),
+        loaded_links_(links_with_loads(mechanism, loads)),
         model_(mechanism),
         ws_(model_),
         M_(speed_parents(mechanism)),
@@ -55,6 +82,7 @@ class DynamicsOf final : public Dynamics {
   void set_position(const double* q) override {
     std::copy(q, q + model_.nq, q_.begin());
     kernels::positions(model_, q, ws_);
+    kernels::root_poses(model_, loaded_links_, ws_);
     kernels::loop_positions(model_, ws_);
   }
 
@@ -87,12 +115,21 @@ class DynamicsOf final : public Dynamics {
     for (int k = 0; k < model_.nv; ++k) w_[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, w_.data());
     M_.solve_transposed(w_.data());
-    if (model_.rows > 0) Y_.constrain(w_.data(), ws_.gamma.data(), ws_.lambda.data());
+    if (model_.rows > 0) Y_.constrain(w_.data(), ws_.gamma.data());
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
+    if (!everything_) return;
+    set_root_poses();
+    set_acceleration(vdot);
+    energy_ = energy();
   }
 
-  void set_acceleration(const double* vdot) override { kernels::accelerations(model_, vdot, ws_); }
+  void set_root_poses() override { kernels::root_poses(model_, all_links_, ws_); }
+
+  void set_acceleration(const double* vdot) override {
+    if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
+    kernels::accelerations(model_, vdot, ws_);
+  }
 
   void rate(const double* q, const double* v, double* qdot) const override {
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
@@ -180,6 +217,10 @@ class DynamicsOf final : public Dynamics {
   Spatial::Force cut_reaction(int cut) const override {
     return kernels::force3(kernels::cut_reaction(model_, ws_, cut));
   }
+  void set_multipliers(const double* lambda) override {
+    std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
+    kernels::constraint_wrenches(model_, ws_);
+  }
   Pose3 cut_pose(int cut) const override { return kernels::pose3(ws_.X_FM[cut], 0); }
   long evaluations() const override { return evaluations_; }
 
@@ -195,6 +236,8 @@ class DynamicsOf final : public Dynamics {
 
   const Mechanism& mechanism_;
   const Loads& loads_;
+  bool everything_;
+  std::vector<int> all_links_, loaded_links_;
   Model<A> model_;
   Workspace<A> ws_;
   SparseFactor M_;
@@ -202,14 +245,15 @@ class DynamicsOf final : public Dynamics {
   int max_rank_;
   typename A::Motion root_acceleration_{};
   std::vector<double> w_, tau_, v_, q_, cut_reference_;
+  Energy energy_;
   long evaluations_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads) {
-  if (mechanism.planar) return std::make_unique<DynamicsOf<Planar>>(mechanism, loads);
-  return std::make_unique<DynamicsOf<Spatial>>(mechanism, loads);
+std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads, bool everything) {
+  if (mechanism.planar) return std::make_unique<DynamicsOf<Planar>>(mechanism, loads, everything);
+  return std::make_unique<DynamicsOf<Spatial>>(mechanism, loads, everything);
 }
 
 }  // namespace gelenk

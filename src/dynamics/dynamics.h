@@ -30,15 +30,18 @@ class Dynamics {
   virtual ~Dynamics() = default;
 
   // --- in this order; each uses what the ones before have left ---
-  // Poses and the rows' position errors Phi.
+  // Poses of links in their parents and the rows' position errors Phi.
   virtual void set_position(const double* q) = 0;
   // M, J and their factors at that position. Throws SingularMass.
   virtual void factorise() = 0;
   // Velocities, J v (row_rates) and the velocity products h, gamma.
   virtual void set_velocity(const double* v) = 0;
-  // Solves for vdot and lambda under the inputs u.
+  // Solves for vdot under the inputs u.
   virtual void solve(const double* u, double* vdot) = 0;
-  // Body accelerations for any vdot; needed by the functions below that say so.
+  // --- what only outputs need ---
+  // Poses of all links in the root frame, after set_position.
+  virtual void set_root_poses() = 0;
+  // lambda and body accelerations for the vdot found, after solve.
   virtual void set_acceleration(const double* vdot) = 0;
 
   virtual void rate(const double* q, const double* v, double* qdot) const = 0;
@@ -49,7 +52,7 @@ class Dynamics {
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
-  virtual const std::vector<double>& lambda() const = 0;     // after solve
+  virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
   virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise
   virtual int rank() const = 0;
   virtual double pivot_ratio() const = 0;
@@ -67,20 +70,23 @@ class Dynamics {
   // Angles of cut joints as last counted, for springs that act on them; cut_nq numbers.
   virtual void set_cut_reference(const double* q) = 0;
 
-  virtual Energy energy() const = 0;  // after set_velocity
+  virtual Energy energy() const = 0;  // after set_velocity and set_root_poses
 
-  // Pose of a link in the root frame (the ground link's), velocity in the link's frame.
+  // Pose of a link in the root frame (the ground link's; after set_root_poses), velocity in the link's frame.
   virtual Pose3 link_pose(int link) const = 0;
   virtual Spatial::Motion link_velocity(int link) const = 0;
   // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, at that half's frame, in it;
-  // drives and springs along the joint included. After solve and set_acceleration; spatial algebra only.
+  // drives and springs along the joint included. After set_acceleration; spatial algebra only.
   virtual Spatial::Force tree_reaction(int link) const = 0;
   virtual Spatial::Force cut_reaction(int cut) const = 0;
+  // Makes both tell the wrenches of these multipliers alone, at rest and without loads.
+  virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
   virtual long evaluations() const = 0;  // calls of solve
 };
 
-std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads);
+// everything: each solve() also computes what only outputs need, read or not (to show what leaving it out gains).
+std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads, bool everything = false);
 
 }  // namespace gelenk

@@ -43,6 +43,9 @@ namespace kernels {
 
 template <class A>
 void positions(const Model<A>& model, const double* q, Workspace<A>& ws);
+// ws.X_0L of these links; a link's ancestors before it. After positions.
+template <class A>
+void root_poses(const Model<A>& model, const std::vector<int>& links, Workspace<A>& ws);
 template <class A>
 void velocities(const Model<A>& model, const double* q, const double* v, const typename A::Motion& root_acceleration,
                 Workspace<A>& ws);

@@ -1,47 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 
 #include "dynamics/model.h"
 
 namespace gelenk {
 namespace {
 
-Attachment attach(const Scene& scene, const Mechanism& mechanism, const BodyFrame& frame) {
-  const BodyPlace found = place(scene, mechanism, frame);
-  return {found.link, found.X_LB.p, mechanism.planar ? mechanism.heights[found.link] : 0};
-}
-
-Wrench make_wrench(const Scene& scene, const Mechanism& mechanism, const Force& force) {
-  Wrench out;
-  out.at = attach(scene, mechanism, force.at);
-  out.in_link = force.in_body;
-  out.R_user = force.in_body ? place(scene, mechanism, force.at).X_LB.R : Eigen::Matrix3d(mechanism.X_W0.R.transpose());
-  out.force = out.R_user * force.force;
-  out.torque = out.R_user * force.torque;
-  return out;
-}
-
 struct LoadMaker {
   const Scene& scene;
-  const Mechanism& mechanism;
-  Loads& out;
+  const ReducedScene& reduced;
+  std::vector<Loads> out{};
+  std::unordered_map<std::string_view, int> body_number{}, joint_number{};
+  int inputs = 0;
 
-  void motor(const Motor& motor, int input) const {
-    const JointPlace& place = place_of(motor.joint);
-    const bool cut = place.role == JointPlace::Role::cut;
+  void prepare() {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number[scene.bodies[b].name] = static_cast<int>(b);
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number[scene.joints[j].name] = static_cast<int>(j);
+    out.resize(reduced.islands.size());
+    for (std::size_t i = 0; i < out.size(); ++i) prepare(reduced.islands[i], out[i]);
+  }
+
+  void prepare(const Mechanism& mechanism, Loads& loads) const {
+    loads.gravity = mechanism.X_W0.R.transpose() * scene.gravity;
+    for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
+      const Spatial::Inertia& G = mechanism.links[i].G;
+      loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
+      if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
+    }
+    loads.cuts.resize(mechanism.cuts.size());
+    loads.reflected_inertia.assign(mechanism.nv, 0);
+  }
+
+  void motor(const Motor& motor) {
+    const int input = inputs++;
+    const JointPlace& place = reduced.joints[joint_number.at(motor.joint)];
+    if (place.role == JointPlace::Role::merged) return;
+    Loads& loads = out[place.island];
+    loads.inputs.push_back(input);
     const double gain = motor.gear_ratio * place.v_sign[0];
-    if (cut) {
-      out.cuts[place.index].actuations.push_back({0, input, gain});
+    if (place.role == JointPlace::Role::cut) {
+      loads.cuts[place.index].actuations.push_back({0, input, gain});
     } else {
-      out.tree.actuations.push_back({place.iv, input, gain});
-      out.reflected_inertia[place.iv] += motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia;
+      loads.tree.actuations.push_back({place.iv, input, gain});
+      loads.reflected_inertia[place.iv] += motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia;
     }
   }
 
-  void joint(int j) const {
+  void joint(int j) {
     const Joint& joint = scene.joints[j];
-    const JointPlace& place = mechanism.joints[j];
+    const JointPlace& place = reduced.joints[j];
     if (place.role == JointPlace::Role::merged) return;
+    Loads& loads = out[place.island];
     const bool cut = place.role == JointPlace::Role::cut;
     const int iq = cut ? 0 : place.iq;
     const int iv = cut ? 0 : place.iv;
@@ -51,48 +62,87 @@ struct LoadMaker {
       const double k = springs ? joint.stiffness[i] : 0;
       if (k == 0 && joint.damping[i] == 0) continue;
       const double reference = springs ? place.q_sign[i] * joint.spring_reference[i] : 0;
-      (cut ? out.cuts[place.index] : out.tree).springs.push_back({iq + i, iv + i, k, joint.damping[i], reference});
+      (cut ? loads.cuts[place.index] : loads.tree).springs.push_back({iq + i, iv + i, k, joint.damping[i], reference});
     }
   }
 
-  void force(const Force& force) const {
+  void force(const Force& force) {
     if (force.type == ForceType::spring_damper) {
-      out.springs.push_back({attach(scene, mechanism, force.from), attach(scene, mechanism, force.to), force.stiffness,
-                             force.damping, force.length});
+      const int island = std::max(island_of(force.from), island_of(force.to));
+      if (island < 0) return;
+      out[island].springs.push_back(
+          {attach(island, force.from), attach(island, force.to), force.stiffness, force.damping, force.length});
       return;
     }
-    Wrench wrench = make_wrench(scene, mechanism, force);
+    const int first_input = inputs;
+    if (force.input) inputs += 6;
+    const int island = island_of(force.at);
+    if (island < 0) return;
+    Wrench wrench = make_wrench(island, force);
     if (force.input) {
-      wrench.input = out.inputs;
-      out.inputs += 6;
+      wrench.input = first_input;
+      for (int i = 0; i < 6; ++i) out[island].inputs.push_back(first_input + i);
     }
-    out.wrenches.push_back(wrench);
+    out[island].wrenches.push_back(wrench);
   }
 
  private:
-  const JointPlace& place_of(const std::string& name) const {
-    const auto found = std::ranges::find(scene.joints, name, &Joint::name);
-    return mechanism.joints[found - scene.joints.begin()];
+  // -1: stands still.
+  int island_of(const BodyFrame& frame) const {
+    return frame.body == ground ? -1 : reduced.bodies[body_number.at(frame.body)].island;
+  }
+
+  Attachment attach(int island, const BodyFrame& frame) const {
+    const BodyPlace found = place(scene, reduced, island, frame);
+    const Mechanism& mechanism = reduced.islands[island];
+    return {found.link, found.X_LB.p, mechanism.planar ? mechanism.heights[found.link] : 0};
+  }
+
+  Wrench make_wrench(int island, const Force& force) const {
+    Wrench out;
+    out.at = attach(island, force.at);
+    out.in_link = force.in_body;
+    const Eigen::Matrix3d& R_W0 = reduced.islands[island].X_W0.R;
+    out.R_user = force.in_body ? place(scene, reduced, island, force.at).X_LB.R : Eigen::Matrix3d(R_W0.transpose());
+    out.force = out.R_user * force.force;
+    out.torque = out.R_user * force.torque;
+    return out;
   }
 };
 
 }  // namespace
 
-Loads make_loads(const Scene& scene, const Mechanism& mechanism) {
-  Loads out;
-  out.gravity = mechanism.X_W0.R.transpose() * scene.gravity;
-  for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
-    const Spatial::Inertia& G = mechanism.links[i].G;
-    out.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
-    if (mechanism.planar) out.potential_offset -= out.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
-  }
-  out.cuts.resize(mechanism.cuts.size());
-  out.reflected_inertia.assign(mechanism.nv, 0);
-  const LoadMaker maker{scene, mechanism, out};
-  for (const Motor& motor : scene.motors) maker.motor(motor, out.inputs++);
+std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
+  LoadMaker maker{.scene = scene, .reduced = reduced};
+  maker.prepare();
+  for (const Motor& motor : scene.motors) maker.motor(motor);
   for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) maker.joint(j);
   for (const Force& force : scene.forces) maker.force(force);
-  return out;
+  return std::move(maker.out);
+}
+
+double standing_energy(const Scene& scene, const ReducedScene& reduced) {
+  double sum = 0;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const BodyPlace& place = reduced.bodies[b];
+    if (place.island < 0) sum -= scene.bodies[b].mass * scene.gravity.dot(place.X_LB.point(scene.bodies[b].com));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    const std::vector<double>& q = reduced.joints[j].q;
+    for (std::size_t i = 0; i < q.size() && i < joint.stiffness.size(); ++i) {
+      sum += joint.stiffness[i] / 2 * (q[i] - joint.spring_reference[i]) * (q[i] - joint.spring_reference[i]);
+    }
+  }
+  for (const Force& force : scene.forces) {
+    if (force.type != ForceType::spring_damper) continue;
+    const BodyPlace from = place(scene, reduced, -1, force.from);
+    const BodyPlace to = place(scene, reduced, -1, force.to);
+    if (from.island >= 0 || to.island >= 0) continue;
+    const double stretch = (to.X_LB.p - from.X_LB.p).norm() - force.length;
+    sum += force.stiffness / 2 * stretch * stretch;
+  }
+  return sum;
 }
 
 }  // namespace gelenk

@@ -48,6 +48,27 @@ void transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<i
   }
 }
 
+// The rows of a cut that are kept.
+template <class A>
+void needed_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, Row<A>* out) {
+  Row<A> all[6];
+  Row<A>* const to = cut.all_rows ? out : all;
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows<A>(X_FM, to); });
+  if (cut.all_rows) return;
+  for (int i = 0; i < cut.rows; ++i) out[i] = all[cut.kept[i]];
+}
+
+// Likewise wdot . V_FM, added to bias.
+template <class A>
+void add_rows_bias(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
+                   double* bias) {
+  double all[6] = {};
+  double* const to = cut.all_rows ? bias : all;
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows_bias<A>(X_FM, V_FM, to); });
+  if (cut.all_rows) return;
+  for (int i = 0; i < cut.rows; ++i) bias[i] += all[cut.kept[i]];
+}
+
 }  // namespace
 
 template <class A>
@@ -56,7 +77,8 @@ void loop_positions(const Model<A>& model, Workspace<A>& ws) {
     const auto& cut = model.cuts[c];
     // From the nearest common ancestor, not from the root: a loop on a vehicle closes as exactly far away as at home.
     ws.X_FM[c] = from_ancestor<A>(ws, cut.path_a, cut.X_AF).inverse() * from_ancestor<A>(ws, cut.path_b, cut.X_BM);
-    visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows<A>(ws.X_FM[c], &ws.row[cut.first_row]); });
+    if (cut.rows == 0) continue;
+    needed_rows<A>(cut, ws.X_FM[c], &ws.row[cut.first_row]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.Phi[r] = ws.row[r].Phi;
   }
 }
@@ -97,8 +119,8 @@ void loop_velocities(const Model<A>& model, Workspace<A>& ws) {
       ws.rate[r] = A::dot(V_M, ws.row[r].w);
       ws.gamma[r] = A::dot(ws.A_cut[c], ws.row[r].w);
     }
-    visit_joint<A>(cut.joint,
-                   [&](const auto& joint) { joint.template rows_bias<A>(ws.X_FM[c], V_M, &ws.gamma[cut.first_row]); });
+    if (cut.rows == 0) continue;
+    add_rows_bias<A>(cut, ws.X_FM[c], V_M, &ws.gamma[cut.first_row]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.gamma[r] = -ws.gamma[r];
   }
 }

@@ -15,8 +15,9 @@ Model<A>::Model(const Mechanism& mechanism)
   }
   for (const gelenk::Cut& cut : mechanism.cuts) {
     const JointKind& kind = kind_of(cut.joint);
-    cuts.push_back({cut.joint, cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.iq, cut.iv, kind.nq, kind.nv,
-                    pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a, cut.path_b});
+    cuts.push_back({cut.joint, cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.rows == cut.joint_rows, cut.kept,
+                    cut.iq, cut.iv, kind.nq, kind.nv, pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a,
+                    cut.path_b});
   }
 }
 

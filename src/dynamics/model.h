@@ -69,14 +69,17 @@ struct Loads {
   JointLoads tree;
   std::vector<JointLoads> cuts;           // by cut
   std::vector<double> reflected_inertia;  // by speed: gear_ratio^2 rotor_inertia
-  int inputs = 0;
+  std::vector<int> inputs;                // those that act here
   // J: potential energy of gravity that the kernels do not see, from the world's origin to the root's and, in planar
   // mechanisms, along the normal.
   double potential_offset = 0;
 };
 
-// Signs and places of the scene's loads in the mechanism. Inputs are numbered as in simulation/signals.h.
-Loads make_loads(const Scene& scene, const Mechanism& mechanism);
+// Signs and places of the scene's loads, by island. Inputs are numbered as in simulation/signals.h.
+std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
+
+// J: potential energy of what stands still, bodies and springs, zero at the world's origin.
+double standing_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
 typename A::Pose pose_in(const Pose3& X) {
@@ -110,6 +113,8 @@ struct Model {
     AnyJoint joint;
     int link_a, link_b;
     int first_row, rows;
+    bool all_rows;
+    std::vector<int> kept;
     int iq, iv, nq, nv;
     typename A::Pose X_AF, X_BM;
     std::vector<int> path_a, path_b;

@@ -14,6 +14,22 @@ Eigen::Vector3d first_moment_in_root(const Planar::Pose& X, const Planar::Inerti
   return {G.m * X.px + X.c * G.hx - X.s * G.hy, G.m * X.py + X.s * G.hx + X.c * G.hy, 0};
 }
 
+// From what each link needs (ws.F) to what its joint transmits: the rows' forces added, all carried inwards.
+template <class A>
+void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    // The drives and springs of cut joints are in F_ext already: only the rows' forces are missing.
+    const typename A::Force F_M = cut_reaction(model, ws, static_cast<int>(c)) - ws.F_cut[c];
+    ws.F[cut.link_b] -= cut.X_BM.to_parent(F_M);
+    ws.F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
+  }
+  for (std::size_t i = model.links.size() - 1; i >= 1; --i) {
+    const int parent = model.links[i].parent;
+    if (parent > 0) ws.F[parent] += ws.X_PL[i].to_parent(ws.F[i]);
+  }
+}
+
 }  // namespace
 
 template <class A>
@@ -33,17 +49,14 @@ void accelerations(const Model<A>& model, const double* vdot, Workspace<A>& ws) 
     const auto& G = model.links[i].G;
     ws.F[i] = G * ws.A_full[i] + A::cross_force(ws.V[i], G * ws.V[i]) - ws.F_ext[i];
   }
-  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
-    const auto& cut = model.cuts[c];
-    // The drives and springs of cut joints are in F_ext already: only the rows' forces are missing.
-    const typename A::Force F_M = cut_reaction(model, ws, static_cast<int>(c)) - ws.F_cut[c];
-    ws.F[cut.link_b] -= cut.X_BM.to_parent(F_M);
-    ws.F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
-  }
-  for (int i = n - 1; i >= 1; --i) {
-    const int parent = model.links[i].parent;
-    if (parent > 0) ws.F[parent] += ws.X_PL[i].to_parent(ws.F[i]);
-  }
+  gather_wrenches(model, ws);
+}
+
+template <class A>
+void constraint_wrenches(const Model<A>& model, Workspace<A>& ws) {
+  for (auto& F : ws.F) F = {};
+  for (auto& F : ws.F_cut) F = {};
+  gather_wrenches(model, ws);
 }
 
 template <class A>
@@ -92,6 +105,7 @@ Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws)
 
 #define GELENK_INSTANTIATE(A)                                                                                      \
   template void accelerations(const Model<A>&, const double*, Workspace<A>&);                                      \
+  template void constraint_wrenches(const Model<A>&, Workspace<A>&);                                               \
   template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                       \
   template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const double*, const double*, \
                                      double*);                                                                     \

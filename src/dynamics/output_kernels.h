@@ -12,6 +12,10 @@ namespace gelenk::kernels {
 template <class A>
 void accelerations(const Model<A>& model, const double* vdot, Workspace<A>& ws);
 
+// ws.F and cut_reaction() of ws.lambda alone, nothing moving and no loads.
+template <class A>
+void constraint_wrenches(const Model<A>& model, Workspace<A>& ws);
+
 template <class A>
 void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const double* q,
                        const double* v, double* a);

@@ -161,7 +161,7 @@ void RowFactor::to_rows(const double* d, double* lambda) const {
   for (int k = 0; k < m_; ++k) lambda[order_[k]] = e[k];
 }
 
-void RowFactor::constrain(double* w, const double* gamma, double* lambda) const {
+void RowFactor::constrain(double* w, const double* gamma) const {
   double* d = d_.data();
   double* f = f_.data();
   from_rows(gamma, d);
@@ -171,8 +171,9 @@ void RowFactor::constrain(double* w, const double* gamma, double* lambda) const 
     w[k] = d[k];
   }
   unreflect(w);
-  to_rows(f, lambda);
 }
+
+void RowFactor::multipliers(double* lambda) const { to_rows(f_.data(), lambda); }
 
 void RowFactor::shortest(const double* residual, double* w) const {
   double* d = d_.data();

@@ -26,8 +26,10 @@ class RowFactor {
   // Smallest used pivot over the largest: what is left of the rank. 1 when there are no rows.
   double pivot_ratio() const { return ratio_; }
 
-  // w <- the w nearest to a (given in w) with Y^T w = gamma; lambda: the multipliers, minimum norm.
-  void constrain(double* w, const double* gamma, double* lambda) const;
+  // w <- the w nearest to a (given in w) with Y^T w = gamma.
+  void constrain(double* w, const double* gamma) const;
+  // The multipliers of the last constrain(), minimum norm.
+  void multipliers(double* lambda) const;
   // w <- the shortest w with Y^T w = residual.
   void shortest(const double* residual, double* w) const;
 

@@ -22,8 +22,12 @@ void positions(const Model<A>& model, const double* q, Workspace<A>& ws) {
         ws.S[link.iv + k] = joint.template V_FM<A>(q_i, unit);
       }
     });
-    ws.X_0L[i] = ws.X_0L[link.parent] * ws.X_PL[i];
   }
+}
+
+template <class A>
+void root_poses(const Model<A>& model, const std::vector<int>& links, Workspace<A>& ws) {
+  for (const int i : links) ws.X_0L[i] = ws.X_0L[model.links[i].parent] * ws.X_PL[i];
 }
 
 template <class A>
@@ -79,6 +83,7 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
 
 #define GELENK_INSTANTIATE(A)                                                                               \
   template void positions(const Model<A>&, const double*, Workspace<A>&);                                   \
+  template void root_poses(const Model<A>&, const std::vector<int>&, Workspace<A>&);                        \
   template void velocities(const Model<A>&, const double*, const double*, const A::Motion&, Workspace<A>&); \
   template void inverse_dynamics_bias(const Model<A>&, Workspace<A>&, double*);                             \
   template void mass_matrix(const Model<A>&, Workspace<A>&, SparseFactor&);

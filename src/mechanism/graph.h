@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene as a graph: groups of bodies welded together, and the joints between them.
+// The scene as a graph: groups of bodies that move as one, and the joints between them.
 #pragma once
 
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "mechanism/mechanism.h"
@@ -10,7 +12,8 @@
 namespace gelenk {
 
 struct Group {
-  std::vector<int> bodies;  // scene bodies; the ground's group is group 0
+  std::vector<int> bodies;  // of the scene
+  std::vector<Pose3> X_GB;  // by member: its frame in the group's
   Spatial::Inertia G;       // about the group's frame
 };
 
@@ -21,29 +24,54 @@ struct Edge {
   int group_a = 0, group_b = 0;
   Pose3 X_AF, X_BM;
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();
+  bool against = false;  // planar: the user's axis points against the plane's normal
 };
 
+// Group 0 is the ground, its frame the world.
 struct Graph {
   std::vector<Group> groups;
   std::vector<Edge> edges;
-  std::vector<int> group_of;  // by scene body
-  std::vector<Pose3> X_GB;    // by scene body: its frame in its group's
+
+  // By group: its edges, ascending.
+  std::vector<std::vector<int>> edges_of_groups() const;
 };
 
-// Index of a body in scene.bodies; -1 for the ground.
-int body_index(const Scene& scene, const std::string& name);
+// Numbers of bodies by name; the ground is -1.
+class BodyNumbers {
+ public:
+  explicit BodyNumbers(const Scene& scene);
+  int operator()(const std::string& name) const { return numbers_.at(name); }
 
-// Merges welds (weld.cpp). keep[j]: joint j stays a joint even if it is a weld, because its reaction is asked for.
-Graph merge_welds(const Scene& scene, const std::vector<bool>& keep);
+ private:
+  std::unordered_map<std::string, int> numbers_;
+};
 
-// The plane's normal in each group's frame, if everything moves in one plane (plane.cpp).
-std::optional<std::vector<Eigen::Vector3d>> plane_normals(const Graph& graph);
+// --- the passes, in this order ---
 
-// Turns all joint frames so that their z axes lie along the normals. Returns by edge: the user's axis points
-// against the normal.
-std::vector<bool> align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
+// Merges welds and joints that stand still (weld.cpp). keep[j]: joint j stays a joint, because its reaction is asked
+// for.
+Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const StandingJoints& standing,
+                  std::vector<Note>& notes);
+
+// Parts that neither joints nor forces couple, except through the ground (islands.cpp).
+std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
+
+// Does everything move in one plane? (plane.cpp)
+struct Plane {
+  std::vector<Eigen::Vector3d> normals;  // by group, in its frame; empty if there is no plane
+  std::string why_not;                   // a clause: "joint A turns about an axis across ..."
+};
+Plane find_plane(const Scene& scene, const Graph& graph);
+
+// Turns all joint frames so that their z axes lie along the normals.
+void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
 
 // Edges of the spanning tree in the order in which they reach new groups, from the ground (tree.cpp).
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph);
+
+// The links, cuts and places of one part (links.cpp). normal: of the plane in the world, if the graph is aligned to
+// one.
+Mechanism make_mechanism(const Scene& scene, const Graph& graph, int island,
+                         const std::optional<Eigen::Vector3d>& normal, ReducedScene& places);
 
 }  // namespace gelenk

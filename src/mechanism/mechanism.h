@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mechanism: the smallest model that gives a scene's answers: rigid links in depth-first order on a
-// spanning tree, and the joints left over, which close loops. Immutable; threads may share it.
-//
-// Link 0 is the ground. Each other link hangs on one tree joint; its frame L is that joint's outer frame.
-// In a planar mechanism all link frames have z along the plane's normal, the ground's included.
+// What a scene is reduced to: its islands, each the smallest model that gives the scene's answers, and where each
+// body and joint of the scene has gone. Immutable; threads may share it.
 #pragma once
 
 #include <string>
@@ -14,6 +11,7 @@
 
 namespace gelenk {
 
+// A rigid link. Its frame L is its tree joint's outer frame.
 struct Link {
   std::string name;  // of its heaviest body: for messages
   int parent = -1;   // link
@@ -32,32 +30,20 @@ struct Cut {
   AnyJoint joint;
   int link_a = 0, link_b = 0;
   Pose3 X_AF, X_BM;
+  std::vector<int> kept;  // those of the joint's rows that are needed, ascending
+  int joint_rows = 0;     // all it has
   int first_row = 0, rows = 0;
   int iq = 0, iv = 0;               // in the list of all cut joints' coordinates and speeds
   std::vector<int> path_a, path_b;  // links from a (b) up to, without, their nearest common ancestor
 };
 
-// Where a body of the scene has gone.
-struct BodyPlace {
-  int link = 0;
-  Pose3 X_LB;
-};
-
-// Where a joint of the scene has gone.
-struct JointPlace {
-  enum class Role { tree, cut, merged };
-  Role role = Role::merged;
-  int index = -1;                                      // link or cut
-  int iq = 0, iv = 0;                                  // tree: in q, v; cut: in the cut joints' lists
-  std::vector<double> q_sign, v_sign;                  // user's value = sign * ours
-  Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();  // from the user's joint frame F to ours
-};
-
+// Rigid links in depth-first order on a spanning tree, and the joints left over, which close loops. Link 0 is the
+// ground; each other link hangs on one tree joint. In a planar mechanism all link frames have z along the plane's
+// normal, the ground's included.
 struct Mechanism {
   std::vector<Link> links;
   std::vector<Cut> cuts;
-  std::vector<BodyPlace> bodies;   // by scene body
-  std::vector<JointPlace> joints;  // by scene joint
+  std::vector<int> joints;  // the scene's joints in it, in file order
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;
@@ -67,14 +53,49 @@ struct Mechanism {
   std::vector<double> heights;  // planar: of each link's origin along the normal [m]
 };
 
-struct CompileOptions {
-  bool planar = true;  // use planar algebra where the motion allows
+// Where a body of the scene has gone.
+struct BodyPlace {
+  int island = -1;  // -1: it stands still
+  int link = 0;
+  Pose3 X_LB;  // in the link; of bodies that stand still: in the world
 };
 
-// Throws SceneError for welds that contradict each other and for drives that cannot be modelled.
-Mechanism compile(const Scene& scene, const CompileOptions& options = {});
+// Where a joint of the scene has gone.
+struct JointPlace {
+  enum class Role { tree, cut, merged };
+  Role role = Role::merged;
+  int island = -1;
+  int index = -1;                                      // link or cut
+  int iq = 0, iv = 0;                                  // tree: in q, v; cut: in the cut joints' lists
+  std::vector<double> q_sign, v_sign;                  // user's value = sign * ours
+  Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();  // from the user's joint frame F to ours
+  std::vector<double> q;                               // merged: what its coordinates stay at, the user's
+};
 
-// Link and pose in it of a frame on a body of the scene (by name).
-BodyPlace place(const Scene& scene, const Mechanism& mechanism, const BodyFrame& frame);
+// What a reduction did, for people.
+struct Note {
+  Reduction pass = Reduction::weld;
+  std::string text;
+};
+
+struct ReducedScene {
+  std::vector<Mechanism> islands;
+  std::vector<BodyPlace> bodies;   // by scene body
+  std::vector<JointPlace> joints;  // by scene joint
+  std::vector<Note> notes;
+};
+
+// Joints known to stand still, and where: the user's coordinates by scene joint, empty for those that move.
+using StandingJoints = std::vector<std::vector<double>>;
+
+// Applies the reductions that need no more than the scene itself; scene.solver says which are on.
+// Throws SceneError for welds that contradict each other and for drives that cannot be modelled.
+ReducedScene reduce(const Scene& scene, const StandingJoints& standing = {});
+
+// The mechanism without the rows that are not listed. kept: by cut, as Cut::kept.
+Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<int>>& kept);
+
+// Link of an island, and pose in it, of a frame on a body of the scene; what stands still is on its link 0.
+BodyPlace place(const Scene& scene, const ReducedScene& reduced, int island, const BodyFrame& frame);
 
 }  // namespace gelenk

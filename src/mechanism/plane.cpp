@@ -2,8 +2,11 @@
 // Does everything move in one plane?
 #include <cmath>
 #include <deque>
+#include <optional>
+#include <utility>
 
 #include "mechanism/graph.h"
+#include "scene/text.h"
 
 namespace gelenk {
 namespace {
@@ -41,50 +44,53 @@ bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
 
 }  // namespace
 
-std::optional<std::vector<Eigen::Vector3d>> plane_normals(const Graph& graph) {
+Plane find_plane(const Scene& scene, const Graph& graph) {
+  const auto name = [&](const Edge& edge) { return scene.joints[edge.scene_joint].name; };
+  const auto none = [](std::string why) { return Plane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
-    if (role(edge) == PlanarRole::never) return std::nullopt;
+    if (role(edge) != PlanarRole::never) continue;
+    return none("joint " + name(edge) + " (" + std::string(kind_of(edge.joint).name) + ") leaves any plane");
   }
   const auto start = candidate(graph);
-  if (!start) return std::nullopt;
-  std::vector<Eigen::Vector3d> normals(graph.groups.size(), Eigen::Vector3d::Zero());
+  if (!start) return none("no joint has an axis that shows a plane");
+  Plane plane;
+  plane.normals.assign(graph.groups.size(), Eigen::Vector3d::Zero());
+  const auto edges_of = graph.edges_of_groups();
   std::deque<int> open = {start->first};
-  normals[start->first] = start->second;
+  plane.normals[start->first] = start->second;
   while (!open.empty()) {
     const int group = open.front();
     open.pop_front();
-    for (const Edge& edge : graph.edges) {
-      if (edge.group_a != group && edge.group_b != group) continue;
+    for (const int e : edges_of[group]) {
+      const Edge& edge = graph.edges[e];
       const bool from_a = edge.group_a == group;
       const Pose3& here = from_a ? edge.X_AF : edge.X_BM;
       const Pose3& there = from_a ? edge.X_BM : edge.X_AF;
       const int other = from_a ? edge.group_b : edge.group_a;
-      const Eigen::Vector3d n_F = here.R.transpose() * normals[group];
-      if (!fits(edge, n_F)) return std::nullopt;
+      const Eigen::Vector3d n_F = here.R.transpose() * plane.normals[group];
+      if (!fits(edge, n_F)) return none("the axis of joint " + name(edge) + " lies askew to the plane of the others");
       // Turning about n, or not at all, leaves n where it is: the same components in F and in M.
       const Eigen::Vector3d n = there.R * n_F;
-      if (normals[other].isZero(0)) {
-        normals[other] = n.normalized();
+      if (plane.normals[other].isZero(0)) {
+        plane.normals[other] = n.normalized();
         open.push_back(other);
-      } else if ((normals[other] - n).norm() > misalignment) {
-        return std::nullopt;
+      } else if ((plane.normals[other] - n).norm() > misalignment) {
+        return none("the frames of joint " + name(edge) + " are tilted against each other");
       }
     }
   }
-  return normals;
+  return plane;
 }
 
-std::vector<bool> align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals) {
-  std::vector<bool> against(graph.edges.size(), false);
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    Edge& edge = graph.edges[e];
+void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals) {
+  for (Edge& edge : graph.edges) {
     const Eigen::Vector3d n_F = edge.X_AF.R.transpose() * normals[edge.group_a];
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
     if (!has_axis(edge)) {
       turn = rotation_taking_z_to(n_F.normalized());
     } else if (role(edge) == PlanarRole::normal) {
-      against[e] = n_F.z() < 0;
-      if (against[e]) turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
+      edge.against = n_F.z() < 0;
+      if (edge.against) turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
     } else {  // sliding axis along x, normal along z
       turn.col(0) = Eigen::Vector3d::UnitZ();
       turn.col(2) = Eigen::Vector3d(n_F.x(), n_F.y(), 0).normalized();
@@ -94,7 +100,6 @@ std::vector<bool> align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d
     edge.X_AF.R = edge.X_AF.R * turn;
     edge.X_BM.R = edge.X_BM.R * turn;
   }
-  return against;
 }
 
 }  // namespace gelenk

@@ -1,61 +1,81 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which joints make up the tree, and which are cut.
 #include <algorithm>
+#include <queue>
+#include <string_view>
 #include <tuple>
+#include <unordered_set>
 
 #include "mechanism/graph.h"
 
 namespace gelenk {
 namespace {
 
-// Drive with inertia, massless part, fewness of freedoms, driven or held.
-using Preference = std::tuple<bool, bool, int, bool>;
+// Drive with inertia, massless part, fewness of freedoms, no quaternion, driven or held.
+using Preference = std::tuple<bool, bool, int, bool, bool>;
 
-// Larger is kept in the tree first. A drive with inertia must be in the tree. A part without mass must carry one with
-// mass there, or M is singular: a cut beside it would leave it at the end of a branch. Few freedoms in the tree mean
-// many freedoms, so few rows and no quaternions, at the cuts.
-Preference preference(const Scene& scene, const Graph& graph, const Edge& edge) {
-  const Joint& joint = scene.joints[edge.scene_joint];
-  bool driven = false;
-  bool inertia = false;
-  for (const Motor& motor : scene.motors) {
-    if (motor.joint != joint.name) continue;
-    driven = true;
-    inertia = inertia || motor.rotor_inertia > 0;
+// Larger is kept in the tree first. Two reasons leave no choice: a drive with inertia must be in the tree, and a part
+// without mass must carry one with mass there, or M is singular: a cut beside it would leave it at the end of a branch.
+// The rest is the choice of cuts: few freedoms in the tree mean many freedoms, so few rows, at the cuts; the tree that
+// is best edge by edge is the best there is (Kruskal 1956).
+class Preferences {
+ public:
+  Preferences(const Scene& scene, const Graph& graph) : scene_(scene), graph_(graph) {
+    for (const Motor& motor : scene.motors) {
+      wanted_.insert(motor.joint);
+      if (motor.rotor_inertia > 0) inertia_.insert(motor.joint);
+    }
   }
-  const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
-  const bool wanted = driven || any(joint.start.q_fixed) || any(joint.stiffness) || any(joint.damping);
-  const auto massless = [&](int group) { return group != 0 && graph.groups[group].G.m == 0; };
-  return {inertia, massless(edge.group_a) || massless(edge.group_b), -kind_of(edge.joint).nv, wanted};
-}
+
+  Preference operator()(const Edge& edge) const {
+    const Joint& joint = scene_.joints[edge.scene_joint];
+    const bool inertia = inertia_.contains(joint.name);
+    const bool massless = without_mass(edge.group_a) || without_mass(edge.group_b);
+    if (!scene_.solver.reduces(Reduction::cut_choice)) return {inertia, massless, 0, false, false};
+    const JointKind& kind = kind_of(edge.joint);
+    const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
+    const bool wanted =
+        wanted_.contains(joint.name) || any(joint.start.q_fixed) || any(joint.stiffness) || any(joint.damping);
+    return {inertia, massless, -kind.nv, !kind.has_quaternion(), wanted};
+  }
+
+ private:
+  bool without_mass(int group) const { return group != 0 && graph_.groups[group].G.m == 0; }
+
+  const Scene& scene_;
+  const Graph& graph_;
+  std::unordered_set<std::string_view> wanted_, inertia_;
+};
 
 }  // namespace
 
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph) {
+  const Preferences preference(scene, graph);
+  const auto edges_of = graph.edges_of_groups();
   std::vector<int> tree;
   std::vector<int> depth(graph.groups.size(), -1);
-  depth[0] = 0;
+  // Prim's algorithm; among equals the shallower, as short chains make short columns and little rounding, then the
+  // earlier in the file.
   using Key = std::tuple<Preference, int, int>;
-  std::vector<Preference> preferences;
-  preferences.reserve(graph.edges.size());
-  for (const Edge& edge : graph.edges) preferences.push_back(preference(scene, graph, edge));
-  // Prim's algorithm; among equals the shallower, then the earlier in the file: short chains make short columns.
-  while (tree.size() + 1 < graph.groups.size()) {
-    int best = -1;
-    Key best_key;
-    for (int e = 0; e < static_cast<int>(graph.edges.size()); ++e) {
+  std::priority_queue<Key> open;
+  const auto reach = [&](int group, int at_depth) {
+    depth[group] = at_depth;
+    for (const int e : edges_of[group]) {
       const Edge& edge = graph.edges[e];
-      if ((depth[edge.group_a] < 0) == (depth[edge.group_b] < 0)) continue;
-      const Key key{preferences[e], -std::max(depth[edge.group_a], depth[edge.group_b]), -e};
-      if (best >= 0 && key <= best_key) continue;
-      best = e;
-      best_key = key;
+      const int other = edge.group_a == group ? edge.group_b : edge.group_a;
+      if (depth[other] < 0) open.emplace(preference(edge), -at_depth, -e);
     }
-    if (best < 0) break;  // not connected: the scene's checks have told
-    const Edge& edge = graph.edges[best];
-    const int reached = std::max(depth[edge.group_a], depth[edge.group_b]) + 1;
-    depth[depth[edge.group_a] < 0 ? edge.group_a : edge.group_b] = reached;
-    tree.push_back(best);
+  };
+  reach(0, 0);
+  while (!open.empty()) {
+    const auto [preferred, above, negative] = open.top();
+    open.pop();
+    const Edge& edge = graph.edges[-negative];
+    const bool from_a = depth[edge.group_a] >= 0;
+    const int other = from_a ? edge.group_b : edge.group_a;
+    if (depth[other] >= 0) continue;
+    tree.push_back(-negative);
+    reach(other, 1 - above);
   }
   return tree;
 }

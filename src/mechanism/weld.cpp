@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies welded together become one.
+// Bodies welded together become one, and so do bodies whose joints stand still.
+#include <algorithm>
 #include <cmath>
 #include <deque>
 
 #include "mechanism/graph.h"
+#include "scene/text.h"
 
 namespace gelenk {
 namespace {
@@ -11,116 +13,175 @@ namespace {
 // Gaps of welds that close a loop of welds: rounding of a handful of products of numbers near 1 m and 1 rad.
 constexpr double weld_gap = 1e-9;
 
-bool merges(const Scene& scene, const std::vector<bool>& keep, int j) {
-  return find_joint_kind(scene.joints[j].type)->nv == 0 && !keep[j];
+// A joint that holds two bodies in one pose.
+struct Weld {
+  int joint;
+  int a, b;    // bodies; -1: ground
+  Pose3 X_AB;  // of b in a
+};
+
+Pose3 pose_at(const Joint& joint, const std::vector<double>& q) {
+  const AnyJoint kind = make_joint(joint.type, joint.axes);
+  const Pose3 X_UC{canonical_rotation(kind, joint.axes), Eigen::Vector3d::Zero()};
+  const Pose3 X = std::visit([&](const auto& j) { return j.template X_FM<Spatial>(q.data()); }, kind);
+  return X_UC * X * X_UC.inverse();
 }
 
-Pose3 frame_in_group(const Graph& graph, const Scene& scene, const BodyFrame& frame) {
-  const int body = body_index(scene, frame.body);
-  return body < 0 ? frame.X_BF : graph.X_GB[body] * frame.X_BF;
-}
-
-// Gathers into the group what hangs on its last member by welds, breadth first.
-struct Gatherer {
+struct Merger {
   const Scene& scene;
-  const std::vector<bool>& keep;
-  Graph& graph;
+  BodyNumbers number{scene};
+  Graph graph{};
+  std::vector<Weld> welds{};
+  std::vector<std::vector<int>> welds_of{};  // by body + 1
+  std::vector<int> group_of{};               // by body + 1
+  std::vector<Pose3> X_GB{};                 // by body + 1
+  std::vector<bool> merged{};                // by scene joint
 
-  void gather(int group, int first) const {  // first = -1: the ground
+  void find_welds(const std::vector<bool>& keep, const StandingJoints& standing) {
+    welds_of.resize(scene.bodies.size() + 1);
+    merged.assign(scene.joints.size(), false);
+    for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+      const Joint& joint = scene.joints[j];
+      const bool weld = find_joint_kind(joint.type)->nv == 0 && scene.solver.reduces(Reduction::weld);
+      const bool stands = !standing.empty() && !standing[j].empty();
+      if (keep[j] || (!weld && !stands)) continue;
+      merged[j] = true;
+      const Pose3 X_FM = stands ? pose_at(joint, standing[j]) : Pose3();
+      const int a = number(joint.parent.body);
+      const int b = number(joint.child.body);
+      welds_of[a + 1].push_back(static_cast<int>(welds.size()));
+      welds_of[b + 1].push_back(static_cast<int>(welds.size()));
+      welds.push_back({j, a, b, joint.parent.X_BF * X_FM * joint.child.X_BF.inverse()});
+    }
+  }
+
+  // Gathers what hangs on `first` by welds, breadth first.
+  void gather(int group, int first) {
     std::deque<int> open = {first};
+    group_of[first + 1] = group;
     while (!open.empty()) {
       const int body = open.front();
       open.pop_front();
-      const std::string& name = body < 0 ? std::string(ground) : scene.bodies[body].name;
-      for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
-        if (!merges(scene, keep, j)) continue;
-        const Joint& weld = scene.joints[j];
-        if (weld.parent.body == name) join(group, body, weld.parent.X_BF, weld.child, open);
-        if (weld.child.body == name) join(group, body, weld.child.X_BF, weld.parent, open);
+      if (body >= 0) {
+        graph.groups[group].bodies.push_back(body);
+        graph.groups[group].X_GB.push_back(X_GB[body + 1]);
+      }
+      for (const int w : welds_of[body + 1]) {
+        const Weld& weld = welds[w];
+        const int other = weld.a == body ? weld.b : weld.a;
+        if (group_of[other + 1] >= 0) continue;
+        X_GB[other + 1] = X_GB[body + 1] * (weld.a == body ? weld.X_AB : weld.X_AB.inverse());
+        group_of[other + 1] = group;
+        open.push_back(other);
       }
     }
   }
 
-  void join(int group, int body, const Pose3& here, const BodyFrame& there, std::deque<int>& open) const {
-    const int other = body_index(scene, there.body);
-    if (other < 0 || graph.group_of[other] >= 0) return;
-    const Pose3 X_GH = body < 0 ? here : graph.X_GB[body] * here;
-    graph.group_of[other] = group;
-    graph.X_GB[other] = X_GH * there.X_BF.inverse();
-    graph.groups[group].bodies.push_back(other);
-    open.push_back(other);
+  void make_groups() {
+    group_of.assign(scene.bodies.size() + 1, -1);
+    X_GB.resize(scene.bodies.size() + 1);
+    graph.groups.emplace_back();
+    gather(0, -1);
+    for (int body = 0; body < static_cast<int>(scene.bodies.size()); ++body) {
+      if (group_of[body + 1] >= 0) continue;
+      graph.groups.emplace_back();
+      gather(static_cast<int>(graph.groups.size()) - 1, body);
+    }
+    for (Group& group : graph.groups) {
+      for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+        const Body& body = scene.bodies[group.bodies[i]];
+        group.G += Spatial::Inertia::about_com(body.mass, body.com, body.inertia).moved_by(group.X_GB[i]);
+      }
+    }
+  }
+
+  // Welds inside a group must agree with those that made the group.
+  void check_welds() const {
+    std::vector<std::string> errors;
+    for (const Weld& weld : welds) {
+      const Joint& joint = scene.joints[weld.joint];
+      const Pose3 X = (X_GB[weld.a + 1] * weld.X_AB).inverse() * X_GB[weld.b + 1];
+      const double gap = X.p.norm();
+      const double turn = rotation_vector(X.R).norm();
+      if (gap <= weld_gap && turn <= weld_gap) continue;
+      errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name +
+                       ": this weld contradicts other welds between '" + joint.parent.body + "' and '" +
+                       joint.child.body + "': its two frames are " + std::to_string(gap) + " m and " +
+                       std::to_string(turn) + " rad apart (allowed 1e-9); expected welds that agree");
+    }
+    if (!errors.empty()) throw SceneError(errors);
+  }
+
+  void make_edges() {
+    for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+      if (merged[j]) continue;
+      const Joint& joint = scene.joints[j];
+      const int a = number(joint.parent.body);
+      const int b = number(joint.child.body);
+      Edge edge;
+      edge.scene_joint = j;
+      edge.joint = make_joint(joint.type, joint.axes);
+      edge.R_UC = canonical_rotation(edge.joint, joint.axes);
+      const Pose3 X_UC{edge.R_UC, Eigen::Vector3d::Zero()};
+      edge.group_a = group_of[a + 1];
+      edge.group_b = group_of[b + 1];
+      edge.X_AF = X_GB[a + 1] * joint.parent.X_BF * X_UC;
+      edge.X_BM = X_GB[b + 1] * joint.child.X_BF * X_UC;
+      graph.edges.push_back(edge);
+    }
+  }
+
+  void tell(const StandingJoints& standing, std::vector<Note>& notes) const {
+    std::vector<std::string> welded;
+    std::vector<std::string> still;
+    for (const Weld& weld : welds) {
+      const bool stands = !standing.empty() && !standing[weld.joint].empty();
+      (stands ? still : welded).push_back(scene.joints[weld.joint].name);
+    }
+    if (!welded.empty()) {
+      const bool one = welded.size() == 1;
+      notes.push_back({Reduction::weld, std::string(one ? "weld " : "welds ") + text::some(welded) +
+                                            (one ? " makes" : " make") + " one body of two"});
+    }
+    if (!still.empty()) {
+      notes.push_back(
+          {Reduction::fixed, "nothing can move at " + text::some(still) + ": the bodies there are one, as if welded"});
+    }
+    std::vector<std::string> standing_bodies;
+    for (const int body : graph.groups[0].bodies) standing_bodies.push_back(scene.bodies[body].name);
+    if (!standing_bodies.empty()) {
+      notes.push_back({Reduction::fixed, text::some(standing_bodies) +
+                                             (standing_bodies.size() == 1 ? " stands" : " stand") +
+                                             " still with the ground: dropped from the equations"});
+    }
   }
 };
 
-Spatial::Inertia inertia_of(const Body& body) { return Spatial::Inertia::about_com(body.mass, body.com, body.inertia); }
-
-// A weld inside a group must agree with the welds that made the group.
-void check_weld(const Scene& scene, const Graph& graph, const Joint& weld, std::vector<std::string>& errors) {
-  const Pose3 X = frame_in_group(graph, scene, weld.parent).inverse() * frame_in_group(graph, scene, weld.child);
-  const double gap = X.p.norm();
-  const double turn = rotation_vector(X.R).norm();
-  if (gap <= weld_gap && turn <= weld_gap) return;
-  errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "joints." + weld.name +
-                   ": this weld contradicts other welds between '" + weld.parent.body + "' and '" + weld.child.body +
-                   "': its two frames are " + std::to_string(gap) + " m and " + std::to_string(turn) +
-                   " rad apart (allowed 1e-9); expected welds that agree");
-}
-
-Edge make_edge(const Scene& scene, const Graph& graph, int j) {
-  const Joint& joint = scene.joints[j];
-  Edge edge;
-  edge.scene_joint = j;
-  edge.joint = make_joint(joint.type, joint.axes);
-  edge.R_UC = canonical_rotation(edge.joint, joint.axes);
-  const Pose3 X_UC{edge.R_UC, Eigen::Vector3d::Zero()};
-  const auto group = [&](const BodyFrame& frame) {
-    const int body = body_index(scene, frame.body);
-    return body < 0 ? 0 : graph.group_of[body];
-  };
-  edge.group_a = group(joint.parent);
-  edge.group_b = group(joint.child);
-  edge.X_AF = frame_in_group(graph, scene, joint.parent) * X_UC;
-  edge.X_BM = frame_in_group(graph, scene, joint.child) * X_UC;
-  return edge;
-}
-
 }  // namespace
 
-int body_index(const Scene& scene, const std::string& name) {
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    if (scene.bodies[i].name == name) return static_cast<int>(i);
-  }
-  return -1;
+BodyNumbers::BodyNumbers(const Scene& scene) {
+  numbers_[ground] = -1;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) numbers_.emplace(scene.bodies[i].name, static_cast<int>(i));
 }
 
-Graph merge_welds(const Scene& scene, const std::vector<bool>& keep) {
-  Graph graph;
-  graph.group_of.assign(scene.bodies.size(), -1);
-  graph.X_GB.resize(scene.bodies.size());
-  const Gatherer gatherer{scene, keep, graph};
-  graph.groups.emplace_back();
-  gatherer.gather(0, -1);
-  for (int body = 0; body < static_cast<int>(scene.bodies.size()); ++body) {
-    if (graph.group_of[body] >= 0) continue;
-    const int group = static_cast<int>(graph.groups.size());
-    graph.groups.emplace_back();
-    graph.groups[group].bodies.push_back(body);
-    graph.group_of[body] = group;
-    gatherer.gather(group, body);
+std::vector<std::vector<int>> Graph::edges_of_groups() const {
+  std::vector<std::vector<int>> out(groups.size());
+  for (int e = 0; e < static_cast<int>(edges.size()); ++e) {
+    out[edges[e].group_a].push_back(e);
+    if (edges[e].group_b != edges[e].group_a) out[edges[e].group_b].push_back(e);
   }
-  for (std::size_t body = 0; body < scene.bodies.size(); ++body) {
-    graph.groups[graph.group_of[body]].G += inertia_of(scene.bodies[body]).moved_by(graph.X_GB[body]);
-  }
-  std::vector<std::string> errors;
-  for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
-    if (merges(scene, keep, j)) {
-      check_weld(scene, graph, scene.joints[j], errors);
-    } else {
-      graph.edges.push_back(make_edge(scene, graph, j));
-    }
-  }
-  if (!errors.empty()) throw SceneError(errors);
-  return graph;
+  return out;
+}
+
+Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const StandingJoints& standing,
+                  std::vector<Note>& notes) {
+  Merger merger{.scene = scene};
+  merger.find_welds(keep, standing);
+  merger.make_groups();
+  merger.check_welds();
+  merger.make_edges();
+  merger.tell(standing, notes);
+  return std::move(merger.graph);
 }
 
 }  // namespace gelenk

@@ -26,12 +26,25 @@ void read_experiment(const Json& section, Reader& reader) {
   fields.done();
 }
 
+namespace {
+
+// {planar: false, ...}; `all` stands for those not named.
+void read_reductions(const Json& section, Solver& solver, Faults& faults) {
+  Fields fields(section, "solver.reductions", faults, "a mapping from names of reductions to true or false");
+  const bool all = fields.flag("all", true);
+  for (int i = 0; i < reduction_count; ++i) solver.reductions[i] = fields.flag(words::reductions[i], all);
+  fields.done();
+}
+
+}  // namespace
+
 void read_solver(const Json& section, Reader& reader) {
-  Fields fields(section, "solver", reader.faults, "a mapping with formulation, integrator, step");
+  Fields fields(section, "solver", reader.faults, "a mapping with formulation, integrator, step, reductions");
   Solver& solver = reader.scene.solver;
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
+  if (const Json* reductions = fields.find("reductions")) read_reductions(*reductions, solver, reader.faults);
   fields.done();
 }
 

@@ -98,10 +98,26 @@ struct Experiment {
   double tolerance = 1e-6;  // relative; absolute per radian, metre, rad/s, m/s
 };
 
+// What makes the model smaller than the scene (mechanism/). Each can be switched off, to compare.
+enum class Reduction {
+  weld,            // bodies welded together become one
+  fixed,           // "static": bodies that cannot move become part of the ground
+  cut_choice,      // loops are cut where that leaves the fewest rows and quaternions
+  planar,          // what moves in a plane is computed in the plane
+  redundant_rows,  // rows that repeat others at every position are left out
+  islands,         // parts without coupling are solved apart
+  outputs,         // only what somebody reads is computed
+  massless,        // rods without mass become a distance between their ends
+};
+inline constexpr int reduction_count = 8;
+
 struct Solver {
   std::string formulation = "projection";
   std::string integrator = "auto";  // auto, ida, erk, rk4
   double step = 0;                  // s, of fixed-step methods; 0: chosen from experiment.step
+  std::array<bool, reduction_count> reductions = {true, true, true, true, true, true, true, true};
+
+  bool reduces(Reduction pass) const { return reductions[static_cast<std::size_t>(pass)]; }
 };
 
 struct Scene {

@@ -166,6 +166,15 @@ Json definitions() {
   return out;
 }
 
+Json reductions() {
+  Json fields;
+  for (const std::string& name : words::reductions) fields[name] = {{"type", "boolean"}};
+  fields["all"] = {{"type", "boolean"}, {"description", "Those not named"}};
+  Json out = object(fields, {});
+  out["description"] = "Passes that make the model smaller; all are on unless switched off here.";
+  return out;
+}
+
 Json settings() {
   Json out;
   out["experiment"] =
@@ -176,7 +185,8 @@ Json settings() {
   out["solver"] =
       object({{"formulation", {{"enum", words::formulations}}},
               {"integrator", {{"enum", words::integrators}}},
-              {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)}},
+              {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
+              {"reductions", reductions()}},
              {});
   return out;
 }

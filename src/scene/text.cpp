@@ -58,6 +58,17 @@ std::string list(const std::vector<std::string>& names) {
   return out;
 }
 
+std::string some(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  const std::size_t shown = names.size() > most ? most - 2 : names.size();
+  std::string out;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const bool last = i + 1 == names.size();
+    out += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  return shown == names.size() ? out : out + " and " + std::to_string(names.size() - shown) + " more";
+}
+
 std::string printable(std::string_view raw) {
   constexpr std::size_t longest = 60;
   std::string out;

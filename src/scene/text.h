@@ -20,6 +20,9 @@ std::string with_unit(const std::string& value, std::string_view unit);
 // "a, b, c".
 std::string list(const std::vector<std::string>& names);
 
+// "a, b and c"; of many names the first few: "a, b, c, d, e and 995 more".
+std::string some(const std::vector<std::string>& names);
+
 // What a file says, made fit for one line: control characters escaped, at most 60 bytes.
 std::string printable(std::string_view raw);
 std::string quoted(std::string_view raw);

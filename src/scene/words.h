@@ -9,6 +9,9 @@ namespace gelenk::words {
 
 inline const std::vector<std::string> formulations = {"projection"};
 inline const std::vector<std::string> integrators = {"auto", "ida", "erk", "rk4"};
+// In the order of enum Reduction.
+inline const std::vector<std::string> reductions = {"weld",           "static",  "cut_choice", "planar",
+                                                    "redundant_rows", "islands", "outputs",    "massless"};
 inline const std::vector<std::string> forces = {"spring_damper", "wrench"};
 inline const std::vector<std::string> sensors = {"reaction", "frame", "energy"};
 inline const std::vector<std::string> load_frames = {"world", "body"};

@@ -5,6 +5,7 @@
 #include "scene/json_tree.h"
 #include "scene/read.h"
 #include "scene/units.h"
+#include "scene/words.h"
 
 namespace gelenk {
 namespace {
@@ -180,6 +181,9 @@ std::string write_scene_json(const Scene& scene) {
   out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
   const Solver& s = scene.solver;
   out["solver"] = {{"formulation", s.formulation}, {"integrator", s.integrator}, {"step", s.step}};
+  for (int i = 0; i < reduction_count; ++i) {
+    if (!s.reductions[i]) out["solver"]["reductions"][words::reductions[i]] = false;
+  }
   return laid_out(out);
 }
 

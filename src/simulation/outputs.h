@@ -9,26 +9,44 @@
 
 namespace gelenk {
 
+// What outputs of an island are computed from: y = (q, v), vdot of the tree; cut_q: coordinates of cut joints, turns
+// counted.
+struct Reading {
+  const Dynamics& dynamics;
+  const double* y;
+  const double* vdot;
+  const std::vector<double>& cut_q;
+};
+
 class Outputs {
  public:
-  Outputs(const Scene& scene, const Mechanism& mechanism, const std::vector<Signal>& signals);
+  Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals);
 
-  // What must be up to date in `dynamics` before value() may be called.
+  // What must be up to date in the island before value() may be called.
   enum class Needs { state, velocities, accelerations };
   Needs needs(int output) const { return sources_[output].needs; }
+  // The island the output comes from; none: it never changes, or is made of all of them.
+  static constexpr int none = -1;
+  int island(int output) const { return sources_[output].island; }
+  // Part 0, 1, 2 (kinetic, potential, total) of the energy of all islands; none for other outputs.
+  int energy_part(int output) const {
+    return sources_[output].kind == Kind::energy ? sources_[output].component : none;
+  }
 
-  // y = (q, v), vdot of the tree; cut_q: coordinates of cut joints, turns counted.
-  double value(int output, const Dynamics& dynamics, const double* y, const double* vdot,
-               const std::vector<double>& cut_q) const;
+  // reading: of the output's island.
+  double value(int output, const Reading& reading) const;
+  // Of an output without island.
+  double constant(int output) const;
 
  private:
-  enum class Kind { none, tree, cut_q, cut_v, cut_a, reaction, pose, energy };
+  enum class Kind { constant, standing_pose, tree, cut_q, cut_v, cut_a, reaction, pose, energy };
   struct Source {
-    Kind kind = Kind::none;
+    Kind kind = Kind::constant;
     Needs needs = Needs::state;
+    int island = none;
     int index = 0;      // tree: in (q, v, vdot); cut and sensors: which
     int component = 0;  // within a cut joint or sensor
-    double sign = 1;
+    double sign = 1;    // constant: the value
   };
   // A frame on a link; reactions: M's origin and F's axes.
   struct Place {
@@ -41,7 +59,7 @@ class Outputs {
   double pose(const Place& place, int component, const Dynamics& dynamics) const;
   void add_sensor(const Scene& scene, const Sensor& sensor);
 
-  const Mechanism& mechanism_;
+  const ReducedScene& reduced_;
   std::vector<Source> sources_;
   std::vector<Place> places_;
 };

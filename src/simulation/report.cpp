@@ -22,11 +22,11 @@ std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
 }
 
 // " at A.phi = 0.52 rad": the first scalar coordinate of the loop that sits in the tree.
-std::string position_text(const Scene& scene, const Mechanism& mechanism, const std::vector<int>& joints,
+std::string position_text(const Scene& scene, const ReducedScene& reduced, const std::vector<int>& joints,
                           const std::vector<double>& q) {
   for (const int j : joints) {
     const JointKind& kind = *find_joint_kind(scene.joints[j].type);
-    const JointPlace& place = mechanism.joints[j];
+    const JointPlace& place = reduced.joints[j];
     if (place.role != JointPlace::Role::tree || kind.nq != 1) continue;
     return " at " + scene.joints[j].name + "." + std::string(kind.q[0].name) + " = " +
            text::rounded(place.q_sign[0] * q[place.iq]) + " " + std::string(kind.q[0].unit);
@@ -34,14 +34,11 @@ std::string position_text(const Scene& scene, const Mechanism& mechanism, const 
   return "";
 }
 
-}  // namespace
-
-std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, const Assembled& found) {
-  if (mechanism.cuts.empty()) return "no loops: the start values are taken as they are";
+std::string describe_island(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found) {
   std::string out = "loops closed at";
   const char* separator = " ";
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const JointPlace& place = mechanism.joints[j];
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
     if (place.role != JointPlace::Role::tree) continue;
     const JointKind& kind = *find_joint_kind(scene.joints[j].type);
     if (kind.has_quaternion()) continue;
@@ -56,7 +53,19 @@ std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, co
   return out;
 }
 
-std::string describe_failure(const Scene& scene, const Mechanism& mechanism, const CannotAssemble& fault) {
+}  // namespace
+
+std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found) {
+  std::string out;
+  for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
+    if (reduced.islands[i].cuts.empty()) continue;
+    out += (out.empty() ? "" : "; ") + describe_island(scene, reduced, i, found[i]);
+  }
+  return out.empty() ? "no loops: the start values are taken as they are" : out;
+}
+
+std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault) {
+  const Mechanism& mechanism = reduced.islands[island];
   if (fault.cut < 0) {
     std::vector<std::string> fixed;
     for (const Joint& joint : scene.joints) {
@@ -75,8 +84,7 @@ std::string describe_failure(const Scene& scene, const Mechanism& mechanism, con
     if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
   }
   std::string out = prefix(scene) + "loop through " + scene.joints[mechanism.cuts[fault.cut].scene_joint].name +
-                    " cannot be closed: smallest gap " + fault.what() +
-                    position_text(scene, mechanism, joints, fault.q) +
+                    " cannot be closed: smallest gap " + fault.what() + position_text(scene, reduced, joints, fault.q) +
                     " (allowed 1e-9 m). Check the positions in joints " + text::list(names);
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";

@@ -8,11 +8,11 @@
 
 namespace gelenk {
 
-// The branch found: start values of all scalar coordinates, and by how much guesses had to move.
-std::string describe_assembly(const Scene& scene, const Mechanism& mechanism, const Assembled& found);
+// The branches found: start values of all scalar coordinates, and by how much guesses had to move. found: by island.
+std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found);
 
-// Why no start values satisfy the loops.
-std::string describe_failure(const Scene& scene, const Mechanism& mechanism, const CannotAssemble& fault);
+// Why no start values satisfy the loops of an island.
+std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault);
 
 // A link that moves without inertia.
 std::string describe_massless(const Scene& scene, const std::string& link);

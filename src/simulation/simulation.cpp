@@ -5,153 +5,130 @@
 #include <cmath>
 #include <utility>
 
-#include "formulation/projection.h"
 #include "integrator/integrator.h"
-#include "simulation/choose.h"
-#include "simulation/outputs.h"
+#include "scene/text.h"
+#include "simulation/island.h"
 #include "simulation/report.h"
 #include "simulation/start.h"
 
 namespace gelenk {
-namespace {
-
-double largest(const std::vector<double>& x) {
-  double max = 0;
-  for (const double value : x) max = std::max(max, std::abs(value));
-  return max;
-}
-
-}  // namespace
 
 struct Simulation::Impl {
   explicit Impl(Scene given)
       : scene(std::move(given)),
-        mechanism(compile(scene)),
-        loads(make_loads(scene, mechanism)),
-        dynamics(make_dynamics(mechanism, loads)),
+        reduced(reduce(scene)),
         inputs(input_signals(scene)),
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
-        u(inputs.size(), 0.0),
-        equations(mechanism, *dynamics, u),
-        readings(scene, mechanism, outputs),
-        y(mechanism.nq + mechanism.nv, 0.0),
-        vdot(mechanism.nv, 0.0) {
-    size.bodies = static_cast<int>(mechanism.links.size()) - 1;
-    size.coordinates = mechanism.nq;
-    size.speeds = mechanism.nv;
-    size.rows = mechanism.rows;
-    size.planar = mechanism.planar;
+        u(inputs.size(), 0.0) {
+    measure(reduced);
   }
 
   const Scene scene;
-  const Mechanism mechanism;
-  const Loads loads;
-  std::unique_ptr<Dynamics> dynamics;
+  const ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
   std::vector<double> u;
-  Projection equations;
-  Outputs readings;
   ModelSize size;
-  std::unique_ptr<Integrator> integrator;
 
+  // From initialize() on.
+  PreparedScene prepared;
+  std::vector<std::unique_ptr<Island>> islands;
+  std::vector<int> island_of_input;
+  std::unique_ptr<Outputs> readings;
+  double still_energy = 0;  // J, potential, of what stands still
   double time = 0;
-  std::vector<double> y, vdot;
-  std::vector<double> backup;
-  Outputs::Needs fresh = Outputs::Needs::state;  // what `dynamics` holds for (time, y, u)
   bool initialized = false;
-  bool inputs_jumped = false;
-  long evaluations_before = 0;  // made by initialize()
   std::vector<int> independent;
-  std::string report;
 
-  const double* q() const { return y.data(); }
-  const double* v() const { return y.data() + mechanism.nq; }
-
-  // Brings `dynamics` up to what an output needs.
-  void refresh(Outputs::Needs needs) {
-    if (needs <= fresh) return;
-    dynamics->set_position(q());
-    if (needs == Outputs::Needs::accelerations) dynamics->factorise();
-    dynamics->set_velocity(v());
-    if (needs == Outputs::Needs::accelerations) {
-      dynamics->solve(u.data(), vdot.data());
-      dynamics->set_acceleration(vdot.data());
-    }
-    fresh = needs;
-  }
-
-  void place_start();
+  void measure(const ReducedScene& of);
+  void make_islands();
   void find_independent();
-  void start_integrator(double tolerance);
   void advance(double end);
+  Energy energy();
 };
 
-void Simulation::Impl::place_start() {
-  const StartWishes wishes = start_wishes(scene, mechanism);
-  try {
-    const Assembled found = assemble(mechanism, *dynamics, wishes.tree, wishes.cuts);
-    std::ranges::copy(found.q, y.begin());
-    std::ranges::copy(found.v, y.begin() + mechanism.nq);
-    dynamics->normalise(y.data());
-    dynamics->set_position(found.q.data());
-    dynamics->factorise();  // tells parts that move without inertia
-    size.rank = structural_rank(mechanism, *dynamics, found.q);
-    size.freedoms = size.speeds - size.rank;
-    report = describe_assembly(scene, mechanism, found);
-  } catch (const CannotAssemble& fault) {
-    throw AssemblyError(describe_failure(scene, mechanism, fault));
-  } catch (const SingularMass& fault) {
-    throw SceneError({describe_massless(scene, fault.what())});
+void Simulation::Impl::measure(const ReducedScene& of) {
+  size = {};
+  for (const Mechanism& mechanism : of.islands) {
+    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
+    size.coordinates += mechanism.nq;
+    size.speeds += mechanism.nv;
+    size.rows += mechanism.rows;
+    size.planar_islands += mechanism.planar ? 1 : 0;
   }
-  equations.count_from(wishes.cuts.q, time, y.data());
+  size.islands = static_cast<int>(of.islands.size());
+  size.planar = size.planar_islands == size.islands;
+}
+
+void Simulation::Impl::make_islands() {
+  measure(prepared.reduced);
+  std::vector<Loads> loads = make_loads(scene, prepared.reduced);
+  islands.clear();
+  island_of_input.assign(u.size(), -1);
+  size.rows = 0;
+  for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
+    islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
+    for (const int input : islands[i]->inputs()) island_of_input[input] = static_cast<int>(i);
+    size.rows += islands[i]->mechanism().rows;
+    size.rank += islands[i]->structure().rank;
+  }
+  size.freedoms = size.speeds - size.rank;
+  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
+  still_energy = standing_energy(scene, prepared.reduced);
 }
 
 void Simulation::Impl::find_independent() {
   independent.clear();
-  const std::vector<double> position(y.begin(), y.begin() + mechanism.nq);
-  const auto speeds = independent_speeds(mechanism, *dynamics, position, size.rank, preferred_speeds(scene, mechanism));
+  std::vector<std::vector<bool>> is_free;  // by island, speed
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const Mechanism& mechanism = islands[i]->mechanism();
+    const auto speeds =
+        independent_speeds(mechanism, islands[i]->dynamics(), prepared.islands[i].start.q, islands[i]->structure().rank,
+                           preferred_speeds(scene, prepared.reduced, static_cast<int>(i)));
+    is_free.emplace_back(mechanism.nv, false);
+    for (const int k : speeds) is_free[i][k] = true;
+  }
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
     if (s.level != 0) continue;
-    const JointPlace& place = mechanism.joints[s.joint];
+    const JointPlace& place = prepared.reduced.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
     // A quaternion counts if all three turns are free.
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
     const bool quaternion = kind.has_quaternion() && s.component >= kind.nq - 4;
     const int first = place.iv + (quaternion ? kind.nv - 3 : s.component);
     const int last = quaternion ? first + 2 : first;
-    const auto free = [&](int k) { return std::ranges::find(speeds, k) != speeds.end(); };
-    if (free(first) && free(last) && free((first + last) / 2)) independent.push_back(i);
+    const std::vector<bool>& of_island = is_free[place.island];
+    if (of_island[first] && of_island[last] && of_island[(first + last) / 2]) independent.push_back(i);
   }
-}
-
-void Simulation::Impl::start_integrator(double tolerance) {
-  IntegratorOptions options;
-  options.tolerance = tolerance > 0 ? tolerance : scene.experiment.tolerance;
-  options.step = scene.solver.step > 0 ? scene.solver.step : scene.experiment.step;
-  integrator = make_integrator(choose_integrator(scene, mechanism, *dynamics, y, u), equations, options);
-  integrator->restart(time, y.data());
 }
 
 void Simulation::Impl::advance(double end) {
-  backup = y;
-  fresh = Outputs::Needs::state;
+  std::string cause;
+  std::size_t moved = 0;
   try {
-    if (inputs_jumped) integrator->inputs_changed();
-    inputs_jumped = false;
-    integrator->advance(end, y.data());
+    for (; moved < islands.size(); ++moved) islands[moved]->advance(end);
     time = end;
+    return;
   } catch (const IntegrationError& fault) {
-    y = backup;
-    equations.count_from(equations.cut_coordinates(), time, y.data());
-    integrator->restart(time, y.data());
-    throw StepError(describe_refusal(fault.what(), time));
+    cause = fault.what();
   } catch (const SingularMass& fault) {
-    y = backup;
-    integrator->restart(time, y.data());
-    throw StepError(describe_refusal(describe_massless(scene, fault.what()), time));
+    cause = describe_massless(scene, fault.what());
   }
+  for (std::size_t i = 0; i <= moved; ++i) islands[i]->roll_back();
+  throw StepError(describe_refusal(cause, time));
+}
+
+Energy Simulation::Impl::energy() {
+  Energy sum;
+  sum.potential = still_energy;
+  for (const auto& island : islands) {
+    island->refresh(Outputs::Needs::velocities);
+    const Energy part = island->dynamics().energy();
+    sum.kinetic += part.kinetic;
+    sum.potential += part.potential;
+  }
+  return sum;
 }
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -164,11 +141,10 @@ void Simulation::initialize(double time, double tolerance) {
   if (!std::isfinite(time)) throw UsageError("the start time is not a finite number");
   s.time = time;
   s.initialized = false;
-  s.fresh = Outputs::Needs::state;
-  s.place_start();
+  s.prepared = prepare(s.scene, s.reduced);
+  s.make_islands();
   s.find_independent();
-  s.start_integrator(tolerance);
-  s.evaluations_before = s.dynamics->evaluations();
+  for (const auto& island : s.islands) island->start_integrator(tolerance);
   s.initialized = true;
 }
 
@@ -189,7 +165,15 @@ const std::vector<Signal>& Simulation::inputs() const { return impl_->inputs; }
 const std::vector<Signal>& Simulation::outputs() const { return impl_->outputs; }
 const std::vector<Signal>& Simulation::diagnostics() const { return impl_->diagnostics; }
 const std::vector<int>& Simulation::independent_coordinates() const { return impl_->independent; }
-std::string Simulation::assembly_report() const { return impl_->report; }
+std::string Simulation::assembly_report() const { return impl_->prepared.report; }
+const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
+
+double Simulation::evaluation_cost() {
+  if (!impl_->initialized) throw UsageError("a measurement before initialize()");
+  double sum = 0;
+  for (const auto& island : impl_->islands) sum += island->evaluation_cost();
+  return sum;
+}
 
 void Simulation::set_input(int index, double value) {
   Impl& s = *impl_;
@@ -198,8 +182,8 @@ void Simulation::set_input(int index, double value) {
                      ", expected a finite number; the former value stays");
   if (s.u.at(index) == value) return;
   s.u[index] = value;
-  s.inputs_jumped = true;
-  s.fresh = Outputs::Needs::state;
+  if (!s.initialized) return;
+  if (const int island = s.island_of_input[index]; island >= 0) s.islands[island]->inputs_jumped();
 }
 
 double Simulation::input(int index) const { return impl_->u.at(index); }
@@ -207,37 +191,56 @@ double Simulation::input(int index) const { return impl_->u.at(index); }
 double Simulation::output(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("an output before initialize()");
-  s.refresh(s.readings.needs(index));
-  return s.readings.value(index, *s.dynamics, s.y.data(), s.vdot.data(), s.equations.cut_coordinates());
+  if (const int part = s.readings->energy_part(index); part >= 0) {
+    const Energy e = s.energy();
+    return part == 0 ? e.kinetic : part == 1 ? e.potential : e.kinetic + e.potential;
+  }
+  if (s.readings->island(index) < 0) return s.readings->constant(index);
+  Island& island = *s.islands[s.readings->island(index)];
+  island.refresh(s.readings->needs(index));
+  return s.readings->value(index, island.reading());
 }
 
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("a diagnostic before initialize()");
+  double sum = 0;
+  double most = 0;
+  const auto over_islands = [&](auto value) {
+    for (const auto& island : s.islands) {
+      const auto x = static_cast<double>(value(*island));
+      sum += x;
+      most = std::max(most, x);
+    }
+  };
   switch (static_cast<Diagnostic>(index)) {
     case Diagnostic::steps:
-      return static_cast<double>(s.integrator->steps());
+      over_islands([](Island& i) { return i.steps(); });
+      return sum;
     case Diagnostic::rejected_steps:
-      return static_cast<double>(s.integrator->rejected_steps());
+      over_islands([](Island& i) { return i.rejected_steps(); });
+      return sum;
     case Diagnostic::evaluations:
-      return static_cast<double>(s.dynamics->evaluations() - s.evaluations_before);
-    default:
+      over_islands([](Island& i) { return i.evaluations(); });
+      return sum;
+    case Diagnostic::constraint_position:
+    case Diagnostic::constraint_velocity: {
+      const bool position = static_cast<Diagnostic>(index) == Diagnostic::constraint_position;
+      over_islands([&](Island& i) {
+        i.refresh(Outputs::Needs::velocities);
+        return position ? i.position_gap() : i.velocity_gap();
+      });
+      return most;
+    }
+    case Diagnostic::kinetic_energy:
+      return s.energy().kinetic;
+    case Diagnostic::potential_energy:
+      return s.energy().potential;
+    case Diagnostic::total_energy:
       break;
   }
-  s.refresh(Outputs::Needs::velocities);
-  const Energy energy = s.dynamics->energy();
-  switch (static_cast<Diagnostic>(index)) {
-    case Diagnostic::constraint_position:
-      return largest(s.dynamics->Phi());
-    case Diagnostic::constraint_velocity:
-      return largest(s.dynamics->row_rates());
-    case Diagnostic::kinetic_energy:
-      return energy.kinetic;
-    case Diagnostic::potential_energy:
-      return energy.potential;
-    default:
-      return energy.kinetic + energy.potential;
-  }
+  const Energy energy = s.energy();
+  return energy.kinetic + energy.potential;
 }
 
 }  // namespace gelenk

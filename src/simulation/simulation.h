@@ -9,14 +9,10 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "simulation/preparation.h"
 #include "simulation/signals.h"
 
 namespace gelenk {
-
-// The loops cannot be closed with these start values. Says the smallest gap and the joint where it gapes.
-class AssemblyError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 // A step could not be made. The simulation stands at its last good time and can go on from there.
 class StepError : public std::runtime_error {
@@ -36,7 +32,9 @@ struct ModelSize {
   int rows = 0;         // of the loops
   int rank = 0;         // of the rows, at a position without special symmetry
   int freedoms = 0;     // speeds - rank
-  bool planar = false;
+  int islands = 0;      // parts solved apart
+  int planar_islands = 0;
+  bool planar = false;  // all of them
 };
 
 // Not thread-safe; different simulations may run in different threads.
@@ -78,6 +76,12 @@ class Simulation {
 
   // What assembly found, in words: the branch (start values of every joint) and what it changed.
   std::string assembly_report() const;
+
+  // The scene as it is reduced and stands at its start. Known after initialize().
+  const PreparedScene& prepared() const;
+
+  // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
+  double evaluation_cost();
 
  private:
   struct Impl;

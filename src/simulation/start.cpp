@@ -2,6 +2,9 @@
 #include "simulation/start.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <unordered_set>
 
 namespace gelenk {
 namespace {
@@ -41,29 +44,57 @@ void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, d
 
 }  // namespace
 
-StartWishes start_wishes(const Scene& scene, const Mechanism& mechanism) {
+StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int island) {
+  const Mechanism& mechanism = reduced.islands[island];
   StartWishes out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+  for (const int j : mechanism.joints) {
     const Joint& joint = scene.joints[j];
     const JointKind& kind = *find_joint_kind(joint.type);
-    const JointPlace& place = mechanism.joints[j];
+    const JointPlace& place = reduced.joints[j];
     if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
     if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
   }
   return out;
 }
 
-std::vector<bool> preferred_speeds(const Scene& scene, const Mechanism& mechanism) {
+std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduced, int island) {
+  const Mechanism& mechanism = reduced.islands[island];
   std::vector<bool> out(mechanism.nv, false);
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const JointPlace& place = mechanism.joints[j];
+  std::unordered_set<std::string_view> driven;
+  for (const Motor& motor : scene.motors) driven.insert(motor.joint);
+  for (const int j : mechanism.joints) {
+    const JointPlace& place = reduced.joints[j];
     if (place.role != JointPlace::Role::tree) continue;
     const Joint& joint = scene.joints[j];
-    const bool driven = std::ranges::find(scene.motors, joint.name, &Motor::joint) != scene.motors.end();
     const JointKind& kind = *find_joint_kind(joint.type);
     for (int i = 0; i < kind.nv; ++i) {
-      out[place.iv + i] = driven || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
+      out[place.iv + i] =
+          driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
     }
+  }
+  return out;
+}
+
+std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduced, int joint,
+                                   const std::vector<double>& q, const Dynamics& dynamics) {
+  const JointPlace& place = reduced.joints[joint];
+  const JointKind& kind = *find_joint_kind(scene.joints[joint].type);
+  std::vector<double> out(kind.nq);
+  if (place.role == JointPlace::Role::tree) {
+    for (int i = 0; i < kind.nq; ++i) out[i] = place.q_sign[i] * q[place.iq + i];
+    return out;
+  }
+  const JointStart& start = scene.joints[joint].start;
+  double found[7];
+  for (int i = 0; i < kind.nq; ++i) {
+    found[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
+  }
+  dynamics.cut_coordinates(place.index, found);
+  for (int i = 0; i < kind.nq; ++i) {
+    out[i] = place.q_sign[i] * found[i];
+    if (kind.q[i].unit != "rad") continue;
+    const double wanted = start.q_given[i] ? start.q[i] : 0;
+    out[i] += 2 * M_PI * std::round((wanted - out[i]) / (2 * M_PI));
   }
   return out;
 }

@@ -1,34 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the graph to links in depth-first order, cuts, and the places of the scene's bodies and joints.
+// From a graph to links in depth-first order, cuts, and the places of the scene's bodies and joints.
 #include <algorithm>
-#include <cmath>
+#include <numeric>
 
 #include "mechanism/graph.h"
 
 namespace gelenk {
 namespace {
 
-// Heights of two halves of a cut joint must agree for planar algebra, which does not see them.
-constexpr double height_gap = 1e-9;
-
-struct Compiler {
+struct Maker {
   const Scene& scene;
-  Graph graph;
-  std::vector<bool> against{};  // by edge: the axis points against the plane's normal
+  const Graph& graph;
+  int island;
+  ReducedScene& places;
   Mechanism out{};
   std::vector<int> link_of{};  // by group
   std::vector<Pose3> X_LG{};   // by group: its frame in its link's
 
-  void run(bool planar) {
-    out.planar = planar;
+  void run() {
     link_of.assign(graph.groups.size(), -1);
     X_LG.resize(graph.groups.size());
-    out.joints.resize(scene.joints.size());
     const std::vector<int> tree = spanning_tree(scene, graph);
     add_ground();
-    add_children(0, tree);
+    add_links(tree);
+    std::vector<bool> in_tree(graph.edges.size(), false);
+    for (const int e : tree) in_tree[e] = true;
     for (int e = 0; e < static_cast<int>(graph.edges.size()); ++e) {
-      if (std::ranges::find(tree, e) == tree.end()) add_cut(e);
+      if (!in_tree[e]) add_cut(e);
+      out.joints.push_back(graph.edges[e].scene_joint);
     }
     place_bodies();
   }
@@ -47,14 +46,26 @@ struct Compiler {
     out.heights.push_back(0);
   }
 
-  void add_children(int group, const std::vector<int>& tree) {
-    for (const int e : tree) {
+  // Depth first, siblings in the tree's order.
+  void add_links(const std::vector<int>& tree) {
+    std::vector<std::vector<int>> tree_edges(graph.groups.size());  // by group, reversed: a stack takes the last first
+    for (auto e = tree.rbegin(); e != tree.rend(); ++e) {
+      tree_edges[graph.edges[*e].group_a].push_back(*e);
+      tree_edges[graph.edges[*e].group_b].push_back(*e);
+    }
+    std::vector<std::pair<int, int>> open;  // edge, inner group
+    const auto open_group = [&](int group) {
+      for (const int e : tree_edges[group]) open.emplace_back(e, group);
+    };
+    open_group(0);
+    while (!open.empty()) {
+      const auto [e, inner] = open.back();
+      open.pop_back();
       const Edge& edge = graph.edges[e];
-      if (edge.group_a != group && edge.group_b != group) continue;
-      const int other = edge.group_a == group ? edge.group_b : edge.group_a;
-      if (link_of[other] >= 0) continue;
-      add_link(e, group, other);
-      add_children(other, tree);
+      const int outer = edge.group_a == inner ? edge.group_b : edge.group_a;
+      if (link_of[outer] >= 0) continue;
+      add_link(e, inner, outer);
+      open_group(outer);
     }
   }
 
@@ -91,7 +102,7 @@ struct Compiler {
     out.nq += kind.nq;
     out.nv += kind.nv;
     out.heights.push_back(out.heights[link.parent] + link.X_PJ.p.z());
-    place_joint(e, JointPlace::Role::tree, link_of[outer], link.iq, link.iv, reversed);
+    place_joint(edge, JointPlace::Role::tree, link_of[outer], link.iq, link.iv, reversed);
     out.links.push_back(link);
   }
 
@@ -105,7 +116,9 @@ struct Compiler {
     cut.link_b = link_of[edge.group_b];
     cut.X_AF = X_LG[edge.group_a] * edge.X_AF;
     cut.X_BM = X_LG[edge.group_b] * edge.X_BM;
-    cut.rows = (out.planar ? 3 : 6) - kind.nv;
+    cut.joint_rows = cut.rows = (out.planar ? 3 : 6) - kind.nv;
+    cut.kept.resize(cut.rows);
+    std::iota(cut.kept.begin(), cut.kept.end(), 0);
     cut.first_row = out.rows;
     cut.iq = out.cut_nq;
     cut.iv = out.cut_nv;
@@ -113,7 +126,7 @@ struct Compiler {
     out.cut_nq += kind.nq;
     out.cut_nv += kind.nv;
     find_paths(cut);
-    place_joint(e, JointPlace::Role::cut, static_cast<int>(out.cuts.size()), cut.iq, cut.iv, false);
+    place_joint(edge, JointPlace::Role::cut, static_cast<int>(out.cuts.size()), cut.iq, cut.iv, false);
     out.cuts.push_back(cut);
   }
 
@@ -132,11 +145,11 @@ struct Compiler {
     }
   }
 
-  void place_joint(int e, JointPlace::Role role, int index, int iq, int iv, bool reversed) {
-    const Edge& edge = graph.edges[e];
+  void place_joint(const Edge& edge, JointPlace::Role role, int index, int iq, int iv, bool reversed) {
     const JointKind& kind = kind_of(edge.joint);
-    JointPlace& place = out.joints[edge.scene_joint];
+    JointPlace& place = places.joints[edge.scene_joint];
     place.role = role;
+    place.island = island;
     place.index = index;
     place.iq = iq;
     place.iv = iv;
@@ -147,17 +160,18 @@ struct Compiler {
     const auto flip = flip_signs(edge.joint);
     const bool hinge = kind.planar == PlanarRole::normal && reverses_by_turning(edge.joint);
     for (int i = 0; i < kind.nq; ++i) {
-      if (against[e]) place.q_sign[i] *= flip[i];
+      if (edge.against) place.q_sign[i] *= flip[i];
       if (reversed && hinge) place.q_sign[i] *= flip[i];
     }
     place.v_sign = place.q_sign;  // planar joints have nq = nv
   }
 
   void place_bodies() {
-    out.bodies.resize(scene.bodies.size());
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      const int group = graph.group_of[i];
-      out.bodies[i] = {link_of[group], X_LG[group] * graph.X_GB[i]};
+    for (std::size_t g = 0; g < graph.groups.size(); ++g) {
+      const Group& group = graph.groups[g];
+      for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+        places.bodies[group.bodies[i]] = {island, link_of[g], X_LG[g] * group.X_GB[i]};
+      }
     }
   }
 
@@ -169,62 +183,15 @@ struct Compiler {
   }
 };
 
-bool heights_agree(const Mechanism& mechanism) {
-  return std::ranges::all_of(mechanism.cuts, [&](const Cut& cut) {
-    const double a = mechanism.heights[cut.link_a] + cut.X_AF.p.z();
-    const double b = mechanism.heights[cut.link_b] + cut.X_BM.p.z();
-    return std::abs(a - b) <= height_gap;
-  });
-}
-
-void check_drives(const Scene& scene, const Mechanism& mechanism) {
-  std::vector<std::string> errors;
-  for (const Motor& motor : scene.motors) {
-    const auto joint = std::ranges::find(scene.joints, motor.joint, &Joint::name);
-    const JointPlace& place = mechanism.joints[joint - scene.joints.begin()];
-    if (place.role == JointPlace::Role::tree || motor.rotor_inertia == 0) continue;
-    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name + ".rotor_inertia: found " +
-                     std::to_string(motor.rotor_inertia) +
-                     " kg m2 where every joint of a loop is driven with rotor inertia; expected 0 at one joint of "
-                     "each loop (add the rotor's inertia to a body there)");
-  }
-  if (!errors.empty()) throw SceneError(errors);
-}
-
 }  // namespace
 
-Mechanism compile(const Scene& scene, const CompileOptions& options) {
-  std::vector<bool> keep(scene.joints.size(), false);
-  for (const Sensor& sensor : scene.sensors) {
-    if (sensor.type != SensorType::reaction) continue;
-    const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
-    keep[joint - scene.joints.begin()] = true;
-  }
-  // Planar algebra does not know forces along the normal: reactions need space.
-  const bool reactions = std::ranges::find(keep, true) != keep.end();
-  Compiler compiler{.scene = scene, .graph = merge_welds(scene, keep)};
-  if (options.planar && !reactions) {
-    if (const auto normals = plane_normals(compiler.graph)) {
-      Compiler planar = compiler;
-      planar.against = align_to_plane(planar.graph, *normals);
-      planar.out.X_W0.R = rotation_taking_z_to((*normals)[0]);
-      planar.run(true);
-      if (heights_agree(planar.out)) {
-        check_drives(scene, planar.out);
-        return planar.out;
-      }
-    }
-  }
-  compiler.run(false);
-  check_drives(scene, compiler.out);
-  return compiler.out;
-}
-
-BodyPlace place(const Scene& scene, const Mechanism& mechanism, const BodyFrame& frame) {
-  const int body = body_index(scene, frame.body);
-  if (body < 0) return {0, mechanism.X_W0.inverse() * frame.X_BF};
-  const BodyPlace& found = mechanism.bodies[body];
-  return {found.link, found.X_LB * frame.X_BF};
+Mechanism make_mechanism(const Scene& scene, const Graph& graph, int island,
+                         const std::optional<Eigen::Vector3d>& normal, ReducedScene& places) {
+  Maker maker{.scene = scene, .graph = graph, .island = island, .places = places};
+  maker.out.planar = normal.has_value();
+  if (normal) maker.out.X_W0.R = rotation_taking_z_to(*normal);
+  maker.run();
+  return std::move(maker.out);
 }
 
 }  // namespace gelenk

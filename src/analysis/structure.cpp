@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/structure.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using ConstRows = Eigen::Map<const RowMajor>;
+
+// Pivots below this fraction of the largest count as repeated rows: at positions moved off a symmetric one by some
+// tenths of a radian, rows that are independent have pivots far above, repeated ones at the closure's rounding.
+constexpr double same_row = 1e-8;
+// Speeds below this fraction of the fastest stand still: rounding of the closure, as above.
+constexpr double no_motion = 1e-8;
+constexpr double closed = 1e-12;  // m or rad
+constexpr double reach = 0.3;     // rad: from one position to the next
+
+class Explorer {
+ public:
+  Explorer(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q)
+      : mechanism_(mechanism), dynamics_(dynamics), q_(q) {
+    double size = 0;
+    for (const Link& link : mechanism.links) size += link.X_PJ.p.norm();
+    // Slides of a mechanism smaller than a metre go as far as its size.
+    step_ = size > 0 ? reach * std::min(1.0, size) : reach;
+  }
+
+  // The rows at q_, rank found with no limit.
+  int rank_here() {
+    stand(q_, mechanism_.rows);
+    if (dynamics_.rank() == mechanism_.rows && dynamics_.pivot_ratio() > same_row) return mechanism_.rows;
+    return rank_of(jacobian().transpose());
+  }
+
+  MatrixXd jacobian() const { return ConstRows(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv); }
+
+  static int rank_of(const MatrixXd& columns) {
+    if (columns.size() == 0) return 0;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+    qr.setThreshold(same_row);
+    return static_cast<int>(qr.rank());
+  }
+
+  // A random motion that the rows at the present position leave free, its largest speed 1; empty if there is none.
+  VectorXd free_motion() {
+    VectorXd dv(mechanism_.nv);
+    for (auto& x : dv) x = normal_(random_);
+    const double wanted = dv.size() == 0 ? 0 : dv.lpNorm<Eigen::Infinity>();
+    if (wanted == 0) return {};
+    if (mechanism_.rows > 0) {
+      // Twice: what the first leaves of the forbidden part is rounding of the whole.
+      for (int i = 0; i < 2; ++i) {
+        const VectorXd rate = jacobian() * dv;
+        VectorXd back(mechanism_.nv);
+        dynamics_.correct(rate.data(), back.data());
+        dv += back;
+      }
+    }
+    const double size = dv.lpNorm<Eigen::Infinity>();
+    if (size < 1e-9 * wanted) return {};
+    return dv / size;
+  }
+
+  // Moves q_ on along a free motion. False: nothing can move, or no closed position was found there.
+  bool move(int rank) {
+    stand(q_, rank);
+    const VectorXd motion = free_motion();
+    if (motion.size() == 0) return false;
+    for (double step = step_; step > step_ / 20; step /= 3) {
+      // Off the loops repeated rows look independent, and at a singular start so do all: the fewest first.
+      for (int limit = rank; limit <= std::min(mechanism_.rows, mechanism_.nv); ++limit) {
+        std::vector<double> moved = q_;
+        const VectorXd dv = step * motion;
+        dynamics_.displace(moved.data(), dv.data());
+        if (!close(moved, limit)) continue;
+        q_ = moved;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void stand(const std::vector<double>& q, int limit) {
+    dynamics_.limit_rank(limit);
+    dynamics_.set_position(q.data());
+    dynamics_.factorise();
+  }
+
+ private:
+  bool close(std::vector<double>& q, int limit) {
+    std::vector<double> dv(mechanism_.nv);
+    double before = INFINITY;
+    for (int i = 0; i < 25; ++i) {
+      stand(q, limit);
+      const auto& Phi = dynamics_.Phi();
+      const double gap = Phi.empty() ? 0 : Eigen::Map<const VectorXd>(Phi.data(), mechanism_.rows).lpNorm<Eigen::Infinity>();
+      if (!std::isfinite(gap) || (i > 4 && gap > 0.9 * before)) return false;
+      if (gap < closed) return true;
+      before = gap;
+      dynamics_.correct(Phi.data(), dv.data());
+      dynamics_.displace(q.data(), dv.data());
+    }
+    return false;
+  }
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  std::vector<double> q_;
+  double step_;
+  std::mt19937 random_{1};  // NOLINT(bugprone-random-generator-seed): the same scene gives the same structure
+  std::normal_distribution<double> normal_;
+};
+
+// Joints none of whose speeds has moved in any of the free motions seen.
+class Standing {
+ public:
+  Standing(const Mechanism& mechanism, Structure& out) : mechanism_(mechanism), out_(out) {
+    for (const Link& link : mechanism.links) out.standing_links.push_back(link.nv > 0);
+    for (const Cut& cut : mechanism.cuts) out.standing_cuts.push_back(kind_of(cut.joint).nv > 0);
+  }
+
+  bool any() const {
+    return std::ranges::find(out_.standing_links, true) != out_.standing_links.end();
+  }
+
+  // motion: at the position at which `dynamics` stands; empty: nothing moves.
+  void see(Dynamics& dynamics, const VectorXd& motion) {
+    if (motion.size() == 0) return;
+    for (std::size_t i = 0; i < mechanism_.links.size(); ++i) {
+      const Link& link = mechanism_.links[i];
+      if (link.nv > 0 && motion.segment(link.iv, link.nv).lpNorm<Eigen::Infinity>() > no_motion) {
+        out_.standing_links[i] = false;
+      }
+    }
+    dynamics.set_velocity(motion.data());
+    double v[6];
+    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+      const int nv = kind_of(mechanism_.cuts[c].joint).nv;
+      dynamics.cut_speeds(c, v);
+      if (std::any_of(v, v + nv, [](double x) { return std::abs(x) > no_motion; })) out_.standing_cuts[c] = false;
+    }
+  }
+
+ private:
+  const Mechanism& mechanism_;
+  Structure& out_;
+};
+
+// Rows that are constant combinations of the others, given the rows at several positions side by side. Returns
+// the others.
+std::vector<bool> needed_rows(const MatrixXd& side_by_side) {
+  const Index rows = side_by_side.rows();
+  std::vector<bool> needed(rows, false);
+  if (side_by_side.size() == 0) return needed;
+  // First those that never do anything: cheap, and most of those there are.
+  const double largest = side_by_side.lpNorm<Eigen::Infinity>();
+  std::vector<Index> candidates;
+  for (Index r = 0; r < rows; ++r) {
+    if (side_by_side.row(r).lpNorm<Eigen::Infinity>() > same_row * largest) candidates.push_back(r);
+  }
+  const MatrixXd columns = side_by_side(candidates, Eigen::all).transpose();
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+  qr.setThreshold(same_row);
+  for (Index k = 0; k < qr.rank(); ++k) needed[candidates[qr.colsPermutation().indices()[k]]] = true;
+  return needed;
+}
+
+// Columns span the multipliers l with J^T l = 0.
+MatrixXd left_null_space(const MatrixXd& J) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(J);
+  qr.setThreshold(same_row);
+  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(J.rows(), J.rows());
+  return Q.rightCols(J.rows() - qr.rank());
+}
+
+}  // namespace
+
+Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q) {
+  Structure out;
+  Explorer explorer(mechanism, dynamics, q);
+  Standing standing(mechanism, out);
+  out.rank = out.rank_start = explorer.rank_here();
+  explorer.stand(q, out.rank);
+  standing.see(dynamics, explorer.free_motion());
+  const bool deficient = out.rank < mechanism.rows;
+  std::vector<MatrixXd> seen = {explorer.jacobian()};
+  if (deficient) out.idle = left_null_space(seen.front());
+  if (deficient || (standing.any() && mechanism.rows > 0)) {
+    const int positions = mechanism.rows <= 100 ? 10 : 3;
+    for (int i = 0; i < positions; ++i) {
+      if (!explorer.move(out.rank)) continue;
+      out.rank = std::max(out.rank, explorer.rank_here());
+      seen.push_back(explorer.jacobian());
+      standing.see(dynamics, explorer.free_motion());
+    }
+  }
+  std::vector<bool> needed(mechanism.rows, true);
+  // Factors can be called constant only where several positions were seen, or where there is but one.
+  const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
+  if (out.rank < mechanism.rows && explored) {
+    MatrixXd side_by_side(mechanism.rows, mechanism.nv * static_cast<Index>(seen.size()));
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
+    }
+    needed = needed_rows(side_by_side);
+  }
+  for (const Cut& cut : mechanism.cuts) {
+    std::vector<int>& kept = out.needed.emplace_back();
+    for (int i = 0; i < cut.rows; ++i) {
+      if (needed[cut.first_row + i]) kept.push_back(cut.kept[i]);
+    }
+    out.needed_rows += static_cast<int>(kept.size());
+  }
+  explorer.stand(q, out.rank);
+  return out;
+}
+
+std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
+                                    int rank, const std::vector<bool>& prefer) {
+  dynamics.set_position(q.data());
+  dynamics.factorise();
+  Eigen::MatrixXd J = Eigen::Map<const RowMajor>(dynamics.jacobian().data(), mechanism.rows, mechanism.nv);
+  std::vector<bool> dependent(mechanism.nv, false);
+  std::vector<bool> used(mechanism.rows, false);
+  const double largest = J.size() > 0 ? J.lpNorm<Eigen::Infinity>() : 0;
+  // Gaussian elimination with full pivoting makes speeds dependent, those nobody asked for first.
+  for (int step = 0, pass = 0; step < rank && pass < 2;) {
+    int row = -1;
+    int column = -1;
+    double pivot = (pass == 0 ? 1e-3 : same_row) * largest;
+    for (int r = 0; r < mechanism.rows; ++r) {
+      for (int k = 0; k < mechanism.nv; ++k) {
+        if (used[r] || dependent[k] || (pass == 0 && prefer[k])) continue;
+        if (std::abs(J(r, k)) <= pivot) continue;
+        pivot = std::abs(J(r, k));
+        row = r;
+        column = k;
+      }
+    }
+    if (row < 0) {
+      ++pass;
+      continue;
+    }
+    for (int r = 0; r < mechanism.rows; ++r) {
+      if (r != row) J.row(r) -= J(r, column) / J(row, column) * J.row(row);
+    }
+    used[row] = dependent[column] = true;
+    ++step;
+  }
+  std::vector<int> out;
+  for (int k = 0; k < mechanism.nv; ++k) {
+    if (!dependent[k]) out.push_back(k);
+  }
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reductions in their order, from the scene to its islands.
+#include <algorithm>
+#include <cmath>
+
+#include "mechanism/graph.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+// Heights of two halves of a cut joint must agree for planar algebra, which does not see them.
+constexpr double height_gap = 1e-9;
+
+const Cut* cut_at_two_heights(const Mechanism& mechanism) {
+  for (const Cut& cut : mechanism.cuts) {
+    const double a = mechanism.heights[cut.link_a] + cut.X_AF.p.z();
+    const double b = mechanism.heights[cut.link_b] + cut.X_BM.p.z();
+    if (!(std::abs(a - b) <= height_gap)) return &cut;
+  }
+  return nullptr;
+}
+
+std::vector<bool> observed_reactions(const Scene& scene) {
+  std::vector<bool> out(scene.joints.size(), false);
+  for (const Sensor& sensor : scene.sensors) {
+    if (sensor.type != SensorType::reaction) continue;
+    const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
+    out[joint - scene.joints.begin()] = true;
+  }
+  return out;
+}
+
+std::string joints_in(const Scene& scene, const Graph& graph) {
+  std::vector<std::string> names;
+  for (const Edge& edge : graph.edges) names.push_back(scene.joints[edge.scene_joint].name);
+  return text::some(names);
+}
+
+struct Reducer {
+  const Scene& scene;
+  std::vector<bool> observed;
+  ReducedScene out{};
+
+  void note(Reduction pass, const std::string& text) { out.notes.push_back({pass, text}); }
+
+  // Planar algebra does not know forces along the normal: reactions need space.
+  std::string reaction_in(const Graph& graph) const {
+    for (const Edge& edge : graph.edges) {
+      if (observed[edge.scene_joint]) return scene.joints[edge.scene_joint].name;
+    }
+    return {};
+  }
+
+  void add_island(const Graph& graph) {
+    if (!add_planar(graph)) {
+      const int island = static_cast<int>(out.islands.size());
+      out.islands.push_back(make_mechanism(scene, graph, island, std::nullopt, out));
+    }
+    check_drives(graph);
+    tell_cuts(out.islands.back());
+  }
+
+  bool add_planar(const Graph& graph) {
+    if (!scene.solver.reduces(Reduction::planar) || graph.edges.empty()) return false;
+    const auto in_space = [&](const std::string& why) {
+      note(Reduction::planar, "in space: " + why);
+      return false;
+    };
+    if (const std::string joint = reaction_in(graph); !joint.empty()) {
+      return in_space("the reaction of joint " + joint + " is read, and only space knows all of it");
+    }
+    const Plane plane = find_plane(scene, graph);
+    if (plane.normals.empty()) return in_space(plane.why_not);
+    Graph aligned = graph;
+    align_to_plane(aligned, plane.normals);
+    const int island = static_cast<int>(out.islands.size());
+    const Eigen::Vector3d& n = plane.normals[0];
+    Mechanism mechanism = make_mechanism(scene, aligned, island, n, out);
+    if (const Cut* cut = cut_at_two_heights(mechanism)) {
+      return in_space("the halves of joint " + scene.joints[cut->scene_joint].name + " lie at different heights");
+    }
+    note(Reduction::planar, joints_in(scene, graph) + ": all motion is normal to (" + text::rounded(n.x(), 4) + ", " +
+                                text::rounded(n.y(), 4) + ", " + text::rounded(n.z(), 4) +
+                                "), so 3 numbers stand for 6 in every velocity and force");
+    out.islands.push_back(std::move(mechanism));
+    return true;
+  }
+
+  void check_drives(const Graph& graph) const {
+    std::vector<std::string> errors;
+    for (const Motor& motor : scene.motors) {
+      if (motor.rotor_inertia == 0) continue;
+      for (const Edge& edge : graph.edges) {
+        const int j = edge.scene_joint;
+        if (scene.joints[j].name != motor.joint || out.joints[j].role == JointPlace::Role::tree) continue;
+        errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name +
+                         ".rotor_inertia: found " + std::to_string(motor.rotor_inertia) +
+                         " kg m2 where every joint of a loop is driven with rotor inertia; expected 0 at one joint of "
+                         "each loop (add the rotor's inertia to a body there)");
+      }
+    }
+    if (!errors.empty()) throw SceneError(errors);
+  }
+
+  void tell_cuts(const Mechanism& mechanism) {
+    if (mechanism.cuts.empty() || !scene.solver.reduces(Reduction::cut_choice)) return;
+    std::vector<std::string> names;
+    for (const Cut& cut : mechanism.cuts) {
+      names.push_back(scene.joints[cut.scene_joint].name + " (" + std::string(kind_of(cut.joint).name) + ")");
+    }
+    note(Reduction::cut_choice, "loops are cut at " + text::some(names) +
+                                    ": the fewest rows and quaternions, drives kept "
+                                    "in the tree");
+  }
+};
+
+}  // namespace
+
+ReducedScene reduce(const Scene& scene, const StandingJoints& standing) {
+  Reducer reducer{.scene = scene, .observed = observed_reactions(scene)};
+  ReducedScene& out = reducer.out;
+  out.bodies.resize(scene.bodies.size());
+  out.joints.resize(scene.joints.size());
+  if (!standing.empty()) {
+    for (std::size_t j = 0; j < standing.size(); ++j) out.joints[j].q = standing[j];
+  }
+  const Graph graph = merge_welds(scene, reducer.observed, standing, out.notes);
+  const std::vector<Graph> parts =
+      scene.solver.reduces(Reduction::islands) ? islands_of(scene, graph) : std::vector<Graph>{graph};
+  if (parts.size() > 1) {
+    reducer.note(Reduction::islands,
+                 std::to_string(parts.size()) + " parts without coupling, each solved with its own steps");
+  }
+  for (const Graph& part : parts) reducer.add_island(part);
+  const Group& still = graph.groups[0];
+  for (std::size_t i = 0; i < still.bodies.size(); ++i) out.bodies[still.bodies[i]] = {-1, 0, still.X_GB[i]};
+  return std::move(reducer.out);
+}
+
+Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<int>>& kept) {
+  Mechanism out = mechanism;
+  out.rows = 0;
+  for (std::size_t c = 0; c < out.cuts.size(); ++c) {
+    Cut& cut = out.cuts[c];
+    cut.kept = kept[c];
+    cut.rows = static_cast<int>(cut.kept.size());
+    cut.first_row = out.rows;
+    out.rows += cut.rows;
+  }
+  return out;
+}
+
+BodyPlace place(const Scene& scene, const ReducedScene& reduced, int island, const BodyFrame& frame) {
+  const auto in_ground_link = [&](const Pose3& X_WB) {
+    const Pose3 X_0B = island < 0 ? X_WB : reduced.islands[island].X_W0.inverse() * X_WB;
+    return BodyPlace{island, 0, X_0B};
+  };
+  if (frame.body == ground) return in_ground_link(frame.X_BF);
+  const auto body = std::ranges::find(scene.bodies, frame.body, &Body::name);
+  const BodyPlace& found = reduced.bodies[body - scene.bodies.begin()];
+  if (found.island < 0) return in_ground_link(found.X_LB * frame.X_BF);
+  return {found.island, found.link, found.X_LB * frame.X_BF};
+}
+
+}  // namespace gelenk

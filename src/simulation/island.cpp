@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/island.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+#include "simulation/choose.h"
+
+namespace gelenk {
+namespace {
+
+double largest(const std::vector<double>& x) {
+  double max = 0;
+  for (const double value : x) max = std::max(max, std::abs(value));
+  return max;
+}
+
+// s, of this thread.
+double cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const std::vector<double>& u, double time)
+    : scene_(scene),
+      prepared_(std::move(prepared)),
+      loads_(std::move(loads)),
+      u_(u),
+      dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
+      equations_(prepared_.mechanism, *dynamics_, u),
+      time_(time),
+      y_(prepared_.start.q),
+      vdot_(prepared_.mechanism.nv, 0.0),
+      backup_time_(time) {
+  y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
+  backup_ = y_;
+  dynamics_->limit_rank(prepared_.structure.rank);
+  equations_.count_from(prepared_.cut_start, time, y_.data());
+}
+
+void Island::start_integrator(double tolerance) {
+  if (mechanism().nv == 0) return;
+  IntegratorOptions options;
+  options.tolerance = tolerance > 0 ? tolerance : scene_.experiment.tolerance;
+  options.step = scene_.solver.step > 0 ? scene_.solver.step : scene_.experiment.step;
+  const std::string kind = choose_integrator(scene_, mechanism(), *dynamics_, y_, u_);
+  integrator_ = make_integrator(kind, equations_, options);
+  integrator_->restart(time_, y_.data());
+  evaluations_before_ = dynamics_->evaluations();
+}
+
+void Island::advance(double end) {
+  backup_ = y_;
+  backup_time_ = time_;
+  fresh_ = Outputs::Needs::state;
+  if (integrator_) {
+    if (inputs_jumped_) integrator_->inputs_changed();
+    inputs_jumped_ = false;
+    integrator_->advance(end, y_.data());
+  }
+  time_ = end;
+}
+
+void Island::roll_back() {
+  y_ = backup_;
+  time_ = backup_time_;
+  fresh_ = Outputs::Needs::state;
+  equations_.count_from(equations_.cut_coordinates(), time_, y_.data());
+  if (integrator_) integrator_->restart(time_, y_.data());
+}
+
+void Island::refresh(Outputs::Needs needs) {
+  if (needs <= fresh_) return;
+  dynamics_->set_position(q());
+  if (needs == Outputs::Needs::accelerations) dynamics_->factorise();
+  dynamics_->set_velocity(v());
+  dynamics_->set_root_poses();
+  if (needs == Outputs::Needs::accelerations) {
+    dynamics_->solve(u_.data(), vdot_.data());
+    dynamics_->set_acceleration(vdot_.data());
+  }
+  fresh_ = needs;
+}
+
+Reading Island::reading() const { return {*dynamics_, y_.data(), vdot_.data(), equations_.cut_coordinates()}; }
+
+double Island::position_gap() const { return largest(dynamics_->Phi()); }
+double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }
+
+double Island::evaluation_cost() {
+  if (mechanism().nv == 0) return 0;
+  fresh_ = Outputs::Needs::state;
+  std::vector<double> ydot(y_.size());
+  const auto time_of = [&](int calls) {
+    const double begin = cpu_time();
+    for (int i = 0; i < calls; ++i) equations_.rhs(time_, y_.data(), ydot.data());
+    return (cpu_time() - begin) / calls;
+  };
+  const long before = dynamics_->evaluations();
+  // About a millisecond at a time: long against the clock's grain, short against whatever interrupts.
+  const int calls = static_cast<int>(std::clamp(1e-3 / std::max(time_of(3), 1e-9), 1.0, 1e5));
+  double least = INFINITY;
+  for (int i = 0; i < 20; ++i) least = std::min(least, time_of(calls));
+  evaluations_before_ += dynamics_->evaluations() - before;
+  return least;
+}
+
+}  // namespace gelenk

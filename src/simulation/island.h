@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One part of a scene that is solved by itself: its equations, its state, its integrator.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "formulation/projection.h"
+#include "integrator/integrator.h"
+#include "simulation/outputs.h"
+#include "simulation/preparation.h"
+
+namespace gelenk {
+
+// Not movable: its parts refer to each other.
+class Island {
+ public:
+  // u: all inputs of the scene, read at every evaluation. time [s]: of the start.
+  Island(const Scene& scene, PreparedIsland prepared, Loads loads, const std::vector<double>& u, double time);
+
+  // tolerance: overrides the scene's when positive.
+  void start_integrator(double tolerance);
+  // Throws IntegrationError, SingularMass; roll_back() is due then.
+  void advance(double end);
+  // Back to before the last advance().
+  void roll_back();
+
+  void inputs_jumped() {
+    inputs_jumped_ = true;
+    fresh_ = Outputs::Needs::state;
+  }
+  const std::vector<int>& inputs() const { return loads_.inputs; }
+
+  // Brings the equations up to what outputs need.
+  void refresh(Outputs::Needs needs);
+  Reading reading() const;
+  const Mechanism& mechanism() const { return prepared_.mechanism; }
+  const Structure& structure() const { return prepared_.structure; }
+  Dynamics& dynamics() { return *dynamics_; }
+  double position_gap() const;  // largest |Phi|, after refresh
+  double velocity_gap() const;  // largest |J v|, likewise
+
+  long steps() const { return integrator_ ? integrator_->steps() : 0; }
+  long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
+  long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
+
+  // s: CPU time of one evaluation of the equations of motion at the present state, least of several.
+  double evaluation_cost();
+
+ private:
+  const double* q() const { return y_.data(); }
+  const double* v() const { return y_.data() + mechanism().nq; }
+
+  const Scene& scene_;
+  PreparedIsland prepared_;
+  Loads loads_;
+  const std::vector<double>& u_;
+  std::unique_ptr<Dynamics> dynamics_;
+  Projection equations_;
+  std::unique_ptr<Integrator> integrator_;  // none where nothing moves
+  double time_;
+  std::vector<double> y_, vdot_;
+  double backup_time_;
+  std::vector<double> backup_;
+  Outputs::Needs fresh_ = Outputs::Needs::state;  // what dynamics_ holds for the present state and inputs
+  bool inputs_jumped_ = false;
+  long evaluations_before_ = 0;  // made to prepare the run
+};
+
+}  // namespace gelenk

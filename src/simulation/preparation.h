@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a scene to islands that stand at consistent start values, with the reductions that only these reveal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/assembly.h"
+#include "analysis/structure.h"
+
+namespace gelenk {
+
+// The loops cannot be closed with these start values. Says the smallest gap and the joint where it gapes.
+class AssemblyError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct PreparedIsland {
+  Mechanism mechanism;  // without the rows that are not needed
+  Assembled start;
+  std::vector<double> cut_start;  // wished coordinates of the cut joints, to count turns from
+  Structure structure;            // of the island with all its rows, ReducedScene::islands
+};
+
+struct PreparedScene {
+  ReducedScene reduced;
+  std::vector<PreparedIsland> islands;
+  std::string report;  // on assembly, for people
+};
+
+// reduced: reduce(scene). Throws AssemblyError, and SceneError for parts that move without inertia.
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced);
+
+}  // namespace gelenk
