@@ -6,6 +6,7 @@
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/write_xml.h"
 #include "scene/text.h"
+#include "simulation/inspection.h"
 
 namespace gelenk {
 namespace {
@@ -57,10 +58,39 @@ void add_table(std::string& page, const char* heading, Causality causality, cons
 }
 
 std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
+std::string degrees(int n) { return counted(n, "degree"); }
+
+void add_reductions(std::string& page, const Inspection& report) {
+  const ModelSize& before = report.described;
+  const ModelSize& after = report.reduced;
+  page += "<h2>The model</h2>\n<table>\n<tr><th></th><th>as described</th><th>as computed</th></tr>\n";
+  const auto row = [&](const char* what, int a, int b) {
+    page += std::string("<tr><td>") + what + "</td><td>" + std::to_string(a) + "</td><td>" + std::to_string(b) +
+            "</td></tr>\n";
+  };
+  row("moving bodies", before.bodies, after.bodies);
+  row("coordinates", before.coordinates, after.coordinates);
+  row("speeds", before.speeds, after.speeds);
+  row("constraint rows", before.rows, after.rows);
+  row("parts solved apart", before.islands, after.islands);
+  row("parts computed in a plane", 0, after.planar_islands);
+  page += "</table>\n<p>What made it smaller, without changing what it does:</p>\n<ul>\n";
+  for (const ReductionReport& reduction : report.reductions) {
+    for (const std::string& note : reduction.notes) {
+      page += "<li>" + escaped(reduction.name) + ": " + escaped(note) + "</li>\n";
+    }
+    if (!reduction.on) page += "<li>" + escaped(reduction.name) + ": switched off in the scene</li>\n";
+  }
+  page += "</ul>\n<p>" + degrees(report.reduced.freedoms) +
+          " of freedom; counting 6 for each body, less what the joints forbid, gives " +
+          std::to_string(report.counted_freedoms) + ".";
+  for (const std::string& cause : report.mobility) page += " " + escaped(cause) + ".";
+  page += "</p>\n";
+}
 
 }  // namespace
 
-std::string write_documentation(const Simulation& simulation, const Catalogue& catalogue) {
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue) {
   const Scene& scene = simulation.scene();
   const ModelSize& size = simulation.size();
   const std::string name = escaped(scene.name);
@@ -69,7 +99,7 @@ std::string write_documentation(const Simulation& simulation, const Catalogue& c
   page += "Multibody plant with " + std::to_string(size.bodies) + (size.bodies == 1 ? " body" : " bodies") +
           " that can move: " + counted(size.coordinates, "coordinate") + ", " + counted(size.speeds, "speed") + ", " +
           counted(size.rows, "constraint row") + " of rank " + std::to_string(size.rank) + ", so " +
-          (size.freedoms == 1 ? "1 degree" : std::to_string(size.freedoms) + " degrees") + " of freedom; " +
+          degrees(size.freedoms) + " of freedom; " +
           (size.planar ? "all motion is in one plane" : "motion is in space") + ".</p>\n";
   page += "<p>Co-simulation FMU of FMI 2.0. Steps of any size; " + text::number(scene.experiment.step) +
           " s is the one proposed. Parameters can be set until initialisation ends. SI units, angles in radians; they "
@@ -78,6 +108,7 @@ std::string write_documentation(const Simulation& simulation, const Catalogue& c
   add_table(page, "Outputs", Causality::output, catalogue);
   add_table(page, "Parameters", Causality::parameter, catalogue);
   add_table(page, "Diagnostics", Causality::local, catalogue);
+  add_reductions(page, inspect(simulation));
   page += "<p>Made by Gelenk " + escaped(gelenk_version()) +
           ". The scene is in <code>resources/scene.json</code>, the licences of what the runtime contains are in "
           "<a href=\"licenses/\">licenses</a>.</p>\n</body>\n</html>\n";

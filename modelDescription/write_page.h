@@ -10,6 +10,6 @@
 namespace gelenk {
 
 // simulation: of the same scene, assembled at its start values.
-std::string write_documentation(const Simulation& simulation, const Catalogue& catalogue);
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue);
 
 }  // namespace gelenk

@@ -10,6 +10,7 @@ void bind_errors(nanobind::module_& m);
 void bind_scene(nanobind::module_& m);
 void bind_parameters(nanobind::module_& m);
 void bind_simulation(nanobind::module_& m);
+void bind_inspection(nanobind::module_& m);
 void bind_fmu(nanobind::module_& m);
 void bind_joints(nanobind::module_& m);
 

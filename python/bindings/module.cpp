@@ -7,6 +7,7 @@ NB_MODULE(_core, m) {
   gelenk::bind_scene(m);
   gelenk::bind_parameters(m);
   gelenk::bind_simulation(m);
+  gelenk::bind_inspection(m);
   gelenk::bind_fmu(m);
   gelenk::bind_joints(m);
 }

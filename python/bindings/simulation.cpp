@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "simulation/inspection.h"
 
 namespace nb = nanobind;
 using gelenk::ModelSize;
@@ -136,5 +137,8 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def(
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
+      .def(
+          "inspect", [](Plant& p) { return p.with([](Simulation& s) { return gelenk::inspect(s); }); },
+          "What the reductions did. After initialize().")
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
 }

@@ -14,6 +14,7 @@ from os import PathLike
 
 from gelenk.errors import AssemblyError, ExportError, GelenkError, SceneError, StepError, UsageError
 from gelenk.export import export_fmu
+from gelenk.inspection import Inspection, inspect
 from gelenk.result import Result
 from gelenk.run import simulate
 from gelenk.scene import Scene, load
@@ -25,6 +26,7 @@ __all__ = [
     "AssemblyError",
     "ExportError",
     "GelenkError",
+    "Inspection",
     "Result",
     "Scene",
     "SceneError",
@@ -34,6 +36,7 @@ __all__ = [
     "__version__",
     "export_fmu",
     "import_urdf",
+    "inspect",
     "load",
     "simulate",
 ]

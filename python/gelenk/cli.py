@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -24,6 +25,10 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+Without = Annotated[
+    list[str] | None,
+    typer.Option("--without", metavar="NAME", help="Leave out a reduction, or `all`; repeatable."),
+]
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file: .yaml, .yml or .json.")]
 
 
@@ -74,9 +79,10 @@ def export(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu.")
     ] = None,
+    without: Without = None,
 ) -> None:
     """Export a scene as an FMU (FMI 2.0 co-simulation)."""
-    loaded = gelenk.load(Path(scene))
+    loaded = gelenk.load(Path(scene)).without(without or [])
     out = gelenk.export_fmu(loaded, output or Path(f"{loaded.name}.fmu"))
     print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
 
@@ -97,6 +103,18 @@ def check(scene: SceneFile) -> None:
     report = plant.assembly_report()
     if report:
         print(report)
+
+
+@app.command()
+@_told
+def inspect(
+    scene: SceneFile,
+    without: Without = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Tell what the model is reduced to, why, and what an evaluation costs with and without."""
+    report = gelenk.inspect(Path(scene), without or [])
+    print(json.dumps(report.to_dict(), indent=2) if as_json else report)
 
 
 @app.command("import")
@@ -133,6 +151,7 @@ def simulate(
             "--set", metavar="NAME=VALUE", help="A parameter, or an input as a constant; repeatable."
         ),
     ] = None,
+    without: Without = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE.csv", help="Result table; - is stdout.")
     ] = None,
@@ -142,7 +161,7 @@ def simulate(
         with progress_bar(sys.stderr) as progress:
             result = gelenk.simulate(
                 plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator, inputs=inputs,
-                parameters=_settings(settings or []), progress=progress,
+                parameters=_settings(settings or []), without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:
         if e.result is not None and output is not None:

@@ -32,6 +32,7 @@ def simulate(
     inputs: Inputs | None = None,
     parameters: Mapping[str, Value] | None = None,
     outputs: Sequence[str] | None = None,
+    without: Sequence[str] = (),
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Runs a scene, or an FMU, from t = 0.
@@ -48,6 +49,7 @@ def simulate(
         inputs: see `gelenk.inputs.functions`; inputs that are not named stay 0.
         parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
         outputs: names to record; by default all outputs.
+        without: reductions to leave out, see `gelenk.inspect`; scenes only.
         progress: called after every step with the time reached and `stop` [s].
 
     Returns:
@@ -64,7 +66,7 @@ def simulate(
     >>> bool(result["A.phi"][-1] > result["A.phi"][0])
     True
     """
-    opened = _open(plant)
+    opened = _open(plant, without)
     try:
         settings = dict(parameters or {})
         signals = functions(inputs, opened.inputs)
@@ -110,12 +112,14 @@ def grid(stop: float, step: float) -> NDArray[np.float64]:
     return times
 
 
-def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Plant:
+def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Sequence[str]) -> Plant:
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
+        if without:
+            raise UsageError("without: reductions of an FMU are settled when it is exported")
         from gelenk.fmu_plant import FmuPlant
 
         return FmuPlant(Path(plant))
-    return ScenePlant(load(plant))
+    return ScenePlant(load(plant).without(without))
 
 
 def _configure(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import json
 import math
@@ -78,6 +79,26 @@ class Scene:
                 raise UsageError(unknown(name, "parameter", table))
             values.append((name, number(name, value, table[name].type, table[name].items)))
         return Scene(_core.with_parameters(self._core, values), None, self.report)
+
+    def without(self, reductions: Iterable[str]) -> Scene:
+        """A copy in which these reductions are switched off; "all" stands for every one.
+
+        Raises:
+            UsageError: a name that is no reduction.
+        """
+        names = [name.replace("-", "_") for name in reductions]
+        known = [*_core.reduction_names, "all"]
+        faults = [unknown(name, "reduction", known) for name in names if name not in known]
+        if faults:
+            raise UsageError("\n".join(faults))
+        if not names:
+            return self
+        data = copy.deepcopy(self.to_dict() if self._source is None else self._source)
+        if "all" in names:
+            names = list(_core.reduction_names)
+        solver = data.setdefault("solver", {})
+        solver["reductions"] = {**solver.get("reductions", {}), **dict.fromkeys(names, False)}
+        return from_dict(data, self.file, self.report)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain data: defaults filled in, all frames told in their bodies."""

@@ -89,6 +89,8 @@ class Explorer {
     return false;
   }
 
+  const std::vector<double>& position() const { return q_; }
+
   void stand(const std::vector<double>& q, int limit) {
     dynamics_.limit_rank(limit);
     dynamics_.set_position(q.data());
@@ -102,7 +104,8 @@ class Explorer {
     for (int i = 0; i < 25; ++i) {
       stand(q, limit);
       const auto& Phi = dynamics_.Phi();
-      const double gap = Phi.empty() ? 0 : Eigen::Map<const VectorXd>(Phi.data(), mechanism_.rows).lpNorm<Eigen::Infinity>();
+      const double gap =
+          Phi.empty() ? 0 : Eigen::Map<const VectorXd>(Phi.data(), mechanism_.rows).lpNorm<Eigen::Infinity>();
       if (!std::isfinite(gap) || (i > 4 && gap > 0.9 * before)) return false;
       if (gap < closed) return true;
       before = gap;
@@ -128,9 +131,7 @@ class Standing {
     for (const Cut& cut : mechanism.cuts) out.standing_cuts.push_back(kind_of(cut.joint).nv > 0);
   }
 
-  bool any() const {
-    return std::ranges::find(out_.standing_links, true) != out_.standing_links.end();
-  }
+  bool any() const { return std::ranges::find(out_.standing_links, true) != out_.standing_links.end(); }
 
   // motion: at the position at which `dynamics` stands; empty: nothing moves.
   void see(Dynamics& dynamics, const VectorXd& motion) {
@@ -193,12 +194,12 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   standing.see(dynamics, explorer.free_motion());
   const bool deficient = out.rank < mechanism.rows;
   std::vector<MatrixXd> seen = {explorer.jacobian()};
-  if (deficient) out.idle = left_null_space(seen.front());
   if (deficient || (standing.any() && mechanism.rows > 0)) {
     const int positions = mechanism.rows <= 100 ? 10 : 3;
     for (int i = 0; i < positions; ++i) {
       if (!explorer.move(out.rank)) continue;
       out.rank = std::max(out.rank, explorer.rank_here());
+      out.idle_q = explorer.position();
       seen.push_back(explorer.jacobian());
       standing.see(dynamics, explorer.free_motion());
     }
@@ -206,6 +207,10 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   std::vector<bool> needed(mechanism.rows, true);
   // Factors can be called constant only where several positions were seen, or where there is but one.
   const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
+  if (out.rank < mechanism.rows) {
+    out.idle = left_null_space(seen.back());
+    if (seen.size() == 1) out.idle_q = q;
+  }
   if (out.rank < mechanism.rows && explored) {
     MatrixXd side_by_side(mechanism.rows, mechanism.nv * static_cast<Index>(seen.size()));
     for (std::size_t i = 0; i < seen.size(); ++i) {

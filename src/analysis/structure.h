@@ -20,8 +20,10 @@ struct Structure {
   int needed_rows = 0;
   std::vector<bool> standing_links;  // by link: its joint has speeds, but none of them can ever move
   std::vector<bool> standing_cuts;
-  // Multipliers that do no work at q, one column for each redundant row (rows x (rows - rank_start)).
+  // Multipliers that do no work, one column for each redundant row (rows x (rows - rank)), at a position without
+  // special symmetry, idle_q: what they hold, rigid bodies leave undetermined.
   Eigen::MatrixXd idle;
+  std::vector<double> idle_q;
 };
 
 // From q, closed, along random free motions to several other closed positions. Leaves `dynamics` at q and

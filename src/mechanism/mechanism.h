@@ -76,6 +76,7 @@ struct JointPlace {
 struct Note {
   Reduction pass = Reduction::weld;
   std::string text;
+  bool changed = true;  // false: why it did nothing
 };
 
 struct ReducedScene {

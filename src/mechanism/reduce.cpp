@@ -42,7 +42,9 @@ struct Reducer {
   std::vector<bool> observed;
   ReducedScene out{};
 
-  void note(Reduction pass, const std::string& text) { out.notes.push_back({pass, text}); }
+  void note(Reduction pass, const std::string& text, bool changed = true) {
+    out.notes.push_back({pass, text, changed});
+  }
 
   // Planar algebra does not know forces along the normal: reactions need space.
   std::string reaction_in(const Graph& graph) const {
@@ -64,7 +66,7 @@ struct Reducer {
   bool add_planar(const Graph& graph) {
     if (!scene.solver.reduces(Reduction::planar) || graph.edges.empty()) return false;
     const auto in_space = [&](const std::string& why) {
-      note(Reduction::planar, "in space: " + why);
+      note(Reduction::planar, "in space: " + why, false);
       return false;
     };
     if (const std::string joint = reaction_in(graph); !joint.empty()) {
@@ -110,8 +112,7 @@ struct Reducer {
       names.push_back(scene.joints[cut.scene_joint].name + " (" + std::string(kind_of(cut.joint).name) + ")");
     }
     note(Reduction::cut_choice, "loops are cut at " + text::some(names) +
-                                    ": the fewest rows and quaternions, drives kept "
-                                    "in the tree");
+                                    ", which leaves the fewest rows and quaternions and keeps drives uncut");
   }
 };
 

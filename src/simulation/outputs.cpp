@@ -57,25 +57,23 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
 }
 
 void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
-  Place place;
   int size = 0;
   Source source;
   switch (sensor.type) {
     case SensorType::reaction: {
-      const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
-      place.joint = static_cast<int>(joint - scene.joints.begin());
-      const int island = reduced_.joints[place.joint].island;
-      place.frame = gelenk::place(scene, reduced_, island, joint->child);
-      place.resolved_in = gelenk::place(scene, reduced_, island, joint->parent);
-      source = {Kind::reaction, Needs::accelerations, island, static_cast<int>(places_.size())};
+      const auto found = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
+      const int joint = static_cast<int>(found - scene.joints.begin());
+      source = {Kind::reaction, Needs::accelerations, reduced_.joints[joint].island,
+                static_cast<int>(reactions_.size())};
+      reactions_.emplace_back(scene, reduced_, joint);
       size = reaction_size;
       break;
     }
     case SensorType::frame: {
-      place.frame = gelenk::place(scene, reduced_, none, sensor.frame);
-      const int island = place.frame.island;
-      source = {island < 0 ? Kind::standing_pose : Kind::pose, Needs::velocities, island,
-                static_cast<int>(places_.size())};
+      const BodyPlace frame = place(scene, reduced_, none, sensor.frame);
+      source = {frame.island < 0 ? Kind::standing_pose : Kind::pose, Needs::velocities, frame.island,
+                static_cast<int>(frames_.size())};
+      frames_.push_back(frame);
       size = frame_size;
       break;
     }
@@ -84,7 +82,6 @@ void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
       size = energy_size;
       break;
   }
-  places_.push_back(place);
   for (source.component = 0; source.component < size; ++source.component) sources_.push_back(source);
 }
 
@@ -106,9 +103,9 @@ double Outputs::value(int output, const Reading& reading) const {
       reading.dynamics.cut_accelerations(s.index, joint);
       return s.sign * joint[s.component];
     case Kind::reaction:
-      return reaction(places_[s.index], s.component, reading.dynamics);
+      return reactions_[s.index].component(s.component, reading.dynamics);
     case Kind::pose:
-      return pose(places_[s.index], s.component, reading.dynamics);
+      return pose(frames_[s.index], s.component, reading.dynamics);
     case Kind::constant:
     case Kind::standing_pose:
     case Kind::energy:
@@ -120,43 +117,19 @@ double Outputs::value(int output, const Reading& reading) const {
 double Outputs::constant(int output) const {
   const Source& s = sources_[output];
   if (s.kind == Kind::constant) return s.sign;
-  const Pose3& X_WS = places_[s.index].frame.X_LB;
+  const Pose3& X_WS = frames_[s.index].X_LB;
   if (s.component < 3) return X_WS.p[s.component];
   return s.component < 7 ? quaternion_component(X_WS.R, s.component - 3) : 0;
 }
 
-// The joint's wrench on one of its links, taken to the child's side, to M's origin, into F's axes.
-double Outputs::reaction(const Place& place, int component, const Dynamics& dynamics) const {
-  const JointPlace& joint = reduced_.joints[place.joint];
-  const Mechanism& mechanism = reduced_.islands[joint.island];
-  const bool cut = joint.role == JointPlace::Role::cut;
-  Pose3 X_0J;  // where the wrench is known, and its axes
-  Spatial::Force F;
-  double side = 1;
-  if (cut) {
-    const Cut& c = mechanism.cuts[joint.index];
-    X_0J = dynamics.link_pose(c.link_b) * c.X_BM;
-    F = dynamics.cut_reaction(joint.index);
-  } else {
-    X_0J = dynamics.link_pose(joint.index);
-    F = dynamics.tree_reaction(joint.index);
-    if (mechanism.links[joint.index].reversed) side = -1;
-  }
-  const Pose3 X_0M = dynamics.link_pose(place.frame.link) * place.frame.X_LB;
-  const Eigen::Matrix3d R_0F = dynamics.link_pose(place.resolved_in.link).R * place.resolved_in.X_LB.R;
-  const Vector3d f = side * (X_0J.R * F.f);
-  const Vector3d n = side * (X_0J.R * F.n) + (X_0J.p - X_0M.p).cross(f);
-  return component < 3 ? R_0F.col(component).dot(f) : R_0F.col(component - 3).dot(n);
-}
-
-double Outputs::pose(const Place& place, int component, const Dynamics& dynamics) const {
-  const Pose3& X_LS = place.frame.X_LB;
-  const Pose3 X_0L = dynamics.link_pose(place.frame.link);
-  const Pose3& X_W0 = reduced_.islands[place.frame.island].X_W0;
+double Outputs::pose(const BodyPlace& frame, int component, const Dynamics& dynamics) const {
+  const Pose3& X_LS = frame.X_LB;
+  const Pose3 X_0L = dynamics.link_pose(frame.link);
+  const Pose3& X_W0 = reduced_.islands[frame.island].X_W0;
   const Eigen::Matrix3d R_WL = X_W0.R * X_0L.R;
   if (component < 3) return X_W0.point(X_0L.point(X_LS.p))[component];
   if (component < 7) return quaternion_component(R_WL * X_LS.R, component - 3);
-  const Spatial::Motion V = dynamics.link_velocity(place.frame.link);
+  const Spatial::Motion V = dynamics.link_velocity(frame.link);
   if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];
   return X_LS.R.col(component - 10).dot(V.w);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "simulation/reaction.h"
 #include "simulation/signals.h"
 
 namespace gelenk {
@@ -48,20 +49,14 @@ class Outputs {
     int component = 0;  // within a cut joint or sensor
     double sign = 1;    // constant: the value
   };
-  // A frame on a link; reactions: M's origin and F's axes.
-  struct Place {
-    int joint = -1;
-    BodyPlace frame, resolved_in;
-  };
-
   Source joint_source(const Signal& signal) const;
-  double reaction(const Place& place, int component, const Dynamics& dynamics) const;
-  double pose(const Place& place, int component, const Dynamics& dynamics) const;
+  double pose(const BodyPlace& frame, int component, const Dynamics& dynamics) const;
   void add_sensor(const Scene& scene, const Sensor& sensor);
 
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
-  std::vector<Place> places_;
+  std::vector<Reaction> reactions_;
+  std::vector<BodyPlace> frames_;
 };
 
 }  // namespace gelenk

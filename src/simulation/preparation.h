@@ -19,7 +19,7 @@ struct PreparedIsland {
   Mechanism mechanism;  // without the rows that are not needed
   Assembled start;
   std::vector<double> cut_start;  // wished coordinates of the cut joints, to count turns from
-  Structure structure;            // of the island with all its rows, ReducedScene::islands
+  Structure structure;            // of the island with all its rows, as in ReducedScene::islands
 };
 
 struct PreparedScene {

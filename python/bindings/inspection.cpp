@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/inspection.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+#include "scene/words.h"
+
+namespace nb = nanobind;
+using gelenk::Inspection;
+using gelenk::ReductionReport;
+using gelenk::RedundantRow;
+
+void gelenk::bind_inspection(nb::module_& m) {
+  nb::class_<RedundantRow>(m, "RedundantRow", "A row of a loop that repeats others at every position.")
+      .def_ro("joint", &RedundantRow::joint)
+      .def_ro("motion", &RedundantRow::motion, "What it forbids, in the joint's frame.");
+  nb::class_<ReductionReport>(m, "ReductionReport", "What one reduction did.")
+      .def_ro("name", &ReductionReport::name)
+      .def_ro("on", &ReductionReport::on)
+      .def_ro("changed", &ReductionReport::changed, "Whether it made the model smaller.")
+      .def_ro("notes", &ReductionReport::notes, "Sentences; none: it found nothing to do.");
+  nb::class_<Inspection>(m, "Inspection", "What the reductions did to a scene.")
+      .def_ro("described", &Inspection::described)
+      .def_ro("reduced", &Inspection::reduced)
+      .def_ro("reductions", &Inspection::reductions)
+      .def_ro("redundant_rows", &Inspection::redundant_rows)
+      .def_ro("undetermined_reactions", &Inspection::undetermined_reactions)
+      .def_ro("counted_freedoms", &Inspection::counted_freedoms)
+      .def_ro("momentary_freedoms", &Inspection::momentary_freedoms)
+      .def_ro("mobility", &Inspection::mobility);
+  m.attr("reduction_names") = nb::cast(words::reductions);
+}

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/inspection.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "scene/text.h"
+#include "scene/words.h"
+#include "simulation/reaction.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector3d;
+
+// Rows beyond which the dense algebra behind the search for repeated ones would keep a user waiting.
+constexpr int most_rows = 600;
+
+std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
+
+// "z", or "(0.6, 0.8, 0)".
+std::string direction(const Vector3d& d) {
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(d[i]) > 1 - 1e-9) return axes[i];
+  }
+  return "(" + text::rounded(d.x(), 3) + ", " + text::rounded(d.y(), 3) + ", " + text::rounded(d.z(), 3) + ")";
+}
+
+std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_UC) {
+  if (!w.f.isZero(0)) return "sliding along " + direction(R_UC * w.f.normalized());
+  return "turning about " + direction(R_UC * w.n.normalized());
+}
+
+ModelSize size_of(const ReducedScene& reduced) {
+  ModelSize size;
+  for (const Mechanism& mechanism : reduced.islands) {
+    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
+    size.coordinates += mechanism.nq;
+    size.speeds += mechanism.nv;
+    size.rows += mechanism.rows;
+  }
+  size.islands = static_cast<int>(reduced.islands.size());
+  return size;
+}
+
+// The scene at the start found, without the reductions that hide rows.
+Scene in_space(Simulation& simulation) {
+  Scene scene = simulation.scene();
+  for (const Reduction pass : {Reduction::planar, Reduction::fixed, Reduction::redundant_rows}) {
+    scene.solver.reductions[static_cast<std::size_t>(pass)] = false;
+  }
+  const std::vector<Signal>& signals = simulation.outputs();
+  for (int i = 0; i < static_cast<int>(signals.size()); ++i) {
+    const Signal& s = signals[i];
+    if (s.joint < 0 || s.level > 1) continue;
+    JointStart& start = scene.joints[s.joint].start;
+    (s.level == 0 ? start.q : start.v)[s.component] = simulation.output(i);
+    (s.level == 0 ? start.q_given : start.v_given)[s.component] = true;
+  }
+  return scene;
+}
+
+class RowInspector {
+ public:
+  RowInspector(const Scene& scene, Inspection& out)
+      : scene_(scene), out_(out), prepared_(prepare(scene, reduce(scene))) {
+    const std::vector<Loads> loads = make_loads(scene, prepared_.reduced);
+    for (int i = 0; i < static_cast<int>(prepared_.islands.size()); ++i) inspect_island(i, loads[i]);
+    out.undetermined_reactions.assign(undetermined_.begin(), undetermined_.end());
+    tell();
+  }
+
+ private:
+  void inspect_island(int i, const Loads& loads) {
+    const Mechanism& mechanism = prepared_.reduced.islands[i];
+    const Structure& structure = prepared_.islands[i].structure;
+    constant_ += mechanism.rows - structure.needed_rows;
+    changing_ += structure.needed_rows - structure.rank;
+    lost_ += structure.rank - structure.rank_start;
+    if (structure.idle.cols() == 0) return;
+    const auto dynamics = make_dynamics(mechanism, loads);
+    dynamics->set_position(structure.idle_q.data());
+    dynamics->set_root_poses();
+    dynamics->factorise();
+    name_rows(mechanism, structure, *dynamics);
+    find_undetermined(mechanism, structure, *dynamics);
+  }
+
+  void name_rows(const Mechanism& mechanism, const Structure& structure, const Dynamics& dynamics) {
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) {
+      const Cut& cut = mechanism.cuts[c];
+      const std::vector<int>& needed = structure.needed[c];
+      Row<Spatial> rows[6];
+      const Pose3 X_FM = dynamics.cut_pose(static_cast<int>(c));
+      std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
+      for (int r = 0; r < cut.joint_rows; ++r) {
+        if (std::ranges::find(needed, r) != needed.end()) continue;
+        const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[cut.scene_joint].R_UC;
+        out_.redundant_rows.push_back({scene_.joints[cut.scene_joint].name, forbidden_motion(rows[r].w, R_UC)});
+      }
+      if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, cut));
+    }
+  }
+
+  std::string loop(const Mechanism& mechanism, const Cut& cut) const {
+    std::vector<int> joints = {cut.scene_joint};
+    for (const int link : cut.path_a) joints.push_back(mechanism.links[link].scene_joint);
+    for (const int link : cut.path_b) joints.push_back(mechanism.links[link].scene_joint);
+    std::ranges::sort(joints);
+    std::vector<std::string> names;
+    for (const int j : joints) names.push_back(scene_.joints[j].name);
+    return text::some(names);
+  }
+
+  // Components of reactions that idle multipliers change.
+  void find_undetermined(const Mechanism& mechanism, const Structure& structure, Dynamics& dynamics) {
+    for (Eigen::Index k = 0; k < structure.idle.cols(); ++k) {
+      const Eigen::VectorXd lambda = structure.idle.col(k);
+      dynamics.set_multipliers(lambda.data());
+      for (const int j : mechanism.joints) {
+        const Reaction reaction(scene_, prepared_.reduced, j);
+        for (int i = 0; i < 6; ++i) {
+          if (std::abs(reaction.component(i, dynamics)) < 1e-6) continue;
+          undetermined_.insert(scene_.joints[j].name + (i < 3 ? ".f[" : ".t[") + std::to_string(i % 3 + 1) + "]");
+        }
+      }
+    }
+  }
+
+  void tell() {
+    if (constant_ > 0) {
+      out_.mobility.push_back(counted(constant_, "row") + (constant_ == 1 ? " repeats" : " repeat") +
+                              " others at every position: the loops are closed without " +
+                              (constant_ == 1 ? "it" : "them"));
+    }
+    if (changing_ > 0) {
+      out_.mobility.push_back(counted(changing_, "row") + (changing_ == 1 ? " repeats" : " repeat") +
+                              " others with factors that change on the way: the loop through " +
+                              text::list(overconstrained_) +
+                              " is overconstrained and moves by its special measures; all its rows stay");
+    }
+    if (lost_ > 0) {
+      out_.mobility.push_back("the start is a singular position, where " + counted(lost_, "row") +
+                              (lost_ == 1 ? " loses its" : " lose their") +
+                              " hold for a moment; away from it all of them count, so they stay");
+    }
+  }
+
+  const Scene& scene_;
+  Inspection& out_;
+  const PreparedScene prepared_;
+  std::set<std::string> undetermined_;
+  std::vector<std::string> overconstrained_;  // loops
+  int constant_ = 0, changing_ = 0, lost_ = 0;
+};
+
+// "f[2], t[1] of A, B; f[3] of C" from "A.f[2]", "A.t[1]", ...
+std::string by_joint(const std::vector<std::string>& components) {
+  std::map<std::string, std::string> of_joint;
+  for (const std::string& component : components) {
+    const std::size_t dot = component.find('.');
+    std::string& list = of_joint[component.substr(0, dot)];
+    list += (list.empty() ? "" : ", ") + component.substr(dot + 1);
+  }
+  std::map<std::string, std::vector<std::string>> joints;
+  for (const auto& [joint, list] : of_joint) joints[list].push_back(joint);
+  std::string out;
+  for (const auto& [list, names] : joints) out += (out.empty() ? "" : "; ") + list + " of " + text::some(names);
+  return out;
+}
+
+void tell(Inspection& out, Reduction pass, const std::string& note, bool changed) {
+  ReductionReport& report = out.reductions[static_cast<std::size_t>(pass)];
+  report.notes.push_back(note);
+  report.changed = report.changed || (changed && report.on);
+}
+
+// What the choice of cuts gains over the order of the file.
+void compare_cuts(const Scene& scene, Inspection& out) {
+  const bool chosen = scene.solver.reduces(Reduction::cut_choice);
+  if (!chosen || out.described.rows == 0) return;
+  Scene by_file = scene;
+  by_file.solver.reductions[static_cast<std::size_t>(Reduction::cut_choice)] = false;
+  const ModelSize other = size_of(reduce(by_file));
+  const ModelSize here = size_of(reduce(scene));
+  if (other.rows == here.rows && other.coordinates == here.coordinates) {
+    // Where the order of the file is as good, the notes on cuts tell no gain.
+    out.reductions[static_cast<std::size_t>(Reduction::cut_choice)].changed = false;
+    return;
+  }
+  tell(out, Reduction::cut_choice,
+       "in the order of the file there would be " + counted(other.rows, "row") + " and " +
+           counted(other.coordinates, "coordinate") + ", here " + std::to_string(here.rows) + " and " +
+           std::to_string(here.coordinates),
+       true);
+}
+
+void add_row_notes(const Scene& scene, Inspection& out) {
+  std::vector<std::string> rows;
+  for (const RedundantRow& row : out.redundant_rows) rows.push_back(row.joint + ": " + row.motion);
+  if (rows.empty()) return;
+  const bool dropped = scene.solver.reduces(Reduction::redundant_rows) || out.reduced.planar;
+  const bool one = rows.size() == 1;
+  const std::string fate = dropped ? (one ? " and is left out: " : " and are left out: ") : ": ";
+  tell(out, Reduction::redundant_rows,
+       counted(static_cast<int>(rows.size()), "row") + (one ? " repeats" : " repeat") + " others at every position" +
+           fate + text::some(rows),
+       true);
+  tell(out, Reduction::redundant_rows,
+       "so rigid bodies leave open the reactions " + by_joint(out.undetermined_reactions), true);
+}
+
+}  // namespace
+
+Inspection inspect(Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const ReducedScene& reduced = simulation.prepared().reduced;
+  Inspection out;
+  Scene literal = scene;
+  literal.solver.reductions.fill(false);
+  out.described = size_of(reduce(literal));
+  out.reduced = simulation.size();
+  out.counted_freedoms = out.described.speeds - out.described.rows;
+  for (int i = 0; i < reduction_count; ++i) {
+    out.reductions.push_back(
+        {.name = words::reductions[i], .on = scene.solver.reductions[i], .changed = false, .notes = {}});
+  }
+  for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
+  compare_cuts(scene, out);
+  out.momentary_freedoms = out.reduced.freedoms;
+  for (const PreparedIsland& island : simulation.prepared().islands) {
+    out.momentary_freedoms += island.structure.rank - island.structure.rank_start;
+  }
+  if (out.described.rows > 0 && out.described.rows <= most_rows) {
+    const Scene space = in_space(simulation);
+    const RowInspector rows(space, out);
+  }
+  add_row_notes(scene, out);
+  if (scene.solver.reduces(Reduction::outputs)) {
+    tell(out, Reduction::outputs,
+         "accelerations, reactions, poses and energies are computed when they are read, not at every evaluation", true);
+  }
+  return out;
+}
+
+}  // namespace gelenk
