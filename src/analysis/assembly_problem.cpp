@@ -158,7 +158,7 @@ VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
     if (link.parent < 0) continue;
     const JointKind& kind =
         std::visit([](const auto& j) -> const JointKind& { return *find_joint_kind(j.kind); }, link.joint);
-    difference(kind, &q[link.iq], &tree_.q[link.iq], d.data() + link.iv);
+    difference(kind, q.data() + link.iq, tree_.q.data() + link.iq, d.data() + link.iv);
   }
   return d;
 }
@@ -170,9 +170,9 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
     const Cut& cut = mechanism_.cuts[c];
     const JointKind& kind = kind_of(cut.joint);
     double found[7];
-    std::copy_n(&cuts_.q[cut.iq], kind.nq, found);
+    std::copy_n(cuts_.q.data() + cut.iq, kind.nq, found);
     dynamics_.cut_coordinates(c, found);
-    difference(kind, found, &cuts_.q[cut.iq], d.data() + cut.iv);
+    difference(kind, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
     for (int i = 0; i < kind.nv && !kind.has_quaternion(); ++i) {
       // A cut joint's angle is known within a turn.
       if (kind.q[i].unit == "rad") d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);

@@ -30,25 +30,27 @@ class Explorer {
       : mechanism_(mechanism), dynamics_(dynamics), q_(q) {
     double size = 0;
     for (const Link& link : mechanism.links) size += link.X_PJ.p.norm();
+    for (const Cut& cut : mechanism.cuts) size += cut.X_AF.p.norm() + cut.X_BM.p.norm();
     // Slides of a mechanism smaller than a metre go as far as its size.
     step_ = size > 0 ? reach * std::min(1.0, size) : reach;
+    nothing_ = std::max(same_row * size, 1e-14);
   }
 
   // The rows at q_, rank found with no limit.
   int rank_here() {
     stand(q_, mechanism_.rows);
+    const MatrixXd J = jacobian();
+    if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing_) return 0;
     if (dynamics_.rank() == mechanism_.rows && dynamics_.pivot_ratio() > same_row) return mechanism_.rows;
-    return rank_of(jacobian().transpose());
-  }
-
-  MatrixXd jacobian() const { return ConstRows(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv); }
-
-  static int rank_of(const MatrixXd& columns) {
-    if (columns.size() == 0) return 0;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(J.transpose());
     qr.setThreshold(same_row);
     return static_cast<int>(qr.rank());
   }
+
+  // Entries of the rows up to this are rounding.
+  double nothing() const { return nothing_; }
+
+  MatrixXd jacobian() const { return ConstRows(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv); }
 
   // A random motion that the rows at the present position leave free, its largest speed 1; empty if there is none.
   VectorXd free_motion() {
@@ -119,6 +121,7 @@ class Explorer {
   Dynamics& dynamics_;
   std::vector<double> q_;
   double step_;
+  double nothing_;          // rad/rad or m/rad, as the rows
   std::mt19937 random_{1};  // NOLINT(bugprone-random-generator-seed): the same scene gives the same structure
   std::normal_distribution<double> normal_;
 };
@@ -158,16 +161,17 @@ class Standing {
 
 // Rows that are constant combinations of the others, given the rows at several positions side by side. Returns
 // the others.
-std::vector<bool> needed_rows(const MatrixXd& side_by_side) {
+std::vector<bool> needed_rows(const MatrixXd& side_by_side, double nothing) {
   const Index rows = side_by_side.rows();
   std::vector<bool> needed(rows, false);
   if (side_by_side.size() == 0) return needed;
   // First those that never do anything: cheap, and most of those there are.
-  const double largest = side_by_side.lpNorm<Eigen::Infinity>();
+  const double least = std::max(nothing, same_row * side_by_side.lpNorm<Eigen::Infinity>());
   std::vector<Index> candidates;
   for (Index r = 0; r < rows; ++r) {
-    if (side_by_side.row(r).lpNorm<Eigen::Infinity>() > same_row * largest) candidates.push_back(r);
+    if (side_by_side.row(r).lpNorm<Eigen::Infinity>() > least) candidates.push_back(r);
   }
+  if (candidates.empty()) return needed;
   const MatrixXd columns = side_by_side(candidates, Eigen::all).transpose();
   Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
   qr.setThreshold(same_row);
@@ -176,7 +180,8 @@ std::vector<bool> needed_rows(const MatrixXd& side_by_side) {
 }
 
 // Columns span the multipliers l with J^T l = 0.
-MatrixXd left_null_space(const MatrixXd& J) {
+MatrixXd left_null_space(const MatrixXd& J, double nothing) {
+  if (J.cols() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing) return MatrixXd::Identity(J.rows(), J.rows());
   Eigen::ColPivHouseholderQR<MatrixXd> qr(J);
   qr.setThreshold(same_row);
   const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(J.rows(), J.rows());
@@ -208,7 +213,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   // Factors can be called constant only where several positions were seen, or where there is but one.
   const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
   if (out.rank < mechanism.rows) {
-    out.idle = left_null_space(seen.back());
+    out.idle = left_null_space(seen.back(), explorer.nothing());
     if (seen.size() == 1) out.idle_q = q;
   }
   if (out.rank < mechanism.rows && explored) {
@@ -216,7 +221,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
     for (std::size_t i = 0; i < seen.size(); ++i) {
       side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
     }
-    needed = needed_rows(side_by_side);
+    needed = needed_rows(side_by_side, explorer.nothing());
   }
   for (const Cut& cut : mechanism.cuts) {
     std::vector<int>& kept = out.needed.emplace_back();

@@ -94,7 +94,7 @@ class DynamicsOf final : public Dynamics {
     kernels::loop_jacobian(model_, ws_);
     for (int r = 0; r < model_.rows; ++r) {
       double* y = Y_.column(r);
-      const double* row = &ws_.J[static_cast<std::size_t>(r) * model_.nv];
+      const double* row = ws_.J.data() + static_cast<std::size_t>(r) * model_.nv;
       std::copy(row, row + model_.nv, y);
       M_.solve_transposed(y);
     }
@@ -186,13 +186,15 @@ class DynamicsOf final : public Dynamics {
   }
   void cut_speeds(int cut, double* v) const override {
     double q[7] = {};
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
+                                        q);
     kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
   }
   void cut_accelerations(int cut, double* a) const override {
     double q[7] = {};
     double v[6];
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
+                                        q);
     kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
     kernels::cut_accelerations<A>(model_.cuts[cut], ws_, cut, q, v, a);
   }
@@ -205,7 +207,7 @@ class DynamicsOf final : public Dynamics {
     for (std::size_t c = 0; c < model_.cuts.size(); ++c) {
       if (loads_.cuts[c].springs.empty()) continue;
       double q[7] = {};
-      kernels::counted_cut_coordinates<A>(model_.cuts[c], ws_.X_FM[c], &cut_reference_[model_.cuts[c].iq], q);
+      kernels::counted_cut_coordinates<A>(model_.cuts[c], ws_.X_FM[c], cut_reference_.data() + model_.cuts[c].iq, q);
       sum.potential += loads_.cuts[c].energy(q);
     }
     return sum;

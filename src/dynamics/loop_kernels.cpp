@@ -90,7 +90,7 @@ void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
     const auto& cut = model.cuts[c];
     const typename A::Pose shift = shift_to_M<A>(ws.X_FM[c]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) {
-      double* row = &ws.J[static_cast<std::size_t>(r) * model.nv];
+      double* row = ws.J.data() + static_cast<std::size_t>(r) * model.nv;
       const typename A::Force F_F = shift.to_parent(ws.row[r].w);  // about F's origin
       transmit(model, ws, cut.path_a, cut.X_AF.to_parent(F_F), -1.0, row);
       transmit(model, ws, cut.path_b, cut.X_BM.to_parent(ws.X_FM[c].to_child(F_F)), 1.0, row);

@@ -18,7 +18,7 @@ class RowFactor {
   RowFactor(int speeds, int rows);
 
   // Column r of Y (whitened row r), to be filled before factorise().
-  double* column(int r) { return &Y_[static_cast<std::size_t>(r) * n_]; }
+  double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
   // At most max_rank pivots are used. The rest repeat others; off the constraints they may not look it.
   void factorise(int max_rank);

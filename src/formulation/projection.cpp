@@ -129,9 +129,9 @@ void Projection::count_turns(double t, const double* y) {
   for (std::size_t c = 0; c < mechanism_.cuts.size(); ++c) {
     const Cut& cut = mechanism_.cuts[c];
     const JointKind& kind = kind_of(cut.joint);
-    dynamics_.cut_speeds(static_cast<int>(c), &cut_v_[cut.iv]);
+    dynamics_.cut_speeds(static_cast<int>(c), cut_v_.data() + cut.iv);
     double found[7];
-    std::copy(&cut_q_[cut.iq], &cut_q_[cut.iq] + kind.nq, found);
+    std::copy_n(cut_q_.data() + cut.iq, kind.nq, found);
     dynamics_.cut_coordinates(static_cast<int>(c), found);
     for (int i = 0; i < kind.nq; ++i) {
       double& q = cut_q_[cut.iq + i];
