@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <utility>
 
 namespace gelenk {
 namespace {
@@ -77,14 +78,15 @@ class Explorer {
     stand(q_, rank);
     const VectorXd motion = free_motion();
     if (motion.size() == 0) return false;
-    for (double step = step_; step > step_ / 20; step /= 3) {
+    double step = step_;
+    for (int attempt = 0; attempt < 3; ++attempt, step /= 3) {
       // Off the loops repeated rows look independent, and at a singular start so do all: the fewest first.
       for (int limit = rank; limit <= std::min(mechanism_.rows, mechanism_.nv); ++limit) {
         std::vector<double> moved = q_;
         const VectorXd dv = step * motion;
         dynamics_.displace(moved.data(), dv.data());
         if (!close(moved, limit)) continue;
-        q_ = moved;
+        q_ = std::move(moved);
         return true;
       }
     }

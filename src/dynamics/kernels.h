@@ -35,20 +35,20 @@ struct Workspace {
   std::vector<Force> F_cut;   // drives and springs on M in M
   // by row
   std::vector<Row<A>> row;
-  std::vector<double> Phi, rate, gamma, lambda;
+  std::vector<typename A::Scalar> Phi, rate, gamma, lambda;
   std::vector<double> J;  // rows x nv
 };
 
 namespace kernels {
 
 template <class A>
-void positions(const Model<A>& model, const double* q, Workspace<A>& ws);
+void positions(const Model<A>& model, const typename A::Scalar* q, Workspace<A>& ws);
 // ws.X_0L of these links; a link's ancestors before it. After positions.
 template <class A>
 void root_poses(const Model<A>& model, const std::vector<int>& links, Workspace<A>& ws);
 template <class A>
-void velocities(const Model<A>& model, const double* q, const double* v, const typename A::Motion& root_acceleration,
-                Workspace<A>& ws);
+void velocities(const Model<A>& model, const typename A::Scalar* q, const typename A::Scalar* v,
+                const typename A::Motion& root_acceleration, Workspace<A>& ws);
 // tau = the forces that vdot = 0 would need, loads taken off: h - J_ext^T F_ext.
 template <class A>
 void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau);
@@ -62,6 +62,9 @@ template <class A>
 void loop_jacobian(const Model<A>& model, Workspace<A>& ws);
 template <class A>
 void loop_velocities(const Model<A>& model, Workspace<A>& ws);
+// Second time derivatives of the rows' errors, J vdot - gamma, for the accelerations in ws.A_full.
+template <class A>
+void loop_accelerations(const Model<A>& model, Workspace<A>& ws, typename A::Scalar* rows);
 
 }  // namespace kernels
 }  // namespace gelenk

@@ -8,22 +8,24 @@ namespace gelenk::kernels {
 
 // Overwrites ws.F_ext. After velocities.
 template <class A>
-void link_loads(const Model<A>& model, const Loads& loads, const double* u, Workspace<A>& ws);
+void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);
 
 // Adds drives and springs of cut joints as pairs of wrenches to ws.F_ext and keeps them in ws.F_cut.
 // reference: angles as last counted. After loop_velocities.
 template <class A>
-void cut_loads(const Model<A>& model, const Loads& loads, const double* u, const double* reference, Workspace<A>& ws);
+void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,
+               Workspace<A>& ws);
 
 // Coordinates of a cut joint, its angles counted on from `reference` (nearest turn).
 template <class A>
 void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
-                             double* q);
+                             typename A::Scalar* q);
 template <class A>
-void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const double* q, double* v);
+void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                typename A::Scalar* v);
 
 // Length of a point spring and its direction from `from` to `to`, in the root's axes.
 template <class A>
-Eigen::Vector3d spring_span(const PointSpring& spring, const Workspace<A>& ws);
+Vector3<typename A::Scalar> spring_span(const PointSpring& spring, const Workspace<A>& ws);
 
 }  // namespace gelenk::kernels

@@ -4,6 +4,7 @@
 
 #include "dynamics/kernels.h"
 #include "dynamics/visit.h"
+#include "math/dual.h"
 
 namespace gelenk::kernels {
 namespace {
@@ -26,7 +27,7 @@ typename A::Motion angular_part(const typename A::Motion& V) {
   if constexpr (A::planar) {
     return {V.w, 0, 0};
   } else {
-    return {V.w, Eigen::Vector3d::Zero()};
+    return {V.w, Vector3<typename A::Scalar>::Zero()};
   }
 }
 
@@ -61,12 +62,48 @@ void needed_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM
 // Likewise wdot . V_FM, added to bias.
 template <class A>
 void add_rows_bias(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
-                   double* bias) {
-  double all[6] = {};
-  double* const to = cut.all_rows ? bias : all;
+                   typename A::Scalar* bias) {
+  using T = typename A::Scalar;
+  T all[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+  T* const to = cut.all_rows ? bias : all;
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows_bias<A>(X_FM, V_FM, to); });
   if (cut.all_rows) return;
   for (int i = 0; i < cut.rows; ++i) bias[i] += all[cut.kept[i]];
+}
+
+template <class A>
+typename A::Motion in_F(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM,
+                        const typename A::Motion& on_b) {
+  return X_FM.to_parent(cut.X_BM.to_child(on_b));
+}
+
+// See loop_velocities.
+template <class A>
+typename A::Motion relative_velocity(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c) {
+  const typename A::Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
+  return shift_to_M<A>(ws.X_FM[c]).to_child(in_F<A>(cut, ws.X_FM[c], ws.V[cut.link_b]) - V_a);
+}
+
+// Likewise; A_of: accelerations by link. After ws.V_FM.
+template <class A>
+typename A::Motion relative_acceleration(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
+                                         const std::vector<typename A::Motion>& A_of) {
+  using Motion = typename A::Motion;
+  const typename A::Pose& X_FM = ws.X_FM[c];
+  const Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
+  const Motion V = in_F<A>(cut, X_FM, ws.V[cut.link_b]) - V_a;
+  const Motion rate = in_F<A>(cut, X_FM, A_of[cut.link_b]) - cut.X_AF.to_child(A_of[cut.link_a]) - A::cross(V_a, V);
+  const Motion turning = angular_part<A>(ws.V_FM[c]);
+  return shift_to_M<A>(X_FM).to_child(rate) + A::cross(turning, ws.V_FM[c] - turning);
+}
+
+// The second time derivatives of the rows' errors, from ws.A_cut.
+template <class A>
+void row_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
+                       typename A::Scalar* rows) {
+  if (cut.rows == 0) return;
+  for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) rows[r] = A::dot(ws.A_cut[c], ws.row[r].w);
+  add_rows_bias<A>(cut, ws.X_FM[c], ws.V_FM[c], &rows[cut.first_row]);
 }
 
 }  // namespace
@@ -103,34 +140,38 @@ void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
 // (wdot, pddot = vdot + wdot x p + w x pdot). Gravity, the same for both, cancels.
 template <class A>
 void loop_velocities(const Model<A>& model, Workspace<A>& ws) {
-  using Motion = typename A::Motion;
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
-    const auto in_F = [&](const Motion& on_b) { return ws.X_FM[c].to_parent(cut.X_BM.to_child(on_b)); };
-    const Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
-    const Motion V = in_F(ws.V[cut.link_b]) - V_a;
-    const Motion A_rel = in_F(ws.A_bias[cut.link_b]) - cut.X_AF.to_child(ws.A_bias[cut.link_a]) - A::cross(V_a, V);
-    const typename A::Pose shift = shift_to_M<A>(ws.X_FM[c]);
-    const Motion V_M = shift.to_child(V);
-    const Motion turning = angular_part<A>(V_M);
+    const typename A::Motion V_M = relative_velocity(cut, ws, c);
     ws.V_FM[c] = V_M;
-    ws.A_cut[c] = shift.to_child(A_rel) + A::cross(turning, V_M - turning);
+    ws.A_cut[c] = relative_acceleration(cut, ws, c, ws.A_bias);
+    row_accelerations(cut, ws, c, ws.gamma.data());
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) {
       ws.rate[r] = A::dot(V_M, ws.row[r].w);
-      ws.gamma[r] = A::dot(ws.A_cut[c], ws.row[r].w);
+      ws.gamma[r] = -ws.gamma[r];
     }
-    if (cut.rows == 0) continue;
-    add_rows_bias<A>(cut, ws.X_FM[c], V_M, &ws.gamma[cut.first_row]);
-    for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.gamma[r] = -ws.gamma[r];
   }
 }
 
-#define GELENK_INSTANTIATE(A)                                   \
-  template void loop_positions(const Model<A>&, Workspace<A>&); \
-  template void loop_jacobian(const Model<A>&, Workspace<A>&);  \
-  template void loop_velocities(const Model<A>&, Workspace<A>&);
+template <class A>
+void loop_accelerations(const Model<A>& model, Workspace<A>& ws, typename A::Scalar* rows) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    ws.A_cut[c] = relative_acceleration(cut, ws, c, ws.A_full);
+    row_accelerations(cut, ws, c, rows);
+  }
+}
+
+#define GELENK_INSTANTIATE(A)                                    \
+  template void loop_positions(const Model<A>&, Workspace<A>&);  \
+  template void loop_velocities(const Model<A>&, Workspace<A>&); \
+  template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
+GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
+GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
 #undef GELENK_INSTANTIATE
+template void loop_jacobian(const Model<Planar>&, Workspace<Planar>&);
+template void loop_jacobian(const Model<Spatial>&, Workspace<Spatial>&);
 
 }  // namespace gelenk::kernels

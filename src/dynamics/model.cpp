@@ -2,6 +2,7 @@
 #include "dynamics/model.h"
 
 #include "dynamics/kernels.h"
+#include "math/dual.h"
 
 namespace gelenk {
 
@@ -45,7 +46,11 @@ Workspace<A>::Workspace(const Model<A>& model)
 
 template struct Model<Planar>;
 template struct Model<Spatial>;
+template struct Model<PlanarAlgebra<Dual>>;
+template struct Model<SpatialAlgebra<Dual>>;
 template struct Workspace<Planar>;
 template struct Workspace<Spatial>;
+template struct Workspace<PlanarAlgebra<Dual>>;
+template struct Workspace<SpatialAlgebra<Dual>>;
 
 }  // namespace gelenk

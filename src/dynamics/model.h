@@ -45,11 +45,12 @@ struct JointLoads {
   std::vector<JointSpring> springs;
 
   bool empty() const { return actuations.empty() && springs.empty(); }
-  void add(const double* q, const double* v, const double* u, double* tau) const {
-    for (const Actuation& drive : actuations) tau[drive.v] += drive.gain * u[drive.input];
+  template <class T>
+  void add(const T* q, const T* v, const T* u, T* tau) const {
+    for (const Actuation& drive : actuations) tau[drive.v] += T(drive.gain) * u[drive.input];
     for (const JointSpring& s : springs) {
-      tau[s.v] -= s.damping * v[s.v];
-      if (s.stiffness != 0) tau[s.v] -= s.stiffness * (q[s.q] - s.reference);
+      tau[s.v] -= T(s.damping) * v[s.v];
+      if (s.stiffness != 0) tau[s.v] -= T(s.stiffness) * (q[s.q] - T(s.reference));
     }
   }
   // J, stored in the springs.
@@ -83,19 +84,21 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
 typename A::Pose pose_in(const Pose3& X) {
+  using T = typename A::Scalar;
   if constexpr (A::planar) {
-    return {X.R(0, 0), X.R(1, 0), X.p.x(), X.p.y()};
+    return {T(X.R(0, 0)), T(X.R(1, 0)), T(X.p.x()), T(X.p.y())};
   } else {
-    return X;
+    return {X.R.cast<T>(), X.p.cast<T>()};
   }
 }
 
 template <class A>
 typename A::Inertia inertia_in(const Spatial::Inertia& G) {
+  using T = typename A::Scalar;
   if constexpr (A::planar) {
-    return {G.m, G.h.x(), G.h.y(), G.I(2, 2)};
+    return {T(G.m), T(G.h.x()), T(G.h.y()), T(G.I(2, 2))};
   } else {
-    return G;
+    return {T(G.m), G.h.cast<T>(), G.I.cast<T>()};
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "dynamics/load_kernels.h"
 #include "dynamics/visit.h"
+#include "math/dual.h"
 
 namespace gelenk::kernels {
 namespace {
@@ -33,7 +34,7 @@ void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
 }  // namespace
 
 template <class A>
-void accelerations(const Model<A>& model, const double* vdot, Workspace<A>& ws) {
+void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws) {
   const int n = static_cast<int>(model.links.size());
   // A_bias holds the velocity products of all joints inwards; only what vdot adds runs down the tree.
   std::vector<typename A::Motion>& added = ws.A_full;
@@ -104,7 +105,6 @@ Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws)
 }
 
 #define GELENK_INSTANTIATE(A)                                                                                      \
-  template void accelerations(const Model<A>&, const double*, Workspace<A>&);                                      \
   template void constraint_wrenches(const Model<A>&, Workspace<A>&);                                               \
   template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                       \
   template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const double*, const double*, \
@@ -113,5 +113,9 @@ Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws)
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
 #undef GELENK_INSTANTIATE
+template void accelerations(const Model<Planar>&, const double*, Workspace<Planar>&);
+template void accelerations(const Model<Spatial>&, const double*, Workspace<Spatial>&);
+template void accelerations(const Model<PlanarAlgebra<Dual>>&, const Dual*, Workspace<PlanarAlgebra<Dual>>&);
+template void accelerations(const Model<SpatialAlgebra<Dual>>&, const Dual*, Workspace<SpatialAlgebra<Dual>>&);
 
 }  // namespace gelenk::kernels

@@ -10,7 +10,7 @@ namespace gelenk::kernels {
 
 // ws.A_full of every link, and ws.F: the wrench of each tree joint on its outer link, in it.
 template <class A>
-void accelerations(const Model<A>& model, const double* vdot, Workspace<A>& ws);
+void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws);
 
 // ws.F and cut_reaction() of ws.lambda alone, nothing moving and no loads.
 template <class A>

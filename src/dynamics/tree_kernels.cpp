@@ -4,21 +4,23 @@
 
 #include "dynamics/kernels.h"
 #include "dynamics/visit.h"
+#include "math/dual.h"
 
 namespace gelenk::kernels {
 
 template <class A>
-void positions(const Model<A>& model, const double* q, Workspace<A>& ws) {
+void positions(const Model<A>& model, const typename A::Scalar* q, Workspace<A>& ws) {
+  using T = typename A::Scalar;
   const int n = static_cast<int>(model.links.size());
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
-    const double* q_i = q + link.iq;
+    const T* q_i = q + link.iq;
     visit_joint<A>(link.joint, [&](const auto& joint) {
       constexpr int nv = std::decay_t<decltype(joint)>::nv;
       ws.X_PL[i] = link.X_PJ * joint.template X_FM<A>(q_i);
       for (int k = 0; k < nv; ++k) {
-        double unit[nv > 0 ? nv : 1] = {};
-        unit[k] = 1;
+        T unit[nv > 0 ? nv : 1] = {};
+        unit[k] = T(1);
         ws.S[link.iv + k] = joint.template V_FM<A>(q_i, unit);
       }
     });
@@ -31,8 +33,8 @@ void root_poses(const Model<A>& model, const std::vector<int>& links, Workspace<
 }
 
 template <class A>
-void velocities(const Model<A>& model, const double* q, const double* v, const typename A::Motion& root_acceleration,
-                Workspace<A>& ws) {
+void velocities(const Model<A>& model, const typename A::Scalar* q, const typename A::Scalar* v,
+                const typename A::Motion& root_acceleration, Workspace<A>& ws) {
   using Motion = typename A::Motion;
   ws.A_bias[0] = root_acceleration;
   const int n = static_cast<int>(model.links.size());
@@ -81,14 +83,18 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
   }
 }
 
-#define GELENK_INSTANTIATE(A)                                                                               \
-  template void positions(const Model<A>&, const double*, Workspace<A>&);                                   \
-  template void root_poses(const Model<A>&, const std::vector<int>&, Workspace<A>&);                        \
-  template void velocities(const Model<A>&, const double*, const double*, const A::Motion&, Workspace<A>&); \
-  template void inverse_dynamics_bias(const Model<A>&, Workspace<A>&, double*);                             \
-  template void mass_matrix(const Model<A>&, Workspace<A>&, SparseFactor&);
+#define GELENK_INSTANTIATE(A)                                                        \
+  template void positions(const Model<A>&, const A::Scalar*, Workspace<A>&);         \
+  template void root_poses(const Model<A>&, const std::vector<int>&, Workspace<A>&); \
+  template void velocities(const Model<A>&, const A::Scalar*, const A::Scalar*, const A::Motion&, Workspace<A>&);
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
+GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
+GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
 #undef GELENK_INSTANTIATE
+template void inverse_dynamics_bias(const Model<Planar>&, Workspace<Planar>&, double*);
+template void inverse_dynamics_bias(const Model<Spatial>&, Workspace<Spatial>&, double*);
+template void mass_matrix(const Model<Planar>&, Workspace<Planar>&, SparseFactor&);
+template void mass_matrix(const Model<Spatial>&, Workspace<Spatial>&, SparseFactor&);
 
 }  // namespace gelenk::kernels

@@ -12,13 +12,4 @@ Eigen::Matrix3d rotation_taking_z_to(const Eigen::Vector3d& n) {
   return Eigen::Matrix3d::Identity() + K + K * K / (1.0 + n.z());
 }
 
-Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
-  Eigen::Quaterniond Q(R);
-  if (Q.w() < 0) Q.coeffs() = -Q.coeffs();
-  const double s = Q.vec().norm();
-  // Series below: sin(x)/x is 1 to rounding, and 0/0 is kept out.
-  if (s < 1e-9) return 2.0 * Q.vec();
-  return 2.0 * std::atan2(s, Q.w()) / s * Q.vec();
-}
-
 }  // namespace gelenk

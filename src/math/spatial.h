@@ -138,6 +138,16 @@ using Pose3 = Spatial::Pose;
 Eigen::Matrix3d rotation_taking_z_to(const Eigen::Vector3d& n);
 
 // Rotation vector (axis times angle in [0, pi]) of R.
-Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R);
+template <class T>
+Vector3<T> rotation_vector(const Matrix3<T>& R) {
+  using std::atan2;
+  Eigen::Quaternion<T> Q(R);
+  if (Q.w() < T(0)) Q.coeffs() = -Q.coeffs();
+  const Vector3<T> vec = Q.vec();
+  const T s = vec.norm();
+  // Series below: sin(x)/x is 1 to rounding, and 0/0 is kept out.
+  if (s < T(1e-9)) return T(2) * vec;
+  return (T(2) * atan2(s, Q.w()) / s) * vec;
+}
 
 }  // namespace gelenk

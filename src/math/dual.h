@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Numbers that carry their derivatives along some directions (forward-mode automatic differentiation; Griewank &
+// Walther 2008, ch. 3). Plain values, no expression templates: what reads as a number in code for double is one here,
+// also where it is returned, compared or passed on.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace gelenk {
+
+// Directions carried at a time: what a few vector registers hold.
+inline constexpr int dual_directions = 8;
+
+class Dual {
+ public:
+  using Directions = Eigen::Array<double, dual_directions, 1>;
+
+  Dual() = default;
+  Dual(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants are numbers too
+  Dual(double value, const Directions& slope) : value_(value), slope_(slope) {}
+
+  double value() const { return value_; }
+  const Directions& slope() const { return slope_; }
+  Directions& slope() { return slope_; }
+
+  Dual& operator+=(const Dual& b) {
+    value_ += b.value_;
+    slope_ += b.slope_;
+    return *this;
+  }
+  Dual& operator-=(const Dual& b) {
+    value_ -= b.value_;
+    slope_ -= b.slope_;
+    return *this;
+  }
+  Dual& operator*=(const Dual& b) { return *this = *this * b; }
+  Dual& operator/=(const Dual& b) { return *this = *this / b; }
+
+  friend Dual operator+(Dual a, const Dual& b) { return a += b; }
+  friend Dual operator-(Dual a, const Dual& b) { return a -= b; }
+  friend Dual operator-(const Dual& a) { return {-a.value_, -a.slope_}; }
+  friend Dual operator*(const Dual& a, const Dual& b) {
+    return {a.value_ * b.value_, a.value_ * b.slope_ + b.value_ * a.slope_};
+  }
+  friend Dual operator/(const Dual& a, const Dual& b) {
+    const double quotient = a.value_ / b.value_;
+    return {quotient, (a.slope_ - quotient * b.slope_) / b.value_};
+  }
+
+  // By value.
+  friend bool operator==(const Dual& a, const Dual& b) { return a.value_ == b.value_; }
+  friend auto operator<=>(const Dual& a, const Dual& b) { return a.value_ <=> b.value_; }
+
+  friend Dual sin(const Dual& a) { return {std::sin(a.value_), std::cos(a.value_) * a.slope_}; }
+  friend Dual cos(const Dual& a) { return {std::cos(a.value_), -std::sin(a.value_) * a.slope_}; }
+  // Of 0: slope 0, not infinite: callers treat a vanishing length apart.
+  friend Dual sqrt(const Dual& a) {
+    const double root = std::sqrt(a.value_);
+    return {root, root > 0 ? Directions(a.slope_ / (2 * root)) : Directions(Directions::Zero())};
+  }
+  friend Dual abs(const Dual& a) { return a.value_ < 0 ? -a : a; }
+  friend Dual abs2(const Dual& a) { return a * a; }
+  friend Dual atan2(const Dual& y, const Dual& x) {
+    const double r2 = x.value_ * x.value_ + y.value_ * y.value_;
+    return {std::atan2(y.value_, x.value_), (x.value_ * y.slope_ - y.value_ * x.slope_) / r2};
+  }
+
+ private:
+  double value_ = 0;
+  Directions slope_ = Directions::Zero();
+};
+
+inline double value_of(double x) { return x; }
+inline double value_of(const Dual& x) { return x.value(); }
+
+}  // namespace gelenk
+
+template <>
+struct Eigen::NumTraits<gelenk::Dual> : Eigen::NumTraits<double> {
+  using Real = gelenk::Dual;
+  using NonInteger = gelenk::Dual;
+  using Nested = gelenk::Dual;
+  using Literal = double;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 1 + gelenk::dual_directions,
+    AddCost = 1 + gelenk::dual_directions,
+    MulCost = 2 + 2 * gelenk::dual_directions
+  };
+};
