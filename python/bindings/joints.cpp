@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "algebras.h"
 #include "bindings.h"
 #include "joint/registry.h"
 
@@ -20,44 +21,6 @@ namespace nb = nanobind;
 
 namespace gelenk {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Vector = Eigen::VectorXd;
-
-Eigen::Matrix4d shown(const Spatial::Pose& X) {
-  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
-  out.topLeftCorner<3, 3>() = X.R;
-  out.topRightCorner<3, 1>() = X.p;
-  return out;
-}
-Eigen::Matrix4d shown(const Planar::Pose& X) {
-  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
-  out.topLeftCorner<2, 2>() << X.c, -X.s, X.s, X.c;
-  out.topRightCorner<4, 1>().head<2>() << X.px, X.py;
-  return out;
-}
-Vector6 shown(const Spatial::Motion& V) { return (Vector6() << V.w, V.v).finished(); }
-Vector6 shown(const Planar::Motion& V) { return (Vector6() << 0, 0, V.w, V.x, V.y, 0).finished(); }
-Vector6 shown(const Spatial::Force& F) { return (Vector6() << F.n, F.f).finished(); }
-Vector6 shown(const Planar::Force& F) { return (Vector6() << 0, 0, F.n, F.x, F.y, 0).finished(); }
-
-template <class A>
-typename A::Pose pose(const Eigen::Matrix4d& X) {
-  if constexpr (A::planar) {
-    return {X(0, 0), X(1, 0), X(0, 3), X(1, 3)};
-  } else {
-    return {X.topLeftCorner<3, 3>(), X.topRightCorner<3, 1>()};
-  }
-}
-// A Motion or a Force of the algebra from its 6-vector.
-template <class A, class Out>
-Out pair_of(const Vector6& V) {
-  if constexpr (A::planar) {
-    return {V[2], V[3], V[4]};
-  } else {
-    return {V.head<3>(), V.tail<3>()};
-  }
-}
 
 // One joint in one algebra.
 class JointInAlgebra {
@@ -237,6 +200,7 @@ void bind_joints(nb::module_& module) {
       .def("rows_bias", &JointInAlgebra::rows_bias, nb::arg("X_FM"), nb::arg("V"))
       .def("canonical", &JointInAlgebra::canonical)
       .def("flip", &JointInAlgebra::flip);
+  bind_rods(m);
 }
 
 }  // namespace gelenk

@@ -20,10 +20,10 @@ std::vector<int> not_fixed(const std::vector<bool>& fixed) {
 
 // Difference of two coordinates of one joint as a displacement along its speeds, in user's or our signs alike:
 // plain coordinates subtract; a quaternion gives the rotation vector, in M, from q0 to q.
-void difference(const JointKind& kind, const double* q, const double* q0, double* out) {
-  const int plain = kind.has_quaternion() ? kind.nq - 4 : kind.nq;
+void difference(int nq, int nv, const double* q, const double* q0, double* out) {
+  const int plain = nq > nv ? nq - 4 : nq;
   for (int i = 0; i < plain; ++i) out[i] = q[i] - q0[i];
-  if (!kind.has_quaternion()) return;
+  if (nq == nv) return;
   const Eigen::Quaterniond Q(q[plain + 3], q[plain], q[plain + 1], q[plain + 2]);
   const Eigen::Quaterniond Q0(q0[plain + 3], q0[plain], q0[plain + 1], q0[plain + 2]);
   const Eigen::Vector3d turn = rotation_vector((Q0.inverse() * Q).toRotationMatrix());
@@ -156,26 +156,24 @@ VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
   VectorXd d(mechanism_.nv);
   for (const Link& link : mechanism_.links) {
     if (link.parent < 0) continue;
-    const JointKind& kind =
-        std::visit([](const auto& j) -> const JointKind& { return *find_joint_kind(j.kind); }, link.joint);
-    difference(kind, q.data() + link.iq, tree_.q.data() + link.iq, d.data() + link.iv);
+    difference(link.nq, link.nv, q.data() + link.iq, tree_.q.data() + link.iq, d.data() + link.iv);
   }
   return d;
 }
 
 VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
-  VectorXd d(mechanism_.cut_nv);
+  VectorXd d = VectorXd::Zero(mechanism_.cut_nv);
   for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
     const Cut& cut = mechanism_.cuts[c];
-    const JointKind& kind = kind_of(cut.joint);
-    double found[7];
-    std::copy_n(cuts_.q.data() + cut.iq, kind.nq, found);
+    if (cut.is_rod()) continue;  // no wishes there
+    double found[max_cut_nq];
+    std::copy_n(cuts_.q.data() + cut.iq, cut.nq, found);
     dynamics_.cut_coordinates(c, found);
-    difference(kind, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
-    for (int i = 0; i < kind.nv && !kind.has_quaternion(); ++i) {
+    difference(cut.nq, cut.nv, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
+    for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) {
       // A cut joint's angle is known within a turn.
-      if (kind.q[i].unit == "rad") d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);
+      if (cut.turns[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);
     }
   }
   return d;

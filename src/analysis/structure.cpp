@@ -133,7 +133,7 @@ class Standing {
  public:
   Standing(const Mechanism& mechanism, Structure& out) : mechanism_(mechanism), out_(out) {
     for (const Link& link : mechanism.links) out.standing_links.push_back(link.nv > 0);
-    for (const Cut& cut : mechanism.cuts) out.standing_cuts.push_back(kind_of(cut.joint).nv > 0);
+    for (const Cut& cut : mechanism.cuts) out.standing_cuts.push_back(cut.nv > 0);
   }
 
   bool any() const { return std::ranges::find(out_.standing_links, true) != out_.standing_links.end(); }
@@ -150,7 +150,7 @@ class Standing {
     dynamics.set_velocity(motion.data());
     double v[6];
     for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-      const int nv = kind_of(mechanism_.cuts[c].joint).nv;
+      const int nv = mechanism_.cuts[c].nv;
       dynamics.cut_speeds(c, v);
       if (std::any_of(v, v + nv, [](double x) { return std::abs(x) > no_motion; })) out_.standing_cuts[c] = false;
     }

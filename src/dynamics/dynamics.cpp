@@ -185,13 +185,13 @@ class DynamicsOf final : public Dynamics {
     visit_joint<A>(model_.cuts[cut].joint, [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
   }
   void cut_speeds(int cut, double* v) const override {
-    double q[7] = {};
+    double q[max_cut_nq] = {};
     kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
                                         q);
     kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
   }
   void cut_accelerations(int cut, double* a) const override {
-    double q[7] = {};
+    double q[max_cut_nq] = {};
     double v[6];
     kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
                                         q);
@@ -206,7 +206,7 @@ class DynamicsOf final : public Dynamics {
     sum.potential += loads_.tree.energy(q_.data());
     for (std::size_t c = 0; c < model_.cuts.size(); ++c) {
       if (loads_.cuts[c].springs.empty()) continue;
-      double q[7] = {};
+      double q[max_cut_nq] = {};
       kernels::counted_cut_coordinates<A>(model_.cuts[c], ws_.X_FM[c], cut_reference_.data() + model_.cuts[c].iq, q);
       sum.potential += loads_.cuts[c].energy(q);
     }
@@ -215,6 +215,17 @@ class DynamicsOf final : public Dynamics {
 
   Pose3 link_pose(int link) const override { return kernels::pose3(ws_.X_0L[link], height(link)); }
   Spatial::Motion link_velocity(int link) const override { return kernels::motion3(ws_.V[link]); }
+  Pose3 rod_pose(int cut) const override {
+    const auto& c = model_.cuts[cut];
+    const RodState state = rod_state(cut);
+    const double z = mechanism_.planar ? mechanism_.cuts[cut].X_AF.p.z() : 0;
+    return kernels::pose3(ws_.X_0L[c.link_a] * c.X_AF * state.X_FR, height(c.link_a) + z);
+  }
+  Spatial::Motion rod_velocity(int cut) const override {
+    const auto& c = model_.cuts[cut];
+    const RodState state = rod_state(cut);
+    return kernels::motion3(state.X_FR.to_child(c.X_AF.to_child(ws_.V[c.link_a])) + state.V_FR);
+  }
   Spatial::Force tree_reaction(int link) const override { return kernels::force3(ws_.F[link]); }
   Spatial::Force cut_reaction(int cut) const override {
     return kernels::force3(kernels::cut_reaction(model_, ws_, cut));
@@ -227,6 +238,19 @@ class DynamicsOf final : public Dynamics {
   long evaluations() const override { return evaluations_; }
 
  private:
+  struct RodState {
+    typename A::Pose X_FR;
+    typename A::Motion V_FR;
+  };
+  RodState rod_state(int cut) const {
+    double q[max_cut_nq] = {};
+    double v[max_cut_nv] = {};
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
+    const Rod& rod = std::get<Rod>(model_.cuts[cut].joint);
+    return {rod.rod_pose<A>(q), rod.rod_velocity<A>(q, v)};
+  }
+
   double height(int link) const { return mechanism_.planar ? mechanism_.heights[link] : 0; }
 
   [[noreturn]] void throw_singular(int k) const {

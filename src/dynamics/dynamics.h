@@ -75,6 +75,9 @@ class Dynamics {
   // Pose of a link in the root frame (the ground link's; after set_root_poses), velocity in the link's frame.
   virtual Pose3 link_pose(int link) const = 0;
   virtual Spatial::Motion link_velocity(int link) const = 0;
+  // The same for the frame of a rod that has become a cut.
+  virtual Pose3 rod_pose(int cut) const = 0;
+  virtual Spatial::Motion rod_velocity(int cut) const = 0;
   // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, at that half's frame, in it;
   // drives and springs along the joint included. After set_acceleration; spatial algebra only.
   virtual Spatial::Force tree_reaction(int link) const = 0;

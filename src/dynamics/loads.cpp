@@ -51,7 +51,7 @@ struct LoadMaker {
   void joint(int j) {
     const Joint& joint = scene.joints[j];
     const JointPlace& place = reduced.joints[j];
-    if (place.role == JointPlace::Role::merged) return;
+    if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return;
     Loads& loads = out[place.island];
     const bool cut = place.role == JointPlace::Role::cut;
     const int iq = cut ? 0 : place.iq;

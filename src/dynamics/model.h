@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "math/pose_in.h"
 #include "mechanism/mechanism.h"
 
 namespace gelenk {
@@ -83,16 +84,6 @@ std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
 double standing_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
-typename A::Pose pose_in(const Pose3& X) {
-  using T = typename A::Scalar;
-  if constexpr (A::planar) {
-    return {T(X.R(0, 0)), T(X.R(1, 0)), T(X.p.x()), T(X.p.y())};
-  } else {
-    return {X.R.cast<T>(), X.p.cast<T>()};
-  }
-}
-
-template <class A>
 typename A::Inertia inertia_in(const Spatial::Inertia& G) {
   using T = typename A::Scalar;
   if constexpr (A::planar) {
@@ -113,12 +104,13 @@ struct Model {
     typename A::Inertia G;
   };
   struct Cut {
-    AnyJoint joint;
+    CutJoint joint;
     int link_a, link_b;
     int first_row, rows;
     bool all_rows;
     std::vector<int> kept;
     int iq, iv, nq, nv;
+    std::vector<bool> turns;
     typename A::Pose X_AF, X_BM;
     std::vector<int> path_a, path_b;
   };

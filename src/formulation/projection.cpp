@@ -20,6 +20,14 @@ double largest(const std::vector<double>& x) {
   return max;
 }
 
+// Of an angle over a step, to tell the turn. A rod that passes the axis on its neighbour closely spins fast for a
+// moment; the slower of the two ends then tells its turn, which is less than a half.
+double mean_speed(const Cut& cut, double before, double after) {
+  if (!cut.is_rod()) return (before + after) / 2;
+  if (before * after <= 0) return 0;
+  return std::abs(before) < std::abs(after) ? before : after;
+}
+
 double size_of(const Mechanism& mechanism) {
   double length = 1;
   for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
@@ -128,15 +136,14 @@ void Projection::count_turns(double t, const double* y) {
   const double h = t - last_time_;
   for (std::size_t c = 0; c < mechanism_.cuts.size(); ++c) {
     const Cut& cut = mechanism_.cuts[c];
-    const JointKind& kind = kind_of(cut.joint);
     dynamics_.cut_speeds(static_cast<int>(c), cut_v_.data() + cut.iv);
-    double found[7];
-    std::copy_n(cut_q_.data() + cut.iq, kind.nq, found);
+    double found[max_cut_nq];
+    std::copy_n(cut_q_.data() + cut.iq, cut.nq, found);
     dynamics_.cut_coordinates(static_cast<int>(c), found);
-    for (int i = 0; i < kind.nq; ++i) {
+    for (int i = 0; i < cut.nq; ++i) {
       double& q = cut_q_[cut.iq + i];
-      if (kind.q[i].unit == "rad") {
-        const double expected = q + h / 2 * (cut_v_last_[cut.iv + i] + cut_v_[cut.iv + i]);
+      if (cut.turns[i]) {
+        const double expected = q + h * mean_speed(cut, cut_v_last_[cut.iv + i], cut_v_[cut.iv + i]);
         found[i] += 2 * M_PI * std::round((expected - found[i]) / (2 * M_PI));
       }
       q = found[i];

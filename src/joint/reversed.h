@@ -29,6 +29,10 @@ struct Reversed : J {
   void speeds(const T* q, const typename A::Motion& V, T* v) const {
     J::template speeds<A>(q, T(-1) * J::template X_FM<A>(q).to_child(V), v);
   }
+  template <class A>
+  void coordinates(const typename A::Pose& X_MF, typename A::Scalar* q) const {
+    J::template coordinates<A>(X_MF.inverse(), q);
+  }
 };
 
 }  // namespace gelenk

@@ -27,10 +27,20 @@ struct Edge {
   bool against = false;  // planar: the user's axis points against the plane's normal
 };
 
-// Group 0 is the ground, its frame the world.
+// A group without mass and the two joints that hold it, as one joint that closes a loop.
+struct RodEdge {
+  Rod joint;
+  int group = 0;  // the rod's
+  Edge first, second;
+  int group_a = 0, group_b = 0;  // the neighbours at these
+  Pose3 X_AF{}, X_BM{};
+};
+
+// Group 0 is the ground, its frame the world. Groups that have become rods have no edges.
 struct Graph {
   std::vector<Group> groups;
   std::vector<Edge> edges;
+  std::vector<RodEdge> rods;
 
   // By group: its edges, ascending.
   std::vector<std::vector<int>> edges_of_groups() const;
@@ -65,6 +75,10 @@ Plane find_plane(const Scene& scene, const Graph& graph);
 
 // Turns all joint frames so that their z axes lie along the normals.
 void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
+
+// Makes rods of groups without mass that only keep two points at a distance, where nothing acts on them and the rest
+// stays connected (massless.cpp). planar: the graph is aligned to a plane.
+void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Note>& notes);
 
 // Edges of the spanning tree in the order in which they reach new groups, from the ground (tree.cpp).
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph);

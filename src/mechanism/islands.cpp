@@ -1,33 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of a scene that nothing couples can be solved apart, each with its own steps.
-#include <numeric>
-
 #include "mechanism/graph.h"
+#include "mechanism/sets.h"
 
 namespace gelenk {
 namespace {
 
-// Disjoint sets of groups (Tarjan 1975).
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  int find(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The ground couples nothing.
-  void join(int i, int k) {
-    if (i != 0 && k != 0) parent_[find(i)] = find(k);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 Sets coupled(const Scene& scene, const Graph& graph) {
   Sets sets(graph.groups.size());
-  for (const Edge& edge : graph.edges) sets.join(edge.group_a, edge.group_b);
+  const auto couple = [&](int a, int b) {
+    if (a != 0 && b != 0) sets.join(a, b);  // the ground couples nothing
+  };
+  for (const Edge& edge : graph.edges) couple(edge.group_a, edge.group_b);
   const BodyNumbers number(scene);
   std::vector<int> group_of(scene.bodies.size() + 1, 0);
   for (int g = 0; g < static_cast<int>(graph.groups.size()); ++g) {
@@ -35,7 +19,7 @@ Sets coupled(const Scene& scene, const Graph& graph) {
   }
   for (const Force& force : scene.forces) {
     if (force.type != ForceType::spring_damper) continue;
-    sets.join(group_of[number(force.from.body) + 1], group_of[number(force.to.body) + 1]);
+    couple(group_of[number(force.from.body) + 1], group_of[number(force.to.body) + 1]);
   }
   return sets;
 }

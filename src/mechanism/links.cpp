@@ -27,10 +27,12 @@ struct Maker {
     std::vector<bool> in_tree(graph.edges.size(), false);
     for (const int e : tree) in_tree[e] = true;
     for (int e = 0; e < static_cast<int>(graph.edges.size()); ++e) {
-      if (!in_tree[e]) add_cut(e);
+      if (!in_tree[e]) add_joint_cut(graph.edges[e]);
       out.joints.push_back(graph.edges[e].scene_joint);
     }
     place_bodies();
+    for (const RodEdge& rod : graph.rods) add_rod(rod);
+    std::ranges::sort(out.joints);
   }
 
   void add_ground() {
@@ -107,28 +109,57 @@ struct Maker {
     out.links.push_back(link);
   }
 
-  void add_cut(int e) {
-    const Edge& edge = graph.edges[e];
-    const JointKind& kind = kind_of(edge.joint);
+  void add_joint_cut(const Edge& edge) {
     Cut cut;
-    cut.scene_joint = edge.scene_joint;
-    cut.joint = edge.joint;
-    cut.link_a = link_of[edge.group_a];
-    cut.link_b = link_of[edge.group_b];
-    cut.X_AF = X_LG[edge.group_a] * edge.X_AF;
-    cut.X_BM = X_LG[edge.group_b] * edge.X_BM;
-    cut.joint_rows = cut.rows = (out.planar ? 3 : 6) - kind.nv;
+    cut.joint = cut_joint(edge.joint);
+    cut.joint_rows = (out.planar ? 3 : 6) - kind_of(edge.joint).nv;
+    add_ends(edge.group_a, edge.X_AF, edge.group_b, edge.X_BM, cut);
+    add_coordinates(edge, JointPlace::Role::cut, cut);
+    out.cuts.push_back(cut);
+  }
+
+  void add_rod(const RodEdge& rod) {
+    Cut cut;
+    cut.joint = rod.joint;
+    cut.joint_rows = 1;
+    add_ends(rod.group_a, rod.X_AF, rod.group_b, rod.X_BM, cut);
+    add_coordinates(rod.first, JointPlace::Role::rod, cut);
+    add_coordinates(rod.second, JointPlace::Role::rod, cut);
+    // The rod's frame is the first joint's there.
+    const Pose3 X_RG = (rod.first.group_a == rod.group ? rod.first.X_AF : rod.first.X_BM).inverse();
+    const Group& group = graph.groups[rod.group];
+    for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+      places.bodies[group.bodies[i]] = {island, 0, X_RG * group.X_GB[i], static_cast<int>(out.cuts.size())};
+    }
+    out.joints.push_back(rod.first.scene_joint);
+    out.joints.push_back(rod.second.scene_joint);
+    out.cuts.push_back(cut);
+  }
+
+  void add_ends(int group_a, const Pose3& X_AF, int group_b, const Pose3& X_BM, Cut& cut) {
+    cut.link_a = link_of[group_a];
+    cut.link_b = link_of[group_b];
+    cut.X_AF = X_LG[group_a] * X_AF;
+    cut.X_BM = X_LG[group_b] * X_BM;
+    cut.rows = cut.joint_rows;
     cut.kept.resize(cut.rows);
     std::iota(cut.kept.begin(), cut.kept.end(), 0);
     cut.first_row = out.rows;
     cut.iq = out.cut_nq;
     cut.iv = out.cut_nv;
     out.rows += cut.rows;
+    find_paths(cut);
+  }
+
+  void add_coordinates(const Edge& edge, JointPlace::Role role, Cut& cut) {
+    const JointKind& kind = kind_of(edge.joint);
+    cut.scene_joints.push_back(edge.scene_joint);
+    place_joint(edge, role, static_cast<int>(out.cuts.size()), out.cut_nq, out.cut_nv, false);
+    for (const Quantity& q : kind.q) cut.turns.push_back(q.unit == "rad");
+    cut.nq += kind.nq;
+    cut.nv += kind.nv;
     out.cut_nq += kind.nq;
     out.cut_nv += kind.nv;
-    find_paths(cut);
-    place_joint(edge, JointPlace::Role::cut, static_cast<int>(out.cuts.size()), cut.iq, cut.iv, false);
-    out.cuts.push_back(cut);
   }
 
   // Links are numbered depth first, so the larger of two numbers is never the other's ancestor.
@@ -169,6 +200,7 @@ struct Maker {
 
   void place_bodies() {
     for (std::size_t g = 0; g < graph.groups.size(); ++g) {
+      if (link_of[g] < 0) continue;  // a rod
       const Group& group = graph.groups[g];
       for (std::size_t i = 0; i < group.bodies.size(); ++i) {
         places.bodies[group.bodies[i]] = {island, link_of[g], X_LG[g] * group.X_GB[i]};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "joint/registry.h"
+#include "joint/rod.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -24,17 +24,25 @@ struct Link {
   Spatial::Inertia G;  // about L in L
 };
 
+// Most coordinates and speeds that a cut has.
+inline constexpr int max_cut_nq = Rod::max_nq;
+inline constexpr int max_cut_nv = Rod::max_nv;
+
 // A joint that closes a loop: rows between frame F on link a and frame M on link b.
 struct Cut {
-  int scene_joint = -1;
-  AnyJoint joint;
+  std::vector<int> scene_joints;  // one; of a rod those at its two ends
+  CutJoint joint;
   int link_a = 0, link_b = 0;
   Pose3 X_AF, X_BM;
   std::vector<int> kept;  // those of the joint's rows that are needed, ascending
   int joint_rows = 0;     // all it has
   int first_row = 0, rows = 0;
-  int iq = 0, iv = 0;               // in the list of all cut joints' coordinates and speeds
+  int iq = 0, iv = 0;  // in the list of all cut joints' coordinates and speeds
+  int nq = 0, nv = 0;
+  std::vector<bool> turns;          // by coordinate: an angle, which the pose tells within a turn
   std::vector<int> path_a, path_b;  // links from a (b) up to, without, their nearest common ancestor
+
+  bool is_rod() const { return scene_joints.size() > 1; }
 };
 
 // Rigid links in depth-first order on a spanning tree, and the joints left over, which close loops. Link 0 is the
@@ -57,16 +65,17 @@ struct Mechanism {
 struct BodyPlace {
   int island = -1;  // -1: it stands still
   int link = 0;
-  Pose3 X_LB;  // in the link; of bodies that stand still: in the world
+  Pose3 X_LB;    // in the link; of bodies that stand still: in the world; of rods: in the rod's frame
+  int rod = -1;  // cut: the body is the rod there
 };
 
 // Where a joint of the scene has gone.
 struct JointPlace {
-  enum class Role { tree, cut, merged };
+  enum class Role { tree, cut, rod, merged };  // rod: at an end of a rod that has become a cut
   Role role = Role::merged;
   int island = -1;
   int index = -1;                                      // link or cut
-  int iq = 0, iv = 0;                                  // tree: in q, v; cut: in the cut joints' lists
+  int iq = 0, iv = 0;                                  // tree: in q, v; else: in the cut joints' lists
   std::vector<double> q_sign, v_sign;                  // user's value = sign * ours
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();  // from the user's joint frame F to ours
   std::vector<double> q;                               // merged: what its coordinates stay at, the user's

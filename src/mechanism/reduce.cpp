@@ -57,7 +57,9 @@ struct Reducer {
   void add_island(const Graph& graph) {
     if (!add_planar(graph)) {
       const int island = static_cast<int>(out.islands.size());
-      out.islands.push_back(make_mechanism(scene, graph, island, std::nullopt, out));
+      Graph in_space = graph;
+      if (scene.solver.reduces(Reduction::massless)) replace_rods(scene, false, in_space, out.notes);
+      out.islands.push_back(make_mechanism(scene, in_space, island, std::nullopt, out));
     }
     check_drives(graph);
     tell_cuts(out.islands.back());
@@ -76,15 +78,19 @@ struct Reducer {
     if (plane.normals.empty()) return in_space(plane.why_not);
     Graph aligned = graph;
     align_to_plane(aligned, plane.normals);
+    std::vector<Note> rods;
+    if (scene.solver.reduces(Reduction::massless)) replace_rods(scene, true, aligned, rods);
     const int island = static_cast<int>(out.islands.size());
     const Eigen::Vector3d& n = plane.normals[0];
     Mechanism mechanism = make_mechanism(scene, aligned, island, n, out);
     if (const Cut* cut = cut_at_two_heights(mechanism)) {
-      return in_space("the halves of joint " + scene.joints[cut->scene_joint].name + " lie at different heights");
+      return in_space("the halves of joint " + scene.joints[cut->scene_joints.front()].name +
+                      " lie at different heights");
     }
     note(Reduction::planar, joints_in(scene, graph) + ": all motion is normal to (" + text::rounded(n.x(), 4) + ", " +
                                 text::rounded(n.y(), 4) + ", " + text::rounded(n.z(), 4) +
                                 "), so 3 numbers stand for 6 in every velocity and force");
+    out.notes.insert(out.notes.end(), rods.begin(), rods.end());
     out.islands.push_back(std::move(mechanism));
     return true;
   }
@@ -106,11 +112,14 @@ struct Reducer {
   }
 
   void tell_cuts(const Mechanism& mechanism) {
-    if (mechanism.cuts.empty() || !scene.solver.reduces(Reduction::cut_choice)) return;
+    if (!scene.solver.reduces(Reduction::cut_choice)) return;
     std::vector<std::string> names;
     for (const Cut& cut : mechanism.cuts) {
-      names.push_back(scene.joints[cut.scene_joint].name + " (" + std::string(kind_of(cut.joint).name) + ")");
+      if (cut.is_rod()) continue;
+      const Joint& joint = scene.joints[cut.scene_joints.front()];
+      names.push_back(joint.name + " (" + joint.type + ")");
     }
+    if (names.empty()) return;
     note(Reduction::cut_choice, "loops are cut at " + text::some(names) +
                                     ", which leaves the fewest rows and quaternions and keeps drives uncut");
   }
@@ -135,7 +144,7 @@ ReducedScene reduce(const Scene& scene, const StandingJoints& standing) {
   }
   for (const Graph& part : parts) reducer.add_island(part);
   const Group& still = graph.groups[0];
-  for (std::size_t i = 0; i < still.bodies.size(); ++i) out.bodies[still.bodies[i]] = {-1, 0, still.X_GB[i]};
+  for (std::size_t i = 0; i < still.bodies.size(); ++i) out.bodies[still.bodies[i]] = {-1, 0, still.X_GB[i], -1};
   return std::move(reducer.out);
 }
 
@@ -155,13 +164,13 @@ Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<in
 BodyPlace place(const Scene& scene, const ReducedScene& reduced, int island, const BodyFrame& frame) {
   const auto in_ground_link = [&](const Pose3& X_WB) {
     const Pose3 X_0B = island < 0 ? X_WB : reduced.islands[island].X_W0.inverse() * X_WB;
-    return BodyPlace{island, 0, X_0B};
+    return BodyPlace{island, 0, X_0B, -1};
   };
   if (frame.body == ground) return in_ground_link(frame.X_BF);
   const auto body = std::ranges::find(scene.bodies, frame.body, &Body::name);
-  const BodyPlace& found = reduced.bodies[body - scene.bodies.begin()];
-  if (found.island < 0) return in_ground_link(found.X_LB * frame.X_BF);
-  return {found.island, found.link, found.X_LB * frame.X_BF};
+  BodyPlace found = reduced.bodies[body - scene.bodies.begin()];
+  found.X_LB = found.X_LB * frame.X_BF;
+  return found.island < 0 ? in_ground_link(found.X_LB) : found;
 }
 
 }  // namespace gelenk

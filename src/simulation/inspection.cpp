@@ -97,15 +97,16 @@ class RowInspector {
       std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
       for (int r = 0; r < cut.joint_rows; ++r) {
         if (std::ranges::find(needed, r) != needed.end()) continue;
-        const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[cut.scene_joint].R_UC;
-        out_.redundant_rows.push_back({scene_.joints[cut.scene_joint].name, forbidden_motion(rows[r].w, R_UC)});
+        const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[cut.scene_joints.front()].R_UC;
+        out_.redundant_rows.push_back(
+            {scene_.joints[cut.scene_joints.front()].name, forbidden_motion(rows[r].w, R_UC)});
       }
       if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, cut));
     }
   }
 
   std::string loop(const Mechanism& mechanism, const Cut& cut) const {
-    std::vector<int> joints = {cut.scene_joint};
+    std::vector<int> joints = cut.scene_joints;
     for (const int link : cut.path_a) joints.push_back(mechanism.links[link].scene_joint);
     for (const int link : cut.path_b) joints.push_back(mechanism.links[link].scene_joint);
     std::ranges::sort(joints);
@@ -120,6 +121,7 @@ class RowInspector {
       const Eigen::VectorXd lambda = structure.idle.col(k);
       dynamics.set_multipliers(lambda.data());
       for (const int j : mechanism.joints) {
+        if (prepared_.reduced.joints[j].role == JointPlace::Role::rod) continue;
         const Reaction reaction(scene_, prepared_.reduced, j);
         for (int i = 0; i < 6; ++i) {
           if (std::abs(reaction.component(i, dynamics)) < 1e-6) continue;

@@ -52,7 +52,7 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
   source.kind = kinds[signal.level];
   source.needs = cut_needs[signal.level];
   source.index = signal.level == 0 ? place.iq + c : place.index;
-  source.component = c;
+  source.component = place.iv - mechanism.cuts[place.index].iv + c;
   return source;
 }
 
@@ -87,7 +87,7 @@ void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
 
 double Outputs::value(int output, const Reading& reading) const {
   const Source& s = sources_[output];
-  double joint[6] = {};
+  double joint[max_cut_nv] = {};
   switch (s.kind) {
     case Kind::tree: {
       const Mechanism& mechanism = reduced_.islands[s.island];
@@ -124,12 +124,12 @@ double Outputs::constant(int output) const {
 
 double Outputs::pose(const BodyPlace& frame, int component, const Dynamics& dynamics) const {
   const Pose3& X_LS = frame.X_LB;
-  const Pose3 X_0L = dynamics.link_pose(frame.link);
+  const Pose3 X_0L = frame.rod >= 0 ? dynamics.rod_pose(frame.rod) : dynamics.link_pose(frame.link);
   const Pose3& X_W0 = reduced_.islands[frame.island].X_W0;
   const Eigen::Matrix3d R_WL = X_W0.R * X_0L.R;
   if (component < 3) return X_W0.point(X_0L.point(X_LS.p))[component];
   if (component < 7) return quaternion_component(R_WL * X_LS.R, component - 3);
-  const Spatial::Motion V = dynamics.link_velocity(frame.link);
+  const Spatial::Motion V = frame.rod >= 0 ? dynamics.rod_velocity(frame.rod) : dynamics.link_velocity(frame.link);
   if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];
   return X_LS.R.col(component - 10).dot(V.w);
 }

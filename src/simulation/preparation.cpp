@@ -10,14 +10,30 @@
 namespace gelenk {
 namespace {
 
+bool has_rods(const ReducedScene& reduced) {
+  return std::ranges::any_of(reduced.joints, [](const JointPlace& j) { return j.role == JointPlace::Role::rod; });
+}
+
+// For what is only kinematics: nothing in it moves without inertia.
+void give_inertia(ReducedScene& reduced) {
+  for (Mechanism& mechanism : reduced.islands) {
+    for (Link& link : mechanism.links) {
+      link.G = Spatial::Inertia::about_com(1, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
+    }
+  }
+}
+
 struct Preparer {
   const Scene& scene;
+  Scene wished{};            // the scene whose start values count
+  bool rods_as_rows = true;  // as far as the scene allows
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};
 
-  // Closes the loops of all islands. wished: the scene whose start values count.
-  void assemble_islands(const Scene& wished) {
+  // Closes the loops of all islands of `reduced`, as near to the wishes as can be.
+  void assemble_islands(ReducedScene made) {
+    out.reduced = std::move(made);
     const ReducedScene& reduced = out.reduced;
     out.islands.clear();
     dynamics.clear();
@@ -39,6 +55,43 @@ struct Preparer {
         throw SceneError({describe_massless(scene, fault.what())});
       }
     }
+  }
+
+  // The start is looked for while the rods are still bodies: so wishes at their joints count, and it is the same with
+  // and without this reduction.
+  void assemble_with_rods(const ReducedScene& reduced) {
+    ReducedScene with_bodies = reduce(without_rods());
+    give_inertia(with_bodies);
+    assemble_islands(std::move(with_bodies));
+    tell_assembly();
+    wished = found();
+    try {
+      assemble_islands(reduced);
+    } catch (const SceneError& singular) {
+      // A neighbour may have had its inertia from beyond the rod.
+      wished = scene;
+      rods_as_rows = false;
+      try {
+        assemble_islands(reduce(basis()));
+      } catch (const SceneError&) {
+        throw singular;
+      }
+    }
+  }
+
+  Scene without_rods() const {
+    Scene out = scene;
+    out.solver.reductions[static_cast<std::size_t>(Reduction::massless)] = false;
+    return out;
+  }
+
+  // The scene with the switches of what is left to do.
+  Scene basis() const { return rods_as_rows ? scene : without_rods(); }
+
+  void tell_assembly() {
+    std::vector<Assembled> starts;
+    for (const PreparedIsland& island : out.islands) starts.push_back(island.start);
+    out.report = describe_assembly(scene, out.reduced, starts);
   }
 
   void find_structure() {
@@ -68,7 +121,7 @@ struct Preparer {
         const JointPlace& place = out.reduced.joints[j];
         const bool tree = place.role == JointPlace::Role::tree;
         if (!(tree ? structure.standing_links : structure.standing_cuts)[place.index]) continue;
-        standing[j] = coordinates_of(scene, out.reduced, j, out.islands[i].start.q, *dynamics[i]);
+        standing[j] = coordinates_of(wished, out.reduced, j, out.islands[i].start.q, *dynamics[i]);
         any = true;
       }
     }
@@ -83,14 +136,14 @@ struct Preparer {
       dynamics[i]->set_velocity(start.v.data());
       for (const int j : out.reduced.islands[i].joints) {
         JointStart& wish = at.joints[j].start;
-        wish.q = coordinates_of(scene, out.reduced, j, start.q, *dynamics[i]);
+        wish.q = coordinates_of(wished, out.reduced, j, start.q, *dynamics[i]);
         wish.q_given.assign(wish.q.size(), true);
         const JointPlace& place = out.reduced.joints[j];
-        std::vector<double> v(wish.v.size() + 6);
-        if (place.role == JointPlace::Role::tree) {
-          std::copy_n(start.v.begin() + place.iv, wish.v.size(), v.begin());
-        } else {
-          dynamics[i]->cut_speeds(place.index, v.data());
+        double of_cut[max_cut_nv];
+        const double* v = start.v.data() + place.iv;
+        if (place.role != JointPlace::Role::tree) {
+          dynamics[i]->cut_speeds(place.index, of_cut);
+          v = of_cut + place.iv - out.reduced.islands[i].cuts[place.index].iv;
         }
         for (std::size_t k = 0; k < wish.v.size(); ++k) wish.v[k] = place.v_sign[k] * v[k];
         wish.v_given.assign(wish.v.size(), true);
@@ -111,19 +164,18 @@ struct Preparer {
 }  // namespace
 
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced) {
-  Preparer preparer{.scene = scene};
-  PreparedScene& out = preparer.out;
-  out.reduced = reduced;
-  preparer.assemble_islands(scene);
+  Preparer preparer{.scene = scene, .wished = scene};
+  if (has_rods(reduced)) {
+    preparer.assemble_with_rods(reduced);
+  } else {
+    preparer.assemble_islands(reduced);
+    preparer.tell_assembly();
+  }
   preparer.find_structure();
-  std::vector<Assembled> starts;
-  for (const PreparedIsland& island : out.islands) starts.push_back(island.start);
-  out.report = describe_assembly(scene, out.reduced, starts);
   if (scene.solver.reduces(Reduction::fixed)) {
     if (const StandingJoints standing = preparer.standing_joints(); !standing.empty()) {
-      const Scene found = preparer.found();
-      out.reduced = reduce(scene, standing);
-      preparer.assemble_islands(found);
+      preparer.wished = preparer.found();
+      preparer.assemble_islands(reduce(preparer.basis(), standing));
       preparer.find_structure();
     }
   }

@@ -11,8 +11,8 @@ Reaction::Reaction(const Scene& scene, const ReducedScene& reduced, int joint) {
   cut_ = place.role == JointPlace::Role::cut;
   index_ = place.index;
   side_ = !cut_ && mechanism.links[index_].reversed ? -1 : 1;
-  at_ = cut_ ? BodyPlace{place.island, mechanism.cuts[index_].link_b, mechanism.cuts[index_].X_BM}
-             : BodyPlace{place.island, index_, Pose3()};
+  at_ = cut_ ? BodyPlace{place.island, mechanism.cuts[index_].link_b, mechanism.cuts[index_].X_BM, -1}
+             : BodyPlace{place.island, index_, Pose3(), -1};
   frame_M_ = gelenk::place(scene, reduced, place.island, scene.joints[joint].child);
   frame_F_ = gelenk::place(scene, reduced, place.island, scene.joints[joint].parent);
 }

@@ -14,7 +14,7 @@ std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.
 // Joints around the loop that a cut closes, the cut first.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
   const Cut& c = mechanism.cuts[cut];
-  std::vector<int> out = {c.scene_joint};
+  std::vector<int> out = c.scene_joints;
   for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
   for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
   std::ranges::sort(out);
@@ -83,7 +83,8 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
     const auto& flags = scene.joints[j].start.q_fixed;
     if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
   }
-  std::string out = prefix(scene) + "loop through " + scene.joints[mechanism.cuts[fault.cut].scene_joint].name +
+  std::string out = prefix(scene) + "loop through " +
+                    scene.joints[mechanism.cuts[fault.cut].scene_joints.front()].name +
                     " cannot be closed: smallest gap " + fault.what() + position_text(scene, reduced, joints, fault.q) +
                     " (allowed 1e-9 m). Check the positions in joints " + text::list(names);
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);

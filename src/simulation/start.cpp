@@ -27,11 +27,16 @@ Wishes empty(int nq, int nv) {
 // Which coordinate of a joint stands for speed i: the quaternion's first for all three turns.
 int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
 
+// q: nq numbers, in the mechanism's signs.
+void wished_coordinates(const Joint& joint, const JointPlace& place, double* q) {
+  const JointStart& start = joint.start;
+  const JointKind& kind = *find_joint_kind(joint.type);
+  for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
+}
+
 void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, Wishes& out) {
   const JointStart& start = joint.start;
-  for (int i = 0; i < kind.nq; ++i) {
-    out.q[place.iq + i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
-  }
+  wished_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
@@ -53,6 +58,8 @@ StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int is
     const JointPlace& place = reduced.joints[j];
     if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
     if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
+    // The wishes of joints at a rod are heard while it is still a body (preparation.cpp): left are side and turn.
+    if (place.role == JointPlace::Role::rod) wished_coordinates(joint, place, &out.cuts.q[place.iq]);
   }
   return out;
 }
@@ -79,19 +86,20 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
                                    const std::vector<double>& q, const Dynamics& dynamics) {
   const JointPlace& place = reduced.joints[joint];
   const JointKind& kind = *find_joint_kind(scene.joints[joint].type);
+  const JointStart& start = scene.joints[joint].start;
   std::vector<double> out(kind.nq);
   if (place.role == JointPlace::Role::tree) {
     for (int i = 0; i < kind.nq; ++i) out[i] = place.q_sign[i] * q[place.iq + i];
     return out;
   }
-  const JointStart& start = scene.joints[joint].start;
-  double found[7];
-  for (int i = 0; i < kind.nq; ++i) {
-    found[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
+  const Cut& cut = reduced.islands[place.island].cuts[place.index];
+  double found[max_cut_nq];
+  for (const int j : cut.scene_joints) {
+    wished_coordinates(scene.joints[j], reduced.joints[j], found + reduced.joints[j].iq - cut.iq);
   }
   dynamics.cut_coordinates(place.index, found);
   for (int i = 0; i < kind.nq; ++i) {
-    out[i] = place.q_sign[i] * found[i];
+    out[i] = place.q_sign[i] * found[place.iq - cut.iq + i];
     if (kind.q[i].unit != "rad") continue;
     const double wanted = start.q_given[i] ? start.q[i] : 0;
     out[i] += 2 * M_PI * std::round((wanted - out[i]) / (2 * M_PI));

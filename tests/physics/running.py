@@ -51,10 +51,13 @@ def run(
     integrator: str = "auto",
     inputs: Mapping[str, float] | None = None,
     step: float = 0.0,
+    reductions: Mapping[str, bool] | None = None,
 ) -> Recording:
     """Runs from times[0] and records at each of the times [s]. step: of fixed-step methods [s]."""
     scene = copy.deepcopy(dict(source))
     scene["solver"] = {"integrator": integrator, **({"step": step} if step else {})}
+    if reductions:
+        scene["solver"]["reductions"] = dict(reductions)
     simulation = gelenk.Simulation(gelenk.load(scene))
     for name, value in (inputs or {}).items():
         simulation.set_input(name, value)

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rods without mass between two point-like joints become one row each: the distance between their ends.
+#include <algorithm>
+#include <string_view>
+#include <unordered_set>
+
+#include "mechanism/graph.h"
+#include "mechanism/sets.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+bool has_inertia(const Group& group) { return group.G.m != 0 || !group.G.I.isZero(0); }
+
+// What else there is to know of bodies and joints: where something acts, or a force is read.
+class Busy {
+ public:
+  explicit Busy(const Scene& scene) : scene_(scene) {
+    for (const Motor& motor : scene.motors) joints_.insert(motor.joint);
+    for (const Sensor& sensor : scene.sensors) {
+      if (sensor.type == SensorType::reaction) joints_.insert(sensor.joint);
+    }
+    for (const Force& force : scene.forces) {
+      const bool spring = force.type == ForceType::spring_damper;
+      bodies_.insert(spring ? force.from.body : force.at.body);
+      if (spring) bodies_.insert(force.to.body);
+    }
+  }
+
+  bool at(const Edge& edge) const {
+    const Joint& joint = scene_.joints[edge.scene_joint];
+    const auto some = [](const std::vector<double>& k) {
+      return std::ranges::any_of(k, [](double x) { return x != 0; });
+    };
+    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping);
+  }
+  bool on(const Group& group) const {
+    return std::ranges::any_of(group.bodies, [&](int b) { return bodies_.contains(scene_.bodies[b].name); });
+  }
+
+ private:
+  const Scene& scene_;
+  std::unordered_set<std::string_view> joints_, bodies_;
+};
+
+bool starts_fixed(const Joint& joint) {
+  return std::ranges::find(joint.start.q_fixed, true) != joint.start.q_fixed.end() ||
+         std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end();
+}
+
+struct Finder {
+  const Scene& scene;
+  bool planar;
+  Graph& graph;
+  Busy busy{scene};
+  std::vector<RodEdge> found{};
+
+  void run() {
+    const auto edges_of = graph.edges_of_groups();
+    for (int g = 1; g < static_cast<int>(graph.groups.size()); ++g) {
+      if (edges_of[g].size() == 2) look_at(g, graph.edges[edges_of[g][0]], graph.edges[edges_of[g][1]]);
+    }
+    keep_connected();
+    std::vector<bool> gone(graph.groups.size(), false);
+    for (const RodEdge& rod : found) gone[rod.group] = true;
+    std::erase_if(graph.edges, [&](const Edge& edge) { return gone[edge.group_a] || gone[edge.group_b]; });
+    graph.rods = std::move(found);
+  }
+
+  // A neighbour without mass has its inertia from beyond the rod, which must then stay a body.
+  bool may_hold(int group) const { return group == 0 || graph.groups[group].G.m != 0; }
+
+  void look_at(int g, const Edge& one, const Edge& other) {
+    const Group& group = graph.groups[g];
+    if (has_inertia(group) || busy.on(group) || busy.at(one) || busy.at(other)) return;
+    const int a = one.group_a == g ? one.group_b : one.group_a;
+    const int b = other.group_a == g ? other.group_b : other.group_a;
+    if (a == b || !may_hold(a) || !may_hold(b)) return;
+    if (!add(g, one, other)) add(g, other, one);
+  }
+
+  bool add(int g, const Edge& first, const Edge& second) {
+    const bool first_reversed = first.group_a == g;  // M, not F, is on the neighbour
+    const bool second_reversed = second.group_a != g;
+    const Pose3 X_12 =
+        (first_reversed ? first.X_AF : first.X_BM).inverse() * (second_reversed ? second.X_BM : second.X_AF);
+    const auto joint = make_rod(first.joint, first_reversed, second.joint, second_reversed, X_12, planar);
+    if (!joint) return false;
+    // Nobody could hold its turn about itself where it is asked to start.
+    if (joint->spins() &&
+        (starts_fixed(scene.joints[first.scene_joint]) || starts_fixed(scene.joints[second.scene_joint])))
+      return false;
+    RodEdge rod{.joint = *joint, .group = g, .first = first, .second = second};
+    rod.group_a = first_reversed ? first.group_b : first.group_a;
+    rod.X_AF = first_reversed ? first.X_BM : first.X_AF;
+    rod.group_b = second_reversed ? second.group_a : second.group_b;
+    rod.X_BM = second_reversed ? second.X_AF : second.X_BM;
+    // A plane sees no heights: a slanted rod lies in it like its shadow.
+    if (planar) rod.X_BM.p -= X_12.p.z() * rod.X_BM.R.col(2);
+    found.push_back(rod);
+    return true;
+  }
+
+  // Rods without which parts would come loose stay bodies: their joints are fewer states than a free body and a row.
+  // Best those that do not spin about themselves, which a body without inertia must not.
+  void keep_connected() {
+    Sets sets(graph.groups.size());
+    std::vector<bool> is_rod(graph.groups.size(), false);
+    for (const RodEdge& rod : found) is_rod[rod.group] = true;
+    for (const Edge& edge : graph.edges) {
+      if (!is_rod[edge.group_a] && !is_rod[edge.group_b]) sets.join(edge.group_a, edge.group_b);
+    }
+    std::ranges::stable_partition(found, [](const RodEdge& rod) { return !rod.joint.spins(); });
+    std::vector<RodEdge> in_loops;
+    for (const RodEdge& rod : found) {
+      if (!sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
+    }
+    found = std::move(in_loops);
+  }
+
+  void tell(std::vector<Note>& notes) const {
+    std::vector<std::string> rods;
+    for (const RodEdge& rod : graph.rods) {
+      const auto joint = [&](const Edge& edge) {
+        const Joint& j = scene.joints[edge.scene_joint];
+        return j.type + " " + j.name;
+      };
+      const Group& group = graph.groups[rod.group];
+      rods.push_back(scene.bodies[group.bodies.front()].name + " (" + joint(rod.first) + ", " + joint(rod.second) +
+                     ")");
+    }
+    if (rods.empty()) return;
+    const bool one = rods.size() == 1;
+    notes.push_back({Reduction::massless, std::string(one ? "rod " : "rods ") + text::some(rods) +
+                                              (one ? " has no mass: its length is one row"
+                                                   : " have no mass: the length of each is one row")});
+  }
+};
+
+}  // namespace
+
+void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Note>& notes) {
+  Finder finder{.scene = scene, .planar = planar, .graph = graph};
+  finder.run();
+  finder.tell(notes);
+}
+
+}  // namespace gelenk
