@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The kernels that derivatives need, for numbers that carry them.
+#include "dynamics/load_kernels_impl.h"
+#include "dynamics/loop_kernels_impl.h"
+#include "dynamics/output_kernels_impl.h"
+#include "dynamics/tree_kernels_impl.h"
+#include "math/dual.h"
+
+namespace gelenk::kernels {
+
+#define GELENK_INSTANTIATE(A)                                                                                     \
+  template void positions(const Model<A>&, const A::Scalar*, Workspace<A>&);                                      \
+  template void root_poses(const Model<A>&, const std::vector<int>&, Workspace<A>&);                              \
+  template void velocities(const Model<A>&, const A::Scalar*, const A::Scalar*, const A::Motion&, Workspace<A>&); \
+  template void loop_positions(const Model<A>&, Workspace<A>&);                                                   \
+  template void loop_velocities(const Model<A>&, Workspace<A>&);                                                  \
+  template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);                                   \
+  template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&);                       \
+  template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&);         \
+  template void accelerations(const Model<A>&, const A::Scalar*, Workspace<A>&);
+GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
+GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
+#undef GELENK_INSTANTIATE
+
+}  // namespace gelenk::kernels
