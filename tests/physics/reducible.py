@@ -24,7 +24,7 @@ from mechanisms import (
     scene,
 )
 
-ABOUT_Z = {"axis": [0, 0, 1]}
+ABOUT_Z: dict[str, Any] = {"axis": [0, 0, 1]}
 DOWN_Y = [0, -GRAVITY, 0]
 TILT = rotation([0.3, -0.7, 0.5], 1.3)
 
@@ -137,6 +137,26 @@ def guided() -> Scene:
     joints["left"].update(start={"s": 0.1, "v": 0.3, "fixed": True}, stiffness=80.0)
     joints["right"].update(start={"s": 0.1}, damping=0.7)
     return scene({"carriage": body(2, (0.05, 0, 0.1), (0.02, 0.03, 0.04))}, joints, gravity=[0, 0, -GRAVITY])
+
+
+def held_twice(kind: str, seed: int) -> Scene:
+    """A body on two hinges in line, or on two rails, along a random axis."""
+    rng = np.random.default_rng(seed)
+    axis, place = rng.normal(size=3), rng.normal(size=3)
+    along = axis / np.linalg.norm(axis)
+    R = rotation(rng.normal(size=3), 1.0)
+    start = {"phi": 0.3, "w": 0.7} if kind == "revolute" else {"s": 0.1, "v": 0.7}
+    fields = {"axis": axis.tolist(), "start": start}
+    return scene(
+        {"door": body(25, (0.4, 0.1, 0.8), (5.4, 6.7, 1.4))},
+        {
+            "lower": joint(kind, frame("ground", place, R), frame("door"), **fields),
+            "upper": joint(
+                kind, frame("ground", place + R @ (1.6 * along), R), frame("door", 1.6 * along), **fields
+            ),
+        },
+        gravity=[0.5, -0.7, -GRAVITY],
+    )
 
 
 def welded_chain(n: int = 12) -> Scene:

@@ -30,6 +30,8 @@ BUILT: dict[str, tuple[Callable[[], Scene], float]] = {
     "triple_crank_turned": (lambda: reducible.triple_crank(True, rate=1.0), 0.2),  # where errors grow
     "windows": (lambda: windows(3, 0.2, 1.0), 0.3),  # likewise
     "bricard": (bricard, 2.0),
+    "door": (reducible.door, 2.0),
+    "guided": (reducible.guided, 1.0),
     "welded_chain": (reducible.welded_chain, 2.0),
     "triangle": (reducible.triangle, 1.0),
     "tripod": (lambda: reducible.tripod("universal"), 1.0),
@@ -112,8 +114,8 @@ def test_only_reactions_told_to_be_undetermined_change() -> None:
 
 # --- cost ---
 
-# The least times of one and the same model in several simulations lie up to 10 % apart: the smallest scenes take
-# 60 ns, and where their data come to lie counts.
+# The least times of one and the same model in several simulations lie up to 10 % apart: the smallest scenes
+# take 60 ns, and where their data come to lie counts.
 NOISE = 1.15
 
 
