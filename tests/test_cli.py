@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import pty
 import re
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
@@ -97,6 +99,82 @@ def test_check_says_what_a_scene_is(four_bar_file: Path) -> None:
     assert lines[3].startswith("loops closed at A.phi = 1.5708 rad")
 
 
+def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
+    lines = told("inspect", four_bar_file).splitlines()
+    assert lines[0] == "FourBar"
+    assert lines[1].split() == ["as", "described", "as", "computed"]
+    table = {line.split()[0]: line.split()[1:] for line in lines[2:10]}
+    assert table["bodies"] == ["3", "->", "3"]
+    assert table["coordinates"] == ["3", "->", "3"]
+    assert table["rows"] == ["5", "->", "2", "planar,", "redundant_rows"]
+    assert table["freedoms"] == ["1", "->", "1", "counted:", "-2,", "see", "mobility"]
+    assert table["algebra"] == ["spatial", "->", "planar", "planar"]
+    assert table["islands"] == ["1", "->", "1"]
+    before, unit, _, after, same_unit = table["evaluation"]
+    assert unit == same_unit == "us"
+    assert float(before) > float(after) > 0
+    text = " ".join(" ".join(lines).split())
+    for name in gelenk.inspection.REDUCTIONS:
+        assert re.search(rf" {name} [0-9.]+ us ", text), name
+    assert "C: sliding along y, C: turning about x and C: turning about z" in text
+    assert "leave open the reactions f[2], t[1], t[3] of A, B, C and D" in text
+    assert (
+        "mobility 1 freedom, where counting (6 for each body, less what the joints forbid) gives -2;" in text
+    )
+    assert max(map(len, lines)) <= 110
+
+
+def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
+    report = json.loads(told("inspect", four_bar_file, "--json"))
+    sizes = {"bodies", "coordinates", "speeds", "rows", "freedoms", "algebra", "islands", "evaluation"}
+    assert set(report) == {
+        "name", "described", "reduced", "reductions", "redundant_rows", "undetermined_reactions", "mobility",
+    }  # fmt: skip
+    assert set(report["described"]) == set(report["reduced"]) == sizes
+    assert (report["described"]["rows"], report["reduced"]["rows"]) == (5, 2)
+    assert report["described"]["evaluation"] > report["reduced"]["evaluation"] > 0  # s
+    assert list(report["reductions"]) == list(gelenk.inspection.REDUCTIONS)
+    for entry in report["reductions"].values():
+        assert set(entry) == {"on", "changed", "notes", "evaluation_without"}
+        assert entry["on"] is True
+    assert [name for name, entry in report["reductions"].items() if entry["changed"]] == [
+        "planar", "redundant_rows", "outputs",
+    ]  # fmt: skip
+    assert [row["joint"] for row in report["redundant_rows"]] == ["C", "C", "C"]
+    assert len(report["undetermined_reactions"]) == 12
+    mobility = report["mobility"]
+    assert (mobility["freedoms"], mobility["counted"], mobility["at_start"]) == (1, -2, 1)
+    assert len(mobility["causes"]) == 1
+
+
+def test_inspect_without_a_reduction(four_bar_file: Path) -> None:
+    report = json.loads(told("inspect", four_bar_file, "--without", "planar", "--json"))
+    assert report["reductions"]["planar"]["on"] is False
+    assert (report["reduced"]["algebra"], report["reduced"]["rows"]) == ("spatial", 2)
+    text = told("inspect", four_bar_file, "--without", "planar", "--without", "redundant-rows")
+    assert text.count("switched off") == 2
+    assert re.search(r"rows +5  ->  5\n", text)
+    report = json.loads(told("inspect", four_bar_file, "--without", "all", "--json"))
+    assert not any(entry["on"] for entry in report["reductions"].values())
+
+
+def test_simulate_without_a_reduction(four_bar_file: Path) -> None:
+    options = ("--stop", "0.05", "--set", "drive.tau=3", "--output", "-")
+    out = told("simulate", four_bar_file, "--without", "planar", *options)
+    expected = gelenk.simulate(four_bar_file, stop=0.05, inputs={"drive.tau": 3}, without=["planar"])
+    assert out == expected.csv()
+    assert out != told("simulate", four_bar_file, *options)  # other roundings: it was computed in space
+
+
+def test_export_without_a_reduction(four_bar_file: Path, tmp_path: Path) -> None:
+    told("export", four_bar_file, "--without", "planar", "--without", "outputs", "-o", "x.fmu", cwd=tmp_path)
+    with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
+        carried = json.loads(archive.read("resources/scene.json"))
+    assert carried["solver"]["reductions"] == {"planar": False, "outputs": False}
+    out = told("simulate", "x.fmu", "--stop", "0.05", "--output", "-", cwd=tmp_path)
+    assert out == gelenk.simulate(four_bar_file, stop=0.05, without=["planar", "outputs"]).csv()
+
+
 def test_import_writes_a_scene_and_tells_what_it_left_out(tmp_path: Path) -> None:
     pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
     (tmp_path / "r.urdf").write_text(
@@ -112,7 +190,7 @@ def test_import_writes_a_scene_and_tells_what_it_left_out(tmp_path: Path) -> Non
     assert gelenk.load(tmp_path / "f.json").to_dict()["joints"]["base"]["type"] == "free"
 
 
-@pytest.mark.parametrize("command", [["export"], ["check"], ["simulate"]])
+@pytest.mark.parametrize("command", [["export"], ["check"], ["inspect"], ["simulate"]])
 def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(
         "gelenk: 1\nbodies: {a: {mass: -1, com: [0, 0]}}\njoints:\n  A: {type: weld}\n"
@@ -144,6 +222,14 @@ def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: 
         (["simulate", "SCENE", "--stop", "-1"], "stop: found -1.0 s, expected 0 or more"),
         (["simulate", "SCENE", "--output", "none/r.csv", "--stop", "0"],
          "none/r.csv: no such file or directory"),
+        (["inspect", "none.yaml"], "none.yaml: no such file or directory"),
+        (["inspect", "SCENE", "--without", "plana"], "plana: no such reduction; did you mean planar?"),
+        (["simulate", "SCENE", "--without", "planer"], "planer: no such reduction; did you mean planar?"),
+        (["export", "SCENE", "--without", "x"],
+         "x: no such reduction; there are weld, static, cut_choice, planar, redundant_rows, islands, "
+         "outputs, massless, all"),
+        (["simulate", "x.fmu", "--without", "planar"],
+         "without: reductions of an FMU are settled when it is exported"),
         (["export", "SCENE", "-o", "x.zip"], "x.zip: found the ending .zip, expected .fmu"),
     ],
 )  # fmt: skip
