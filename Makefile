@@ -4,6 +4,7 @@
 # make lint     formatting, ruff, mypy, warnings as errors, clang-tidy
 # make format   set all code
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
+# make reductions  measure what each reduction gains, for docs/reductions.md
 # make clean    remove what was built
 # A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
 SHELL := /bin/bash
@@ -25,9 +26,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest clean
+.PHONY: help demo test lint style tidy format pytest reductions clean
 help:
-	@sed -n '2,9s/^# //p' Makefile
+	@sed -n '2,10s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -51,6 +52,9 @@ tidy: $(VENV)/tools.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset ci -j $(JOBS)
 	PATH="$(abspath $(BIN)):$$PATH" bash tests/cmake_user/run.sh build/ci build/cmake_user
+
+reductions: $(VENV)/gelenk.stamp
+	$(BIN)/python benchmarks/reductions.py
 
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)

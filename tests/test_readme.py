@@ -44,17 +44,18 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
 
 
 @pytest.mark.usefixtures("folder")
-def test_commands_of_the_readme_print_what_it_shows(root: Path) -> None:
-    calls = re.findall(
-        r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / "README.md", "console")), re.M
-    )
-    assert len(calls) >= 4
+@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/reductions.md", 2)])
+def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
+    calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
+    assert len(calls) >= least
     for arguments, expected in calls:
         done = subprocess.run(
             [sys.executable, "-m", "gelenk", *shlex.split(arguments)],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False,
         )  # fmt: skip
-        pattern = re.escape(expected).replace(re.escape("..."), r"\S+")
+        pattern = (
+            re.escape(expected).replace(re.escape("\n...\n"), "\n(.*\n)*").replace(re.escape("..."), r"\S+")
+        )
         assert re.fullmatch(pattern, done.stdout), f"gelenk {arguments} printed:\n{done.stdout}\n{expected}"
 
 
@@ -81,7 +82,9 @@ def test_targets_of_make_are_there(root: Path) -> None:
         assert re.search(rf"^{target}:", makefile, re.MULTILINE)
 
 
-@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md", "docs/reductions.md"]
+)
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link
@@ -93,6 +96,16 @@ def test_examples_of_the_format_page_fit_together_into_a_scene(root: Path) -> No
     text = "gelenk: 1\n" + "".join(pieces)
     scene = gelenk.load(text)
     gelenk.Simulation(scene).initialize()
+
+
+def test_page_of_the_reductions_has_all_of_them_and_every_scene(root: Path) -> None:
+    text = (root / "docs" / "reductions.md").read_text(encoding="utf-8")
+    described = re.findall(r"^\| `(\w+)` \| [A-Z]", text, re.MULTILINE)
+    assert described == list(gelenk.inspection.REDUCTIONS)
+    for scene in (root / "scenes").glob("*.yaml"):
+        assert text.count(f"| `{scene.name}` |") == 2, "run make reductions"
+    (solver,) = blocks(root / "docs" / "reductions.md", "yaml")
+    gelenk.load((root / "scenes" / "pendulum.yaml").read_text(encoding="utf-8") + solver)
 
 
 def test_joint_table_of_the_format_page_is_the_registrys(root: Path) -> None:

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures what each reduction gains and writes the tables of docs/reductions.md: `make reductions`."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import platform
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import gelenk
+from gelenk.inspection import REDUCTIONS, Inspection, evaluation_cost
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "reductions.md"
+BEGIN = "<!-- tables: made by benchmarks/reductions.py -->\n"
+END = "<!-- end of tables -->"
+ROUNDS = 7  # each takes the least of 20 measurements of 1 ms; placement in memory differs from round to round
+
+Scene = dict[str, Any]
+
+
+# --- scenes that show what the ready ones have no use for ---
+
+
+def rod(length: float, mass: float = 1.0) -> Scene:
+    """A slender rod along x from its frame's origin."""
+    across = mass * length**2 / 12
+    return {"mass": mass, "com": [length / 2, 0, 0], "inertia": [0, across, across]}
+
+
+def hinge(parent: Any, child: Any, **fields: Any) -> Scene:
+    return {"type": "revolute", "parent": parent, "child": child, **fields}
+
+
+def at(body: str, x: float, y: float = 0.0, z: float = 0.0) -> Scene:
+    return {"body": body, "position": [x, y, z]}
+
+
+def windows(n: int) -> Scene:
+    """N parallelograms of equal bars side by side."""
+    bodies = {f"crank{i}": rod(1) for i in range(n + 1)} | {f"coupler{i}": rod(1) for i in range(n)}
+    phi = 1.2
+    joints = {f"A{i}": hinge(at("ground", i), f"crank{i}", start={"phi": phi}) for i in range(n + 1)}
+    for i in range(n):
+        joints[f"B{i}"] = hinge(at(f"crank{i}", 1), f"coupler{i}", start={"phi": -phi})
+        joints[f"C{i}"] = hinge(at(f"crank{i + 1}", 1), at(f"coupler{i}", 1), start={"phi": -phi})
+    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
+
+
+def bricard() -> Scene:
+    """Six hinges in a ring along the edges of a cube."""
+    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
+    axes = [[0, 1, 0], [0, 0, 1], [1, 0, 0]] * 2
+    spans = [[b - a for a, b in zip(p, q, strict=True)] for p, q in itertools.pairwise(points)]
+    bodies = {
+        f"rod{i}": {
+            "mass": 1,
+            "com": [x / 2 for x in span],
+            "inertia": [0.084 - 0.082 * abs(x) for x in span],
+        }
+        for i, span in enumerate(spans)
+    }
+    joints = {"J0": hinge("ground", "rod0", axis=axes[0])}
+    for i in range(1, 6):
+        child = at("ground", *points[5]) if i == 5 else f"rod{i}"
+        joints[f"J{i}"] = hinge(at(f"rod{i - 1}", *spans[i - 1]), child, axis=axes[i])
+    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
+
+
+def welded_chain(n: int) -> Scene:
+    """A pendulum of n pieces."""
+    joints = {"pin": hinge("ground", "piece0", start={"phi": 0.3})}
+    for i in range(1, n):
+        joints[f"seam{i}"] = {"type": "weld", "parent": at(f"piece{i - 1}", 0.1), "child": f"piece{i}"}
+    bodies = {f"piece{i}": rod(0.1, 0.1) for i in range(n)}
+    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
+
+
+def side_by_side() -> Scene:
+    """The ready four-bar, in its plane, and the heavy top, in space."""
+    first, second = (
+        gelenk.load(ROOT / "scenes" / f"{name}.yaml").to_dict() for name in ("four_bar", "heavy_top")
+    )
+    for section in ("bodies", "joints"):
+        first[section] |= second[section]
+    return first
+
+
+def on_a_truss() -> Scene:
+    """A pendulum at the top of two rods that stand against each other."""
+    phi = math.acos(0.6)
+    joints = {
+        "left": hinge("ground", "rod1", start={"phi": phi}),
+        "right": hinge(at("ground", 1.2), "rod2", start={"phi": math.pi - phi}),
+        "top": hinge(at("rod1", 1), at("rod2", 1), start={"phi": math.pi - 2 * phi}),
+        "pin": hinge(at("rod1", 1), "bob", start={"phi": 0.4}),
+    }
+    bodies = {"rod1": rod(1), "rod2": rod(1), "bob": rod(0.5)}
+    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
+
+
+def ball_first() -> Scene:
+    """A slider-crank in space, its ball joint before its universal joint in the file."""
+    n = [-2 / 3, 1 / 3, 2 / 3]  # along the rod, from the slider
+    b = [0.0, -2 / math.sqrt(5), 1 / math.sqrt(5)]  # across it and the slide
+    c = [n[1] * b[2] - n[2] * b[1], n[2] * b[0] - n[0] * b[2], n[0] * b[1] - n[1] * b[0]]
+    along = {"rotation": {"matrix": [n, b, c]}}
+    joints = {
+        "ball": {"type": "spherical", "parent": at("crank", 0, 0, 0.08), "child": {**at("rod", 0.3), **along}},
+        "main": hinge(at("ground", 0, 0.1, 0.12), "crank", axis=[1, 0, 0], start={"w": 6, "fixed": True}),
+        "slide": {"type": "prismatic", "parent": "ground", "child": "slider", "axis": [1, 0, 0],
+                  "start": {"s": 0.2}},
+        "cross": {"type": "universal", "parent": "slider", "child": {**at("rod", 0), **along},
+                  "axes": [[1, 0, 0], b]},
+    }  # fmt: skip
+    bodies = {
+        "crank": {"mass": 0.12, "com": [0, 0, 0.04], "inertia": [1e-4, 1e-4, 1e-5]},
+        "rod": {"mass": 0.5, "com": [0.15, 0, 0], "inertia": [4e-4, 4e-3, 4e-3]},
+        "slider": {"mass": 2, "inertia": [1e-4, 1e-4, 1e-4]},
+    }
+    return {"gelenk": 1, "gravity": [0, 0, -9.81], "bodies": bodies, "joints": joints}
+
+
+BUILT: dict[str, Callable[[], Scene]] = {
+    "five parallelograms in a row": lambda: windows(5),
+    "Bricard's ring of six hinges": bricard,
+    "slider-crank in space, ball joint listed first": ball_first,
+    "pendulum of 50 welded pieces": lambda: welded_chain(50),
+    "pendulum on a truss": on_a_truss,
+    "four_bar and heavy_top in one scene": side_by_side,
+}
+
+
+# --- the tables ---
+
+
+def scenes() -> Iterator[tuple[str, gelenk.Scene]]:
+    for path in sorted((ROOT / "scenes").glob("*.yaml")):
+        yield f"`{path.name}`", gelenk.load(path)
+    for name, make in BUILT.items():
+        yield name, gelenk.load(make())
+
+
+def least_cost(scene: gelenk.Scene, *without: str) -> float | None:
+    """Of one evaluation [s]; None where the scene cannot be computed so."""
+    costs = [evaluation_cost(scene, without).seconds for _ in range(ROUNDS)]
+    return None if costs[0] is None else min(c for c in costs if c is not None)
+
+
+def change(before: object, after: object) -> str:
+    return str(after) if before == after else f"{before} → {after}"
+
+
+def sizes(name: str, report: Inspection) -> str:
+    data = report.to_dict()
+    keys = ("bodies", "coordinates", "rows", "algebra", "islands")
+    cells = [change(data["described"][key], data["reduced"][key]) for key in keys]
+    counted = data["mobility"]["counted"]
+    freedoms = (
+        str(report.freedoms) if counted == report.freedoms else f"{report.freedoms} (counted {counted})"
+    )
+    return "| " + " | ".join([name, *cells, freedoms]) + " |"
+
+
+def costs(name: str, scene: gelenk.Scene, report: Inspection) -> str:
+    here = least_cost(scene)
+    assert here is not None
+    cells = [name, f"{here * 1e6:.2f}"]
+    for off in (*REDUCTIONS, "all"):
+        if off != "all" and not report.reductions[off].changed:
+            cells.append("")
+            continue
+        other = least_cost(scene, off)
+        cells.append("not computable" if other is None else f"{other / here:.2f}" if here > 0 else "")
+    return "| " + " | ".join(cells) + " |"
+
+
+def tables() -> str:
+    size_rows, cost_rows = [], []
+    for name, scene in scenes():
+        report = gelenk.inspect(scene)
+        size_rows.append(sizes(name, report))
+        cost_rows.append(costs(name, scene, report))
+    columns = [f"`{name}`" for name in REDUCTIONS]
+    lines = [
+        "| scene | bodies | coordinates | rows | algebra | islands | freedoms |",
+        "|---|---|---|---|---|---|---|",
+        *size_rows,
+        "",
+        "CPU time of one evaluation of the equations of motion [µs], and how many times as long it takes without",
+        "one reduction and without all. Empty: the reduction finds nothing to do there. Least of "
+        f"{ROUNDS * 20} measurements,",
+        f"on one core of {machine()}; ratios are good to about 5 %.",
+        "",
+        "| scene | µs | without " + " | ".join([*columns, "all"]) + " |",
+        "|---" * (3 + len(columns)) + "|",
+        *cost_rows,
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def machine() -> str:
+    return (
+        f"{'an' if platform.machine()[0] in 'aeiox' else 'a'} {platform.machine().replace('_', '-')} machine"
+    )
+
+
+if __name__ == "__main__":
+    text = PAGE.read_text(encoding="utf-8")
+    before, rest = text.split(BEGIN)
+    PAGE.write_text(before + BEGIN + tables() + END + rest.split(END)[1], encoding="utf-8")
+    print(f"{PAGE.relative_to(ROOT)}: the tables are new")
