@@ -109,7 +109,8 @@ def ball_first() -> Scene:
     c = [n[1] * b[2] - n[2] * b[1], n[2] * b[0] - n[0] * b[2], n[0] * b[1] - n[1] * b[0]]
     along = {"rotation": {"matrix": [n, b, c]}}
     joints = {
-        "ball": {"type": "spherical", "parent": at("crank", 0, 0, 0.08), "child": {**at("rod", 0.3), **along}},
+        "ball": {"type": "spherical", "parent": at("crank", 0, 0, 0.08),
+                 "child": {**at("rod", 0.3), **along}},
         "main": hinge(at("ground", 0, 0.1, 0.12), "crank", axis=[1, 0, 0], start={"w": 6, "fixed": True}),
         "slide": {"type": "prismatic", "parent": "ground", "child": "slider", "axis": [1, 0, 0],
                   "start": {"s": 0.2}},
@@ -190,9 +191,9 @@ def tables() -> str:
         "|---|---|---|---|---|---|---|",
         *size_rows,
         "",
-        "CPU time of one evaluation of the equations of motion [µs], and how many times as long it takes without",
-        "one reduction and without all. Empty: the reduction finds nothing to do there. Least of "
-        f"{ROUNDS * 20} measurements,",
+        "CPU time of one evaluation of the equations of motion [µs], and how many times as long it takes",
+        "without one reduction and without all. Empty: the reduction finds nothing to do there. Least of "
+        f"{ROUNDS * 20} measurements",
         f"on one core of {machine()}; ratios are good to about 5 %.",
         "",
         "| scene | µs | without " + " | ".join([*columns, "all"]) + " |",

@@ -170,6 +170,9 @@ def test_export_without_a_reduction(four_bar_file: Path, tmp_path: Path) -> None
     told("export", four_bar_file, "--without", "planar", "--without", "outputs", "-o", "x.fmu", cwd=tmp_path)
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
         carried = json.loads(archive.read("resources/scene.json"))
+        page = archive.read("documentation/index.html").decode()
+    assert "<li>planar: switched off in the scene</li>" in page
+    assert "redundant_rows: 3 rows repeat others at every position" in page
     assert carried["solver"]["reductions"] == {"planar": False, "outputs": False}
     out = told("simulate", "x.fmu", "--stop", "0.05", "--output", "-", cwd=tmp_path)
     assert out == gelenk.simulate(four_bar_file, stop=0.05, without=["planar", "outputs"]).csv()
