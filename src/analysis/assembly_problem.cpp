@@ -76,11 +76,21 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
   return g;
 }
 
-MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+// The rows of the loops at q. Those that forbid nothing there are 0, not the rounding that is left of them: taken for
+// rows it would hold still what can move.
+MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
   dynamics_.factorise();
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   MatrixXd G = Eigen::Map<const RowMajor>(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv);
+  for (Eigen::Index r = 0; r < G.rows() && G.cols() > 0; ++r) {
+    if (G.row(r).lpNorm<Eigen::Infinity>() < 1e-12 * length_) G.row(r).setZero();
+  }
+  return G;
+}
+
+MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+  MatrixXd G = rows_at(q);
   if (cut_wishes_) append_rows(G, cut_columns(q), cuts_.q_fixed);
   return columns(G, free_q_);
 }
@@ -114,10 +124,7 @@ AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
   for (int k = 0; k < nv; ++k) {
     if (tree_.v_fixed[k]) fixed[k] = out.v[k] = tree_.v[k];
   }
-  dynamics_.set_position(q.data());
-  dynamics_.factorise();
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  MatrixXd G = Eigen::Map<const RowMajor>(dynamics_.jacobian().data(), mechanism_.rows, nv);
+  MatrixXd G = rows_at(q);
   MatrixXd T = MatrixXd::Zero(nv, nv);
   out.d0.resize(nv);
   for (int k = 0; k < nv; ++k) {

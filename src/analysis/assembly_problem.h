@@ -39,6 +39,7 @@ class AssemblyProblem {
   double length() const { return length_; }
 
  private:
+  Eigen::MatrixXd rows_at(const std::vector<double>& q);
   Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
   Eigen::VectorXd cut_offset(const std::vector<double>& q);
   const Eigen::MatrixXd& cut_columns(const std::vector<double>& q);

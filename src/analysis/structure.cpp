@@ -22,8 +22,9 @@ using ConstRows = Eigen::Map<const RowMajor>;
 constexpr double same_row = 1e-8;
 // Speeds below this fraction of the fastest stand still: rounding of the closure, as above.
 constexpr double no_motion = 1e-8;
-constexpr double closed = 1e-12;  // m or rad
-constexpr double reach = 0.3;     // rad: from one position to the next
+constexpr double closed = 1e-12;   // m or rad
+constexpr double reach = 0.3;      // rad: from one position to the next
+constexpr double damping = 1e-10;  // of the closing steps, in the rows' mean square
 
 class Explorer {
  public:
@@ -73,22 +74,23 @@ class Explorer {
     return dv / size;
   }
 
-  // Moves q_ on along a free motion. False: nothing can move, or no closed position was found there.
+  // Moves q_ on along a random free motion. False: nothing can move, or no closed position was found there.
   bool move(int rank) {
     stand(q_, rank);
     const VectorXd motion = free_motion();
-    if (motion.size() == 0) return false;
+    return motion.size() > 0 && move_along(motion);
+  }
+
+  // motion: its largest speed 1.
+  bool move_along(const VectorXd& motion) {
     double step = step_;
     for (int attempt = 0; attempt < 3; ++attempt, step /= 3) {
-      // Off the loops repeated rows look independent, and at a singular start so do all: the fewest first.
-      for (int limit = rank; limit <= std::min(mechanism_.rows, mechanism_.nv); ++limit) {
-        std::vector<double> moved = q_;
-        const VectorXd dv = step * motion;
-        dynamics_.displace(moved.data(), dv.data());
-        if (!close(moved, limit)) continue;
-        q_ = std::move(moved);
-        return true;
-      }
+      std::vector<double> moved = q_;
+      const VectorXd dv = step * motion;
+      dynamics_.displace(moved.data(), dv.data());
+      if (!close(moved) || distance(moved) < step / 5) continue;
+      q_ = std::move(moved);
+      return true;
     }
     return false;
   }
@@ -102,18 +104,27 @@ class Explorer {
   }
 
  private:
-  bool close(std::vector<double>& q, int limit) {
-    std::vector<double> dv(mechanism_.nv);
-    double before = INFINITY;
-    for (int i = 0; i < 25; ++i) {
-      stand(q, limit);
-      const auto& Phi = dynamics_.Phi();
-      const double gap =
-          Phi.empty() ? 0 : Eigen::Map<const VectorXd>(Phi.data(), mechanism_.rows).lpNorm<Eigen::Infinity>();
-      if (!std::isfinite(gap) || (i > 4 && gap > 0.9 * before)) return false;
+  double distance(const std::vector<double>& q) const {
+    double most = 0;
+    for (std::size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(q[i] - q_[i]));
+    return most;
+  }
+
+  // Levenberg-Marquardt steps, which ask for no rank: off the loops rows that repeat others look independent, and at
+  // a singular start rows that are independent do not.
+  bool close(std::vector<double>& q) {
+    for (int i = 0; i < 60; ++i) {
+      stand(q, mechanism_.rows);
+      const VectorXd Phi = Eigen::Map<const VectorXd>(dynamics_.Phi().data(), mechanism_.rows);
+      const double gap = Phi.lpNorm<Eigen::Infinity>();
+      if (!std::isfinite(gap)) return false;
       if (gap < closed) return true;
-      before = gap;
-      dynamics_.correct(Phi.data(), dv.data());
+      const MatrixXd J = jacobian();
+      MatrixXd A = J * J.transpose();
+      A.diagonal().array() += damping * A.trace() / static_cast<double>(A.rows());
+      VectorXd dv = -J.transpose() * A.ldlt().solve(Phi);
+      const double size = dv.lpNorm<Eigen::Infinity>();
+      if (size > reach) dv *= reach / size;
       dynamics_.displace(q.data(), dv.data());
     }
     return false;
@@ -161,6 +172,11 @@ class Standing {
   Structure& out_;
 };
 
+VectorXd unit(const std::vector<double>& motion) {
+  const VectorXd v = Eigen::Map<const VectorXd>(motion.data(), static_cast<Index>(motion.size()));
+  return v / v.lpNorm<Eigen::Infinity>();
+}
+
 // Rows that are constant combinations of the others, given the rows at several positions side by side. Returns
 // the others.
 std::vector<bool> needed_rows(const MatrixXd& side_by_side, double nothing) {
@@ -192,7 +208,8 @@ MatrixXd left_null_space(const MatrixXd& J, double nothing) {
 
 }  // namespace
 
-Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q) {
+Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
+                       const std::vector<double>& way) {
   Structure out;
   Explorer explorer(mechanism, dynamics, q);
   Standing standing(mechanism, out);
@@ -204,7 +221,9 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   if (deficient || (standing.any() && mechanism.rows > 0)) {
     const int positions = mechanism.rows <= 100 ? 10 : 3;
     for (int i = 0; i < positions; ++i) {
-      if (!explorer.move(out.rank)) continue;
+      // First the way it will go: of the branches that meet in a singular start, this is the one that counts.
+      const bool moved = i == 0 && !way.empty() ? explorer.move_along(unit(way)) : explorer.move(out.rank);
+      if (!moved) continue;
       out.rank = std::max(out.rank, explorer.rank_here());
       out.idle_q = explorer.position();
       seen.push_back(explorer.jacobian());

@@ -26,9 +26,10 @@ struct Structure {
   std::vector<double> idle_q;
 };
 
-// From q, closed, along random free motions to several other closed positions. Leaves `dynamics` at q and
-// dynamics.limit_rank at the rank.
-Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q);
+// From q, closed, along free motions to several other closed positions: first the way the mechanism sets out (nv speeds
+// or accelerations; empty: unknown), then at random. Leaves `dynamics` at q and dynamics.limit_rank at the rank.
+Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
+                       const std::vector<double>& way);
 
 // Speeds that may serve as independent ones at q: nv - rank of them. prefer[k]: wanted among them.
 std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,

@@ -2,9 +2,11 @@
 #include "simulation/preparation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/text.h"
 #include "simulation/report.h"
+#include "simulation/signals.h"
 #include "simulation/start.h"
 
 namespace gelenk {
@@ -97,8 +99,23 @@ struct Preparer {
   void find_structure() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
-      island.structure = structure_of(out.reduced.islands[i], *dynamics[i], island.start.q);
+      island.structure = structure_of(out.reduced.islands[i], *dynamics[i], island.start.q, way(island, *dynamics[i]));
     }
+  }
+
+  // The motion with which an island sets out: its speeds, or from rest its accelerations without inputs.
+  std::vector<double> way(const PreparedIsland& island, Dynamics& of) const {
+    const auto moves = [](const std::vector<double>& v) {
+      return std::ranges::any_of(v, [](double x) { return std::abs(x) > 1e-9; });
+    };
+    if (moves(island.start.v)) return island.start.v;
+    const std::vector<double> u(input_signals(scene).size(), 0.0);
+    std::vector<double> vdot(island.start.v.size());
+    of.set_position(island.start.q.data());
+    of.factorise();
+    of.set_velocity(island.start.v.data());
+    of.solve(u.data(), vdot.data());
+    return moves(vdot) ? vdot : std::vector<double>();
   }
 
   bool reaction_observed(const Mechanism& mechanism) const {
