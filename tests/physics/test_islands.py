@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import copy
+import math
 
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Array, Scene, body, four_bar, frame, joint, rod, scene
 
 import gelenk
+from gelenk.inspection import evaluation_cost
 
 from .reducible import joined, pendulum_on, two_mechanisms
 from .running import INTEGRATORS
@@ -63,6 +65,17 @@ def test_island_moves_as_if_it_were_alone(integrator: str) -> None:
             assert np.array_equal(found[name], values), name
     for count in ("solver.evaluations", "solver.steps"):
         assert together.diagnostics[count] == sum(plant.diagnostics[count] for plant in alone) > 0
+
+
+def test_islands_cost_what_they_cost_alone() -> None:
+    """CPU time of an evaluation, the least of up to 20 measurements; 15 % for where data come to lie."""
+    least = [math.inf] * 3
+    for _ in range(20):
+        for i, source in enumerate((two_mechanisms(), plain_four_bar(), spatial_pendulum())):
+            least[i] = min(least[i], evaluation_cost(source).seconds or math.inf)
+        if least[0] <= 1.15 * (least[1] + least[2]):
+            break
+    assert least[0] <= 1.15 * (least[1] + least[2])
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
