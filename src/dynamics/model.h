@@ -104,7 +104,6 @@ struct Model {
     typename A::Inertia G;
   };
   struct Cut {
-    CutJoint joint;
     int link_a, link_b;
     int first_row, rows;
     bool all_rows;
@@ -113,6 +112,7 @@ struct Model {
     std::vector<bool> turns;
     typename A::Pose X_AF, X_BM;
     std::vector<int> path_a, path_b;
+    CutJoint joint;
   };
   std::vector<Link> links;
   std::vector<Cut> cuts;

@@ -102,20 +102,28 @@ struct Finder {
     return true;
   }
 
-  // Rods without which parts would come loose stay bodies: their joints are fewer states than a free body and a row.
-  // Best those that do not spin about themselves, which a body without inertia must not.
+  // A rod without which a part would come loose stays a body: its joints are fewer states than six of a free part, with
+  // a joint there or without, and a row. It must not spin about itself then: no inertia says how fast.
   void keep_connected() {
     Sets sets(graph.groups.size());
     std::vector<bool> is_rod(graph.groups.size(), false);
     for (const RodEdge& rod : found) is_rod[rod.group] = true;
-    for (const Edge& edge : graph.edges) {
-      if (!is_rod[edge.group_a] && !is_rod[edge.group_b]) sets.join(edge.group_a, edge.group_b);
-    }
-    std::ranges::stable_partition(found, [](const RodEdge& rod) { return !rod.joint.spins(); });
+    const auto join_joints = [&](bool that_hold) {
+      for (const Edge& edge : graph.edges) {
+        const bool holds = kind_of(edge.joint).nv < (planar ? 3 : 6);
+        if (holds == that_hold && !is_rod[edge.group_a] && !is_rod[edge.group_b]) sets.join(edge.group_a, edge.group_b);
+      }
+    };
     std::vector<RodEdge> in_loops;
-    for (const RodEdge& rod : found) {
-      if (!sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
-    }
+    const auto join_rods = [&](bool that_spin) {
+      for (const RodEdge& rod : found) {
+        if (rod.joint.spins() == that_spin && !sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
+      }
+    };
+    join_joints(true);
+    join_rods(false);
+    join_joints(false);
+    join_rods(true);
     found = std::move(in_loops);
   }
 
