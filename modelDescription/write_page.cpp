@@ -74,7 +74,7 @@ void add_reductions(std::string& page, const Inspection& report) {
   row("constraint rows", before.rows, after.rows);
   row("parts solved apart", before.islands, after.islands);
   row("parts computed in a plane", 0, after.planar_islands);
-  page += "</table>\n<p>What made it smaller, without changing what it does:</p>\n<ul>\n";
+  page += "</table>\n<p>What was looked for, to compute no more than the scene needs:</p>\n<ul>\n";
   for (const ReductionReport& reduction : report.reductions) {
     for (const std::string& note : reduction.notes) {
       page += "<li>" + escaped(reduction.name) + ": " + escaped(note) + "</li>\n";

@@ -89,11 +89,15 @@ class Explorer {
       const VectorXd dv = step * motion;
       dynamics_.displace(moved.data(), dv.data());
       if (!close(moved) || distance(moved) < step / 5) continue;
+      before_ = std::move(q_);
       q_ = std::move(moved);
       return true;
     }
     return false;
   }
+
+  // To before the last move.
+  void back() { q_ = before_; }
 
   const std::vector<double>& position() const { return q_; }
 
@@ -132,7 +136,7 @@ class Explorer {
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  std::vector<double> q_;
+  std::vector<double> q_, before_;
   double step_;
   double nothing_;          // rad/rad or m/rad, as the rows
   std::mt19937 random_{1};  // NOLINT(bugprone-random-generator-seed): the same scene gives the same structure
@@ -219,12 +223,17 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   const bool deficient = out.rank < mechanism.rows;
   std::vector<MatrixXd> seen = {explorer.jacobian()};
   if (deficient || (standing.any() && mechanism.rows > 0)) {
-    const int positions = mechanism.rows <= 100 ? 10 : 3;
-    for (int i = 0; i < positions; ++i) {
+    const std::size_t positions = mechanism.rows <= 100 ? 10 : 4;
+    for (std::size_t i = 0; i < 2 * positions && seen.size() <= positions; ++i) {
       // First the way it will go: of the branches that meet in a singular start, this is the one that counts.
       const bool moved = i == 0 && !way.empty() ? explorer.move_along(unit(way)) : explorer.move(out.rank);
       if (!moved) continue;
-      out.rank = std::max(out.rank, explorer.rank_here());
+      const int rank = explorer.rank_here();
+      if (rank < out.rank) {
+        explorer.back();  // into a singular position, from where other branches lead
+        continue;
+      }
+      out.rank = rank;
       out.idle_q = explorer.position();
       seen.push_back(explorer.jacobian());
       standing.see(dynamics, explorer.free_motion());
@@ -243,6 +252,8 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
     }
     needed = needed_rows(side_by_side, explorer.nothing());
+    // Positions all too near a singular one tell too little.
+    if (std::ranges::count(needed, true) < out.rank) needed.assign(mechanism.rows, true);
   }
   for (const Cut& cut : mechanism.cuts) {
     std::vector<int>& kept = out.needed.emplace_back();

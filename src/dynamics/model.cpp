@@ -15,8 +15,8 @@ Model<A>::Model(const Mechanism& mechanism)
                      inertia_in<A>(link.G)});
   }
   for (const gelenk::Cut& cut : mechanism.cuts) {
-    cuts.push_back({cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.rows == cut.joint_rows, cut.kept,
-                    cut.iq, cut.iv, cut.nq, cut.nv, cut.turns, pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a,
+    cuts.push_back({cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.rows == cut.joint_rows, cut.kept, cut.iq,
+                    cut.iv, cut.nq, cut.nv, cut.turns, pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a,
                     cut.path_b, cut.joint});
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/inspection.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <map>
 #include <set>
@@ -29,7 +30,7 @@ std::string direction(const Vector3d& d) {
 }
 
 std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_UC) {
-  if (!w.f.isZero(0)) return "sliding along " + direction(R_UC * w.f.normalized());
+  if (w.f.norm() > 1e-9 * w.n.norm()) return "sliding along " + direction(R_UC * w.f.normalized());
   return "turning about " + direction(R_UC * w.n.normalized());
 }
 
@@ -89,20 +90,55 @@ class RowInspector {
   }
 
   void name_rows(const Mechanism& mechanism, const Structure& structure, const Dynamics& dynamics) {
-    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) {
+    for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      const std::vector<int>& needed = structure.needed[c];
       Row<Spatial> rows[6];
-      const Pose3 X_FM = dynamics.cut_pose(static_cast<int>(c));
+      const Pose3 X_FM = dynamics.cut_pose(c);
       std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
-      for (int r = 0; r < cut.joint_rows; ++r) {
-        if (std::ranges::find(needed, r) != needed.end()) continue;
-        const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[cut.scene_joints.front()].R_UC;
-        out_.redundant_rows.push_back(
-            {scene_.joints[cut.scene_joints.front()].name, forbidden_motion(rows[r].w, R_UC)});
+      const int joint = cut.scene_joints.front();
+      for (const Spatial::Force& w : redundant_wrenches(mechanism, structure, dynamics, c, rows)) {
+        const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[joint].R_UC;
+        out_.redundant_rows.push_back({scene_.joints[joint].name, forbidden_motion(w, R_UC)});
       }
       if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, cut));
     }
+  }
+
+  // What the rows of a cut forbid in vain: one wrench for each row that is not needed. Rows that do nothing speak for
+  // themselves; of others that do nothing together their sum does.
+  static std::vector<Spatial::Force> redundant_wrenches(const Mechanism& mechanism, const Structure& structure,
+                                                        const Dynamics& dynamics, int c, const Row<Spatial>* rows) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const RowMajor> J(dynamics.jacobian().data(), mechanism.rows, mechanism.nv);
+    const Cut& cut = mechanism.cuts[c];
+    std::vector<Spatial::Force> out;
+    std::vector<int> dropped;
+    std::vector<int> working;
+    for (int r = 0; r < cut.joint_rows; ++r) {
+      const bool idle = J.cols() == 0 || J.row(cut.first_row + r).lpNorm<Eigen::Infinity>() < 1e-9;
+      if (!idle) working.push_back(r);
+      if (std::ranges::find(structure.needed[c], r) != structure.needed[c].end()) continue;
+      if (idle) out.push_back(rows[r].w);
+      if (!idle) dropped.push_back(r);
+    }
+    if (dropped.empty()) return out;
+    Eigen::MatrixXd block(working.size(), J.cols());
+    for (std::size_t i = 0; i < working.size(); ++i) block.row(static_cast<int>(i)) = J.row(cut.first_row + working[i]);
+    Eigen::FullPivLU<Eigen::MatrixXd> lu(block.transpose());
+    lu.setThreshold(1e-8);
+    const Eigen::MatrixXd together = lu.kernel();
+    const bool told = lu.dimensionOfKernel() == static_cast<Eigen::Index>(dropped.size());
+    for (std::size_t k = 0; k < dropped.size(); ++k) {
+      Spatial::Force w = rows[dropped[k]].w;
+      if (told) {
+        w = {};
+        for (std::size_t i = 0; i < working.size(); ++i) {
+          w += together(static_cast<int>(i), static_cast<int>(k)) * rows[working[i]].w;
+        }
+      }
+      out.push_back(w);
+    }
+    return out;
   }
 
   std::string loop(const Mechanism& mechanism, const Cut& cut) const {
