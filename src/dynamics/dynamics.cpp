@@ -159,6 +159,18 @@ class DynamicsOf final : public Dynamics {
     }
   }
 
+  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out) override {
+    if (!differentiator_) differentiator_ = std::make_unique<Differentiator<A>>(mechanism_, loads_, inputs);
+    if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
+    (*differentiator_)({q_.data(), v_.data(), u, vdot, ws_.lambda.data(), cut_reference_.data()}, out);
+  }
+
+  void solve_linear(double* r, const double* c) const override {
+    M_.solve_transposed(r);
+    if (model_.rows > 0) Y_.constrain(r, c);
+    M_.solve(r);
+  }
+
   const std::vector<double>& Phi() const override { return ws_.Phi; }
   bool row_is_angle(int row) const override {
     const auto& w = ws_.row[row].w;
@@ -271,6 +283,7 @@ class DynamicsOf final : public Dynamics {
   int max_rank_;
   typename A::Motion root_acceleration_{};
   std::vector<double> w_, tau_, v_, q_, cut_reference_;
+  std::unique_ptr<Differentiator<A>> differentiator_;
   Energy energy_;
   long evaluations_ = 0;
 };

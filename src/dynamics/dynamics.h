@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "dynamics/derivatives.h"
 #include "dynamics/model.h"
 
 namespace gelenk {
@@ -48,6 +49,12 @@ class Dynamics {
   // q <- q moved by the small displacement dv (speeds times time), redundant parts renormalised.
   virtual void displace(double* q, const double* dv) const = 0;
   virtual void normalise(double* q) const = 0;
+
+  // Exact derivatives of the residuals at the state of the last solve(), with its vdot and lambda. u: `inputs` numbers.
+  // Allocates when first called.
+  virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out) = 0;
+  // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x.
+  virtual void solve_linear(double* r, const double* c) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m

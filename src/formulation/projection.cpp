@@ -62,6 +62,25 @@ bool Projection::rhs(double, const double* y, double* ydot) {
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
 
+// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc).
+bool Projection::jacobian(double t, const double* y, double* J) {
+  ydot_.resize(size());
+  if (!rhs(t, y, ydot_.data())) return false;
+  dynamics_.differentiate(u_.data(), static_cast<int>(u_.size()), ydot_.data() + nq_, slopes_);
+  Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
+  out.topLeftCorner(nq_, nq_) = slopes_.qdot_q;
+  out.topRightCorner(nq_, nv_) = slopes_.qdot_v;
+  out.bottomLeftCorner(nv_, nq_) = -slopes_.r_q;
+  out.bottomRightCorner(nv_, nv_) = -slopes_.r_v;
+  slopes_.c_q = -slopes_.c_q;
+  slopes_.c_v = -slopes_.c_v;
+  for (int k = 0; k < size(); ++k) {
+    const double* c = k < nq_ ? slopes_.c_q.col(k).data() : slopes_.c_v.col(k - nq_).data();
+    dynamics_.solve_linear(out.col(k).data() + nq_, c);
+  }
+  return out.allFinite();
+}
+
 // Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.
 double Projection::rounding(const double* q) const {
   double largest_q = 0;

@@ -18,7 +18,10 @@ class Projection final : public OdeSystem {
   Projection(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
 
   int size() const override { return nq_ + nv_; }
+  int coordinates() const override { return nq_; }
   bool rhs(double t, const double* y, double* ydot) override;
+  bool jacobian(double t, const double* y, double* J) override;
+  void displace(double* q, const double* dv) const override { dynamics_.displace(q, dv); }
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
 
@@ -41,7 +44,8 @@ class Projection final : public OdeSystem {
   int nq_, nv_;
   double length_;  // m: rounding of a closed loop grows with it
   bool factors_ = false;
-  std::vector<double> dv_;
+  std::vector<double> dv_, ydot_;
+  Slopes slopes_;
   std::vector<double> cut_q_, cut_v_, cut_v_last_;
   double last_time_ = 0;
 };

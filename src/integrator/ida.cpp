@@ -35,6 +35,7 @@ class Ida final : public SundialsIntegrator {
     const double tolerance = std::max(least_tolerance, local_share * options.tolerance);
     IDASStolerances(memory_, tolerance, tolerance);
     IDASetLinearSolver(memory_, linear_.get(), matrix_.get());
+    IDASetJacFn(memory_, jacobian);
     IDASetMaxNumSteps(memory_, -1);
     newton_ = sundials::made(SUNNonlinSol_Newton(y_.get(), context_));
     newton_solve_ = newton_->ops->solve;
@@ -85,6 +86,18 @@ class Ida final : public SundialsIntegrator {
     const double* rate = sundials::data(ydot);
     double* out = sundials::data(r);
     for (int i = 0; i < ida.n_; ++i) out[i] = rate[i] - ida.f_[i];
+    return 0;
+  }
+
+  // d residual/dy + cj d residual/d ydot = cj - df/dy.
+  static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector, N_Vector, SUNMatrix J, void* self, N_Vector,
+                      N_Vector, N_Vector) {
+    Ida& ida = *static_cast<Ida*>(self);
+    double* columns = SUNDenseMatrix_Data(J);
+    if (!ida.system_.jacobian(t, sundials::data(y), columns)) return 1;
+    const int n = ida.n_;
+    for (int i = 0; i < n * n; ++i) columns[i] = -columns[i];
+    for (int i = 0; i < n; ++i) columns[i * n + i] += cj;
     return 0;
   }
 

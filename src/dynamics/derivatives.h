@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exact derivatives of the equations of motion by coordinates, speeds and inputs: the kernels run on numbers that
+// carry them (math/dual.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "dynamics/model.h"
+
+namespace gelenk {
+
+// Of the residuals
+//   r = M(q) vdot + h(q, v) + J(q)^T lambda - tau(q, v, u)     (nv)
+//   c = J(q) vdot - gamma(q, v)                                (rows)
+// with vdot and lambda held, of Phi and J v, and of qdot = N(q) v. By q: by its nq numbers, each free (a quaternion's
+// length too).
+struct Slopes {
+  Eigen::MatrixXd r_q, r_v, r_u;   // nv x nq, nv x nv, nv x inputs of the scene
+  Eigen::MatrixXd c_q, c_v;        // rows x nq, rows x nv
+  Eigen::MatrixXd Phi_q, rate_q;   // rows x nq: of Phi and of J v; by v the latter is J
+  Eigen::MatrixXd qdot_q, qdot_v;  // nq x nq, nq x nv
+};
+
+// A point at which to differentiate; u: all inputs of the scene. cut_reference: angles of cut joints as counted.
+struct Point {
+  const double* q;
+  const double* v;
+  const double* u;
+  const double* vdot;
+  const double* lambda;
+  const double* cut_reference;
+};
+
+// A: the algebra over double. Works in memory of its own; allocates when made only.
+template <class A>
+class Differentiator {
+ public:
+  // inputs: number of the scene's inputs.
+  Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs);
+  ~Differentiator();
+
+  void operator()(const Point& at, Slopes& out);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gelenk
