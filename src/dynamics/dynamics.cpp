@@ -67,6 +67,7 @@ class DynamicsOf final : public Dynamics {
         Y_(model_.nv, model_.rows),
         max_rank_(model_.rows),
         w_(model_.nv),
+        expected_(model_.nv),
         tau_(model_.nv),
         v_(model_.nv),
         q_(model_.nq),
@@ -107,7 +108,9 @@ class DynamicsOf final : public Dynamics {
     kernels::loop_velocities(model_, ws_);
   }
 
-  void solve(const double* u, double* vdot) override {
+  void set_weak_pivots(double ratio) override { Y_.set_weak(ratio); }
+
+  void solve(const double* u, double* vdot, const double* expected) override {
     ++evaluations_;
     kernels::link_loads(model_, loads_, u, ws_);
     kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
@@ -115,7 +118,10 @@ class DynamicsOf final : public Dynamics {
     for (int k = 0; k < model_.nv; ++k) w_[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, w_.data());
     M_.solve_transposed(w_.data());
-    if (model_.rows > 0) Y_.constrain(w_.data(), ws_.gamma.data());
+    if (model_.rows > 0) {
+      if (expected != nullptr) M_.multiply(expected, expected_.data());
+      Y_.constrain(w_.data(), ws_.gamma.data(), expected == nullptr ? nullptr : expected_.data());
+    }
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
     if (!everything_) return;
@@ -167,7 +173,7 @@ class DynamicsOf final : public Dynamics {
 
   void solve_linear(double* r, const double* c) const override {
     M_.solve_transposed(r);
-    if (model_.rows > 0) Y_.constrain(r, c);
+    if (model_.rows > 0) Y_.constrain(r, c, nullptr);
     M_.solve(r);
   }
 
@@ -282,7 +288,7 @@ class DynamicsOf final : public Dynamics {
   RowFactor Y_;
   int max_rank_;
   typename A::Motion root_acceleration_{};
-  std::vector<double> w_, tau_, v_, q_, cut_reference_;
+  std::vector<double> w_, expected_, tau_, v_, q_, cut_reference_;
   std::unique_ptr<Differentiator<A>> differentiator_;
   Energy energy_;
   long evaluations_ = 0;

@@ -37,8 +37,10 @@ class Dynamics {
   virtual void factorise() = 0;
   // Velocities, J v (row_rates) and the velocity products h, gamma.
   virtual void set_velocity(const double* v) = 0;
-  // Solves for vdot under the inputs u.
-  virtual void solve(const double* u, double* vdot) = 0;
+  // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null.
+  virtual void solve(const double* u, double* vdot, const double* expected = nullptr) = 0;
+  // Pivots of the rows near or below this ratio to the largest are weak (row_factor.h); 0: none.
+  virtual void set_weak_pivots(double ratio) = 0;
   // --- what only outputs need ---
   // Poses of all links in the root frame, after set_position.
   virtual void set_root_poses() = 0;

@@ -161,14 +161,29 @@ void RowFactor::to_rows(const double* d, double* lambda) const {
   for (int k = 0; k < m_; ++k) lambda[order_[k]] = e[k];
 }
 
-void RowFactor::constrain(double* w, const double* gamma) const {
+double RowFactor::share(int k) const {
+  if (weak_ == 0) return 1;
+  const double p = diagonal_[k] / diagonal_[0];
+  return p * p / (p * p + weak_ * weak_);
+}
+
+void RowFactor::constrain(double* w, const double* gamma, const double* expected) const {
   double* d = d_.data();
   double* f = f_.data();
   from_rows(gamma, d);
   reflect(w);
+  double* e = e_.data();
+  if (weak_ > 0 && expected != nullptr) {
+    std::copy(expected, expected + n_, e);
+    reflect(e);
+  } else {
+    std::copy(w, w + n_, e);
+  }
   for (int k = 0; k < rank_; ++k) {
-    f[k] = w[k] - d[k];  // what the constraints take away, along Q
-    w[k] = d[k];
+    const double s = share(k);
+    const double sum = s * d[k] + (1 - s) * e[k];
+    f[k] = w[k] - sum;  // what the constraints take away, along Q
+    w[k] = sum;
   }
   unreflect(w);
 }
@@ -178,7 +193,7 @@ void RowFactor::multipliers(double* lambda) const { to_rows(f_.data(), lambda); 
 void RowFactor::shortest(const double* residual, double* w) const {
   double* d = d_.data();
   from_rows(residual, d);
-  std::copy(d, d + rank_, w);
+  for (int k = 0; k < rank_; ++k) w[k] = share(k) * d[k];
   std::fill(w + rank_, w + n_, 0.0);
   unreflect(w);
 }

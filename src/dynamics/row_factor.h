@@ -20,14 +20,19 @@ class RowFactor {
   // Column r of Y (whitened row r), to be filled before factorise().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
+  // Pivots near or below this fraction of the largest are weak: what the rows say along them is taken by the share
+  // s = p^2 / (p^2 + weak^2). 0: none are.
+  void set_weak(double weak) { weak_ = weak; }
+
   // At most max_rank pivots are used. The rest repeat others; off the constraints they may not look it.
   void factorise(int max_rank);
   int rank() const { return rank_; }
   // Smallest used pivot over the largest: what is left of the rank. 1 when there are no rows.
   double pivot_ratio() const { return ratio_; }
 
-  // w <- the w nearest to a (given in w) with Y^T w = gamma.
-  void constrain(double* w, const double* gamma) const;
+  // w <- the w nearest to a (given in w) with Y^T w = gamma. Where pivots are weak (below), their directions follow
+  // `expected` (n numbers; may be null: then they follow a).
+  void constrain(double* w, const double* gamma, const double* expected) const;
   // The multipliers of the last constrain(), minimum norm.
   void multipliers(double* lambda) const;
   // w <- the shortest w with Y^T w = residual.
@@ -36,6 +41,7 @@ class RowFactor {
  private:
   void factorise_rows(int max_rank);
   void factorise_redundant();
+  double share(int k) const;                            // of pivot k, see set_weak
   void reflect(double* x) const;                        // x <- Q^T x
   void unreflect(double* x) const;                      // x <- Q x
   void from_rows(const double* in, double* d) const;    // d = least-squares solution of R_1^T d = P^T in
@@ -44,6 +50,7 @@ class RowFactor {
   int n_, m_;
   int rank_ = 0;
   double ratio_ = 1;
+  double weak_ = 0;
   std::vector<double> Y_;                         // R above, Householder vectors from the diagonal down
   std::vector<double> diagonal_;                  // of R
   std::vector<double> scale_;                     // 2 / |u|^2 of each Householder vector

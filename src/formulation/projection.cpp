@@ -9,8 +9,15 @@ namespace {
 
 // Newton stops here: relative to the mechanism's size, some tens of roundings.
 constexpr double closed = 1e-14;
-// Where rounding ends the progress earlier: so much more may be left.
-constexpr double slack = 1e3;
+
+// Passing a singular position (a change point, a dead centre). Beside it the weak direction's part of vdot is a
+// quotient of two numbers that vanish together, and what is left of rounding and of the step's error in it moves the
+// mechanism onto another branch; smaller steps only land nearer. So, as shares of the soundest pivot ratio seen:
+constexpr double near_share = 0.5;    // below it the accelerations of accepted steps are remembered
+constexpr double sound_share = 0.1;   // below it no more: now they are extrapolated ...
+constexpr double weak_share = 0.003;  // ... and near and below this they stand in along the weak direction
+// With these N-four-bars of 1, 2, 10 and 40 windows keep to their branch for 20 s (56 passages) within 3e-7 m at
+// tolerances 1e-6 to 1e-10; three times as large or small serve nearly as well.
 
 double largest(const std::vector<double>& x) {
   double max = 0;
@@ -48,16 +55,62 @@ Projection::Projection(const Mechanism& mechanism, Dynamics& dynamics, const std
       cut_v_(mechanism.cut_nv),
       cut_v_last_(mechanism.cut_nv) {}
 
-bool Projection::rhs(double, const double* y, double* ydot) {
+void Projection::factorise() {
+  dynamics_.factorise();
+  factors_ = true;
+  soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
+  sound_ = !(dynamics_.pivot_ratio() < sound_share * soundest_);
+  dynamics_.set_weak_pivots(sound_ || rigorous_ ? 0 : weak_share * soundest_);
+}
+
+// How many times the rounding may be left: along weak directions what is left is small by itself, and leads back where
+// the rows are sound again.
+double Projection::slack() const { return sound_ ? 1e3 : 1e8; }
+
+// The accelerations that those remembered lead to, by a polynomial in time; null: not enough is known.
+const double* Projection::expected(double t) {
+  if (u_ != u_seen_) remembered_ = 0;
+  if (remembered_ < 2) return nullptr;
+  expected_.assign(nv_, 0);
+  for (int i = 0; i < remembered_; ++i) {
+    double weight = 1;
+    for (int j = 0; j < remembered_; ++j) {
+      if (j != i) weight *= (t - times_[j]) / (times_[i] - times_[j]);
+    }
+    for (int k = 0; k < nv_; ++k) expected_[k] += weight * accelerations_[i][k];
+  }
+  return expected_.data();
+}
+
+// Where `dynamics` stands: at the state accepted at t.
+void Projection::remember(double t) {
+  factorise();
+  if (!sound_) return;
+  if (u_ != u_seen_) {
+    remembered_ = 0;
+    u_seen_ = u_;
+  }
+  if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
+  if (remembered_ == memory) {
+    std::rotate(times_, times_ + 1, times_ + memory);
+    std::rotate(accelerations_, accelerations_ + 1, accelerations_ + memory);
+    --remembered_;
+  }
+  times_[remembered_] = t;
+  accelerations_[remembered_].resize(nv_);
+  dynamics_.solve(u_.data(), accelerations_[remembered_].data());
+  ++remembered_;
+}
+
+bool Projection::rhs(double t, const double* y, double* ydot) {
   const double* v = y + nq_;
   for (int i = 0; i < nq_ + nv_; ++i) {
     if (!std::isfinite(y[i])) return false;
   }
   dynamics_.set_position(y);
-  dynamics_.factorise();
-  factors_ = true;
+  factorise();
   dynamics_.set_velocity(v);
-  dynamics_.solve(u_.data(), ydot + nq_);
+  dynamics_.solve(u_.data(), ydot + nq_, sound_ ? nullptr : expected(t));
   dynamics_.rate(y, v, ydot);
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
@@ -99,10 +152,9 @@ bool Projection::project_position(double* q) {
     if (!std::isfinite(gap)) return false;
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too far away.
-    if (gap > 0.5 * before && gap <= slack * floor) return true;
+    if (gap > 0.5 * before && gap <= slack() * floor) return true;
     if (!factors_ || gap > 0.1 * before) {
-      dynamics_.factorise();
-      factors_ = true;
+      factorise();
     }
     before = gap;
     dynamics_.correct(dynamics_.Phi().data(), dv_.data());
@@ -122,10 +174,9 @@ bool Projection::project_velocity(double* v) {
     double speed = 1;
     for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
     if (gap <= closed * length_ * speed) return true;
-    if (gap > 0.5 * before && gap <= slack * closed * length_ * speed) return true;
+    if (gap > 0.5 * before && gap <= slack() * closed * length_ * speed) return true;
     if (!factors_ || gap > 0.1 * before) {
-      dynamics_.factorise();
-      factors_ = true;
+      factorise();
     }
     before = gap;
     dynamics_.correct(dynamics_.row_rates().data(), dv_.data());
@@ -135,10 +186,21 @@ bool Projection::project_velocity(double* v) {
   return false;
 }
 
-bool Projection::project(double, double* y) { return project_position(y) && project_velocity(y + nq_); }
+bool Projection::project(double, double* y) {
+  if (project_position(y) && project_velocity(y + nq_)) return true;
+  if (sound_) return false;
+  // A long step may have left more along a weak direction than may stay.
+  rigorous_ = true;
+  factorise();
+  const bool closed = project_position(y) && project_velocity(y + nq_);
+  rigorous_ = false;
+  return closed;
+}
 
 void Projection::accepted(double t, const double* y) {
-  if (!mechanism_.cuts.empty()) count_turns(t, y);
+  if (mechanism_.cuts.empty()) return;
+  count_turns(t, y);
+  if (mechanism_.rows > 0 && dynamics_.pivot_ratio() < near_share * soundest_) remember(t);
 }
 
 void Projection::count_from(const std::vector<double>& cut_q, double t, const double* y) {

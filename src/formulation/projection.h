@@ -2,7 +2,8 @@
 // `projection`: the index-1 form
 //   qdot = N v,   [M J^T; J 0] [vdot; lambda] = [tau - h; gamma],
 // with q and v put back on Phi = 0, J v = 0 after every accepted step by the smallest correction in the mass
-// metric (Eich 1993; Blajer 2002), so that neither drifts. Factors of the last evaluation are reused.
+// metric (Eich 1993; Blajer 2002), so that neither drifts. Factors of the last evaluation are reused. Through singular
+// positions the accelerations in the weak direction are carried on from before (projection.cpp).
 #pragma once
 
 #include <vector>
@@ -37,6 +38,20 @@ class Projection final : public OdeSystem {
  private:
   double rounding(const double* q) const;
   void count_turns(double t, const double* y);
+  void factorise();
+  double slack() const;
+  const double* expected(double t);
+  void remember(double t);
+
+  // Accelerations at the last times at which the rows were sound, for the passage of singular positions.
+  static constexpr int memory = 6;
+  int remembered_ = 0;
+  double times_[memory] = {};
+  std::vector<double> accelerations_[memory];
+  std::vector<double> expected_, u_seen_;
+  double soundest_ = 0;    // largest pivot ratio seen
+  bool sound_ = true;      // the last factors are not near a singular position
+  bool rigorous_ = false;  // weak directions are corrected in full
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
