@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Through singular positions: change points at which other branches open.
+
+The N-four-bar (IFToMM A02, tests/physics/test_parallelograms.py) falls as one pendulum and passes its change points,
+all bars in line, twice a turn. There each window could turn into its mirror image, and energy would not tell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from . import reducible
+from .running import assert_close, run
+from .test_parallelograms import falling, windows
+
+
+def tip(phi: np.ndarray) -> np.ndarray:
+    return np.array([np.sin(phi), np.cos(phi)]).T
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize(("n", "stop"), [(1, 20.0), (2, 20.0), (10, 20.0), (40, 2.0)])
+def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> None:
+    """At 100 communication points a second, which fall where they may: 56 passages in 20 s.
+
+    What a passage adds is what extrapolated accelerations miss over some hundredths of a second, less than 1e-8
+    m; the falling pendulum makes some tens of it over the run.
+    """
+    times = np.linspace(0, stop, round(100 * stop) + 1)
+    found = run(windows(n, 0.0, 1.0), times, tolerance=tolerance, integrator="erk")
+    expected = tip(falling(n, 0.0, 1.0, times))
+    assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "issue 4's bound, at any tolerance")
+
+
+@pytest.mark.parametrize("integrator", ["erk", "ida"])
+@pytest.mark.parametrize("n", [1, 2])
+def test_free_steps_pass_as_well(n: int, integrator: str) -> None:
+    """With no communication points to cut them, steps are ten times as long."""
+    times = np.array([0.0, 20.0])
+    found = run(windows(n, 0.0, 1.0), times, tolerance=1e-8, integrator=integrator)
+    expected = tip(falling(n, 0.0, 1.0, times))
+    assert_close("B0", found.vector("tip.r")[:, :2], expected, 5e-5, "5000 rtol: as anywhere over 14 turns")
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("coupler_is_parent", [False, True])
+def test_third_crank_does_not_hinder(coupler_is_parent: bool, tolerance: float) -> None:
+    """One of the rows always repeats others; at the change points one more does for a moment."""
+    source = reducible.triple_crank(coupler_is_parent)
+    times = np.linspace(0, 5, 501)
+    found = run(source, times, tolerance=tolerance, integrator="erk")
+    total = found["energy.total"]
+    assert_close(
+        "energy", total, total[0], 2000 * tolerance * 20 + 1e-7, "of some 20 J, and a little a passage"
+    )
+    turned = found["A0.phi"] - found["A0.phi"][0]
+    for k in (1, 2):
+        assert_close(
+            f"A{k}.phi", found[f"A{k}.phi"] - found[f"A{k}.phi"][0], turned, 1e-6, "it stays parallel"
+        )
