@@ -14,6 +14,7 @@
 #include "algebras.h"
 #include "bindings.h"
 #include "joint/rod.h"
+#include "math/dual.h"
 
 namespace nb = nanobind;
 
@@ -38,47 +39,69 @@ class RodInAlgebra {
   }
 
   Eigen::Matrix4d X_FM(const Vector& q) const {
-    return in_algebra([&]<class A>() { return shown(rod_.X_FM<A>(q.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.X_FM<A>(q.data())); });
   }
   Eigen::Matrix4d rod_pose(const Vector& q) const {
-    return in_algebra([&]<class A>() { return shown(rod_.rod_pose<A>(q.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.rod_pose<A>(q.data())); });
   }
   Vector6 V_FM(const Vector& q, const Vector& v) const {
-    return in_algebra([&]<class A>() { return shown(rod_.V_FM<A>(q.data(), v.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.V_FM<A>(q.data(), v.data())); });
   }
   Vector6 rod_velocity(const Vector& q, const Vector& v) const {
-    return in_algebra([&]<class A>() { return shown(rod_.rod_velocity<A>(q.data(), v.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.rod_velocity<A>(q.data(), v.data())); });
   }
   Vector6 bias(const Vector& q, const Vector& v) const {
-    return in_algebra([&]<class A>() { return shown(rod_.bias<A>(q.data(), v.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.bias<A>(q.data(), v.data())); });
   }
   Vector6 effort(const Vector& q, const Vector& tau) const {
-    return in_algebra([&]<class A>() { return shown(rod_.effort<A>(q.data(), tau.data())); });
+    return in_algebra([&]<class A> { return shown(rod_.effort<A>(q.data(), tau.data())); });
   }
   Vector speeds(const Vector& q, const Vector6& V) const {
     Vector v(rod_.nv());
-    in_algebra([&]<class A>() {
+    in_algebra([&]<class A> {
       rod_.speeds<A>(q.data(), pair_of<A, typename A::Motion>(V), v.data());
       return 0;
     });
     return v;
   }
   Vector coordinates(const Eigen::Matrix4d& X, Vector q) const {
-    in_algebra([&]<class A>() {
+    in_algebra([&]<class A> {
       rod_.coordinates<A>(pose<A>(X), q.data());
       return 0;
     });
     return q;
   }
+  // dq/dt for dX/dt, by numbers that carry derivatives.
+  Vector coordinate_rates(const Eigen::Matrix4d& X, const Eigen::Matrix4d& Xdot, const Vector& q) const {
+    const auto carried = [&](int i, int j) {
+      Dual x = X(i, j);
+      x.slope()[0] = Xdot(i, j);
+      return x;
+    };
+    std::vector<Dual> found(q.begin(), q.end());
+    if (planar_) {
+      rod_.coordinates<PlanarAlgebra<Dual>>({carried(0, 0), carried(1, 0), carried(0, 3), carried(1, 3)}, found.data());
+    } else {
+      SpatialAlgebra<Dual>::Pose pose;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) pose.R(i, j) = carried(i, j);
+        pose.p[i] = carried(i, 3);
+      }
+      rod_.coordinates<SpatialAlgebra<Dual>>(pose, found.data());
+    }
+    Vector out(q.size());
+    for (Eigen::Index i = 0; i < q.size(); ++i) out[i] = found[static_cast<std::size_t>(i)].slope()[0];
+    return out;
+  }
   std::pair<Vector6, double> row(const Eigen::Matrix4d& X) const {
-    return in_algebra([&]<class A>() {
+    return in_algebra([&]<class A> {
       Row<A> found;
       rod_.rows<A>(pose<A>(X), &found);
       return std::pair<Vector6, double>(shown(found.w), found.Phi);
     });
   }
   double row_bias(const Eigen::Matrix4d& X, const Vector6& V) const {
-    return in_algebra([&]<class A>() {
+    return in_algebra([&]<class A> {
       double out = 0;
       rod_.rows_bias<A>(pose<A>(X), pair_of<A, typename A::Motion>(V), &out);
       return out;
@@ -110,6 +133,7 @@ void bind_rods(nb::module_& joints) {
       .def("effort", &RodInAlgebra::effort, nb::arg("q"), nb::arg("tau"))
       .def("speeds", &RodInAlgebra::speeds, nb::arg("q"), nb::arg("V"))
       .def("coordinates", &RodInAlgebra::coordinates, nb::arg("X_FM"), nb::arg("q"))
+      .def("coordinate_rates", &RodInAlgebra::coordinate_rates, nb::arg("X_FM"), nb::arg("rate"), nb::arg("q"))
       .def("row", &RodInAlgebra::row, nb::arg("X_FM"))
       .def("row_bias", &RodInAlgebra::row_bias, nb::arg("X_FM"), nb::arg("V"));
 }

@@ -65,21 +65,6 @@ void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typen
   F.y += f.y();
 }
 
-// On the joint of a cut that has coordinates of its own in any number type: on rods no loads act, and theirs are
-// told in double only.
-template <class A, class Function>
-decltype(auto) visit_cut(const CutJoint& cut, Function&& function) {
-  using Result = std::invoke_result_t<Function, const Revolute&>;
-  return visit_joint<A>(cut, [&](const auto& joint) -> Result {
-    constexpr bool rod = std::is_same_v<std::decay_t<decltype(joint)>, Rod>;
-    if constexpr (rod && !std::is_same_v<typename A::Scalar, double>) {
-      __builtin_unreachable();
-    } else {
-      return function(joint);
-    }
-  });
-}
-
 template <class A>
 void spring_load(const PointSpring& spring, Workspace<A>& ws) {
   using T = typename A::Scalar;
@@ -138,7 +123,7 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
                              typename A::Scalar* q) {
   using T = typename A::Scalar;
   for (int i = 0; i < cut.nq; ++i) q[i] = T(reference[i]);
-  visit_cut<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
   for (int i = 0; i < cut.nq; ++i) {
     if (cut.turns[i]) q[i] += T(2 * M_PI * std::round((reference[i] - value_of(q[i])) / (2 * M_PI)));
   }
@@ -155,7 +140,7 @@ void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c
     turn.p.setZero();
   }
   const typename A::Motion V_M = turn.to_child(ws.V_FM[c]);
-  visit_cut<A>(cut.joint, [&](const auto& joint) { joint.template speeds<A>(q, V_M, v); });
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template speeds<A>(q, V_M, v); });
 }
 
 template <class A>
@@ -172,7 +157,7 @@ void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scal
     cut_speeds<A>(cut, ws, c, q, v);
     T tau[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
     on.add(q, v, u, tau);
-    const typename A::Force F_M = visit_cut<A>(
+    const typename A::Force F_M = visit_joint<A>(
         cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q, tau); });
     ws.F_cut[c] = F_M;
     ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "joint/rod.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "math/dual.h"
 
 namespace gelenk {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Shorter rods have no direction to speak of [m].
@@ -18,6 +18,8 @@ constexpr double shortest = 1e-6;
 constexpr double blind_cone = 1e-3;
 // A rod that passes the axis on the neighbour by less than this share of its way there goes straight across it.
 constexpr double straight = 1e-6;
+// Sum of two unit vectors too short to tell in which plane the way from one to the other lies.
+constexpr double opposite = 1e-12;
 
 // In the plane the ends are hinges, in space universal and spherical joints.
 template <class A, class Function>
@@ -37,81 +39,113 @@ decltype(auto) visit_end(const Rod::End& end, Function&& function) {
 
 // --- aim(): the coordinates with X_FM(q) d_M = d_F, for unit vectors; rod_in_M: d_M is fixed, else d_F ---
 
-void aim(const Revolute&, bool, const Vector3d& d_M, const Vector3d& d_F, double* q) {
-  q[0] = std::atan2(d_M.x() * d_F.y() - d_M.y() * d_F.x(), d_M.x() * d_F.x() + d_M.y() * d_F.y());
+template <class T>
+void aim(const Revolute&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
+  using std::atan2;
+  q[0] = atan2(d_M.x() * d_F.y() - d_M.y() * d_F.x(), d_M.x() * d_F.x() + d_M.y() * d_F.y());
 }
 
-void aim(const Spherical&, bool, const Vector3d& d_M, const Vector3d& d_F, double* q) {
-  quaternion::from_rotation<double>(Eigen::Quaterniond::FromTwoVectors(d_M, d_F).toRotationMatrix(), q);
+template <class T>
+void aim(const Spherical&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
+  const Vector3<T> sum = d_M + d_F;
+  const T twice = sum.norm();  // the cosine of half the angle
+  T found[4] = {T(0), T(0), T(0), T(0)};
+  if (value_of(twice) > opposite) {
+    const Vector3<T> u = d_M.cross(d_F) / twice;
+    for (int i = 0; i < 3; ++i) found[i] = u[i];
+    found[3] = twice / T(2);
+  } else {  // half a turn about whatever is normal to both
+    const Vector3d m(value_of(d_M.x()), value_of(d_M.y()), value_of(d_M.z()));
+    const Vector3d u = m.unitOrthogonal();
+    for (int i = 0; i < 3; ++i) found[i] = T(u[i]);
+  }
+  quaternion::normalise(found);
+  T same_side(0);
+  for (int i = 0; i < 4; ++i) same_side += found[i] * q[i];
+  for (int i = 0; i < 4; ++i) q[i] = same_side < T(0) ? T(-found[i]) : found[i];
 }
 
 // Between the two turns, Rot_x(phi_a) u = d_F and Rot_b(phi_b) d_M = u: u has the x component of d_F and the b
 // component of d_M, which leaves it two z components, h and -h. h vanishes only where the rod lies along the axis on
 // the neighbour, so a motion that keeps clear of it keeps to one sign. What goes straight across changes the sign; the
 // angle about that axis then stays.
-void aim(const Universal& joint, bool rod_in_M, const Vector3d& d_M, const Vector3d& d_F, double* q) {
+template <class T>
+void aim(const Universal& joint, bool rod_in_M, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
+  using std::atan2;
+  using std::sqrt;
   const double c = joint.cos_beta;
   const double s = joint.sin_beta;
-  const Vector3d b(c, s, 0);
-  const Vector3d g(s, -c, 0);  // b x z: x, y, z turned so that y lies along b
-  const double u_x = d_F.x();
-  const double u_b = b.dot(d_M);
-  const double u_y = (u_b - c * u_x) / s;
-  const double u_g = (u_x - c * u_b) / s;
+  // x, y, z turned about z so that y lies along b, and x along g.
+  const T m_b = c * d_M.x() + s * d_M.y();
+  const T m_g = s * d_M.x() - c * d_M.y();
+  const T u_y = (m_b - c * d_F.x()) / s;
+  const T u_g = (d_F.x() - c * m_b) / s;
   // 1 - u_x^2 - u_y^2, written so that nothing cancels near the axis on the neighbour.
-  const double h2 = rod_in_M ? d_F.y() * d_F.y() + d_F.z() * d_F.z() - u_y * u_y
-                             : g.dot(d_M) * g.dot(d_M) + d_M.z() * d_M.z() - u_g * u_g;
-  const double last_z = rod_in_M ? std::cos(q[1]) * d_M.z() - std::sin(q[1]) * g.dot(d_M)
-                                 : std::cos(q[0]) * d_F.z() - std::sin(q[0]) * d_F.y();
-  const auto solution = [&](double u_z, double* out) {
-    out[0] = std::atan2(d_F.z(), d_F.y()) - std::atan2(u_z, u_y);
-    out[1] = std::atan2(u_g, u_z) - std::atan2(g.dot(d_M), d_M.z());
+  const T h2 =
+      rod_in_M ? T(d_F.y() * d_F.y() + d_F.z() * d_F.z() - u_y * u_y) : T(m_g * m_g + d_M.z() * d_M.z() - u_g * u_g);
+  const auto solution = [&](const T& z, T* out) {
+    out[0] = atan2(d_F.z(), d_F.y()) - atan2(z, u_y);
+    out[1] = atan2(u_g, z) - atan2(m_g, d_M.z());
   };
-  const double h = std::copysign(std::sqrt(std::max(0.0, h2)), last_z);
+  const double last[] = {value_of(q[0]), value_of(q[1])};
+  const double last_z = rod_in_M ? std::cos(last[1]) * value_of(d_M.z()) - std::sin(last[1]) * value_of(m_g)
+                                 : std::cos(last[0]) * value_of(d_F.z()) - std::sin(last[0]) * value_of(d_F.y());
+  const T h = h2 > T(0) ? T(sqrt(h2)) : T(0);
+  const T kept = std::signbit(last_z) ? T(-h) : h;
   const int about_neighbour = rod_in_M ? 0 : 1;
-  double across[2];
-  solution(-h, across);
-  if (std::abs(std::remainder(across[about_neighbour] - q[about_neighbour], 2 * M_PI)) < straight) {
+  T across[2];
+  solution(-kept, across);
+  const double turned = std::remainder(value_of(across[about_neighbour]) - last[about_neighbour], 2 * M_PI);
+  if (std::abs(turned) < straight) {
     std::copy_n(across, 2, q);
   } else {
-    solution(h, q);
+    solution(kept, q);
   }
 }
 
 // The same for a joint seen outwards: X(q) e_R = e_P, where R is the rod and P the neighbour.
-template <class J>
-void aim_outwards(const J& joint, const Vector3d& e_R, const Vector3d& e_P, double* q) {
+template <class J, class T>
+void aim_outwards(const J& joint, const Vector3<T>& e_R, const Vector3<T>& e_P, T* q) {
   aim(joint, true, e_R, e_P, q);
 }
-template <class J>
-void aim_outwards(const Reversed<J>& joint, const Vector3d& e_R, const Vector3d& e_P, double* q) {
+template <class J, class T>
+void aim_outwards(const Reversed<J>& joint, const Vector3<T>& e_R, const Vector3<T>& e_P, T* q) {
   aim(static_cast<const J&>(joint), false, e_P, e_R, q);
 }
 
-Vector3d direction(const Spatial::Pose& X) { return X.p.normalized(); }
-Vector3d direction(const Planar::Pose& X) { return Vector3d(X.px, X.py, 0).normalized(); }
+template <class T>
+Vector3<T> direction(const typename SpatialAlgebra<T>::Pose& X) {
+  return X.p / X.p.norm();
+}
+template <class T>
+Vector3<T> direction(const typename PlanarAlgebra<T>::Pose& X) {
+  const Vector3<T> p(X.px, X.py, T(0));
+  return p / p.norm();
+}
 
 // The rod's angular velocity, against the neighbour at its first joint, when its far end, d from there, moves with V:
 // d x v / |d|^2, and about d what the joint asks for. All in the rod's frame.
 template <class A, class J>
-typename A::Motion turning(const J& first, const double* q, const Vector3d& d, const typename A::Motion& V) {
+typename A::Motion turning(const J& first, const typename A::Scalar* q, const Vector3d& d,
+                           const typename A::Motion& V) {
+  using T = typename A::Scalar;
   typename A::Motion out;
   if constexpr (A::planar) {
-    out.w = (d.x() * V.y - d.y() * V.x) / (d.x() * d.x() + d.y() * d.y());
+    out.w = (d.x() * V.y - d.y() * V.x) / d.head<2>().squaredNorm();
   } else {
-    const Vector3d e = d.normalized();
-    Vector3d n;  // what the joint does not turn about
+    const Vector3<T> e = d.normalized().cast<T>();
+    Vector3<T> n;  // what the joint does not turn about
     if constexpr (J::nv == 2) {
-      static constexpr double about_a[] = {1, 0};
-      static constexpr double about_b[] = {0, 1};
+      const T about_a[] = {T(1), T(0)};
+      const T about_b[] = {T(0), T(1)};
       n = first.template V_FM<A>(q, about_a).w.cross(first.template V_FM<A>(q, about_b).w);
     } else {
       // The shortest way from where e was at first to e: the velocity has nothing along the sum of both.
       n = first.template X_FM<A>(q).R.transpose() * e + e;
     }
-    out.w = d.cross(V.v) / d.squaredNorm();
-    const double along = n.dot(e);
-    if (along != 0) out.w -= n.dot(out.w) / along * e;
+    out.w = e.cross(V.v) / T(d.norm());
+    const T along = n.dot(e);
+    if (along != T(0)) out.w -= n.dot(out.w) / along * e;
   }
   return out;
 }
@@ -124,15 +158,15 @@ int nv_of(const Rod::End& end) {
 }
 
 template <class A>
-typename A::Pose pose_of(const Rod::End& end, const double* q) {
+typename A::Pose pose_of(const Rod::End& end, Rod::In<A> q) {
   return visit_end<A>(end, [&](const auto& joint) { return joint.template X_FM<A>(q); });
 }
 template <class A>
-typename A::Motion velocity_of(const Rod::End& end, const double* q, const double* v) {
+typename A::Motion velocity_of(const Rod::End& end, Rod::In<A> q, Rod::In<A> v) {
   return visit_end<A>(end, [&](const auto& joint) { return joint.template V_FM<A>(q, v); });
 }
 template <class A>
-typename A::Motion bias_of(const Rod::End& end, const double* q, const double* v) {
+typename A::Motion bias_of(const Rod::End& end, Rod::In<A> q, Rod::In<A> v) {
   return visit_end<A>(end, [&](const auto& joint) { return joint.template bias<A>(q, v); });
 }
 
@@ -145,31 +179,31 @@ int Rod::nv() const { return nv_of(first) + nv_of(second); }
 bool Rod::spins() const { return first_nv() == 3; }
 
 template <class A>
-typename A::Pose Rod::rod_pose(const double* q) const {
+typename A::Pose Rod::rod_pose(In<A> q) const {
   return pose_of<A>(first, q);
 }
 
 template <class A>
-typename A::Motion Rod::rod_velocity(const double* q, const double* v) const {
+typename A::Motion Rod::rod_velocity(In<A> q, In<A> v) const {
   return velocity_of<A>(first, q, v);
 }
 
 template <class A>
-typename A::Pose Rod::X_FM(const double* q) const {
+typename A::Pose Rod::X_FM(In<A> q) const {
   return pose_of<A>(first, q) * pose_in<A>(X_12) * pose_of<A>(second, q + first_nq());
 }
 
 template <class A>
-typename A::Motion Rod::V_FM(const double* q, const double* v) const {
-  const double* q_2 = q + first_nq();
+typename A::Motion Rod::V_FM(In<A> q, In<A> v) const {
+  const typename A::Scalar* q_2 = q + first_nq();
   const typename A::Motion far = pose_in<A>(X_12).to_child(velocity_of<A>(first, q, v));
   return pose_of<A>(second, q_2).to_child(far) + velocity_of<A>(second, q_2, v + first_nv());
 }
 
 template <class A>
-typename A::Motion Rod::bias(const double* q, const double* v) const {
-  const double* q_2 = q + first_nq();
-  const double* v_2 = v + first_nv();
+typename A::Motion Rod::bias(In<A> q, In<A> v) const {
+  const typename A::Scalar* q_2 = q + first_nq();
+  const typename A::Scalar* v_2 = v + first_nv();
   const auto outwards = [&](const typename A::Motion& V) {
     return pose_of<A>(second, q_2).to_child(pose_in<A>(X_12).to_child(V));
   };
@@ -178,36 +212,42 @@ typename A::Motion Rod::bias(const double* q, const double* v) const {
          bias_of<A>(second, q_2, v_2);
 }
 
+// F = S x with S^T S x = tau.
 template <class A>
-typename A::Force Rod::effort(const double* q, const double* tau) const {
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, A::dimension, max_nv>;
-  Matrix S(int{A::dimension}, nv());
-  for (int k = 0; k < nv(); ++k) {
-    double unit[max_nv] = {};
-    unit[k] = 1;
+typename A::Force Rod::effort(In<A> q, In<A> tau) const {
+  using T = typename A::Scalar;
+  const int n = nv();
+  typename A::Force column[max_nv];
+  T gram[max_nv][max_nv];
+  T x[max_nv];
+  for (int k = 0; k < n; ++k) {
+    T unit[max_nv] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+    unit[k] = T(1);
     const typename A::Motion V = V_FM<A>(q, unit);
-    if constexpr (A::planar) {
-      S.col(k) << V.w, V.x, V.y;
-    } else {
-      S.col(k) << V.w, V.v;
+    column[k] = as_force<A>(V);
+    for (int i = 0; i <= k; ++i) gram[i][k] = gram[k][i] = A::dot(V, column[i]);
+    x[k] = tau[k];
+  }
+  // Elimination without pivoting: the matrix is symmetric and positive.
+  for (int k = 0; k < n; ++k) {
+    for (int i = k + 1; i < n; ++i) {
+      const T factor = gram[i][k] / gram[k][k];
+      for (int j = k; j < n; ++j) gram[i][j] -= factor * gram[k][j];
+      x[i] -= factor * x[k];
     }
   }
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_nv, max_nv>;
-  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_nv, 1>;
-  const Column along = Eigen::Map<const Eigen::VectorXd>(tau, nv());
-  const Square gram = S.transpose() * S;
-  const Column x = gram.ldlt().solve(along);
-  const Eigen::Matrix<double, A::dimension, 1> F = S * x;
-  if constexpr (A::planar) {
-    return {F[0], F[1], F[2]};
-  } else {
-    return {F.template head<3>(), F.template tail<3>()};
+  typename A::Force F{};
+  for (int k = n - 1; k >= 0; --k) {
+    for (int j = k + 1; j < n; ++j) x[k] -= gram[k][j] * x[j];
+    x[k] /= gram[k][k];
+    F += x[k] * column[k];
   }
+  return F;
 }
 
 template <class A>
-void Rod::speeds(const double* q, const typename A::Motion& V, double* v) const {
-  const double* q_2 = q + first_nq();
+void Rod::speeds(In<A> q, const typename A::Motion& V, Out<A> v) const {
+  const typename A::Scalar* q_2 = q + first_nq();
   const typename A::Pose X_2 = pose_of<A>(second, q_2);
   const typename A::Pose on_rod = pose_in<A>(X_12);
   typename A::Pose turn = on_rod;
@@ -226,23 +266,27 @@ void Rod::speeds(const double* q, const typename A::Motion& V, double* v) const 
 }
 
 template <class A>
-void Rod::coordinates(const typename A::Pose& X_FM, double* q) const {
-  visit_end<A>(first, [&](const auto& joint) { aim_outwards(joint, X_12.p.normalized(), direction(X_FM), q); });
+void Rod::coordinates(const typename A::Pose& X_FM, Out<A> q) const {
+  using T = typename A::Scalar;
+  const Vector3<T> e_R = X_12.p.normalized().cast<T>();
+  visit_end<A>(first, [&](const auto& joint) { aim_outwards(joint, e_R, direction<T>(X_FM), q); });
   const typename A::Pose X_2 = (pose_of<A>(first, q) * pose_in<A>(X_12)).inverse() * X_FM;
   visit_end<A>(second, [&](const auto& joint) { joint.template coordinates<A>(X_2, q + first_nq()); });
 }
 
-#define GELENK_INSTANTIATE(A)                                                   \
-  template A::Pose Rod::rod_pose<A>(const double*) const;                       \
-  template A::Motion Rod::rod_velocity<A>(const double*, const double*) const;  \
-  template A::Pose Rod::X_FM<A>(const double*) const;                           \
-  template A::Motion Rod::V_FM<A>(const double*, const double*) const;          \
-  template A::Motion Rod::bias<A>(const double*, const double*) const;          \
-  template A::Force Rod::effort<A>(const double*, const double*) const;         \
-  template void Rod::speeds<A>(const double*, const A::Motion&, double*) const; \
-  template void Rod::coordinates<A>(const A::Pose&, double*) const;
+#define GELENK_INSTANTIATE(A)                                          \
+  template A::Pose Rod::rod_pose<A>(In<A>) const;                      \
+  template A::Motion Rod::rod_velocity<A>(In<A>, In<A>) const;         \
+  template A::Pose Rod::X_FM<A>(In<A>) const;                          \
+  template A::Motion Rod::V_FM<A>(In<A>, In<A>) const;                 \
+  template A::Motion Rod::bias<A>(In<A>, In<A>) const;                 \
+  template A::Force Rod::effort<A>(In<A>, In<A>) const;                \
+  template void Rod::speeds<A>(In<A>, const A::Motion&, Out<A>) const; \
+  template void Rod::coordinates<A>(const A::Pose&, Out<A>) const;
 GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
+GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
+GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
 #undef GELENK_INSTANTIATE
 
 namespace {

@@ -36,25 +36,31 @@ struct Rod {
   // Does the first joint leave the rod's turn about itself open?
   bool spins() const;
 
+  // Numbers of the algebra A.
+  template <class A>
+  using In = const typename A::Scalar*;
+  template <class A>
+  using Out = typename A::Scalar*;
+
   // Pose and velocity of the rod's frame, the first joint's there, against F.
   template <class A>
-  typename A::Pose rod_pose(const double* q) const;
+  typename A::Pose rod_pose(In<A> q) const;
   template <class A>
-  typename A::Motion rod_velocity(const double* q, const double* v) const;
+  typename A::Motion rod_velocity(In<A> q, In<A> v) const;
 
   template <class A>
-  typename A::Pose X_FM(const double* q) const;
+  typename A::Pose X_FM(In<A> q) const;
   template <class A>
-  typename A::Motion V_FM(const double* q, const double* v) const;
+  typename A::Motion V_FM(In<A> q, In<A> v) const;
   template <class A>
-  typename A::Motion bias(const double* q, const double* v) const;
+  typename A::Motion bias(In<A> q, In<A> v) const;
   // Not where two spherical joints leave the rod's turn open: nothing could hold it against a torque.
   template <class A>
-  typename A::Force effort(const double* q, const double* tau) const;
+  typename A::Force effort(In<A> q, In<A> tau) const;
   template <class A>
-  void speeds(const double* q, const typename A::Motion& V, double* v) const;
+  void speeds(In<A> q, const typename A::Motion& V, Out<A> v) const;
   template <class A>
-  void coordinates(const typename A::Pose& X_FM, double* q) const;
+  void coordinates(const typename A::Pose& X_FM, Out<A> q) const;
 
   template <class A>
   int rows(const typename A::Pose& X_FM, Row<A>* out) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "scene/text.h"
 #include "simulation/report.h"
@@ -67,17 +68,20 @@ struct Preparer {
     assemble_islands(std::move(with_bodies));
     tell_assembly();
     wished = found();
+    std::exception_ptr singular;
     try {
       assemble_islands(reduced);
-    } catch (const SceneError& singular) {
-      // A neighbour may have had its inertia from beyond the rod.
-      wished = scene;
-      rods_as_rows = false;
-      try {
-        assemble_islands(reduce(basis()));
-      } catch (const SceneError&) {
-        throw singular;
-      }
+      return;
+    } catch (const SceneError&) {
+      singular = std::current_exception();
+    }
+    // A neighbour may have had its inertia from beyond the rod.
+    wished = scene;
+    rods_as_rows = false;
+    try {
+      assemble_islands(reduce(basis()));
+    } catch (const SceneError&) {
+      std::rethrow_exception(singular);
     }
   }
 

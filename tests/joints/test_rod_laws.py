@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from gelenk._core import joints
 
-from .laws import QUOTIENT, ROUND_OFF, STEP, Array, moved, rotated, unskew
+from .laws import QUOTIENT, ROUND_OFF, STEP, Array, moved, rotated, skew, unskew
 
 LENGTH = 0.7
 POINTS = 12  # random poses for each law
@@ -71,6 +71,13 @@ class Chain:
             self.X_12(),
             self.planar,
         )
+
+    def ends(self) -> list[Any]:
+        second_axes = self.axes if self.planar else []
+        return [
+            joints.Joint(self.first, self.axes, self.planar),
+            joints.Joint(self.second, second_axes, self.planar),
+        ]
 
     @property
     def directions(self) -> list[int]:
@@ -199,6 +206,23 @@ def test_speeds_are_the_rates_of_the_coordinates(chain: Chain) -> None:
         assert_allclose(rod.rod_velocity(q, v)[:3], w, atol=QUOTIENT * (1 + np.abs(v).max()) ** 3 * 10)
 
 
+@every_chain
+def test_derivatives_carried_along_are_the_rates_of_the_coordinates(chain: Chain) -> None:
+    """Coordinates for numbers that carry derivatives: dq/dt = N(q) speeds."""
+    rod, ends = chain.rod(), chain.ends()
+    for i, X in enumerate(chain.poses()):
+        V_F = chain.motion(X, i)
+        q = rod.coordinates(X, chain.some_q(i))
+        v = rod.speeds(q, in_M(X, V_F))
+        k, n = ends[0].nq, ends[0].nv
+        expected = np.concatenate([ends[0].rate(q[:k], v[:n]), ends[1].rate(q[k:], v[n:])])
+        rate = np.zeros((4, 4))
+        rate[:3, :3] = skew(V_F[:3]) @ X[:3, :3]
+        rate[:3, 3] = V_F[3:]
+        bound = 1000 * ROUND_OFF * (1 + np.abs(v).max())
+        assert_allclose(rod.coordinate_rates(X, rate, q), expected, atol=bound)
+
+
 def on_sphere(X: Array, V_F: Array, dt: float) -> Array:
     """X moved by V dt, p kept at its length: p turns about p x pdot."""
     out = moved(X, V_F, dt)
@@ -211,11 +235,7 @@ def on_sphere(X: Array, V_F: Array, dt: float) -> Array:
 @every_chain
 def test_bias_is_the_rate_of_the_motion_space(chain: Chain) -> None:
     """V_FM(q, v) changes by bias where v is constant, componentwise in M."""
-    rod = chain.rod()
-    ends = [
-        joints.Joint(chain.first, chain.axes, chain.planar),
-        joints.Joint(chain.second, chain.axes if chain.planar else [], chain.planar),
-    ]
+    rod, ends = chain.rod(), chain.ends()
     for i, X in enumerate(chain.poses()):
         q = rod.coordinates(X, chain.some_q(i))
         v = np.random.default_rng(i).uniform(-1, 1, rod.nv)
