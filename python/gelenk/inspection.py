@@ -179,7 +179,8 @@ def _lines(report: Inspection) -> Iterable[str]:
     before, after = report.to_dict()["described"], report.to_dict()["reduced"]
     for key, value in before.items():
         if key == "evaluation":
-            value, result = report.cost_literal.text, report.cost.text
+            literal = report.cost_literal
+            value, result = literal.text if literal.seconds is not None else "refused", report.cost.text
         else:
             result = str(after[key])
         line = f"  {key:14}{value:>14}  ->  {result:13} {_reason(report, key)}"

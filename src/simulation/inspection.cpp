@@ -46,9 +46,15 @@ ModelSize size_of(const ReducedScene& reduced) {
   return size;
 }
 
-// The scene at the start found, without the reductions that hide rows.
+// The scene at the start found, without the reductions that hide rows. What has no mass is given some: rows are
+// geometry, and in space such bodies may be free to turn about themselves.
 Scene in_space(Simulation& simulation) {
   Scene scene = simulation.scene();
+  for (Body& body : scene.bodies) {
+    if (body.mass > 0) continue;
+    body.mass = 1;
+    body.inertia.setIdentity();
+  }
   for (const Reduction pass : {Reduction::planar, Reduction::fixed, Reduction::redundant_rows}) {
     scene.solver.reductions[static_cast<std::size_t>(pass)] = false;
   }
@@ -157,7 +163,6 @@ class RowInspector {
       const Eigen::VectorXd lambda = structure.idle.col(k);
       dynamics.set_multipliers(lambda.data());
       for (const int j : mechanism.joints) {
-        if (prepared_.reduced.joints[j].role == JointPlace::Role::rod) continue;
         const Reaction reaction(scene_, prepared_.reduced, j);
         for (int i = 0; i < 6; ++i) {
           if (std::abs(reaction.component(i, dynamics)) < 1e-6) continue;
@@ -215,6 +220,16 @@ void tell(Inspection& out, Reduction pass, const std::string& note, bool changed
   report.changed = report.changed || (changed && report.on);
 }
 
+void tell_spinning(const ReducedScene& reduced, Inspection& out) {
+  int spinning = 0;
+  for (const Mechanism& mechanism : reduced.islands) {
+    for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(cut.joint).spins() ? 1 : 0;
+  }
+  if (spinning == 0) return;
+  out.mobility.push_back(counted(spinning, "rod") + (spinning == 1 ? " turns about itself" : " turn about themselves") +
+                         " between spherical joints, which moves no mass and counts for nothing");
+}
+
 // What the choice of cuts gains over the order of the file.
 void compare_cuts(const Scene& scene, Inspection& out) {
   const bool chosen = scene.solver.reduces(Reduction::cut_choice);
@@ -267,6 +282,7 @@ Inspection inspect(Simulation& simulation) {
   }
   for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
   compare_cuts(scene, out);
+  tell_spinning(reduced, out);
   out.momentary_freedoms = out.reduced.freedoms;
   for (const PreparedIsland& island : simulation.prepared().islands) {
     out.momentary_freedoms += island.structure.rank - island.structure.rank_start;

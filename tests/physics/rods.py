@@ -3,12 +3,25 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
 from mechanisms import GRAVITY, Numbers, Scene, body, four_bar, frame, joint, rotation, scene
 
+import gelenk
+
 LINKS = (0.5, 1.75, 1.5, 2.0)  # m, of the planar four-bar: crank, coupler, rocker, ground
+
+
+def sizes(source: Scene, **reductions: bool) -> tuple[int, int, int]:
+    """Speeds, rows and freedoms."""
+    made = copy.deepcopy(source)
+    made["solver"] = {"reductions": reductions}
+    simulation = gelenk.Simulation(gelenk.load(made))
+    simulation.initialize()
+    size = simulation.size
+    return size.speeds, size.rows, size.freedoms
 
 
 def planar_four_bar(**fields: Any) -> Scene:
@@ -98,3 +111,23 @@ def hung_platform(
             ends[1], frame(f"rod{i}", (0, 0, -1.3)), frame("platform", corner), start={"Q": [0, 0, 0, 1]}
         )
     return scene(bodies, joints, gravity=[0, 0, -GRAVITY])
+
+
+def hung_plank(rods: int) -> Scene:
+    """A plank on equal rods of 1 m, hinged about z; it swings, but does not turn."""
+    about_z = {"axis": [0, 0, 1]}
+    bodies: dict[str, Any] = {"plank": body(2.0, (0.5, -0.1, 0), (0.1, 0.1, 0.1))}
+    joints: dict[str, Any] = {}
+    for i in range(rods):
+        place = (0.5 * i, 0, 0)
+        bodies[f"rod{i}"] = body(0)
+        start: dict[str, Any] = {"phi": 0.4, "w": 0.5, "fixed": True} if i == 0 else {"phi": 0.4}
+        joints[f"A{i}"] = joint("revolute", frame("ground", place), frame(f"rod{i}"), **about_z, start=start)
+        joints[f"B{i}"] = joint(
+            "revolute",
+            frame(f"rod{i}", (0, -1, 0)),
+            frame("plank", place),
+            **about_z,
+            start={"phi": -0.4},
+        )
+    return scene(bodies, joints, gravity=[0, -GRAVITY, 0])

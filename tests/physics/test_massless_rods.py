@@ -19,30 +19,17 @@ from mechanisms import (
     frame,
     frame_sensor,
     joint,
-    reaction,
     reordered,
     rotation,
     scene,
     with_sensors,
 )
 
-import gelenk
-
-from .rods import LINKS, hung_platform, planar_four_bar, spatial_four_bar
+from .rods import LINKS, hung_plank, hung_platform, planar_four_bar, sizes, spatial_four_bar
 from .running import Recording, assert_close, assert_same, run
 
 OFF = {"massless": False}
 TIMES = np.linspace(0, 3, 61)
-
-
-def sizes(source: Scene, **reductions: bool) -> tuple[int, int, int]:
-    """Speeds, rows and freedoms."""
-    made = copy.deepcopy(source)
-    made["solver"] = {"reductions": reductions}
-    simulation = gelenk.Simulation(gelenk.load(made))
-    simulation.initialize()
-    size = simulation.size
-    return size.speeds, size.rows, size.freedoms
 
 
 def both(source: Scene, times: Array = TIMES, tolerance: float = 1e-11) -> tuple[Recording, Recording]:
@@ -59,25 +46,6 @@ def assert_agree(source: Scene, times: Array = TIMES, tolerance: float = 1e-11) 
     for name, unit in rows.units.items():
         assert_close(name, rows[name], bodies[name], 1e-9 * largest[unit], "100 rtol, some seconds")
     return rows
-
-
-# --- sizes ---
-
-
-def test_planar_four_bar_has_two_coordinates_and_one_row() -> None:
-    assert sizes(planar_four_bar()) == (2, 1, 1)
-    assert sizes(planar_four_bar(), massless=False) == (3, 2, 1)
-
-
-@pytest.mark.parametrize("first", ["universal", "spherical"])
-def test_spatial_four_bar_has_two_coordinates_and_one_row(first: str) -> None:
-    assert sizes(spatial_four_bar(first)) == (2, 1, 1)
-
-
-def test_rods_that_alone_hold_a_body_stay_in_the_tree() -> None:
-    """The first of three: its joints are fewer states than a free body. The other two are rows."""
-    assert sizes(hung_platform(3, {"phi_a": 0.5})) == (5, 2, 3)
-    assert sizes(hung_platform(1, {"phi_a": 0.5})) == (5, 0, 5)
 
 
 # --- the same motion, with and without ---
@@ -250,6 +218,29 @@ def test_platform_on_equal_rods_swings_like_a_point_on_one(rods: int) -> None:
         )
 
 
+@pytest.mark.parametrize("rods", [2, 3])
+def test_plank_on_equal_hinged_rods_swings_like_a_point_on_one(rods: int) -> None:
+    """The first rod holds it in the tree; the third repeats the second."""
+    source = hung_plank(rods)
+    assert sizes(source) == (2, 1, 1)
+    point = scene(
+        {"bob": body(2.0, (0, -1, 0))},
+        {
+            "A": joint(
+                "revolute",
+                frame("ground"),
+                frame("bob"),
+                axis=[0, 0, 1],
+                start=source["joints"]["A0"]["start"],
+            )
+        },
+        gravity=[0, -GRAVITY, 0],
+    )
+    found, expected = run(source, TIMES, tolerance=1e-11), run(point, TIMES, tolerance=1e-11)
+    for i, name in product(range(rods), ("phi", "w", "a")):
+        assert_close(f"A{i}.{name}", found[f"A{i}.{name}"], expected[f"A.{name}"], 1e-8, "100 rtol, 3 s")
+
+
 def test_rod_swings_straight_across_its_joints_axis() -> None:
     """A planar four-bar whose coupler has its first axis in the plane: phi_b goes round, phi_a stays."""
     hinged = planar_four_bar()
@@ -273,53 +264,7 @@ def test_rod_swings_straight_across_its_joints_axis() -> None:
     assert_close("B.phi_a", found["B.phi_a"], 0, 1e-8, "it stays in the plane")
 
 
-# --- what stays as it is ---
-
-UNCHANGED: dict[str, dict[str, Any]] = {
-    "motor": {"motors": {"m": {"joint": "B"}}},
-    "damping": {"joints": {"B": {"damping": 0.1}}},
-    "stiffness": {"joints": {"C": {"stiffness": 0.1}}},
-    "force": {"forces": {"f": {"type": "wrench", "body": "coupler", "force": [0.1, 0, 0]}}},
-    "spring": {
-        "forces": {
-            "f": {
-                "type": "spring_damper",
-                "from": {"body": "coupler"},
-                "to": {"body": "ground"},
-                "stiffness": 1.0,
-            }
-        }
-    },
-    "mass": {"bodies": {"coupler": body(1e-6, (0.5, 0, 0), [1e-6] * 3)}},
-    "neighbour without mass": {"bodies": {"rocker": body(0)}},
-}
-
-
-@pytest.mark.parametrize("what", UNCHANGED)
-def test_a_rod_on_which_something_acts_stays_a_body(what: str) -> None:
-    source = planar_four_bar()
-    for section, entries in UNCHANGED[what].items():
-        for name, fields in entries.items():
-            source.setdefault(section, {}).setdefault(name, {}).update(fields)
-    assert sizes(source) == (3, 2, 1)
-
-
-def test_a_rod_whose_reaction_is_read_stays_a_body() -> None:
-    source = with_sensors(spatial_four_bar(), R=reaction("S"))
-    assert sizes(source) == sizes(spatial_four_bar(), massless=False)
-
-
-@pytest.mark.parametrize("axes", [[[1, 0, 0], [0.3, 1, 0]], [[1, 0, 0], [0, 0.3, 1]]])
-def test_a_joint_that_does_not_let_it_point_everywhere_keeps_it_a_body(axes: list[list[float]]) -> None:
-    source = spatial_four_bar()
-    source["joints"]["U"]["axes"] = axes
-    assert sizes(source) == sizes(source, massless=False)
-
-
-def test_without_the_reduction_a_rod_that_may_spin_is_refused_by_name() -> None:
-    source = spatial_four_bar("spherical")
-    with pytest.raises(gelenk.SceneError, match=r"bodies\.rod: moves without inertia"):
-        sizes(source, massless=False)
+# --- where the rod is needed, or nothing moves ---
 
 
 def test_a_neighbour_that_would_be_left_without_inertia_keeps_its_rod() -> None:

@@ -17,7 +17,7 @@ from mechanisms import GRAVITY, Array, Scene, body, frame, joint, reaction, rod,
 import gelenk
 from gelenk.inspection import REDUCTIONS, evaluation_cost
 
-from . import reducible
+from . import reducible, rods
 from .running import assert_close
 from .test_bricard import bricard
 from .test_parallelograms import windows
@@ -38,6 +38,8 @@ BUILT: dict[str, tuple[Callable[[], Scene], float]] = {
     "spinning_tripod": (lambda: reducible.tripod("spherical"), 1.0),
     "two_mechanisms": (reducible.two_mechanisms, 1.0),
     "platform_on_balls": (reducible.platform_on_balls, 1.0),
+    "massless_coupler": (rods.planar_four_bar, 2.0),
+    "massless_rod": (rods.spatial_four_bar, 1.0),
 }
 READY = {path.stem: path for path in scene_files.good()}
 OFF = [*REDUCTIONS, "all"]
