@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Through singular positions: change points at which other branches open.
 
-The N-four-bar (IFToMM A02, tests/physics/test_parallelograms.py) falls as one pendulum and passes its change points,
+The N-four-bar (IFToMM A02, test_parallelograms.py) falls as one pendulum and passes its change points,
 all bars in line, twice a turn. There each window could turn into its mirror image, and energy would not tell.
 """
 
@@ -24,7 +24,7 @@ def tip(phi: np.ndarray) -> np.ndarray:
 def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> None:
     """At 100 communication points a second, which fall where they may: 56 passages in 20 s.
 
-    What a passage adds is what extrapolated accelerations miss over some hundredths of a second, less than 1e-8
+    A passage adds what extrapolated accelerations miss over some hundredths of a second, less than 1e-8
     m; the falling pendulum makes some tens of it over the run.
     """
     times = np.linspace(0, stop, round(100 * stop) + 1)
