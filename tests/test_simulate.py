@@ -172,7 +172,7 @@ def test_table_that_is_no_input_is_refused(
         ({"outputs": ["A.psi"]}, "A.psi: no such output; did you mean A.phi"),
         ({"outputs": ["A.phi", "A.phi"]}, "A.phi: asked for twice"),
         ({"tolerance": 2}, "tolerance: found 2, expected a number between 0 and 1"),
-        ({"integrator": "euler"}, "solver.integrator: found 'euler', expected one of "),
+        ({"integrator": "leapfrog"}, "solver.integrator: found 'leapfrog', expected one of "),
         (
             {"parameters": {"solver.tolerance": -1}},
             "solver.tolerance: found -1, expected between 1e-15 and 1",

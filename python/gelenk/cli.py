@@ -141,7 +141,9 @@ def simulate(
     stop: Annotated[float | None, typer.Option(help="End of the run [s].")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,
     tolerance: Annotated[float | None, typer.Option(help="Relative tolerance of the integrator.")] = None,
-    integrator: Annotated[str | None, typer.Option(help="auto, ida, erk or rk4.")] = None,
+    integrator: Annotated[
+        str | None, typer.Option(help="auto, ida, cvode, cvode-adams, dirk, erk, rk4 or euler.")
+    ] = None,
     inputs: Annotated[
         Path | None, typer.Option("--input", metavar="FILE.csv", help="Columns `time` and inputs by name.")
     ] = None,

@@ -56,6 +56,10 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& sy
 
 // One per file.
 std::unique_ptr<Integrator> make_rk4(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_cvode(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_cvode_adams(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_dirk(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_euler(OdeSystem& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options);
 

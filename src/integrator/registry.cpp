@@ -8,10 +8,14 @@
 namespace gelenk {
 namespace {
 
-constexpr std::array<IntegratorKind, 3> kinds = {{
+constexpr std::array<IntegratorKind, 7> kinds = {{
     {"erk", "explicit Runge-Kutta, adaptive steps, order by tolerance (ARKODE), projected after each step", make_erk},
     {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", make_ida},
     {"rk4", "the classical Runge-Kutta method of order 4 with fixed steps, projected after each step", make_rk4},
+    {"euler", "the improved Euler method of order 1 with fixed steps, projected after each step", make_euler},
+    {"cvode", "BDF of variable order (CVODES), projected by its own hook; for stiff scenes", make_cvode},
+    {"cvode-adams", "Adams-Moulton of variable order (CVODES), projected after each step", make_cvode_adams},
+    {"dirk", "implicit Runge-Kutta, L-stable, adaptive steps (ARKODE), projected after each step", make_dirk},
 }};
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
+#include <sundials/sundials_nonlinearsolver.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
@@ -46,6 +47,11 @@ struct DestroyLinearSolver {
   void operator()(SUNLinearSolver s) const { SUNLinSolFree(s); }
 };
 using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, DestroyLinearSolver>;
+
+struct DestroyNonlinearSolver {
+  void operator()(SUNNonlinearSolver s) const { SUNNonlinSolFree(s); }
+};
+using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver>, DestroyNonlinearSolver>;
 
 inline double* data(N_Vector v) { return N_VGetArrayPointer(v); }
 

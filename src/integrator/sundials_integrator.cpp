@@ -41,6 +41,16 @@ void SundialsIntegrator::advance(double end, double* y) {
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
 }
 
+int SundialsIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
+  return static_cast<SundialsIntegrator*>(self)->system_.rhs(t, sundials::data(y), sundials::data(ydot)) ? 0 : 1;
+}
+
+int SundialsIntegrator::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* self, N_Vector, N_Vector,
+                                 N_Vector) {
+  OdeSystem& system = static_cast<SundialsIntegrator*>(self)->system_;
+  return system.jacobian(t, sundials::data(y), SUNDenseMatrix_Data(J)) ? 0 : 1;
+}
+
 void SundialsIntegrator::fail(Step step, double start) const {
   const double t = reached();
   const std::string where = at_time(std::isfinite(t) ? t : start);

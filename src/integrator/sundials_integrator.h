@@ -13,6 +13,8 @@ class SundialsIntegrator : public Integrator {
   void inputs_changed() final { jumped_ = true; }
   void advance(double end, double* y) final;
 
+  OdeSystem& system() const { return system_; }
+
  protected:
   enum class Step { made, too_small, not_finite, not_closed, stopped };
 
@@ -27,6 +29,12 @@ class SundialsIntegrator : public Integrator {
   virtual double reached() const = 0;
   // Writes steps_ and rejected_.
   virtual void count() = 0;
+
+  // What SUNDIALS hands back to the functions it calls: a SundialsIntegrator*.
+  void* user_data() { return this; }
+  // f(t, y) and exact df/dy, as ARKODE and CVODES call for them.
+  static int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self);
+  static int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* self, N_Vector, N_Vector, N_Vector);
 
   sundials::Context context_;
   OdeSystem& system_;

@@ -113,7 +113,7 @@ inline constexpr int reduction_count = 8;
 
 struct Solver {
   std::string formulation = "projection";
-  std::string integrator = "auto";  // auto, ida, erk, rk4
+  std::string integrator = "auto";  // of words::integrators
   double step = 0;                  // s, of fixed-step methods; 0: chosen from experiment.step
   std::array<bool, reduction_count> reductions = {true, true, true, true, true, true, true, true};
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// L-stable diagonally implicit Runge-Kutta with adaptive steps (ARKODE's ARKStep), projected after each accepted
+// step. For stiff scenes whose inputs jump often: nothing is lost at a jump, where a multistep method's history is.
+#include <arkode/arkode_arkstep.h>
+
+#include <algorithm>
+
+#include "integrator/arkode_integrator.h"
+
+namespace gelenk {
+namespace {
+
+constexpr double safety = 0.8;  // as for the explicit method
+
+class Dirk final : public ArkodeIntegrator {
+ public:
+  Dirk(OdeSystem& system, const IntegratorOptions& options)
+      : ArkodeIntegrator(system),
+        matrix_(sundials::made(SUNDenseMatrix(std::max(1, n_), std::max(1, n_), context_))),
+        linear_(sundials::made(SUNLinSol_Dense(y_.get(), matrix_.get(), context_))) {
+    own(ARKStepCreate(nullptr, rhs, 0, y_.get(), context_), options.tolerance);
+    ARKStepSetTableNum(memory_, ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ERK_NONE);
+    ARKodeSetSafetyFactor(memory_, safety);
+    // Stiff components amplify what Newton's method left; so derivatives come from the stages found, not from f there.
+    ARKodeSetDeduceImplicitRhs(memory_, SUNTRUE);
+    ARKodeSetLinearSolver(memory_, linear_.get(), matrix_.get());
+    ARKodeSetJacFn(memory_, jacobian);
+  }
+
+ private:
+  sundials::Matrix matrix_;
+  sundials::LinearSolver linear_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_dirk(OdeSystem& system, const IntegratorOptions& options) {
+  return std::make_unique<Dirk>(system, options);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrator/fixed_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+
+FixedStep::FixedStep(OdeSystem& system, const IntegratorOptions& options)
+    : system_(system), n_(system.size()), y_(n_), k_(n_), step_(options.step) {}
+
+void FixedStep::restart(double t, const double* y) {
+  t_ = t;
+  std::copy(y, y + n_, y_.begin());
+}
+
+void FixedStep::advance(double end, double* y) {
+  // As many equal steps as are needed, none longer than the step; 1e-9 of a step is rounding of the times.
+  const double start = t_;
+  const long count = std::max(1L, static_cast<long>(std::ceil((end - start) / step_ - 1e-9)));
+  const double h = (end - start) / static_cast<double>(count);
+  for (long i = 0; i < count; ++i) {
+    make_step(start + static_cast<double>(i) * h, h);
+    t_ = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
+    if (!system_.project(t_, y_.data())) throw IntegrationError(at_time(t_) + "the loops could not be closed again");
+    system_.accepted(t_, y_.data());
+    ++steps_;
+  }
+  std::ranges::copy(y_, y);
+}
+
+void FixedStep::evaluate(double t, const double* y) {
+  if (!system_.rhs(t, y, k_.data())) throw IntegrationError(at_time(t) + "the accelerations are not finite");
+}
+
+}  // namespace gelenk
