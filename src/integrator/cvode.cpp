@@ -18,8 +18,8 @@ namespace {
 //   Adams  0.02: 28, 36, 82, 83          0.1: 187, 274, 296, 581; jumps of the input spoil that
 constexpr double bdf_share = 0.01;
 constexpr double adams_share = 0.02;
-// Below this the weights of the error test are rounding.
-constexpr double least_tolerance = 1e-14;
+// Below this the error test meets rounding: at 1e-14 BDF gets nowhere on the four-bar.
+constexpr double least_tolerance = 1e-13;
 
 class Cvode : public SundialsIntegrator {
  public:
