@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every integrator: the same motions, the order it claims, errors that follow the tolerance, and stiff scenes.
 
-Orders, from Taylor's expansion of one step: rk4 errs by h^5 in a step, so by h^4 over a run. The improved Euler
-method q += h (v + h/2 vdot), v += h vdot errs by h^3 in q but by h^2/2 d(vdot)/dt in v; over a run speeds err by h,
-and q, which sums them up, by h too: order 1. Projection moves a state by its own error at most, so orders stay.
+Orders, from Taylor's expansion of one step: rk4 errs by h^5 in a step, so by h^4 over a run. The improved
+Euler method q += h (v + h/2 vdot), v += h vdot errs by h^3 in q but by h^2/2 d(vdot)/dt in v; over a run
+speeds err by h, and q, which sums them up, by h too: order 1. Projection moves a state by its own error at
+most, so orders stay.
 """
 
 from __future__ import annotations
@@ -138,7 +139,7 @@ def test_constant_acceleration_is_exact_under_euler() -> None:
 
 
 def governor() -> Scene:
-    """Flyball governor (IFToMM benchmark A05): spring-dampers of 8e5 N/m, 4e4 N s/m between collar and rods."""
+    """Flyball governor (IFToMM A05): 8e5 N/m and 4e4 N s/m between collar and rods."""
     rod, ball = 0.3, 5.0  # kg
     mass, com = rod + ball, (rod * 0.5 + ball) / (rod + ball)
     across = rod * (1 + 1e-4) / 12 + rod * (0.5 - com) ** 2 + ball * (1 - com) ** 2
