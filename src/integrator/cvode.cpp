@@ -18,7 +18,7 @@ namespace {
 //   Adams  0.02: 28, 36, 82, 83          0.1: 187, 274, 296, 581; jumps of the input spoil that
 constexpr double bdf_share = 0.01;
 constexpr double adams_share = 0.02;
-// Below this the error test meets rounding: at 1e-14 BDF gets nowhere on the four-bar.
+// Below this the error test meets rounding: at 1e-14 a run of the four-bar had no end in sight after minutes.
 constexpr double least_tolerance = 1e-13;
 
 class Cvode : public SundialsIntegrator {

@@ -8,7 +8,8 @@
 namespace gelenk::words {
 
 inline const std::vector<std::string> formulations = {"projection"};
-inline const std::vector<std::string> integrators = {"auto", "ida", "erk", "rk4", "euler", "cvode", "cvode-adams", "dirk"};
+inline const std::vector<std::string> integrators = {"auto",  "ida",   "erk",         "rk4",
+                                                     "euler", "cvode", "cvode-adams", "dirk"};
 // In the order of enum Reduction.
 inline const std::vector<std::string> reductions = {"weld",           "static",  "cut_choice", "planar",
                                                     "redundant_rows", "islands", "outputs",    "massless"};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every integrator: the same motions, the order it claims, errors that follow the tolerance, and stiff scenes.
+"""Every integrator: the same motions, its order, errors that follow the tolerance, and stiff scenes.
 
 Orders, from Taylor's expansion of one step: rk4 errs by h^5 in a step, so by h^4 over a run. The improved
 Euler method q += h (v + h/2 vdot), v += h vdot errs by h^3 in q but by h^2/2 d(vdot)/dt in v; over a run
