@@ -125,6 +125,27 @@ def ball_first() -> Scene:
     return {"gelenk": 1, "gravity": [0, 0, -9.81], "bodies": bodies, "joints": joints}
 
 
+def coupled_by_a_rod() -> Scene:
+    """A crank about z and a rocker about x, a rod without mass between them."""
+    bodies = {
+        "crank": {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.001, 0.01, 0.01]},
+        "rod": {"mass": 0},
+        "rocker": {"mass": 2, "com": [0, 0.2, 0], "inertia": [0.02, 0.001, 0.02]},
+    }
+    joints = {
+        "A": hinge("ground", "crank", start={"phi": 0.3, "w": 2, "fixed": True}),
+        "U": {
+            "type": "universal",
+            "axes": [[0, 1, 0], [0, 0, 1]],
+            "parent": at("crank", 0.2, 0, 0.1),
+            "child": "rod",
+        },
+        "S": {"type": "spherical", "parent": at("rod", 0.8), "child": at("rocker", 0, 0.4)},
+        "B": hinge(at("ground", 0.9), "rocker", axis=[1, 0, 0], start={"phi": 0.2}),
+    }
+    return {"gelenk": 1, "gravity": [0, 0, -9.81], "bodies": bodies, "joints": joints}
+
+
 BUILT: dict[str, Callable[[], Scene]] = {
     "five parallelograms in a row": lambda: windows(5),
     "Bricard's ring of six hinges": bricard,
@@ -132,6 +153,7 @@ BUILT: dict[str, Callable[[], Scene]] = {
     "pendulum of 50 welded pieces": lambda: welded_chain(50),
     "pendulum on a truss": on_a_truss,
     "four_bar and heavy_top in one scene": side_by_side,
+    "crank and rocker, a rod without mass between them": coupled_by_a_rod,
 }
 
 

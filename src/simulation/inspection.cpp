@@ -265,6 +265,16 @@ void add_row_notes(const Scene& scene, Inspection& out) {
        "so rigid bodies leave open the reactions " + by_joint(out.undetermined_reactions), true);
 }
 
+// Of a thousand islands each has its say: the first few stand for all.
+void shorten(std::vector<std::string>& notes) {
+  constexpr std::size_t most = 8;
+  constexpr std::size_t shown = 6;
+  if (notes.size() <= most) return;
+  const std::size_t more = notes.size() - shown;
+  notes.resize(shown);
+  notes.push_back("and so on: " + std::to_string(more) + " more of this kind");
+}
+
 }  // namespace
 
 Inspection inspect(Simulation& simulation) {
@@ -296,6 +306,7 @@ Inspection inspect(Simulation& simulation) {
     tell(out, Reduction::outputs,
          "accelerations, reactions, poses and energies are computed when they are read, not at every evaluation", true);
   }
+  for (ReductionReport& report : out.reductions) shorten(report.notes);
   return out;
 }
 

@@ -92,7 +92,7 @@ Reading Island::reading() const { return {*dynamics_, y_.data(), vdot_.data(), e
 double Island::position_gap() const { return largest(dynamics_->Phi()); }
 double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }
 
-double Island::evaluation_cost() {
+double Island::evaluation_cost(double budget) {
   if (mechanism().nv == 0) return 0;
   fresh_ = Outputs::Needs::state;
   std::vector<double> ydot(y_.size());
@@ -102,10 +102,10 @@ double Island::evaluation_cost() {
     return (cpu_time() - begin) / calls;
   };
   const long before = dynamics_->evaluations();
-  // About a millisecond at a time: long against the clock's grain, short against whatever interrupts.
-  const int calls = static_cast<int>(std::clamp(1e-3 / std::max(time_of(3), 1e-9), 1.0, 1e5));
-  double least = INFINITY;
-  for (int i = 0; i < 20; ++i) least = std::min(least, time_of(calls));
+  // Twenty times a while, each long against the clock's grain and short against whatever interrupts.
+  double least = std::max(time_of(1), 1e-9);
+  const int calls = static_cast<int>(std::clamp(budget / 20 / least, 1.0, 1e5));
+  for (int i = 0; i < 20 && i * calls * least < budget; ++i) least = std::min(least, time_of(calls));
   evaluations_before_ += dynamics_->evaluations() - before;
   return least;
 }

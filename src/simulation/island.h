@@ -44,8 +44,9 @@ class Island {
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
 
-  // s: CPU time of one evaluation of the equations of motion at the present state, least of several.
-  double evaluation_cost();
+  // s: CPU time of one evaluation of the equations of motion at the present state, least of several. budget [s]: what
+  // measuring may take, about.
+  double evaluation_cost(double budget);
 
  private:
   const double* q() const { return y_.data(); }

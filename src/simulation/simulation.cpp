@@ -171,7 +171,8 @@ const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 double Simulation::evaluation_cost() {
   if (!impl_->initialized) throw UsageError("a measurement before initialize()");
   double sum = 0;
-  for (const auto& island : impl_->islands) sum += island->evaluation_cost();
+  const double budget = std::max(4e-4, 0.02 / static_cast<double>(std::max<std::size_t>(1, impl_->islands.size())));
+  for (const auto& island : impl_->islands) sum += island->evaluation_cost(budget);
   return sum;
 }
 
