@@ -63,6 +63,24 @@ Vector read_outputs(Plant& plant, const std::vector<int>& indices) {
   }));
 }
 
+Vector state_of(Plant& plant, int island) {
+  return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(s.state(island)); }));
+}
+
+// f(y), or df/dy column by column.
+Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
+  return to_numpy(plant.with([&](Simulation& s) {
+    gelenk::OdeSystem& equations = s.equations(island);
+    const std::size_t n = equations.size();
+    if (y.size() != n) throw gelenk::UsageError("y: " + std::to_string(n) + " numbers are expected");
+    std::vector<double> out(jacobian ? n * n : n);
+    const bool found =
+        jacobian ? equations.jacobian(s.time(), y.data(), out.data()) : equations.rhs(s.time(), y.data(), out.data());
+    if (!found) throw gelenk::UsageError("y: the accelerations are not finite there");
+    return out;
+  }));
+}
+
 void bind_signal(nb::module_& m) {
   nb::class_<Signal>(m, "Signal", "Name, unit and meaning of one input, output or diagnostic.")
       .def_ro("name", &Signal::name)
@@ -101,6 +119,9 @@ void gelenk::bind_simulation(nb::module_& m) {
           },
           nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
           "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
+      .def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
+      .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
+           "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
       .def(
           "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
           "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")

@@ -144,6 +144,9 @@ def simulate(
     integrator: Annotated[
         str | None, typer.Option(help="auto, ida, cvode, cvode-adams, dirk, erk, rk4 or euler.")
     ] = None,
+    formulation: Annotated[
+        str | None, typer.Option(help="projection, baumgarte, penalty, ...: how loops meet the integrator.")
+    ] = None,
     inputs: Annotated[
         Path | None, typer.Option("--input", metavar="FILE.csv", help="Columns `time` and inputs by name.")
     ] = None,
@@ -162,7 +165,8 @@ def simulate(
     try:
         with progress_bar(sys.stderr) as progress:
             result = gelenk.simulate(
-                plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator, inputs=inputs,
+                plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator,
+                formulation=formulation, inputs=inputs,
                 parameters=_settings(settings or []), without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:

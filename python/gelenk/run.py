@@ -29,6 +29,7 @@ def simulate(
     step: float | None = None,
     tolerance: float | None = None,
     integrator: str | None = None,
+    formulation: str | None = None,
     inputs: Inputs | None = None,
     parameters: Mapping[str, Value] | None = None,
     outputs: Sequence[str] | None = None,
@@ -46,6 +47,7 @@ def simulate(
         step: communication step [s]; the last one is shortened to end at `stop`.
         tolerance: relative tolerance of the integrator.
         integrator: "auto", "ida", "cvode", "cvode-adams", "dirk", "erk", "rk4" or "euler".
+        formulation: how loops meet the integrator: "projection", or a rival of it (docs/scene-format.md).
         inputs: see `gelenk.inputs.functions`; inputs that are not named stay 0.
         parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
         outputs: names to record; by default all outputs.
@@ -75,7 +77,7 @@ def simulate(
                 raise UsageError(f"{name}: given as input and as parameter")
             constant = number(name, settings.pop(name), "real")
             signals[name] = lambda _, x=constant: x  # type: ignore[misc]
-        _configure(opened, settings, tolerance, integrator)
+        _configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)
         if len(times) * (1 + len(names)) > MOST_NUMBERS:
@@ -123,14 +125,16 @@ def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Seque
 
 
 def _configure(
-    plant: Plant, settings: dict[str, Value], tolerance: float | None, integrator: str | None
+    plant: Plant, settings: dict[str, Value], tolerance: float | None, words: dict[str, str | None]
 ) -> None:
     if tolerance is not None and not 0 < tolerance < 1:
         raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
-    if integrator is not None:
-        if "solver.integrator" in settings:
-            raise UsageError("solver.integrator: given as integrator and as parameter")
-        settings["solver.integrator"] = integrator
+    for word, choice in words.items():
+        if choice is None:
+            continue
+        if f"solver.{word}" in settings:
+            raise UsageError(f"solver.{word}: given as {word} and as parameter")
+        settings[f"solver.{word}"] = choice
     known = [*plant.parameters, *plant.inputs]
     faults = [unknown(name, "parameter or input", known) for name in settings if name not in plant.parameters]
     if faults:

@@ -71,7 +71,8 @@ class DynamicsOf final : public Dynamics {
         tau_(model_.nv),
         v_(model_.nv),
         q_(model_.nq),
-        cut_reference_(model_.cut_nq) {
+        cut_reference_(model_.cut_nq),
+        shifted_(model_.rows) {
     const Eigen::Vector3d& g = loads.gravity;
     if constexpr (A::planar) {
       root_acceleration_ = {0, -g.x(), -g.y()};
@@ -88,8 +89,7 @@ class DynamicsOf final : public Dynamics {
   }
 
   void factorise() override {
-    kernels::mass_matrix(model_, ws_, M_);
-    for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
+    fill_mass_matrix();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows == 0) return;
     kernels::loop_jacobian(model_, ws_);
@@ -111,16 +111,11 @@ class DynamicsOf final : public Dynamics {
   void set_weak_pivots(double ratio) override { Y_.set_weak(ratio); }
 
   void solve(const double* u, double* vdot, const double* expected) override {
-    ++evaluations_;
-    kernels::link_loads(model_, loads_, u, ws_);
-    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
-    kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
-    for (int k = 0; k < model_.nv; ++k) w_[k] = -tau_[k];
-    loads_.tree.add(q_.data(), v_.data(), u, w_.data());
+    forces(u, w_.data());
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) {
       if (expected != nullptr) M_.multiply(expected, expected_.data());
-      Y_.constrain(w_.data(), ws_.gamma.data(), expected == nullptr ? nullptr : expected_.data());
+      Y_.constrain(w_.data(), row_target(), expected == nullptr ? nullptr : expected_.data());
     }
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
@@ -128,6 +123,18 @@ class DynamicsOf final : public Dynamics {
     set_root_poses();
     set_acceleration(vdot);
     energy_ = energy();
+  }
+
+  void set_row_shift(const double* shift) override { row_shift_ = shift; }
+
+  void assemble(const double* u, double* M, double* f) override {
+    fill_mass_matrix();
+    const int n = model_.nv;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = M_.at(i, j);
+    }
+    if (model_.rows > 0) kernels::loop_jacobian(model_, ws_);
+    forces(u, f);
   }
 
   void set_root_poses() override { kernels::root_poses(model_, all_links_, ws_); }
@@ -165,10 +172,11 @@ class DynamicsOf final : public Dynamics {
     }
   }
 
-  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out) override {
+  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out, const double* lambda) override {
     if (!differentiator_) differentiator_ = std::make_unique<Differentiator<A>>(mechanism_, loads_, inputs);
-    if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
-    (*differentiator_)({q_.data(), v_.data(), u, vdot, ws_.lambda.data(), cut_reference_.data()}, out);
+    if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
+    if (lambda == nullptr) lambda = ws_.lambda.data();
+    (*differentiator_)({q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data()}, out);
   }
 
   void solve_linear(double* r, const double* c) const override {
@@ -187,6 +195,7 @@ class DynamicsOf final : public Dynamics {
     }
   }
   const std::vector<double>& row_rates() const override { return ws_.rate; }
+  const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
   const std::vector<double>& jacobian() const override { return ws_.J; }
   int rank() const override { return Y_.rank(); }
@@ -269,6 +278,27 @@ class DynamicsOf final : public Dynamics {
     return {rod.rod_pose<A>(q), rod.rod_velocity<A>(q, v)};
   }
 
+  void fill_mass_matrix() {
+    kernels::mass_matrix(model_, ws_, M_);
+    for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
+  }
+
+  // tau - h.
+  void forces(const double* u, double* f) {
+    ++evaluations_;
+    kernels::link_loads(model_, loads_, u, ws_);
+    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
+    for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
+    loads_.tree.add(q_.data(), v_.data(), u, f);
+  }
+
+  const double* row_target() {
+    if (row_shift_ == nullptr) return ws_.gamma.data();
+    for (int r = 0; r < model_.rows; ++r) shifted_[r] = ws_.gamma[r] + row_shift_[r];
+    return shifted_.data();
+  }
+
   double height(int link) const { return mechanism_.planar ? mechanism_.heights[link] : 0; }
 
   [[noreturn]] void throw_singular(int k) const {
@@ -288,7 +318,8 @@ class DynamicsOf final : public Dynamics {
   RowFactor Y_;
   int max_rank_;
   typename A::Motion root_acceleration_{};
-  std::vector<double> w_, expected_, tau_, v_, q_, cut_reference_;
+  std::vector<double> w_, expected_, tau_, v_, q_, cut_reference_, shifted_;
+  const double* row_shift_ = nullptr;
   std::unique_ptr<Differentiator<A>> differentiator_;
   Energy energy_;
   long evaluations_ = 0;

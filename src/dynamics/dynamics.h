@@ -41,6 +41,11 @@ class Dynamics {
   virtual void solve(const double* u, double* vdot, const double* expected = nullptr) = 0;
   // Pivots of the rows near or below this ratio to the largest are weak (row_factor.h); 0: none.
   virtual void set_weak_pivots(double ratio) = 0;
+  // From now on solve() takes J vdot = gamma + shift (rows numbers, read then; nullptr: none), until set again.
+  virtual void set_row_shift(const double* shift) = 0;
+  // Instead of factorise() and solve(), after set_velocity: M (nv x nv, full), f = tau - h, and J. The factors are
+  // lost.
+  virtual void assemble(const double* u, double* M, double* f) = 0;
   // --- what only outputs need ---
   // Poses of all links in the root frame, after set_position.
   virtual void set_root_poses() = 0;
@@ -52,17 +57,19 @@ class Dynamics {
   virtual void displace(double* q, const double* dv) const = 0;
   virtual void normalise(double* q) const = 0;
 
-  // Exact derivatives of the residuals at the state of the last solve(), with its vdot and lambda. u: `inputs` numbers.
-  // Allocates when first called.
-  virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out) = 0;
+  // Exact derivatives of the residuals at the state of the last solve(), with its vdot and lambda; or those of
+  // assemble(), with any vdot and lambda. u: `inputs` numbers. Allocates when first called.
+  virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out,
+                             const double* lambda = nullptr) = 0;
   // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x.
   virtual void solve_linear(double* r, const double* c) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
+  virtual const std::vector<double>& gamma() const = 0;      // likewise
   virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
-  virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise
+  virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise or assemble
   virtual int rank() const = 0;
   virtual double pivot_ratio() const = 0;
   // Rows beyond this rank are taken to repeat others; rows() at first.
@@ -95,7 +102,7 @@ class Dynamics {
   virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
-  virtual long evaluations() const = 0;  // calls of solve
+  virtual long evaluations() const = 0;  // calls of solve and assemble
 };
 
 // everything: each solve() also computes what only outputs need, read or not (to show what leaving it out gains).

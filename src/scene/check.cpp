@@ -28,6 +28,14 @@ void check_positive(double x, const std::string& path, Faults& faults) {
   if (!(x > 0) || !std::isfinite(x)) faults.add(path, text::number(x) + " s", "more than 0 s");
 }
 
+void check_gain(double gain, const char* path, const Solver& solver, Faults& faults) {
+  const std::string found = text::number(gain) + " 1/s";
+  if (!(gain >= 0) || !std::isfinite(gain)) faults.add(path, found, "0 1/s or more");
+  if (gain > 0 && !solver.formulation.empty() && solver.formulation != "baumgarte") {
+    faults.add(path, found + " with the formulation " + solver.formulation, "the formulation baumgarte, or 0 1/s");
+  }
+}
+
 void check_settings(const Scene& scene, Faults& faults, bool partial) {
   const Experiment& experiment = scene.experiment;
   check_positive(experiment.stop, "experiment.stop", faults);
@@ -44,6 +52,8 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }
+  check_gain(scene.solver.baumgarte_alpha, "solver.baumgarte_alpha", scene.solver, faults);
+  check_gain(scene.solver.baumgarte_beta, "solver.baumgarte_beta", scene.solver, faults);
 }
 
 }  // namespace

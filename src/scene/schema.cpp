@@ -182,12 +182,14 @@ Json settings() {
               {"step", number("s", "Default communication step", Allowed::positive)},
               {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Allowed::positive)}},
              {});
-  out["solver"] =
-      object({{"formulation", {{"enum", words::formulations}}},
-              {"integrator", {{"enum", words::integrators}}},
-              {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
-              {"reductions", reductions()}},
-             {});
+  out["solver"] = object(
+      {{"formulation", {{"enum", words::formulations}}},
+       {"integrator", {{"enum", words::integrators}}},
+       {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
+       {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Allowed::not_negative)},
+       {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Allowed::not_negative)},
+       {"reductions", reductions()}},
+      {});
   return out;
 }
 

@@ -24,6 +24,13 @@ double cpu_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+// s, of fixed-step methods.
+double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
+
+FormulationOptions options_of(const Scene& scene) {
+  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta};
+}
+
 }  // namespace
 
 Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const std::vector<double>& u, double time)
@@ -32,7 +39,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const s
       loads_(std::move(loads)),
       u_(u),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
-      equations_(prepared_.mechanism, *dynamics_, u),
+      equations_(make_formulation(scene.solver.formulation, prepared_.mechanism, *dynamics_, u, options_of(scene))),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -40,16 +47,16 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const s
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   backup_ = y_;
   dynamics_->limit_rank(prepared_.structure.rank);
-  equations_.count_from(prepared_.cut_start, time, y_.data());
+  equations_->start(prepared_.cut_start, time, y_.data());
 }
 
 void Island::start_integrator(double tolerance) {
   if (mechanism().nv == 0) return;
   IntegratorOptions options;
   options.tolerance = tolerance > 0 ? tolerance : scene_.experiment.tolerance;
-  options.step = scene_.solver.step > 0 ? scene_.solver.step : scene_.experiment.step;
+  options.step = step_of(scene_);
   const std::string kind = choose_integrator(scene_, mechanism(), *dynamics_, y_, u_);
-  integrator_ = make_integrator(kind, equations_, options);
+  integrator_ = make_integrator(kind, *equations_, options);
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
 }
@@ -70,7 +77,7 @@ void Island::roll_back() {
   y_ = backup_;
   time_ = backup_time_;
   fresh_ = Outputs::Needs::state;
-  equations_.count_from(equations_.cut_coordinates(), time_, y_.data());
+  equations_->start(equations_->cut_coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());
 }
 
@@ -87,7 +94,7 @@ void Island::refresh(Outputs::Needs needs) {
   fresh_ = needs;
 }
 
-Reading Island::reading() const { return {*dynamics_, y_.data(), vdot_.data(), equations_.cut_coordinates()}; }
+Reading Island::reading() const { return {*dynamics_, y_.data(), vdot_.data(), equations_->cut_coordinates()}; }
 
 double Island::position_gap() const { return largest(dynamics_->Phi()); }
 double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }
@@ -98,7 +105,7 @@ double Island::evaluation_cost(double budget) {
   std::vector<double> ydot(y_.size());
   const auto time_of = [&](int calls) {
     const double begin = cpu_time();
-    for (int i = 0; i < calls; ++i) equations_.rhs(time_, y_.data(), ydot.data());
+    for (int i = 0; i < calls; ++i) equations_->rhs(time_, y_.data(), ydot.data());
     return (cpu_time() - begin) / calls;
   };
   const long before = dynamics_->evaluations();

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "formulation/projection.h"
+#include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "simulation/outputs.h"
 #include "simulation/preparation.h"
@@ -44,6 +44,10 @@ class Island {
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
 
+  // What the integrator sees, and where it stands; for checks. After a call of it, roll_back() is due.
+  OdeSystem& equations() { return *equations_; }
+  const std::vector<double>& state() const { return y_; }
+
   // s: CPU time of one evaluation of the equations of motion at the present state, least of several. budget [s]: what
   // measuring may take, about.
   double evaluation_cost(double budget);
@@ -57,7 +61,7 @@ class Island {
   Loads loads_;
   const std::vector<double>& u_;
   std::unique_ptr<Dynamics> dynamics_;
-  Projection equations_;
+  std::unique_ptr<Formulation> equations_;
   std::unique_ptr<Integrator> integrator_;  // none where nothing moves
   double time_;
   std::vector<double> y_, vdot_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "joint/registry.h"
 #include "scene/read.h"
@@ -15,6 +16,12 @@
 
 namespace gelenk {
 namespace {
+
+std::vector<std::string> formulations() {
+  std::vector<std::string> names;
+  for (const FormulationKind& kind : formulation_kinds()) names.emplace_back(kind.name);
+  return names;
+}
 
 std::vector<std::string> integrators() {
   std::vector<std::string> names = {"auto"};
@@ -136,8 +143,16 @@ void add_solver(std::vector<Parameter>& table) {
   step.min = 0;
   table.push_back(std::move(step));
   table.push_back(
-      choice("solver.formulation", "how loop constraints meet the integrator", {"projection"}, &Solver::formulation));
+      choice("solver.formulation", "how loop constraints meet the integrator", formulations(), &Solver::formulation));
   table.push_back(choice("solver.integrator", "integration method", integrators(), &Solver::integrator));
+  const auto gain = [&](const char* name, const char* on, double Solver::* field) {
+    Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: chosen from the step",
+                                 [field](auto& scene) -> auto& { return scene.solver.*field; });
+    p.min = 0;
+    table.push_back(std::move(p));
+  };
+  gain("solver.baumgarte_alpha", "the constraints' rates", &Solver::baumgarte_alpha);
+  gain("solver.baumgarte_beta", "the constraints' errors (as its square)", &Solver::baumgarte_beta);
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {

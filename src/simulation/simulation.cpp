@@ -168,6 +168,13 @@ const std::vector<int>& Simulation::independent_coordinates() const { return imp
 std::string Simulation::assembly_report() const { return impl_->prepared.report; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
+OdeSystem& Simulation::equations(int island) {
+  if (!impl_->initialized) throw UsageError("equations before initialize()");
+  return impl_->islands.at(island)->equations();
+}
+
+const std::vector<double>& Simulation::state(int island) const { return impl_->islands.at(island)->state(); }
+
 double Simulation::evaluation_cost() {
   if (!impl_->initialized) throw UsageError("a measurement before initialize()");
   double sum = 0;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formulation/ode_system.h"
 #include "scene/scene.h"
 #include "simulation/preparation.h"
 #include "simulation/signals.h"
@@ -79,6 +80,11 @@ class Simulation {
 
   // The scene as it is reduced and stands at its start. Known after initialize().
   const PreparedScene& prepared() const;
+
+  // Equations of island i as its integrator sees them, and the state (q, v) at which it stands; for checks. Calls of the
+  // former leave outputs of this moment undefined.
+  OdeSystem& equations(int island);
+  const std::vector<double>& state(int island) const;
 
   // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
   double evaluation_cost();

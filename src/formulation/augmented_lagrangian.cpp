@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `augmented-lagrangian` (Bayo & Ledesma 1996): the penalty's equations with multipliers, iterated in every evaluation,
+//   lambda <- lambda + a (J vdot - wish),   (M + a J^T J) dvdot = f - M vdot - J^T (lambda + a (J vdot - wish)),
+// until vdot stands. It then fulfils J vdot = wish whatever a is, so its slopes are those of the index-1 form.
+#include <cmath>
+
+#include "formulation/penalty.h"
+
+namespace gelenk {
+namespace {
+
+constexpr double stands = 1e-13;  // change of vdot against its size
+constexpr double enough = 1e-8;   // where rounding ends the progress earlier
+constexpr int most = 50;          // each gains some digits; near positions that lose rank, few
+
+class AugmentedLagrangian final : public Penalised {
+ public:
+  using Penalised::Penalised;
+
+ private:
+  bool accelerate(const double* y, double* vdot) override {
+    if (!assemble(y + nq_)) return false;
+    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
+    x = f_;
+    if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
+    factor_.solveInPlace(x);
+    return rows() == 0 || iterate(x);
+  }
+
+  bool iterate(Eigen::Ref<Eigen::VectorXd> x) {
+    lambda_.setZero();
+    double before = INFINITY;
+    for (int i = 0; i < most; ++i) {
+      const Eigen::VectorXd more = a_ * (J() * x - wish_);
+      lambda_ += more;
+      change_ = f_ - M_ * x - J().transpose() * (lambda_ + more);
+      factor_.solveInPlace(change_);
+      x += change_;
+      const double size = change_.norm() / (1 + x.norm());
+      if (size <= stands) return true;
+      if (!(size <= 0.5 * before)) return size <= enough;
+      before = size;
+    }
+    return before <= enough;
+  }
+
+  void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) override {
+    dynamics_.factorise();
+    dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
+    stabilise_slopes();
+    solve_slopes(out);
+  }
+
+  Eigen::VectorXd change_;
+};
+
+}  // namespace
+
+std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics,
+                                                       const std::vector<double>& u, const FormulationOptions&) {
+  return std::make_unique<AugmentedLagrangian>(mechanism, dynamics, u);
+}
+
+}  // namespace gelenk

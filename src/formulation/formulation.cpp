@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/formulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// Newton stops here: relative to the mechanism's size, some tens of roundings.
+constexpr double closed = 1e-14;
+// Where rounding ends the progress earlier: so much more may be left.
+constexpr double slack = 1e3;
+
+double largest(const std::vector<double>& x) {
+  double max = 0;
+  for (const double value : x) {
+    if (!(std::abs(value) <= max)) max = std::abs(value);  // also takes a NaN, and keeps it
+  }
+  return max;
+}
+
+double size_of(const Mechanism& mechanism) {
+  double length = 1;
+  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
+  return length;
+}
+
+}  // namespace
+
+Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      u_(u),
+      nq_(mechanism.nq),
+      nv_(mechanism.nv),
+      turns_(mechanism, dynamics),
+      length_(size_of(mechanism)),
+      dv_(mechanism.nv) {}
+
+bool Formulation::rhs(double, const double* y, double* ydot) {
+  for (int i = 0; i < nq_ + nv_; ++i) {
+    if (!std::isfinite(y[i])) return false;
+  }
+  const double* at = state_for(y);
+  if (at == nullptr) return false;
+  dynamics_.set_position(at);
+  if (!accelerate(at, ydot + nq_)) return false;
+  dynamics_.rate(at, at + nq_, ydot);
+  return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
+}
+
+bool Formulation::accelerate(const double* y, double* vdot) {
+  refactor();
+  factors_ = true;
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.solve(u_.data(), vdot);
+  return true;
+}
+
+bool Formulation::jacobian(double t, const double* y, double* J) {
+  ydot_.resize(size());
+  if (!rhs(t, y, ydot_.data())) return false;
+  Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
+  differentiate(ydot_.data() + nq_, out);
+  out.topLeftCorner(nq_, nq_) = slopes_.qdot_q;
+  out.topRightCorner(nq_, nv_) = slopes_.qdot_v;
+  chain(out);
+  return out.allFinite();
+}
+
+void Formulation::differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) {
+  dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
+  solve_slopes(out);
+}
+
+// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc).
+void Formulation::solve_slopes(Eigen::Ref<Eigen::MatrixXd> out) {
+  out.bottomLeftCorner(nv_, nq_) = -slopes_.r_q;
+  out.bottomRightCorner(nv_, nv_) = -slopes_.r_v;
+  slopes_.c_q = -slopes_.c_q;
+  slopes_.c_v = -slopes_.c_v;
+  for (int k = 0; k < size(); ++k) {
+    const double* c = k < nq_ ? slopes_.c_q.col(k).data() : slopes_.c_v.col(k - nq_).data();
+    dynamics_.solve_linear(out.col(k).data() + nq_, c);
+  }
+}
+
+bool Formulation::project(double, double* y) {
+  dynamics_.normalise(y);
+  return true;
+}
+
+void Formulation::accepted(double t, const double* y) {
+  if (!mechanism_.cuts.empty()) turns_.count(t, y);
+}
+
+void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) { turns_.count_from(cut_q, t, y); }
+
+// Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.
+double Formulation::rounding(const double* q) const {
+  double largest_q = 0;
+  for (int i = 0; i < nq_; ++i) largest_q = std::max(largest_q, std::abs(q[i]));
+  return length_ * std::max(closed, 2e-16 * largest_q);
+}
+
+bool Formulation::close_position(double* q) {
+  dynamics_.normalise(q);
+  dynamics_.set_position(q);
+  if (mechanism_.rows == 0) return true;
+  const double floor = rounding(q);
+  double before = INFINITY;
+  for (int i = 0; i < 30; ++i) {
+    const double gap = largest(dynamics_.Phi());
+    if (!std::isfinite(gap)) return false;
+    if (gap <= floor) return true;
+    // No progress: rounding, or the old factors are too far away.
+    if (gap > 0.5 * before && gap <= slack * floor) return true;
+    if (!factors_ || gap > 0.1 * before) {
+      refactor();
+      factors_ = true;
+    }
+    before = gap;
+    correction(dynamics_.Phi().data(), dv_.data());
+    dynamics_.displace(q, dv_.data());
+    dynamics_.set_position(q);
+  }
+  return false;
+}
+
+bool Formulation::close_velocity(double* v) {
+  dynamics_.set_velocity(v);
+  if (mechanism_.rows == 0) return true;
+  double before = INFINITY;
+  for (int i = 0; i < 30; ++i) {
+    const double gap = largest(dynamics_.row_rates());
+    if (!std::isfinite(gap)) return false;
+    double speed = 1;
+    for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
+    if (gap <= closed * length_ * speed) return true;
+    if (gap > 0.5 * before && gap <= slack * closed * length_ * speed) return true;
+    if (!factors_ || gap > 0.1 * before) {
+      refactor();
+      factors_ = true;
+    }
+    before = gap;
+    correction(dynamics_.row_rates().data(), dv_.data());
+    for (int k = 0; k < nv_; ++k) v[k] += dv_[k];
+    dynamics_.set_velocity(v);
+  }
+  return false;
+}
+
+}  // namespace gelenk

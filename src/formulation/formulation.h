@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How loop constraints meet an integrator: what all formulations share, and which there are. All of them make an ODE of
+//   M vdot + h + J^T lambda = tau,   Phi = 0,   J v = 0,   J vdot = gamma;
+// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = 0. Outputs (accelerations,
+// reactions) are those of the equations above at the state reached, whatever the formulation.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+#include "formulation/ode_system.h"
+#include "formulation/turns.h"
+
+namespace gelenk {
+
+struct FormulationOptions {
+  double step = 1e-3;          // s: of fixed-step methods or between outputs
+  double baumgarte_alpha = 0;  // 1/s; 0: chosen from the step
+  double baumgarte_beta = 0;   // 1/s; likewise
+};
+
+class Formulation : public OdeSystem {
+ public:
+  // u: the inputs, read at every evaluation.
+  Formulation(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+
+  int size() const final { return nq_ + nv_; }
+  int coordinates() const final { return nq_; }
+  bool rhs(double t, const double* y, double* ydot) final;
+  bool jacobian(double t, const double* y, double* J) final;
+  void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
+  // Unless a formulation says otherwise: quaternions are made unit again, no more.
+  bool project(double t, double* y) override;
+  void accepted(double t, const double* y) override;
+
+  const std::vector<double>& cut_coordinates() const { return turns_.coordinates(); }
+  // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
+  virtual void start(const std::vector<double>& cut_q, double t, const double* y);
+
+ protected:
+  // The state at which rhs(y) evaluates; size() numbers. nullptr: none found near y.
+  virtual const double* state_for(const double* y) { return y; }
+  // vdot at y; dynamics_ is at its position, without velocities. False: as rhs.
+  virtual bool accelerate(const double* y, double* vdot);
+  // Rows nq.. of df/dy into `out` (size() x size()), from slopes_ at the state of the last accelerate(); vdot: found
+  // there.
+  virtual void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out);
+  // out (nq..) <- the slopes of vdot when J vdot = gamma is solved for exactly, from slopes_, with the last factors.
+  void solve_slopes(Eigen::Ref<Eigen::MatrixXd> out);
+  // From the slopes of f at state_for(y) to those at y.
+  virtual void chain(Eigen::Ref<Eigen::MatrixXd>) {}
+
+  // Newton's method onto Phi = 0, and onto J v = 0; leaves dynamics_ there. False: not reached.
+  bool close_position(double* q);
+  bool close_velocity(double* v);
+  // Its factors at the position of dynamics_, and its step; the least in the mass metric unless overridden.
+  virtual void refactor() { dynamics_.factorise(); }
+  virtual void correction(const double* residual, double* dv) { dynamics_.correct(residual, dv); }
+
+  int rows() const { return mechanism_.rows; }
+  int inputs() const { return static_cast<int>(u_.size()); }
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  const std::vector<double>& u_;
+  int nq_, nv_;
+  bool factors_ = false;  // refactor() has been called
+  Slopes slopes_;
+
+ private:
+  double rounding(const double* q) const;
+
+  TurnCounter turns_;
+  double length_;  // m: rounding of a closed loop grows with it
+  std::vector<double> dv_, ydot_;
+};
+
+struct FormulationKind {
+  std::string_view name;
+  std::string_view summary;
+  std::unique_ptr<Formulation> (*make)(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+                                       const FormulationOptions& options);
+};
+
+// All formulations that can be named in a scene (registry.cpp), the default first; names as in scene/words.h.
+std::span<const FormulationKind> formulation_kinds();
+
+// Throws std::out_of_range for an unknown name.
+std::unique_ptr<Formulation> make_formulation(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics,
+                                              const std::vector<double>& u, const FormulationOptions& options);
+
+// One per file.
+std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics,
+                                             const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics,
+                                            const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics,
+                                                 const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+                                          const FormulationOptions& options);
+std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics,
+                                                       const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics,
+                                              const std::vector<double>& u, const FormulationOptions& options);
+
+}  // namespace gelenk

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `penalty`: rows are left with the errors that the constraint forces need, Phi = lambda / (a Omega^2).
+#include "formulation/penalty.h"
+
+namespace gelenk {
+namespace {
+
+// Bayo's usual figures. The penalty is this many times the mass that a row meets at the start (trace of M over that of
+// J^T J): the more, the smaller the errors, and the more digits M loses beside it; 1e7 leaves it half of them.
+constexpr double penalty = 1e7;
+constexpr double Omega = 10;  // 1/s: rows' errors decay with it
+constexpr double mu = 1;      // critically damped
+
+class Penalty final : public Penalised {
+ public:
+  using Penalised::Penalised;
+
+ private:
+  bool accelerate(const double* y, double* vdot) override {
+    if (!assemble(y + nq_)) return false;
+    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
+    x = f_;
+    if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
+    factor_.solveInPlace(x);
+    if (rows() > 0) lambda_ = a_ * (J() * x - wish_);
+    return true;
+  }
+
+  // With lambda = a (J vdot - wish): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
+  void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) override {
+    dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
+    stabilise_slopes();
+    Eigen::MatrixXd slopes(nv_, size());
+    slopes << -slopes_.r_q, -slopes_.r_v;
+    if (rows() > 0) {
+      slopes.leftCols(nq_) -= a_ * J().transpose() * slopes_.c_q;
+      slopes.rightCols(nv_) -= a_ * J().transpose() * slopes_.c_v;
+    }
+    out.bottomRows(nv_) = factor_.solve(slopes);
+  }
+};
+
+}  // namespace
+
+Penalised::Penalised(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+    : Formulation(mechanism, dynamics, u),
+      M_(mechanism.nv, mechanism.nv),
+      f_(mechanism.nv),
+      wish_(mechanism.rows),
+      lambda_(Eigen::VectorXd::Zero(mechanism.rows)),
+      factor_(mechanism.nv) {}
+
+void Penalised::start(const std::vector<double>& cut_q, double t, const double* y) {
+  Formulation::start(cut_q, t, y);
+  if (a_ > 0 || rows() == 0) return;
+  dynamics_.assemble(u_.data(), M_.data(), f_.data());
+  a_ = penalty * M_.trace() / J().squaredNorm();
+}
+
+bool Penalised::assemble(const double* v) {
+  dynamics_.set_velocity(v);
+  dynamics_.assemble(u_.data(), M_.data(), f_.data());
+  if (rows() == 0) {
+    factor_.compute(M_);
+    return factor_.info() == Eigen::Success;
+  }
+  for (int r = 0; r < rows(); ++r) {
+    wish_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
+  }
+  factor_.compute(M_ + a_ * J().transpose() * J());
+  return factor_.info() == Eigen::Success;
+}
+
+void Penalised::stabilise_slopes() {
+  if (rows() == 0) return;
+  slopes_.c_q += 2 * Omega * mu * slopes_.rate_q + Omega * Omega * slopes_.Phi_q;
+  slopes_.c_v += 2 * Omega * mu * J();
+}
+
+std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+                                          const FormulationOptions&) {
+  return std::make_unique<Penalty>(mechanism, dynamics, u);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `penalty` and `augmented-lagrangian` share: constraints as a mass a, a damper and a spring in every row,
+//   (M + a J^T J) vdot = tau - h + a J^T (gamma - 2 Omega mu J v - Omega^2 Phi)     (Bayo, Garcia de Jalon & Serna
+//   1988).
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "formulation/formulation.h"
+
+namespace gelenk {
+
+class Penalised : public Formulation {
+ public:
+  Penalised(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+  void start(const std::vector<double>& cut_q, double t, const double* y) override;
+
+ protected:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // M_, f_ and wish_ at the position of dynamics_ and the speeds v, and the factors of M + a J^T J. False: it has none.
+  bool assemble(const double* v);
+  Eigen::Map<const Rows> J() const { return {dynamics_.jacobian().data(), rows(), nv_}; }
+  // From slopes of J vdot - gamma to those of J vdot - wish_.
+  void stabilise_slopes();
+
+  double a_ = 0;
+  Eigen::MatrixXd M_;
+  Eigen::VectorXd f_, wish_;  // tau - h; what J vdot should be
+  Eigen::VectorXd lambda_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+}  // namespace gelenk

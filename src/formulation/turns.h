@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Counts the turns of cut joints, whose angles the state knows within a turn only.
+#pragma once
+
+#include <vector>
+
+#include "dynamics/dynamics.h"
+
+namespace gelenk {
+
+class TurnCounter {
+ public:
+  TurnCounter(const Mechanism& mechanism, Dynamics& dynamics);
+
+  // Coordinates of the cut joints with their angles counted through all turns; cut_nq numbers.
+  const std::vector<double>& coordinates() const { return q_; }
+  // Starts counting: angles nearest to the numbers given. y = (q, v).
+  void count_from(const std::vector<double>& cut_q, double t, const double* y);
+  // The speeds at both ends of the step say which turn it is.
+  void count(double t, const double* y);
+
+ private:
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  std::vector<double> q_, v_, v_last_;
+  double last_time_ = 0;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `udwadia-kalaba`: with a = M^-1 (tau - h),
+//   vdot = a + M^-1/2 (J M^-1/2)^+ (gamma - J a)     (Udwadia & Kalaba 1992),
+// M^1/2 replaced by the factor L of M = L^T L, which gives the same vdot; the pseudo-inverse is
+// dynamics/row_factor.h's. Nothing holds q and v on the constraints: errors of position grow with the square of time
+// and stay.
+#include "formulation/formulation.h"
+
+namespace gelenk {
+namespace {
+
+class UdwadiaKalaba final : public Formulation {
+ public:
+  using Formulation::Formulation;
+};
+
+}  // namespace
+
+std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics,
+                                                 const std::vector<double>& u, const FormulationOptions&) {
+  return std::make_unique<UdwadiaKalaba>(mechanism, dynamics, u);
+}
+
+}  // namespace gelenk
