@@ -119,7 +119,7 @@ def test_jacobians_are_exact(name: str, formulation: str) -> None:
 
 @pytest.mark.parametrize("formulation", ["projection", *(r for r in RIVALS if r != "augmented-lagrangian")])
 def test_jacobians_are_exact_along_the_motion_of_redundant_rows(formulation: str) -> None:
-    """Off the constraints redundant rows contradict each other, and which of them count is a matter of pivots;
+    """Off the constraints repeated rows contradict each other, and which count is up to pivots;
     along the constraints they do not. So: the direction in which the ring moves.
     """
     simulation = plant("bricard", formulation)
