@@ -18,7 +18,7 @@ class AugmentedLagrangian final : public Penalised {
   using Penalised::Penalised;
 
  private:
-  bool accelerate(const double* y, double* vdot) override {
+  bool accelerate(double, const double* y, double* vdot) override {
     if (!assemble(y + nq_)) return false;
     Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
     x = f_;

@@ -21,7 +21,7 @@ class Baumgarte final : public Formulation {
         shift_(mechanism.rows) {}
 
  private:
-  bool accelerate(const double* y, double* vdot) override {
+  bool accelerate(double, const double* y, double* vdot) override {
     refactor();
     dynamics_.set_velocity(y + nq_);
     for (int r = 0; r < rows(); ++r) {

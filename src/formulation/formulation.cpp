@@ -9,8 +9,6 @@ namespace {
 
 // Newton stops here: relative to the mechanism's size, some tens of roundings.
 constexpr double closed = 1e-14;
-// Where rounding ends the progress earlier: so much more may be left.
-constexpr double slack = 1e3;
 
 double largest(const std::vector<double>& x) {
   double max = 0;
@@ -38,19 +36,19 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, const s
       length_(size_of(mechanism)),
       dv_(mechanism.nv) {}
 
-bool Formulation::rhs(double, const double* y, double* ydot) {
+bool Formulation::rhs(double t, const double* y, double* ydot) {
   for (int i = 0; i < nq_ + nv_; ++i) {
     if (!std::isfinite(y[i])) return false;
   }
   const double* at = state_for(y);
   if (at == nullptr) return false;
   dynamics_.set_position(at);
-  if (!accelerate(at, ydot + nq_)) return false;
+  if (!accelerate(t, at, ydot + nq_)) return false;
   dynamics_.rate(at, at + nq_, ydot);
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
 
-bool Formulation::accelerate(const double* y, double* vdot) {
+bool Formulation::accelerate(double, const double* y, double* vdot) {
   refactor();
   factors_ = true;
   dynamics_.set_velocity(y + nq_);
@@ -115,7 +113,7 @@ bool Formulation::close_position(double* q) {
     if (!std::isfinite(gap)) return false;
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too far away.
-    if (gap > 0.5 * before && gap <= slack * floor) return true;
+    if (gap > 0.5 * before && gap <= slack() * floor) return true;
     if (!factors_ || gap > 0.1 * before) {
       refactor();
       factors_ = true;
@@ -138,7 +136,7 @@ bool Formulation::close_velocity(double* v) {
     double speed = 1;
     for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
     if (gap <= closed * length_ * speed) return true;
-    if (gap > 0.5 * before && gap <= slack * closed * length_ * speed) return true;
+    if (gap > 0.5 * before && gap <= slack() * closed * length_ * speed) return true;
     if (!factors_ || gap > 0.1 * before) {
       refactor();
       factors_ = true;

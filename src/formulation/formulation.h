@@ -43,8 +43,8 @@ class Formulation : public OdeSystem {
  protected:
   // The state at which rhs(y) evaluates; size() numbers. nullptr: none found near y.
   virtual const double* state_for(const double* y) { return y; }
-  // vdot at y; dynamics_ is at its position, without velocities. False: as rhs.
-  virtual bool accelerate(const double* y, double* vdot);
+  // vdot at (t, y); dynamics_ is at its position, without velocities. False: as rhs.
+  virtual bool accelerate(double t, const double* y, double* vdot);
   // Rows nq.. of df/dy into `out` (size() x size()), from slopes_ at the state of the last accelerate(); vdot: found
   // there.
   virtual void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out);
@@ -56,6 +56,8 @@ class Formulation : public OdeSystem {
   // Newton's method onto Phi = 0, and onto J v = 0; leaves dynamics_ there. False: not reached.
   bool close_position(double* q);
   bool close_velocity(double* v);
+  // How many times the rounding may be left where it ends the progress earlier.
+  virtual double slack() const { return 1e3; }
   // Its factors at the position of dynamics_, and its step; the least in the mass metric unless overridden.
   virtual void refactor() { dynamics_.factorise(); }
   virtual void correction(const double* residual, double* dv) { dynamics_.correct(residual, dv); }

@@ -79,7 +79,7 @@ class Independent final : public Formulation {
     return close_position(state_.data()) ? state_.data() : nullptr;
   }
 
-  bool accelerate(const double*, double* vdot) override {
+  bool accelerate(double, const double*, double* vdot) override {
     refactor();
     factors_ = true;
     if (!close_velocity(state_.data() + nq_)) return false;

@@ -7,8 +7,8 @@
 
 namespace gelenk::words {
 
-inline const std::vector<std::string> formulations = {"projection", "baumgarte",            "udwadia-kalaba",
-                                                      "penalty",    "augmented-lagrangian", "independent"};
+inline const std::vector<std::string> formulations = {"projection",           "baumgarte",  "udwadia-kalaba", "penalty",
+                                                      "augmented-lagrangian", "independent"};
 inline const std::vector<std::string> integrators = {"auto",  "ida",   "erk",         "rk4",
                                                      "euler", "cvode", "cvode-adams", "dirk"};
 // In the order of enum Reduction.

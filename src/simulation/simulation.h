@@ -81,8 +81,8 @@ class Simulation {
   // The scene as it is reduced and stands at its start. Known after initialize().
   const PreparedScene& prepared() const;
 
-  // Equations of island i as its integrator sees them, and the state (q, v) at which it stands; for checks. Calls of the
-  // former leave outputs of this moment undefined.
+  // Equations of island i as its integrator sees them, and the state (q, v) at which it stands; for checks. Calls of
+  // the former leave outputs of this moment undefined.
   OdeSystem& equations(int island);
   const std::vector<double>& state(int island) const;
 
