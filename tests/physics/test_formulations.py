@@ -142,7 +142,8 @@ def slope(core: Any, y: Array, way: Array, h: float) -> Array:
     def difference(s: float) -> Array:
         ahead = np.array(core._slopes(0, (y + s * way).tolist(), False))
         behind = np.array(core._slopes(0, (y - s * way).tolist(), False))
-        return (ahead - behind) / (2 * s)
+        quotient: Array = (ahead - behind) / (2 * s)
+        return quotient
 
     return (4 * difference(h) - difference(2 * h)) / 3
 
