@@ -44,7 +44,7 @@ class AugmentedLagrangian final : public Penalised {
     return before <= enough;
   }
 
-  void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) override {
+  void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.factorise();
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
     stabilise_slopes();

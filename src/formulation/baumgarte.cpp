@@ -33,7 +33,7 @@ class Baumgarte final : public Formulation {
     return true;
   }
 
-  void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) override {
+  void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     slopes_.c_q += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;

@@ -67,13 +67,13 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   return out.allFinite();
 }
 
-void Formulation::differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) {
+void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
   dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
   solve_slopes(out);
 }
 
 // With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc).
-void Formulation::solve_slopes(Eigen::Ref<Eigen::MatrixXd> out) {
+void Formulation::solve_slopes(Eigen::Map<Eigen::MatrixXd>& out) {
   out.bottomLeftCorner(nv_, nq_) = -slopes_.r_q;
   out.bottomRightCorner(nv_, nv_) = -slopes_.r_v;
   slopes_.c_q = -slopes_.c_q;

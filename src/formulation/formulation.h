@@ -47,11 +47,11 @@ class Formulation : public OdeSystem {
   virtual bool accelerate(double t, const double* y, double* vdot);
   // Rows nq.. of df/dy into `out` (size() x size()), from slopes_ at the state of the last accelerate(); vdot: found
   // there.
-  virtual void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out);
+  virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
   // out (nq..) <- the slopes of vdot when J vdot = gamma is solved for exactly, from slopes_, with the last factors.
-  void solve_slopes(Eigen::Ref<Eigen::MatrixXd> out);
+  void solve_slopes(Eigen::Map<Eigen::MatrixXd>& out);
   // From the slopes of f at state_for(y) to those at y.
-  virtual void chain(Eigen::Ref<Eigen::MatrixXd>) {}
+  virtual void chain(Eigen::Map<Eigen::MatrixXd>&) {}
 
   // Newton's method onto Phi = 0, and onto J v = 0; leaves dynamics_ there. False: not reached.
   bool close_position(double* q);

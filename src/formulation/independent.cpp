@@ -90,7 +90,7 @@ class Independent final : public Formulation {
   // With z = state_for(y): dq_z = N T N^+ dq and dv_z = T dv - E J_d^-1 (d(J v)/dq) dq_z, where T carries the dependent
   // speeds along with the independent ones and E places numbers at the dependent speeds. N^+ takes a quaternion's
   // length away, as normalising it does.
-  void chain(Eigen::Ref<Eigen::MatrixXd> out) override {
+  void chain(Eigen::Map<Eigen::MatrixXd>& out) override {
     const Eigen::MatrixXd& N = slopes_.qdot_v;
     Eigen::MatrixXd T = Eigen::MatrixXd::Identity(nv_, nv_);
     for (const int k : dependent_) T(k, k) = 0;

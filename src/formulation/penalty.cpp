@@ -27,7 +27,7 @@ class Penalty final : public Penalised {
   }
 
   // With lambda = a (J vdot - wish): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
-  void differentiate(const double* vdot, Eigen::Ref<Eigen::MatrixXd> out) override {
+  void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
     stabilise_slopes();
     Eigen::MatrixXd slopes(nv_, size());
