@@ -123,10 +123,11 @@ NOISE = 1.15
 
 def ratio_to(limit: float, source: gelenk.Scene, off: str) -> float:
     """The least cost of an evaluation without a reduction over that with all: measured in turns until it
-    reaches the limit, 20 times at most, as interruptions only ever make a measurement longer.
+    reaches the limit, for 20 s at most, as what else the machine does only ever makes a measurement longer.
     """
     least, least_without, ratio = math.inf, math.inf, 0.0
-    for _ in range(20):
+    end = time.monotonic() + 20
+    while time.monotonic() < end:
         least = min(least, cost(source, []))
         least_without = min(least_without, cost(source, [off]))
         ratio = least_without / least
