@@ -81,8 +81,7 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
 MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
   dynamics_.factorise();
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  MatrixXd G = Eigen::Map<const RowMajor>(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv);
+  MatrixXd G = dynamics_.J();
   for (Eigen::Index r = 0; r < G.rows() && G.cols() > 0; ++r) {
     if (G.row(r).lpNorm<Eigen::Infinity>() < 1e-12 * length_) G.row(r).setZero();
   }

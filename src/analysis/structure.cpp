@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <utility>
 
@@ -14,8 +13,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using ConstRows = Eigen::Map<const RowMajor>;
 
 // Pivots below this fraction of the largest count as repeated rows: at positions moved off a symmetric one by some
 // tenths of a radian, rows that are independent have pivots far above, repeated ones at the closure's rounding.
@@ -41,7 +38,7 @@ class Explorer {
   // The rows at q_, rank found with no limit.
   int rank_here() {
     stand(q_, mechanism_.rows);
-    const MatrixXd J = jacobian();
+    const MatrixXd J = dynamics_.J();
     if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing_) return 0;
     if (dynamics_.rank() == mechanism_.rows && dynamics_.pivot_ratio() > same_row) return mechanism_.rows;
     Eigen::ColPivHouseholderQR<MatrixXd> qr(J.transpose());
@@ -52,8 +49,6 @@ class Explorer {
   // Entries of the rows up to this are rounding.
   double nothing() const { return nothing_; }
 
-  MatrixXd jacobian() const { return ConstRows(dynamics_.jacobian().data(), mechanism_.rows, mechanism_.nv); }
-
   // A random motion that the rows at the present position leave free, its largest speed 1; empty if there is none.
   VectorXd free_motion() {
     VectorXd dv(mechanism_.nv);
@@ -63,7 +58,7 @@ class Explorer {
     if (mechanism_.rows > 0) {
       // Twice: what the first leaves of the forbidden part is rounding of the whole.
       for (int i = 0; i < 2; ++i) {
-        const VectorXd rate = jacobian() * dv;
+        const VectorXd rate = dynamics_.J() * dv;
         VectorXd back(mechanism_.nv);
         dynamics_.correct(rate.data(), back.data());
         dv += back;
@@ -123,7 +118,7 @@ class Explorer {
       const double gap = Phi.lpNorm<Eigen::Infinity>();
       if (!std::isfinite(gap)) return false;
       if (gap < closed) return true;
-      const MatrixXd J = jacobian();
+      const MatrixXd J = dynamics_.J();
       MatrixXd A = J * J.transpose();
       A.diagonal().array() += damping * A.trace() / static_cast<double>(A.rows());
       VectorXd dv = -J.transpose() * A.ldlt().solve(Phi);
@@ -221,7 +216,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   explorer.stand(q, out.rank);
   standing.see(dynamics, explorer.free_motion());
   const bool deficient = out.rank < mechanism.rows;
-  std::vector<MatrixXd> seen = {explorer.jacobian()};
+  std::vector<MatrixXd> seen = {dynamics.J()};
   if (deficient || (standing.any() && mechanism.rows > 0)) {
     const std::size_t positions = mechanism.rows <= 100 ? 10 : 4;
     for (std::size_t i = 0; i < 2 * positions && seen.size() <= positions; ++i) {
@@ -235,7 +230,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       }
       out.rank = rank;
       out.idle_q = explorer.position();
-      seen.push_back(explorer.jacobian());
+      seen.emplace_back(dynamics.J());
       standing.see(dynamics, explorer.free_motion());
     }
   }
@@ -270,7 +265,7 @@ std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynami
                                     int rank, const std::vector<bool>& prefer) {
   dynamics.set_position(q.data());
   dynamics.factorise();
-  Eigen::MatrixXd J = Eigen::Map<const RowMajor>(dynamics.jacobian().data(), mechanism.rows, mechanism.nv);
+  Eigen::MatrixXd J = dynamics.J();
   std::vector<bool> dependent(mechanism.nv, false);
   std::vector<bool> used(mechanism.rows, false);
   const double largest = J.size() > 0 ? J.lpNorm<Eigen::Infinity>() : 0;

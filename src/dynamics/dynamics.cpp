@@ -197,7 +197,7 @@ class DynamicsOf final : public Dynamics {
   const std::vector<double>& row_rates() const override { return ws_.rate; }
   const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
-  const std::vector<double>& jacobian() const override { return ws_.J; }
+  Eigen::Map<const RowMatrix> J() const override { return {ws_.J.data(), model_.rows, model_.nv}; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.pivot_ratio(); }
   void limit_rank(int rank) override { max_rank_ = rank; }
@@ -213,8 +213,7 @@ class DynamicsOf final : public Dynamics {
   }
   void cut_speeds(int cut, double* v) const override {
     double q[max_cut_nq] = {};
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
-                                        q);
+    counted_coordinates(cut, q);
     kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
   }
   void cut_accelerations(int cut, double* a) const override {
@@ -231,10 +230,10 @@ class DynamicsOf final : public Dynamics {
     Energy sum = kernels::energy(model_, loads_, ws_);
     for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.reflected_inertia[k] * v_[k] * v_[k] / 2;
     sum.potential += loads_.tree.energy(q_.data());
-    for (std::size_t c = 0; c < model_.cuts.size(); ++c) {
+    for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) {
       if (loads_.cuts[c].springs.empty()) continue;
       double q[max_cut_nq] = {};
-      kernels::counted_cut_coordinates<A>(model_.cuts[c], ws_.X_FM[c], cut_reference_.data() + model_.cuts[c].iq, q);
+      counted_coordinates(c, q);
       sum.potential += loads_.cuts[c].energy(q);
     }
     return sum;
@@ -272,10 +271,15 @@ class DynamicsOf final : public Dynamics {
   RodState rod_state(int cut) const {
     double q[max_cut_nq] = {};
     double v[max_cut_nv] = {};
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], &cut_reference_[model_.cuts[cut].iq], q);
+    counted_coordinates(cut, q);
     kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
     const Rod& rod = std::get<Rod>(model_.cuts[cut].joint);
     return {rod.rod_pose<A>(q), rod.rod_velocity<A>(q, v)};
+  }
+
+  void counted_coordinates(int cut, double* q) const {
+    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
+                                        q);
   }
 
   void fill_mass_matrix() {

@@ -26,6 +26,8 @@ class SingularMass : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 class Dynamics {
  public:
   virtual ~Dynamics() = default;
@@ -69,7 +71,7 @@ class Dynamics {
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
   virtual const std::vector<double>& gamma() const = 0;      // likewise
   virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
-  virtual const std::vector<double>& jacobian() const = 0;   // rows x nv, row-major, after factorise or assemble
+  virtual Eigen::Map<const RowMatrix> J() const = 0;         // rows x nv, after factorise or assemble
   virtual int rank() const = 0;
   virtual double pivot_ratio() const = 0;
   // Rows beyond this rank are taken to repeat others; rows() at first.

@@ -18,16 +18,12 @@ class AugmentedLagrangian final : public Penalised {
   using Penalised::Penalised;
 
  private:
-  bool accelerate(double, const double* y, double* vdot) override {
-    if (!assemble(y + nq_)) return false;
-    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
-    x = f_;
-    if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
-    factor_.solveInPlace(x);
-    return rows() == 0 || iterate(x);
+  bool accelerate(double t, const double* y, double* vdot) override {
+    return Penalised::accelerate(t, y, vdot) && (rows() == 0 || iterate(vdot));
   }
 
-  bool iterate(Eigen::Ref<Eigen::VectorXd> x) {
+  bool iterate(double* vdot) {
+    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
     lambda_.setZero();
     double before = INFINITY;
     for (int i = 0; i < most; ++i) {

@@ -35,9 +35,8 @@ class Baumgarte final : public Formulation {
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
-    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     slopes_.c_q += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;
-    slopes_.c_v += 2 * alpha_ * Eigen::Map<const Rows>(dynamics_.jacobian().data(), rows(), nv_);
+    slopes_.c_v += 2 * alpha_ * J();
     solve_slopes(out);
   }
 

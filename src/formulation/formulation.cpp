@@ -48,11 +48,15 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
 
-bool Formulation::accelerate(double, const double* y, double* vdot) {
+void Formulation::renew_factors() {
   refactor();
   factors_ = true;
+}
+
+bool Formulation::accelerate(double t, const double* y, double* vdot) {
+  renew_factors();
   dynamics_.set_velocity(y + nq_);
-  dynamics_.solve(u_.data(), vdot);
+  dynamics_.solve(u_.data(), vdot, expected(t));
   return true;
 }
 
@@ -114,10 +118,7 @@ bool Formulation::close_position(double* q) {
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too far away.
     if (gap > 0.5 * before && gap <= slack() * floor) return true;
-    if (!factors_ || gap > 0.1 * before) {
-      refactor();
-      factors_ = true;
-    }
+    if (!factors_ || gap > 0.1 * before) renew_factors();
     before = gap;
     correction(dynamics_.Phi().data(), dv_.data());
     dynamics_.displace(q, dv_.data());
@@ -137,10 +138,7 @@ bool Formulation::close_velocity(double* v) {
     for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
     if (gap <= closed * length_ * speed) return true;
     if (gap > 0.5 * before && gap <= slack() * closed * length_ * speed) return true;
-    if (!factors_ || gap > 0.1 * before) {
-      refactor();
-      factors_ = true;
-    }
+    if (!factors_ || gap > 0.1 * before) renew_factors();
     before = gap;
     correction(dynamics_.row_rates().data(), dv_.data());
     for (int k = 0; k < nv_; ++k) v[k] += dv_[k];

@@ -62,6 +62,12 @@ class Formulation : public OdeSystem {
   virtual void refactor() { dynamics_.factorise(); }
   virtual void correction(const double* residual, double* dv) { dynamics_.correct(residual, dv); }
 
+  // refactor(), remembered. What else is solved with afterwards keeps to these factors.
+  void renew_factors();
+  // vdot to be followed where rows are weak (dynamics.h), or null.
+  virtual const double* expected(double) { return nullptr; }
+
+  Eigen::Map<const RowMatrix> J() const { return dynamics_.J(); }
   int rows() const { return mechanism_.rows; }
   int inputs() const { return static_cast<int>(u_.size()); }
 

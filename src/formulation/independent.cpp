@@ -34,10 +34,6 @@ class Independent final : public Formulation {
   }
 
  private:
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-  Eigen::Map<const Rows> J() const { return {dynamics_.jacobian().data(), rows(), nv_}; }
-
   // At the position of dynamics_.
   void choose() {
     dynamics_.factorise();
@@ -80,8 +76,7 @@ class Independent final : public Formulation {
   }
 
   bool accelerate(double, const double*, double* vdot) override {
-    refactor();
-    factors_ = true;
+    renew_factors();
     if (!close_velocity(state_.data() + nq_)) return false;
     dynamics_.solve(u_.data(), vdot);
     return true;

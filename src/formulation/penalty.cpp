@@ -16,13 +16,9 @@ class Penalty final : public Penalised {
   using Penalised::Penalised;
 
  private:
-  bool accelerate(double, const double* y, double* vdot) override {
-    if (!assemble(y + nq_)) return false;
-    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
-    x = f_;
-    if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
-    factor_.solveInPlace(x);
-    if (rows() > 0) lambda_ = a_ * (J() * x - wish_);
+  bool accelerate(double t, const double* y, double* vdot) override {
+    if (!Penalised::accelerate(t, y, vdot)) return false;
+    if (rows() > 0) lambda_ = a_ * (J() * Eigen::Map<const Eigen::VectorXd>(vdot, nv_) - wish_);
     return true;
   }
 
@@ -55,6 +51,15 @@ void Penalised::start(const std::vector<double>& cut_q, double t, const double* 
   if (a_ > 0 || rows() == 0) return;
   dynamics_.assemble(u_.data(), M_.data(), f_.data());
   a_ = penalty * M_.trace() / J().squaredNorm();
+}
+
+bool Penalised::accelerate(double, const double* y, double* vdot) {
+  if (!assemble(y + nq_)) return false;
+  Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
+  x = f_;
+  if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
+  factor_.solveInPlace(x);
+  return true;
 }
 
 bool Penalised::assemble(const double* v) {

@@ -17,11 +17,10 @@ class Penalised : public Formulation {
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
 
  protected:
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   // M_, f_ and wish_ at the position of dynamics_ and the speeds v, and the factors of M + a J^T J. False: it has none.
   bool assemble(const double* v);
-  Eigen::Map<const Rows> J() const { return {dynamics_.jacobian().data(), rows(), nv_}; }
+  // The penalised accelerations at y, their factors kept. False: M has none.
+  bool accelerate(double t, const double* y, double* vdot) override;
   // From slopes of J vdot - gamma to those of J vdot - wish_.
   void stabilise_slopes();
 

@@ -30,10 +30,9 @@ class Projection final : public Formulation {
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
 
  private:
-  bool accelerate(double t, const double* y, double* vdot) override;
   void refactor() override;
   double slack() const override;
-  const double* expected(double t);
+  const double* expected(double t) override;
   void remember(double t);
 
   // Accelerations at the last times at which the rows were sound.
@@ -52,14 +51,6 @@ void Projection::start(const std::vector<double>& cut_q, double t, const double*
   Formulation::start(cut_q, t, y);
 }
 
-bool Projection::accelerate(double t, const double* y, double* vdot) {
-  refactor();
-  factors_ = true;
-  dynamics_.set_velocity(y + nq_);
-  dynamics_.solve(u_.data(), vdot, sound_ ? nullptr : expected(t));
-  return true;
-}
-
 void Projection::refactor() {
   dynamics_.factorise();
   soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
@@ -73,6 +64,7 @@ double Projection::slack() const { return sound_ ? Formulation::slack() : 1e8; }
 // The accelerations that those remembered lead to, by a polynomial in time through as many of the latest as do not
 // magnify their rounding too much; null: nothing is known.
 const double* Projection::expected(double t) {
+  if (sound_) return nullptr;
   if (u_ != u_seen_) remembered_ = 0;
   if (remembered_ == 0) return nullptr;
   double weights[memory];
@@ -97,8 +89,7 @@ const double* Projection::expected(double t) {
 
 // Where `dynamics` stands: at the state accepted at t.
 void Projection::remember(double t) {
-  refactor();
-  factors_ = true;
+  renew_factors();
   if (!sound_) return;
   if (u_ != u_seen_) {
     remembered_ = 0;

@@ -44,9 +44,7 @@ class Cvode : public SundialsIntegrator {
  private:
   void prepare(double end) final {
     if (fresh_ || (jumped_ && restarts_at_jumps())) {
-      // CVODE forgets its counts when it begins anew.
-      steps_before_ = steps_;
-      rejected_before_ = rejected_;
+      keep_counts();
       CVodeReInit(memory_, t_, y_.get());
       fresh_ = false;
     }
@@ -76,21 +74,16 @@ class Cvode : public SundialsIntegrator {
     CVodeGetNumSteps(memory_, &steps_);
     CVodeGetNumErrTestFails(memory_, &error_fails);
     CVodeGetNumNonlinSolvConvFails(memory_, &solver_fails);
-    steps_ += steps_before_;
-    rejected_ = rejected_before_ + error_fails + solver_fails;
+    rejected_ = error_fails + solver_fails;
+    add_kept_counts();
   }
-
-  long steps_before_ = 0;
-  long rejected_before_ = 0;
 };
 
 class Bdf final : public Cvode {
  public:
   Bdf(OdeSystem& system, const IntegratorOptions& options)
-      : Cvode(system, CV_BDF, bdf_share * options.tolerance),
-        matrix_(sundials::made(SUNDenseMatrix(std::max(1, n_), std::max(1, n_), context_))),
-        linear_(sundials::made(SUNLinSol_Dense(y_.get(), matrix_.get(), context_))) {
-    CVodeSetLinearSolver(memory_, linear_.get(), matrix_.get());
+      : Cvode(system, CV_BDF, bdf_share * options.tolerance), linear_(y_.get(), context_) {
+    CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     CVodeSetJacFn(memory_, jacobian);
     CVodeSetProjFn(memory_, project);
   }
@@ -110,8 +103,7 @@ class Bdf final : public Cvode {
     return 0;
   }
 
-  sundials::Matrix matrix_;
-  sundials::LinearSolver linear_;
+  sundials::DenseSolver linear_;
 };
 
 // An Adams method extrapolates derivatives: a projection handed on as part of the step's correction, as with BDF, would

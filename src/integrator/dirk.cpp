@@ -3,8 +3,6 @@
 // step. For stiff scenes whose inputs jump often: nothing is lost at a jump, where a multistep method's history is.
 #include <arkode/arkode_arkstep.h>
 
-#include <algorithm>
-
 #include "integrator/arkode_integrator.h"
 
 namespace gelenk {
@@ -17,21 +15,17 @@ constexpr double safety = 0.8;  // as for the explicit method
 
 class Dirk final : public ArkodeIntegrator {
  public:
-  Dirk(OdeSystem& system, const IntegratorOptions& options)
-      : ArkodeIntegrator(system),
-        matrix_(sundials::made(SUNDenseMatrix(std::max(1, n_), std::max(1, n_), context_))),
-        linear_(sundials::made(SUNLinSol_Dense(y_.get(), matrix_.get(), context_))) {
+  Dirk(OdeSystem& system, const IntegratorOptions& options) : ArkodeIntegrator(system), linear_(y_.get(), context_) {
     own(ARKStepCreate(nullptr, rhs, 0, y_.get(), context_), options.tolerance);
     ARKStepSetTableNum(memory_, ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ERK_NONE);
     ARKodeSetSafetyFactor(memory_, safety);
     ARKodeSetMaxNonlinIters(memory_, most_iterations);
-    ARKodeSetLinearSolver(memory_, linear_.get(), matrix_.get());
+    ARKodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     ARKodeSetJacFn(memory_, jacobian);
   }
 
  private:
-  sundials::Matrix matrix_;
-  sundials::LinearSolver linear_;
+  sundials::DenseSolver linear_;
 };
 
 }  // namespace

@@ -24,17 +24,13 @@ constexpr double least_tolerance = 1e-14;
 class Ida final : public SundialsIntegrator {
  public:
   Ida(OdeSystem& system, const IntegratorOptions& options)
-      : SundialsIntegrator(system),
-        ydot_(new_vector()),
-        f_(n_),
-        matrix_(sundials::made(SUNDenseMatrix(std::max(1, n_), std::max(1, n_), context_))),
-        linear_(sundials::made(SUNLinSol_Dense(y_.get(), matrix_.get(), context_))) {
+      : SundialsIntegrator(system), ydot_(new_vector()), f_(n_), linear_(y_.get(), context_) {
     memory_ = sundials::made(IDACreate(context_));
     IDAInit(memory_, residual, 0, y_.get(), ydot_.get());
     IDASetUserData(memory_, this);
     const double tolerance = std::max(least_tolerance, local_share * options.tolerance);
     IDASStolerances(memory_, tolerance, tolerance);
-    IDASetLinearSolver(memory_, linear_.get(), matrix_.get());
+    IDASetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     IDASetJacFn(memory_, jacobian);
     IDASetMaxNumSteps(memory_, -1);
     newton_ = sundials::made(SUNNonlinSol_Newton(y_.get(), context_));
@@ -59,9 +55,7 @@ class Ida final : public SundialsIntegrator {
     if (!system_.rhs(t_, sundials::data(y_.get()), sundials::data(ydot_.get()))) {
       throw IntegrationError(at_time(t_) + "the accelerations are not finite");
     }
-    // IDA forgets its counts when it begins anew.
-    steps_before_ = steps_;
-    rejected_before_ = rejected_;
+    keep_counts();
     IDAReInit(memory_, t_, y_.get(), ydot_.get());
     fresh_ = false;
   }
@@ -127,19 +121,16 @@ class Ida final : public SundialsIntegrator {
     IDAGetNumSteps(memory_, &steps_);
     IDAGetNumErrTestFails(memory_, &error_fails);
     IDAGetNumNonlinSolvConvFails(memory_, &solver_fails);
-    steps_ += steps_before_;
-    rejected_ = rejected_before_ + error_fails + solver_fails;
+    rejected_ = error_fails + solver_fails;
+    add_kept_counts();
   }
 
   sundials::Vector ydot_;
   std::vector<double> f_;
-  sundials::Matrix matrix_;
-  sundials::LinearSolver linear_;
+  sundials::DenseSolver linear_;
   SUNNonlinearSolver newton_ = nullptr;
   NewtonSolve newton_solve_ = nullptr;
   void* memory_ = nullptr;
-  long steps_before_ = 0;
-  long rejected_before_ = 0;
 };
 
 }  // namespace

@@ -62,4 +62,14 @@ T* made(T* pointer) {
   return pointer;
 }
 
+// What Newton's method solves its linear equations with; as many unknowns as y has.
+struct DenseSolver {
+  DenseSolver(N_Vector y, SUNContext context)
+      : matrix(made(SUNDenseMatrix(N_VGetLength(y), N_VGetLength(y), context))),
+        solver(made(SUNLinSol_Dense(y, matrix.get(), context))) {}
+
+  Matrix matrix;
+  LinearSolver solver;
+};
+
 }  // namespace gelenk::sundials

@@ -20,6 +20,16 @@ void SundialsIntegrator::restart(double t, const double* y) {
   fresh_ = true;
 }
 
+void SundialsIntegrator::keep_counts() {
+  kept_steps_ = steps_;
+  kept_rejected_ = rejected_;
+}
+
+void SundialsIntegrator::add_kept_counts() {
+  steps_ += kept_steps_;
+  rejected_ += kept_rejected_;
+}
+
 void SundialsIntegrator::advance(double end, double* y) {
   const double start = t_;
   Patience patience(start, end);

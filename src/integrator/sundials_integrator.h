@@ -30,6 +30,10 @@ class SundialsIntegrator : public Integrator {
   // Writes steps_ and rejected_.
   virtual void count() = 0;
 
+  // For methods that forget their counts when they begin anew: call keep_counts() then, add_kept_counts() in count().
+  void keep_counts();
+  void add_kept_counts();
+
   // What SUNDIALS hands back to the functions it calls: a SundialsIntegrator*.
   void* user_data() { return this; }
   // f(t, y) and exact df/dy, as ARKODE and CVODES call for them.
@@ -46,6 +50,9 @@ class SundialsIntegrator : public Integrator {
 
  private:
   [[noreturn]] void fail(Step step, double start) const;
+
+  long kept_steps_ = 0;
+  long kept_rejected_ = 0;
 };
 
 }  // namespace gelenk

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "mechanism/graph.h"
-#include "scene/text.h"
 
 namespace gelenk {
 namespace {

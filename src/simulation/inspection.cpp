@@ -9,6 +9,7 @@
 #include "scene/text.h"
 #include "scene/words.h"
 #include "simulation/reaction.h"
+#include "simulation/report.h"
 
 namespace gelenk {
 namespace {
@@ -32,18 +33,6 @@ std::string direction(const Vector3d& d) {
 std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_UC) {
   if (w.f.norm() > 1e-9 * w.n.norm()) return "sliding along " + direction(R_UC * w.f.normalized());
   return "turning about " + direction(R_UC * w.n.normalized());
-}
-
-ModelSize size_of(const ReducedScene& reduced) {
-  ModelSize size;
-  for (const Mechanism& mechanism : reduced.islands) {
-    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
-    size.coordinates += mechanism.nq;
-    size.speeds += mechanism.nv;
-    size.rows += mechanism.rows;
-  }
-  size.islands = static_cast<int>(reduced.islands.size());
-  return size;
 }
 
 // The scene at the start found, without the reductions that hide rows. What has no mass is given some: rows are
@@ -106,7 +95,7 @@ class RowInspector {
         const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[joint].R_UC;
         out_.redundant_rows.push_back({scene_.joints[joint].name, forbidden_motion(w, R_UC)});
       }
-      if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, cut));
+      if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, c));
     }
   }
 
@@ -114,8 +103,7 @@ class RowInspector {
   // themselves; of others that do nothing together their sum does.
   static std::vector<Spatial::Force> redundant_wrenches(const Mechanism& mechanism, const Structure& structure,
                                                         const Dynamics& dynamics, int c, const Row<Spatial>* rows) {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Eigen::Map<const RowMajor> J(dynamics.jacobian().data(), mechanism.rows, mechanism.nv);
+    const Eigen::Map<const RowMatrix> J = dynamics.J();
     const Cut& cut = mechanism.cuts[c];
     std::vector<Spatial::Force> out;
     std::vector<int> dropped;
@@ -147,13 +135,9 @@ class RowInspector {
     return out;
   }
 
-  std::string loop(const Mechanism& mechanism, const Cut& cut) const {
-    std::vector<int> joints = cut.scene_joints;
-    for (const int link : cut.path_a) joints.push_back(mechanism.links[link].scene_joint);
-    for (const int link : cut.path_b) joints.push_back(mechanism.links[link].scene_joint);
-    std::ranges::sort(joints);
+  std::string loop(const Mechanism& mechanism, int cut) const {
     std::vector<std::string> names;
-    for (const int j : joints) names.push_back(scene_.joints[j].name);
+    for (const int j : joints_of_loop(mechanism, cut)) names.push_back(scene_.joints[j].name);
     return text::some(names);
   }
 

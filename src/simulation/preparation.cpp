@@ -30,6 +30,7 @@ struct Preparer {
   const Scene& scene;
   Scene wished{};            // the scene whose start values count
   bool rods_as_rows = true;  // as far as the scene allows
+  std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};
@@ -113,12 +114,11 @@ struct Preparer {
       return std::ranges::any_of(v, [](double x) { return std::abs(x) > 1e-9; });
     };
     if (moves(island.start.v)) return island.start.v;
-    const std::vector<double> u(input_signals(scene).size(), 0.0);
     std::vector<double> vdot(island.start.v.size());
     of.set_position(island.start.q.data());
     of.factorise();
     of.set_velocity(island.start.v.data());
-    of.solve(u.data(), vdot.data());
+    of.solve(no_inputs.data(), vdot.data());
     return moves(vdot) ? vdot : std::vector<double>();
   }
 

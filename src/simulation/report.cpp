@@ -2,7 +2,6 @@
 #include "simulation/report.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "scene/text.h"
 
@@ -10,16 +9,6 @@ namespace gelenk {
 namespace {
 
 std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
-
-// Joints around the loop that a cut closes, the cut first.
-std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
-  const Cut& c = mechanism.cuts[cut];
-  std::vector<int> out = c.scene_joints;
-  for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
-  for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
-  std::ranges::sort(out);
-  return out;
-}
 
 // " at A.phi = 0.52 rad": the first scalar coordinate of the loop that sits in the tree.
 std::string position_text(const Scene& scene, const ReducedScene& reduced, const std::vector<int>& joints,
@@ -54,6 +43,15 @@ std::string describe_island(const Scene& scene, const ReducedScene& reduced, int
 }
 
 }  // namespace
+
+std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
+  const Cut& c = mechanism.cuts[cut];
+  std::vector<int> out = c.scene_joints;
+  for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
+  for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
+  std::ranges::sort(out);
+  return out;
+}
 
 std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found) {
   std::string out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "analysis/assembly.h"
 
@@ -13,6 +14,9 @@ std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, c
 
 // Why no start values satisfy the loops of an island.
 std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault);
+
+// Joints of the scene around the loop that a cut closes, ascending.
+std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
 // A link that moves without inertia.
 std::string describe_massless(const Scene& scene, const std::string& link);

@@ -13,6 +13,20 @@
 
 namespace gelenk {
 
+ModelSize size_of(const ReducedScene& reduced) {
+  ModelSize size;
+  for (const Mechanism& mechanism : reduced.islands) {
+    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
+    size.coordinates += mechanism.nq;
+    size.speeds += mechanism.nv;
+    size.rows += mechanism.rows;
+    size.planar_islands += mechanism.planar ? 1 : 0;
+  }
+  size.islands = static_cast<int>(reduced.islands.size());
+  size.planar = size.planar_islands == size.islands;
+  return size;
+}
+
 struct Simulation::Impl {
   explicit Impl(Scene given)
       : scene(std::move(given)),
@@ -20,9 +34,8 @@ struct Simulation::Impl {
         inputs(input_signals(scene)),
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
-        u(inputs.size(), 0.0) {
-    measure(reduced);
-  }
+        u(inputs.size(), 0.0),
+        size(size_of(reduced)) {}
 
   const Scene scene;
   const ReducedScene reduced;  // before the start values are known
@@ -40,28 +53,14 @@ struct Simulation::Impl {
   bool initialized = false;
   std::vector<int> independent;
 
-  void measure(const ReducedScene& of);
   void make_islands();
   void find_independent();
   void advance(double end);
   Energy energy();
 };
 
-void Simulation::Impl::measure(const ReducedScene& of) {
-  size = {};
-  for (const Mechanism& mechanism : of.islands) {
-    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
-    size.coordinates += mechanism.nq;
-    size.speeds += mechanism.nv;
-    size.rows += mechanism.rows;
-    size.planar_islands += mechanism.planar ? 1 : 0;
-  }
-  size.islands = static_cast<int>(of.islands.size());
-  size.planar = size.planar_islands == size.islands;
-}
-
 void Simulation::Impl::make_islands() {
-  measure(prepared.reduced);
+  size = size_of(prepared.reduced);
   std::vector<Loads> loads = make_loads(scene, prepared.reduced);
   islands.clear();
   island_of_input.assign(u.size(), -1);

@@ -38,6 +38,9 @@ struct ModelSize {
   bool planar = false;  // all of them
 };
 
+// rank and freedoms stay 0: they are known after initialize() only.
+ModelSize size_of(const ReducedScene& reduced);
+
 // Not thread-safe; different simulations may run in different threads.
 class Simulation {
  public:
