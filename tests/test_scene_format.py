@@ -108,6 +108,18 @@ def test_start_values_by_name_array_and_rotation() -> None:
     assert joint["start"]["fixed"] is True
 
 
+def test_stop_keeps_the_bounds_it_has() -> None:
+    for stop in ({"lower": -0.1, "upper": 0.2}, {"upper": 0.0}, {"lower": 1e-3}):
+        full = {**stop, "stiffness": 3e4, "damping": 2.5}
+        joint = read(two_bodies({"type": "prismatic", "stop": full}))
+        assert joint["stop"] == full
+        assert read(two_bodies(joint)) == joint
+        assert (
+            read(two_bodies({"type": "revolute", "stop": {**stop, "stiffness": 2}}))["stop"]["damping"] == 0
+        )
+    assert "stop" not in read(two_bodies({"type": "revolute"}))
+
+
 def test_three_moments_of_inertia_are_six_without_products() -> None:
     scene = two_bodies({"type": "free"}, b={"inertia": [0.3, 0.4, 0.5]})
     assert gelenk.load(scene).to_dict()["bodies"]["b"]["inertia"] == [0.3, 0.4, 0.5, 0, 0, 0]

@@ -99,6 +99,7 @@ def test_panda_tells_what_it_left_out() -> None:
         "here it moves freely and has a motor"
     )
     assert report[1].startswith("limits of position, speed and effort are not modelled: panda_joint1, ")
+    assert report[1].endswith("holds a position, with a stiffness that URDF does not tell")
     assert report[2] == "links without mass: panda_link8, panda_hand_tcp"
     assert report[3].startswith("shapes and meshes are not taken over: ")
 

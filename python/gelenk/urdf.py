@@ -236,7 +236,10 @@ def _left_out(robot: Any) -> list[str]:
             notes.append(f"joint {j.name}: its damping of {float(j.dynamics.damping):g} is not modelled")
     limited = [j.name for j in movable if j.limit is not None]
     if limited:
-        notes.append(f"limits of position, speed and effort are not modelled: {_list(limited)}")
+        notes.append(
+            f"limits of position, speed and effort are not modelled: {_list(limited)}; "
+            "a joint's `stop` in the scene holds a position, with a stiffness that URDF does not tell"
+        )
     massless = [link.name for link in robot.links if link.inertial is None or not link.inertial.mass]
     if massless:
         notes.append(f"links without mass: {_list(massless)}")

@@ -231,7 +231,7 @@ class DynamicsOf final : public Dynamics {
     for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.reflected_inertia[k] * v_[k] * v_[k] / 2;
     sum.potential += loads_.tree.energy(q_.data());
     for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) {
-      if (loads_.cuts[c].springs.empty()) continue;
+      if (loads_.cuts[c].stores_nothing()) continue;
       double q[max_cut_nq] = {};
       counted_coordinates(c, q);
       sum.potential += loads_.cuts[c].energy(q);

@@ -18,7 +18,7 @@ namespace gelenk {
 
 struct Energy {
   double kinetic = 0;    // J
-  double potential = 0;  // J, of gravity (zero at the world's origin) and springs
+  double potential = 0;  // J, of gravity (zero at the world's origin), springs and stops
 };
 
 // Some body moves without inertia: M cannot be factorised. The message names the link.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loads: springs between points, wrenches on links, springs and drives on joints.
+// Loads: springs between points, wrenches on links, springs, stops and drives on joints.
 #pragma once
 
 #include "dynamics/kernels.h"
@@ -10,7 +10,7 @@ namespace gelenk::kernels {
 template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);
 
-// Adds drives and springs of cut joints as pairs of wrenches to ws.F_ext and keeps them in ws.F_cut.
+// Adds drives, springs and stops of cut joints as pairs of wrenches to ws.F_ext and keeps them in ws.F_cut.
 // reference: angles as last counted. After loop_velocities.
 template <class A>
 void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,

@@ -2,11 +2,21 @@
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "dynamics/model.h"
 
 namespace gelenk {
 namespace {
+
+// A stop on sign * q.
+Stop in_sign(double sign, Stop stop) {
+  if (sign > 0) return stop;
+  std::swap(stop.lower, stop.upper);
+  stop.lower = -stop.lower;
+  stop.upper = -stop.upper;
+  return stop;
+}
 
 struct LoadMaker {
   const Scene& scene;
@@ -58,11 +68,13 @@ struct LoadMaker {
     const int iv = cut ? 0 : place.iv;
     // Damping works on every speed, stiffness only where the coordinate is the speed's integral.
     const bool springs = find_joint_kind(joint.type)->springs();
+    JointLoads& along = cut ? loads.cuts[place.index] : loads.tree;
+    if (joint.stop) along.stops.push_back({iq, iv, in_sign(place.q_sign[0], *joint.stop)});
     for (int i = 0; i < static_cast<int>(joint.damping.size()); ++i) {
       const double k = springs ? joint.stiffness[i] : 0;
       if (k == 0 && joint.damping[i] == 0) continue;
       const double reference = springs ? place.q_sign[i] * joint.spring_reference[i] : 0;
-      (cut ? loads.cuts[place.index] : loads.tree).springs.push_back({iq + i, iv + i, k, joint.damping[i], reference});
+      along.springs.push_back({iq + i, iv + i, k, joint.damping[i], reference});
     }
   }
 
@@ -133,6 +145,7 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced) {
     for (std::size_t i = 0; i < q.size() && i < joint.stiffness.size(); ++i) {
       sum += joint.stiffness[i] / 2 * (q[i] - joint.spring_reference[i]) * (q[i] - joint.spring_reference[i]);
     }
+    if (joint.stop && !q.empty()) sum += energy_of(*joint.stop, q[0]);
   }
   for (const Force& force : scene.forces) {
     if (force.type != ForceType::spring_damper) continue;

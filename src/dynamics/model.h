@@ -2,6 +2,7 @@
 // A mechanism and the loads on it, as the kernels read them: flat, in depth-first order, in one algebra.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "math/pose_in.h"
@@ -40,12 +41,37 @@ struct JointSpring {
   int q = 0, v = 0;
   double stiffness = 0, damping = 0, reference = 0;
 };
-// Drives and springs along joints: of the whole tree, or of one cut joint (indices from its own first).
+// tau[v] = what the stop gives at q[q], v[v]; bounds in the mechanism's own sign.
+struct JointStop {
+  int q = 0, v = 0;
+  Stop stop;
+
+  // In the direction of the speed. The branches are the maximum with 0: a slope is that of the branch.
+  template <class T>
+  T effort(const T& at, const T& speed) const {
+    if (at > T(stop.upper)) {
+      const T push = T(stop.stiffness) * (at - T(stop.upper)) + T(stop.damping) * speed;
+      if (push > T(0)) return -push;
+    } else if (at < T(stop.lower)) {
+      const T push = T(stop.stiffness) * (T(stop.lower) - at) - T(stop.damping) * speed;
+      if (push > T(0)) return push;
+    }
+    return T(0);
+  }
+};
+// J: stored in a stop at the coordinate q.
+inline double energy_of(const Stop& stop, double q) {
+  const double depth = std::max({q - stop.upper, stop.lower - q, 0.0});
+  return stop.stiffness / 2 * depth * depth;
+}
+// Drives, springs and stops along joints: of the whole tree, or of one cut joint (indices from its own first).
 struct JointLoads {
   std::vector<Actuation> actuations;
   std::vector<JointSpring> springs;
+  std::vector<JointStop> stops;
 
-  bool empty() const { return actuations.empty() && springs.empty(); }
+  bool empty() const { return actuations.empty() && stores_nothing(); }
+  bool stores_nothing() const { return springs.empty() && stops.empty(); }
   template <class T>
   void add(const T* q, const T* v, const T* u, T* tau) const {
     for (const Actuation& drive : actuations) tau[drive.v] += T(drive.gain) * u[drive.input];
@@ -53,13 +79,15 @@ struct JointLoads {
       tau[s.v] -= T(s.damping) * v[s.v];
       if (s.stiffness != 0) tau[s.v] -= T(s.stiffness) * (q[s.q] - T(s.reference));
     }
+    for (const JointStop& s : stops) tau[s.v] += s.effort(q[s.q], v[s.v]);
   }
-  // J, stored in the springs.
+  // J, stored in springs and stops.
   double energy(const double* q) const {
     double sum = 0;
     for (const JointSpring& s : springs) {
       if (s.stiffness != 0) sum += s.stiffness / 2 * (q[s.q] - s.reference) * (q[s.q] - s.reference);
     }
+    for (const JointStop& s : stops) sum += energy_of(s.stop, q[s.q]);
     return sum;
   }
 };
@@ -80,7 +108,7 @@ struct Loads {
 // Signs and places of the scene's loads, by island. Inputs are numbered as in simulation/signals.h.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
 
-// J: potential energy of what stands still, bodies and springs, zero at the world's origin.
+// J: potential energy of what stands still, bodies, springs and stops, zero at the world's origin.
 double standing_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>

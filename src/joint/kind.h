@@ -40,6 +40,7 @@ struct JointKind {
 
   // Springs need a coordinate whose rate is the speed: not the quaternion's.
   bool springs() const { return nq == nv && nv > 0; }
+  bool stops() const { return nq == 1 && nv == 1; }
   bool has_quaternion() const { return nq > nv; }
 };
 

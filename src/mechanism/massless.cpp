@@ -33,7 +33,7 @@ class Busy {
     const auto some = [](const std::vector<double>& k) {
       return std::ranges::any_of(k, [](double x) { return x != 0; });
     };
-    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping);
+    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping) || joint.stop;
   }
   bool on(const Group& group) const {
     return std::ranges::any_of(group.bodies, [&](int b) { return bodies_.contains(scene_.bodies[b].name); });

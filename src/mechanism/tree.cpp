@@ -34,8 +34,8 @@ class Preferences {
     if (!scene_.solver.reduces(Reduction::cut_choice)) return {inertia, massless, 0, false, false};
     const JointKind& kind = kind_of(edge.joint);
     const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
-    const bool wanted =
-        wanted_.contains(joint.name) || any(joint.start.q_fixed) || any(joint.stiffness) || any(joint.damping);
+    const bool wanted = wanted_.contains(joint.name) || any(joint.start.q_fixed) || any(joint.stiffness) ||
+                        any(joint.damping) || joint.stop;
     return {inertia, massless, -kind.nv, !kind.has_quaternion(), wanted};
   }
 

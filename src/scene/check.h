@@ -11,7 +11,7 @@
 
 namespace gelenk {
 
-// Names of joints and forces whose type could not be read: nothing follows from what they lack.
+// Names of joints and forces whose type, or stop, could not be read: nothing follows from what they lack.
 using Doubtful = std::set<std::string>;
 
 // Adds what check_scene (read.h) throws. When reading has found faults already, what came of them (empty

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
 #include "joint/registry.h"
 #include "scene/check.h"
 #include "scene/text.h"
+#include "scene/units.h"
 
 namespace gelenk {
 namespace {
@@ -39,6 +41,31 @@ void check_numbers(const Joint& joint, const JointKind& kind, const std::string&
   }
   const bool sprung = std::ranges::any_of(joint.stiffness, [](double k) { return k != 0; });
   if (sprung && !kind.springs()) faults.add(path + ".stiffness", "a stiffness", "none on this kind of joint");
+}
+
+void check_stop(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
+  if (!joint.stop) return;
+  if (!kind.stops()) return faults.add(path, "a stop", "none on this kind of joint");
+  const Stop& stop = *joint.stop;
+  const JointUnits units = joint_units(kind);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  check_finite(&stop.stiffness, 1, path + ".stiffness", faults);
+  check_finite(&stop.damping, 1, path + ".damping", faults);
+  if (stop.lower != -infinity) check_finite(&stop.lower, 1, path + ".lower", faults);
+  if (stop.upper != infinity) check_finite(&stop.upper, 1, path + ".upper", faults);
+  const auto number = [](double x, const std::string& unit) { return text::with_unit(text::number(x), unit); };
+  if (stop.stiffness <= 0) {
+    faults.add(path + ".stiffness", number(stop.stiffness, units.stiffness), "more than 0 " + units.stiffness);
+  }
+  if (stop.damping < 0) {
+    faults.add(path + ".damping", number(stop.damping, units.damping), "0 " + units.damping + " or more");
+  }
+  if (stop.lower == -infinity && stop.upper == infinity) {
+    faults.add(path, "neither lower nor upper", "one of them, or both");
+  } else if (stop.lower >= stop.upper) {
+    faults.add(path + ".lower", number(stop.lower, units.coordinate),
+               "less than upper, which is " + number(stop.upper, units.coordinate));
+  }
 }
 
 void check_axes(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
@@ -80,6 +107,7 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
     if (kind != nullptr) {
       check_axes(joint, *kind, path, faults);
       check_numbers(joint, *kind, path, faults);
+      check_stop(joint, *kind, path + ".stop", faults);
     } else if (!partial || !joint.type.empty()) {
       faults.add(path + ".type", text::quoted(joint.type), "the name of a kind of joint");
     }

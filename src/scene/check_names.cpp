@@ -47,7 +47,7 @@ class Names {
 };
 
 std::vector<std::string> joint_suffixes(const Joint& joint) {
-  std::vector<std::string> out = {"fixed", "damping", "stiffness", "spring_reference", "parent", "child"};
+  std::vector<std::string> out = {"fixed", "damping", "stiffness", "spring_reference", "stop", "parent", "child"};
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) return out;
   for (const auto quantities : {kind->q, kind->v, kind->a}) {

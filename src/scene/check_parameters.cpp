@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "joint/registry.h"
@@ -55,6 +56,12 @@ std::vector<Settable> settables(const Scene& scene) {
     if (kind->nv > 0) out.push_back({joint.name + ".damping", kind->nv});
     if (kind->springs()) {
       out.insert(out.end(), {{joint.name + ".stiffness", kind->nv}, {joint.name + ".spring_reference", kind->nv}});
+    }
+    if (joint.stop) {
+      const std::string stop = joint.name + ".stop";
+      if (std::isfinite(joint.stop->lower)) out.push_back({stop + ".lower", 1});
+      if (std::isfinite(joint.stop->upper)) out.push_back({stop + ".upper", 1});
+      out.insert(out.end(), {{stop + ".stiffness", 1}, {stop + ".damping", 1}});
     }
     out.insert(out.end(), {{joint.name + ".parent.position", 3}, {joint.name + ".child.position", 3}});
   }

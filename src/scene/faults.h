@@ -19,6 +19,7 @@ class Faults {
   void add(const std::string& path, const std::string& found, const std::string& expected);
 
   const std::string& file() const { return file_; }
+  std::size_t count() const { return lines_.size(); }
   bool none() const { return lines_.empty(); }
   // Throws SceneError with all lines, if there are any.
   void raise() const;

@@ -108,13 +108,35 @@ std::vector<double> read_per_speed(Fields& fields, const std::string& key, const
   return out;
 }
 
+// Nothing after a fault: bounds and stiffness belong together.
+std::optional<Stop> read_stop(const Json& value, const std::string& path, const JointKind& kind, Faults& faults) {
+  if (!kind.stops()) {
+    const std::string freedoms = kind.nv == 0 ? "cannot move" : "has " + std::to_string(kind.nv) + " freedoms, not one";
+    faults.add(path, shown(value), "no stop: " + a_kind(kind) + " " + freedoms);
+    return {};
+  }
+  const std::size_t before = faults.count();
+  const JointUnits units = joint_units(kind);
+  Fields fields(value, path, faults, "{lower, upper, stiffness, damping}");
+  Stop stop;
+  stop.lower = fields.number("lower", stop.lower, units.coordinate);
+  stop.upper = fields.number("upper", stop.upper, units.coordinate);
+  stop.stiffness = fields.required_number("stiffness", units.stiffness, Allowed::positive);
+  stop.damping = fields.number("damping", 0, units.damping, Allowed::not_negative);
+  fields.done();
+  if (faults.count() > before) return {};
+  return stop;
+}
+
 void read_joint(const Json& value, const std::string& path, Reader& reader, Joint& joint) {
   Fields fields(value, path, reader.faults, "a mapping with type, parent, child");
   joint.type = fields.choice("type", kind_names(), "");
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) {
     // The rest cannot be judged without the kind, but for names and spelling.
-    for (const char* key : {"axis", "axes", "start", "damping", "stiffness", "spring_reference"}) fields.find(key);
+    for (const char* key : {"axis", "axes", "start", "damping", "stiffness", "spring_reference", "stop"}) {
+      fields.find(key);
+    }
     reader.doubtful.insert(joint.name);
     read_frames(fields, reader, joint);
     fields.done();
@@ -129,6 +151,10 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   joint.stiffness = read_per_speed(fields, "stiffness", *kind, kind->springs(), units.stiffness, Allowed::not_negative);
   joint.spring_reference =
       read_per_speed(fields, "spring_reference", *kind, kind->springs(), units.coordinate, Allowed::any);
+  if (const Json* stop = fields.find("stop")) {
+    joint.stop = read_stop(*stop, fields.path("stop"), *kind, reader.faults);
+    if (!joint.stop) reader.doubtful.insert(joint.name);
+  }
   fields.done();
 }
 

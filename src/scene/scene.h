@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,15 @@ struct JointStart {
   std::vector<bool> q_fixed, v_fixed;  // to be kept exactly; only given values can be
 };
 
+// Pushes back while the joint's coordinate q lies beyond a bound, and never pulls: with the depth beyond it,
+// max(0, stiffness depth + damping d depth/dt). Units of a revolute (prismatic) joint.
+struct Stop {
+  double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite: no bound
+  double upper = std::numeric_limits<double>::infinity();   // likewise
+  double stiffness = 0;                                     // N m/rad (N/m), more than 0
+  double damping = 0;                                       // N m s/rad (N s/m)
+};
+
 struct Joint {
   std::string name;
   std::string type;                   // a name in the joint registry
@@ -47,6 +57,7 @@ struct Joint {
   JointStart start;
   // Per speed, nv each, zeros where the file is silent: tau = -stiffness (q - spring_reference) - damping v.
   std::vector<double> damping, stiffness, spring_reference;
+  std::optional<Stop> stop;  // of kinds with one freedom
 };
 
 // Applies torque (force) tau = gear_ratio * input to its joint and adds gear_ratio^2 * rotor_inertia to the
@@ -82,7 +93,7 @@ struct Force {
 enum class SensorType {
   reaction,  // wrench of a joint on its child body at M, resolved in F: f[1..3], t[1..3]
   frame,     // pose and velocity of a frame: r[1..3], Q[1..4], v[1..3] in the world, w[1..3] in the frame
-  energy,    // kinetic, potential (gravity and springs), total
+  energy,    // kinetic, potential (gravity, springs and stops), total
 };
 
 struct Sensor {

@@ -83,6 +83,17 @@ Json per_speed(const JointKind& kind, const std::string& unit, const std::string
   return kind.nv == 1 ? number(unit, what, allowed) : list(kind.nv, unit, what, allowed);
 }
 
+Json stop(const JointUnits& units) {
+  Json out = object({{"lower", number(units.coordinate, "Bound below; none if not given")},
+                     {"upper", number(units.coordinate, "Bound above; none if not given")},
+                     {"stiffness", number(units.stiffness, "Stiffness beyond a bound", Allowed::positive)},
+                     {"damping", number(units.damping, "Damping beyond a bound", Allowed::not_negative)}},
+                    {"stiffness"});
+  out["description"] = "Pushes back while the coordinate lies beyond a bound, and never pulls.";
+  out["anyOf"] = {{{"required", {"lower"}}}, {{"required", {"upper"}}}};
+  return out;
+}
+
 Json joint(const JointKind& kind) {
   Json fields;
   fields["type"] = {{"const", kind.name}, {"description", kind.summary}};
@@ -106,6 +117,7 @@ Json joint(const JointKind& kind) {
     fields["stiffness"] = per_speed(kind, units.stiffness, "Stiffness of each coordinate", Allowed::not_negative);
     fields["spring_reference"] = per_speed(kind, units.coordinate, "Where the spring is slack", Allowed::any);
   }
+  if (kind.stops()) fields["stop"] = stop(units);
   return object(fields, {"type", "parent", "child"});
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "joint/registry.h"
 #include "scene/json_tree.h"
@@ -77,6 +78,15 @@ Json start(const JointStart& start, const JointKind& kind) {
   return out;
 }
 
+Json stop(const Stop& stop) {
+  Json out;
+  if (std::isfinite(stop.lower)) out["lower"] = stop.lower;
+  if (std::isfinite(stop.upper)) out["upper"] = stop.upper;
+  out["stiffness"] = stop.stiffness;
+  out["damping"] = stop.damping;
+  return out;
+}
+
 Json joint(const Joint& joint) {
   Json out;
   out["type"] = joint.type;
@@ -93,6 +103,7 @@ Json joint(const Joint& joint) {
   if (!kind->springs()) return out;
   out["stiffness"] = per_speed(joint.stiffness);
   out["spring_reference"] = per_speed(joint.spring_reference);
+  if (joint.stop) out["stop"] = stop(*joint.stop);
   return out;
 }
 

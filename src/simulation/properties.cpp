@@ -2,6 +2,7 @@
 #include "simulation/properties.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "joint/registry.h"
 
@@ -76,6 +77,20 @@ void add_spring(Table& table, const Joint& joint, const JointKind& kind, std::si
             [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
 }
 
+void add_stop(Table& table, const Joint& joint, const JointKind& kind, std::size_t j) {
+  const std::string unit(kind.q[0].unit);
+  const std::string effort = effort_unit(unit);
+  const std::string q(kind.q[0].name);
+  const auto add = [&](const std::string& key, const std::string& in, const std::string& what, double Stop::* field) {
+    table.add(joint.name, "stop." + key, "stop." + key, in, what + " of its stop, on " + q,
+              [=](auto& scene) -> auto& { return (*scene.joints[j].stop).*field; });
+  };
+  if (std::isfinite(joint.stop->lower)) add("lower", unit, "lower bound", &Stop::lower);
+  if (std::isfinite(joint.stop->upper)) add("upper", unit, "upper bound", &Stop::upper);
+  add("stiffness", effort + "/" + unit, "stiffness", &Stop::stiffness);
+  add("damping", effort + (unit == "rad" ? ".s/rad" : ".s/m"), "damping", &Stop::damping);
+}
+
 void add_joint(Table& table, const Joint& joint, std::size_t j) {
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) return;
@@ -86,6 +101,7 @@ void add_joint(Table& table, const Joint& joint, std::size_t j) {
               [=](auto& scene) -> auto& { return scene.joints[j].damping[i]; });
     if (kind->springs()) add_spring(table, joint, *kind, j, i);
   }
+  if (joint.stop) add_stop(table, joint, *kind, j);
   table.add_vector(joint.name, "parent.position", "m", "position of its frame in " + joint.parent.body,
                    [j](auto& scene) -> auto& { return scene.joints[j].parent.X_BF.p; });
   table.add_vector(joint.name, "child.position", "m", "position of its frame in " + joint.child.body,

@@ -65,8 +65,9 @@ void add_frame(std::vector<Signal>& signals, const Sensor& sensor) {
 void add_energy(std::vector<Signal>& signals, const Sensor& sensor) {
   const std::string& name = sensor.name;
   signals.push_back({.name = name + ".kinetic", .unit = "J", .description = name + ": kinetic energy"});
-  signals.push_back(
-      {.name = name + ".potential", .unit = "J", .description = name + ": potential energy of gravity and springs"});
+  signals.push_back({.name = name + ".potential",
+                     .unit = "J",
+                     .description = name + ": potential energy of gravity, springs and stops"});
   signals.push_back(
       {.name = name + ".total", .unit = "J", .description = name + ": kinetic and potential energy together"});
 }
@@ -125,7 +126,7 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::constraint_velocity, "constraints.velocity", "1",
       "largest rate of a loop's closure error: m/s for gaps, rad/s for angles");
   set(Diagnostic::kinetic_energy, "energy.kinetic", "J", "kinetic energy of the mechanism");
-  set(Diagnostic::potential_energy, "energy.potential", "J", "potential energy of gravity and springs");
+  set(Diagnostic::potential_energy, "energy.potential", "J", "potential energy of gravity, springs and stops");
   set(Diagnostic::total_energy, "energy.total", "J", "kinetic and potential energy together");
   set(Diagnostic::steps, "solver.steps", "1", "steps the integrator made since initialisation");
   set(Diagnostic::evaluations, "solver.evaluations", "1",

@@ -31,7 +31,7 @@ enum class Diagnostic : int {
   constraint_position,  // largest |Phi| over the rows of all loops: m and rad alike
   constraint_velocity,  // largest |J v| over these rows: m/s and rad/s alike
   kinetic_energy,       // J
-  potential_energy,     // J, gravity and springs
+  potential_energy,     // J, gravity, springs and stops
   total_energy,         // J
   steps,                // of the integrator since initialize()
   evaluations,          // of the equations of motion since initialize()

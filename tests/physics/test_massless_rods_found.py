@@ -37,6 +37,7 @@ UNCHANGED: dict[str, dict[str, Any]] = {
     "motor": {"motors": {"m": {"joint": "B"}}},
     "damping": {"joints": {"B": {"damping": 0.1}}},
     "stiffness": {"joints": {"C": {"stiffness": 0.1}}},
+    "stop": {"joints": {"B": {"stop": {"upper": 9.0, "stiffness": 0.1}}}},
     "force": {"forces": {"f": {"type": "wrench", "body": "coupler", "force": [0.1, 0, 0]}}},
     "spring": {
         "forces": {
