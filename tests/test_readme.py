@@ -6,6 +6,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import inspect
+import json
 import pkgutil
 import re
 import shlex
@@ -19,6 +20,7 @@ import joint_table
 import pytest
 
 import gelenk
+from gelenk import _core
 
 MODULES = [m.name for m in pkgutil.iter_modules(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
 
@@ -83,7 +85,7 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md", "docs/reductions.md"]
+    "page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md", "docs/reductions.md", "docs/methods.md"]
 )
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
@@ -106,6 +108,16 @@ def test_page_of_the_reductions_has_all_of_them_and_every_scene(root: Path) -> N
         assert text.count(f"| `{scene.name}` |") == 2, "run make reductions"
     (solver,) = blocks(root / "docs" / "reductions.md", "yaml")
     gelenk.load((root / "scenes" / "pendulum.yaml").read_text(encoding="utf-8") + solver)
+
+
+def test_page_of_the_methods_has_all_of_them(root: Path) -> None:
+    text = (root / "docs" / "methods.md").read_text(encoding="utf-8")
+    solver = json.loads(_core.scene_schema())["properties"]["solver"]["properties"]
+    for name in solver["formulation"]["enum"]:
+        assert f"\n## {name}\n" in text
+        assert f"[{name}](#{name})" in text
+    for name in solver["integrator"]["enum"]:
+        assert name == "auto" or f"\n**{name}**" in text or f"`{name}`" in text, name
 
 
 def test_joint_table_of_the_format_page_is_the_registrys(root: Path) -> None:
