@@ -68,6 +68,7 @@ class DynamicsOf final : public Dynamics {
         max_rank_(model_.rows),
         w_(model_.nv),
         expected_(model_.nv),
+        nothing_(model_.nv),
         tau_(model_.nv),
         v_(model_.nv),
         q_(model_.nq),
@@ -115,7 +116,8 @@ class DynamicsOf final : public Dynamics {
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) {
       if (expected != nullptr) M_.multiply(expected, expected_.data());
-      Y_.constrain(w_.data(), row_target(), expected == nullptr ? nullptr : expected_.data());
+      follows_ = expected != nullptr;
+      Y_.constrain(w_.data(), row_target(), follows_ ? expected_.data() : nullptr);
     }
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
@@ -181,7 +183,8 @@ class DynamicsOf final : public Dynamics {
 
   void solve_linear(double* r, const double* c) const override {
     M_.solve_transposed(r);
-    if (model_.rows > 0) Y_.constrain(r, c, nullptr);
+    // What was expected does not depend on what slopes are taken by.
+    if (model_.rows > 0) Y_.constrain(r, c, follows_ ? nothing_.data() : nullptr);
     M_.solve(r);
   }
 
@@ -322,7 +325,8 @@ class DynamicsOf final : public Dynamics {
   RowFactor Y_;
   int max_rank_;
   typename A::Motion root_acceleration_{};
-  std::vector<double> w_, expected_, tau_, v_, q_, cut_reference_, shifted_;
+  bool follows_ = false;  // the last solve() had something expected
+  std::vector<double> w_, expected_, nothing_, tau_, v_, q_, cut_reference_, shifted_;
   const double* row_shift_ = nullptr;
   std::unique_ptr<Differentiator<A>> differentiator_;
   Energy energy_;

@@ -39,7 +39,7 @@ class Dynamics {
   virtual void factorise() = 0;
   // Velocities, J v (row_rates) and the velocity products h, gamma.
   virtual void set_velocity(const double* v) = 0;
-  // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null.
+  // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null: none is weak.
   virtual void solve(const double* u, double* vdot, const double* expected = nullptr) = 0;
   // Pivots of the rows near or below this ratio to the largest are weak (row_factor.h); 0: none.
   virtual void set_weak_pivots(double ratio) = 0;
@@ -63,7 +63,8 @@ class Dynamics {
   // assemble(), with any vdot and lambda. u: `inputs` numbers. Allocates when first called.
   virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out,
                              const double* lambda = nullptr) = 0;
-  // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x.
+  // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x. Where the last solve() followed
+  // something expected, x = 0 is followed there.
   virtual void solve_linear(double* r, const double* c) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position

@@ -173,15 +173,13 @@ void RowFactor::constrain(double* w, const double* gamma, const double* expected
   from_rows(gamma, d);
   reflect(w);
   double* e = e_.data();
-  if (weak_ > 0 && expected != nullptr) {
+  if (expected != nullptr) {
     std::copy(expected, expected + n_, e);
     reflect(e);
-  } else {
-    std::copy(w, w + n_, e);
   }
   for (int k = 0; k < rank_; ++k) {
     const double s = share(k);
-    const double sum = s * d[k] + (1 - s) * e[k];
+    const double sum = expected == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
     f[k] = w[k] - sum;  // what the constraints take away, along Q
     w[k] = sum;
   }

@@ -20,8 +20,8 @@ class RowFactor {
   // Column r of Y (whitened row r), to be filled before factorise().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
-  // Pivots near or below this fraction of the largest are weak: what the rows say along them is taken by the share
-  // s = p^2 / (p^2 + weak^2). 0: none are.
+  // Pivots p near or below this fraction of the largest are weak: what the rows say along them is taken by the share
+  // s = p^2 / (p^2 + weak^2), in constrain() where something else is expected there, and in shortest(). 0: none are.
   void set_weak(double weak) { weak_ = weak; }
 
   // At most max_rank pivots are used. The rest repeat others; off the constraints they may not look it.
@@ -30,8 +30,8 @@ class RowFactor {
   // Smallest used pivot over the largest: what is left of the rank. 1 when there are no rows.
   double pivot_ratio() const { return ratio_; }
 
-  // w <- the w nearest to a (given in w) with Y^T w = gamma. Where pivots are weak (below), their directions follow
-  // `expected` (n numbers; may be null: then they follow a).
+  // w <- the w nearest to a (given in w) with Y^T w = gamma. expected: n numbers that weak pivots' directions follow,
+  // or null: no pivot is taken as weak.
   void constrain(double* w, const double* gamma, const double* expected) const;
   // The multipliers of the last constrain(), minimum norm.
   void multipliers(double* lambda) const;

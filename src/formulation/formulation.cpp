@@ -97,6 +97,13 @@ void Formulation::accepted(double t, const double* y) {
   if (!mechanism_.cuts.empty()) turns_.count(t, y);
 }
 
+void Formulation::output_accelerations(double, const double* y, double* vdot) {
+  dynamics_.set_position(y);
+  dynamics_.factorise();
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.solve(u_.data(), vdot);
+}
+
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) { turns_.count_from(cut_q, t, y); }
 
 // Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.

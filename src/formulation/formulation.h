@@ -36,6 +36,9 @@ class Formulation : public OdeSystem {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
 
+  // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
+  virtual void output_accelerations(double t, const double* y, double* vdot);
+
   const std::vector<double>& cut_coordinates() const { return turns_.coordinates(); }
   // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);

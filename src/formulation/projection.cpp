@@ -28,11 +28,14 @@ class Projection final : public Formulation {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
+  void output_accelerations(double t, const double* y, double* vdot) override;
 
  private:
   void refactor() override;
+  void judge();
   double slack() const override;
   const double* expected(double t) override;
+  void add_jump();
   void remember(double t);
 
   // Accelerations at the last times at which the rows were sound.
@@ -40,10 +43,11 @@ class Projection final : public Formulation {
   int remembered_ = 0;
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
-  std::vector<double> expected_, u_seen_;
-  double soundest_ = 0;    // largest pivot ratio seen
-  bool sound_ = true;      // the last factors are not near a singular position
-  bool rigorous_ = false;  // weak directions are corrected in full
+  std::vector<double> expected_, before_, after_;
+  std::vector<double> u_seen_;  // inputs of the accelerations remembered
+  double soundest_ = 0;         // largest pivot ratio seen
+  bool sound_ = true;           // the last factors are not near a singular position
+  bool rigorous_ = false;       // weak directions are corrected in full
 };
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -54,6 +58,19 @@ void Projection::start(const std::vector<double>& cut_q, double t, const double*
 void Projection::refactor() {
   dynamics_.factorise();
   soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
+  judge();
+}
+
+// Reading outputs must not change the run: soundest_ stays.
+void Projection::output_accelerations(double t, const double* y, double* vdot) {
+  dynamics_.set_position(y);
+  dynamics_.factorise();
+  judge();
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.solve(u_.data(), vdot, expected(t));
+}
+
+void Projection::judge() {
   sound_ = !(dynamics_.pivot_ratio() < sound_share * soundest_);
   dynamics_.set_weak_pivots(sound_ || rigorous_ ? 0 : weak_share * soundest_);
 }
@@ -64,9 +81,7 @@ double Projection::slack() const { return sound_ ? Formulation::slack() : 1e8; }
 // The accelerations that those remembered lead to, by a polynomial in time through as many of the latest as do not
 // magnify their rounding too much; null: nothing is known.
 const double* Projection::expected(double t) {
-  if (sound_) return nullptr;
-  if (u_ != u_seen_) remembered_ = 0;
-  if (remembered_ == 0) return nullptr;
+  if (sound_ || remembered_ == 0) return nullptr;
   double weights[memory];
   int first = 0;
   for (;; ++first) {
@@ -84,7 +99,18 @@ const double* Projection::expected(double t) {
   for (int i = first; i < remembered_; ++i) {
     for (int k = 0; k < nv_; ++k) expected_[k] += weights[i] * accelerations_[i][k];
   }
+  if (u_ != u_seen_) add_jump();
   return expected_.data();
+}
+
+// The inputs have jumped since: what that changes. Errors of the state, which near a singular position become large in
+// vdot, are the same before and after, and cancel.
+void Projection::add_jump() {
+  before_.resize(nv_);
+  after_.resize(nv_);
+  dynamics_.solve(u_seen_.data(), before_.data());
+  dynamics_.solve(u_.data(), after_.data());
+  for (int k = 0; k < nv_; ++k) expected_[k] += after_[k] - before_[k];
 }
 
 // Where `dynamics` stands: at the state accepted at t.

@@ -83,14 +83,14 @@ void Island::roll_back() {
 
 void Island::refresh(Outputs::Needs needs) {
   if (needs <= fresh_) return;
-  dynamics_->set_position(q());
-  if (needs == Outputs::Needs::accelerations) dynamics_->factorise();
-  dynamics_->set_velocity(v());
-  dynamics_->set_root_poses();
   if (needs == Outputs::Needs::accelerations) {
-    dynamics_->solve(u_.data(), vdot_.data());
-    dynamics_->set_acceleration(vdot_.data());
+    equations_->output_accelerations(time_, y_.data(), vdot_.data());
+  } else {
+    dynamics_->set_position(q());
+    dynamics_->set_velocity(v());
   }
+  dynamics_->set_root_poses();
+  if (needs == Outputs::Needs::accelerations) dynamics_->set_acceleration(vdot_.data());
   fresh_ = needs;
 }
 
