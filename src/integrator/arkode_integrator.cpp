@@ -5,17 +5,43 @@
 
 namespace gelenk {
 
+ArkodeIntegrator::~ArkodeIntegrator() {
+  for (void*& stepper : steppers_) ARKodeFree(&stepper);
+}
+
 void ArkodeIntegrator::own(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
+  steppers_.push_back(memory_);
   ARKodeSetUserData(memory_, user_data());
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);
   ARKodeSetMaxNumSteps(memory_, -1);
+  ARKodeSetMaxErrTestFails(memory_, most_error_fails);
   // No dense output is read: steps end at the communication points.
   ARKodeSetInterpolantType(memory_, ARK_INTERP_NONE);
 }
 
+void ArkodeIntegrator::use(int stepper, double step) {
+  if (memory_ == steppers_[stepper]) return;
+  memory_ = steppers_[stepper];
+  ARKodeSetInitStep(memory_, step);
+  fresh_ = true;
+}
+
+long ArkodeIntegrator::attempts() const {
+  long attempts = 0;
+  ARKodeGetNumStepAttempts(memory_, &attempts);
+  return attempts;
+}
+
+double ArkodeIntegrator::next_step() const {
+  double step = 0;
+  ARKodeGetCurrentStep(memory_, &step);
+  return step;
+}
+
 void ArkodeIntegrator::prepare(double end) {
+  choose_stepper(end);
   // A reset drops the derivative kept from the last step, which belongs to the former inputs, but not the step size.
   if (fresh_ || jumped_) ARKodeReset(memory_, t_, y_.get());
   fresh_ = false;
@@ -40,12 +66,18 @@ double ArkodeIntegrator::reached() const {
 }
 
 void ArkodeIntegrator::count() {
-  long attempts = 0;
-  long failures = 0;
-  ARKodeGetNumSteps(memory_, &steps_);
-  ARKodeGetNumStepAttempts(memory_, &attempts);
-  ARKodeGetNumErrTestFails(memory_, &failures);
-  rejected_ = std::max(failures, attempts - steps_);
+  steps_ = 0;
+  rejected_ = 0;
+  for (void* stepper : steppers_) {
+    long steps = 0;
+    long attempts = 0;
+    long failures = 0;
+    ARKodeGetNumSteps(stepper, &steps);
+    ARKodeGetNumStepAttempts(stepper, &attempts);
+    ARKodeGetNumErrTestFails(stepper, &failures);
+    steps_ += steps;
+    rejected_ += std::max(failures, attempts - steps);
+  }
 }
 
 int ArkodeIntegrator::project(sunrealtype t, N_Vector y, void* self) {

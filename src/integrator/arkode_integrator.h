@@ -5,21 +5,29 @@
 
 #include <arkode/arkode.h>
 
+#include <vector>
+
 #include "integrator/sundials_integrator.h"
 
 namespace gelenk {
 
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
-  ~ArkodeIntegrator() override { ARKodeFree(&memory_); }
+  ~ArkodeIntegrator() override;
 
  protected:
   using SundialsIntegrator::SundialsIntegrator;
 
-  // Takes the stepper over; sets what all methods share.
+  // Takes a stepper over, and sets what all methods share. The last one taken over is in use.
   void own(void* memory, double tolerance);
+  // Goes on with another of the steppers owned, which is to try this step [s] first; 0: it finds one.
+  void use(int stepper, double step);
+  // Before the steps to `end`; t_ is their start.
+  virtual void choose_stepper(double /*end*/) {}
+  long attempts() const;     // of steps, by the stepper in use
+  double next_step() const;  // s, likewise
 
-  void* memory_ = nullptr;
+  void* memory_ = nullptr;  // the stepper in use
 
  private:
   void prepare(double end) final;
@@ -27,6 +35,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   double reached() const final;
   void count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
+
+  std::vector<void*> steppers_;
 };
 
 }  // namespace gelenk

@@ -1,28 +1,106 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Explicit Runge-Kutta with adaptive steps (ARKODE's ERKStep), projected after each accepted step.
+// Explicit Runge-Kutta with adaptive steps (ARKODE's ERKStep), projected after each accepted step. Of several tables, a
+// ladder from few stages to many, the one is used that takes the run from one communication point to the next with the
+// fewest evaluations: where those lie close, a cheap method's one step serves as well as a dear one's.
 #include <arkode/arkode_erkstep.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "integrator/arkode_integrator.h"
 
 namespace gelenk {
 namespace {
 
-// Of ARKODE's tables of order 5 to 9 these two gave the smallest error for the evaluations spent, on loops and trees
+struct Rung {
+  ARKODE_ERKTableID table;
+  int stages;
+  double share;  // of the tolerance, for the local error test
+};
+
+// Of ARKODE's tables of order 5 to 9 the last two gave the smallest error for the evaluations spent, on loops and trees
 // (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 above, 8 below.
-ARKODE_ERKTableID table_for(double tolerance) { return tolerance > 3e-7 ? ARKODE_VERNER_9_5_6 : ARKODE_VERNER_13_7_8; }
+// The share is such that errors stay within some tens of times the tolerance (see ida.cpp; here 0.1 to 22 times). Below
+// them: many small steps in place of few long ones add up, so each has to be the better.
+constexpr std::array<Rung, 4> ladder = {{
+    {ARKODE_BOGACKI_SHAMPINE_4_2_3, 4, 0.01},
+    {ARKODE_CASH_KARP_6_4_5, 6, 0.03},
+    {ARKODE_VERNER_9_5_6, 9, 0.1},
+    {ARKODE_VERNER_13_7_8, 13, 0.1},
+}};
+int top_rung(double tolerance) { return tolerance > 3e-7 ? 2 : 3; }
 
 // With ARKODE's own 0.96 every third step was rejected on the same scenes. Controllers with a memory (PI, Gustafsson)
 // do better still over long stretches, but lose it all where steps end at communication points: those steps are cut
 // short, and their tiny errors mislead the next.
 constexpr double safety = 0.8;
 
+// Below this the error test meets rounding.
+constexpr double least_tolerance = 1e-13;
+
+constexpr int longest_wait = 256;  // communication steps between two trials of another rung
+
 class Erk final : public ArkodeIntegrator {
  public:
-  Erk(OdeSystem& system, const IntegratorOptions& options) : ArkodeIntegrator(system) {
-    own(ERKStepCreate(rhs, 0, y_.get(), context_), options.tolerance);
-    ERKStepSetTableNum(memory_, table_for(options.tolerance));
-    ARKodeSetSafetyFactor(memory_, safety);
+  Erk(OdeSystem& system, const IntegratorOptions& options)
+      : ArkodeIntegrator(system), top_(top_rung(options.tolerance)), rung_(top_) {
+    for (int i = 0; i <= top_; ++i) {
+      own(ERKStepCreate(rhs, 0, y_.get(), context_), std::max(least_tolerance, ladder[i].share * options.tolerance));
+      ERKStepSetTableNum(memory_, ladder[i].table);
+      ARKodeSetSafetyFactor(memory_, safety);
+    }
   }
+
+ private:
+  void choose_stepper(double end) override {
+    const double length = end - t_;
+    const long steps = attempts() - attempts_before_;
+    const bool alike = steps > 0 && std::abs(length - length_) < 1e-6 * length;
+    if (alike) climb(length, steps * ladder[rung_].stages);
+    length_ = length;
+    attempts_before_ = attempts();
+  }
+
+  // cost: evaluations of the last communication step.
+  void climb(double length, long cost) {
+    if (trial_) {
+      trial_ = false;
+      if (cost < cost_before_) {
+        wait_ = 1;
+      } else {
+        go(rung_before_, rung_before_ > rung_ ? std::min(length, next_step()) : length);
+        waiting_ = wait_ = std::min(2 * wait_, longest_wait);
+        return;
+      }
+    }
+    const bool one_step = cost == ladder[rung_].stages;
+    if (rung_ < top_ && cost > ladder[rung_ + 1].stages) {
+      attempt(rung_ + 1, next_step(), cost);
+    } else if (one_step && rung_ > 0 && --waiting_ <= 0) {
+      attempt(rung_ - 1, length, cost);
+    }
+  }
+
+  void attempt(int rung, double step, long cost) {
+    trial_ = true;
+    rung_before_ = rung_;
+    cost_before_ = cost;
+    go(rung, step);
+  }
+
+  void go(int rung, double step) {
+    rung_ = rung;
+    use(rung, step);
+  }
+
+  int top_, rung_;
+  double length_ = 0;  // s, of the last communication step
+  long attempts_before_ = 0;
+  bool trial_ = false;  // of a rung, since the last communication step
+  int rung_before_ = 0;
+  long cost_before_ = 0;  // evaluations
+  int wait_ = 1, waiting_ = 1;
 };
 
 }  // namespace

@@ -34,6 +34,9 @@ class SundialsIntegrator : public Integrator {
   void keep_counts();
   void add_kept_counts();
 
+  // A step that meets a jump of the forces (a damped stop) shrinks until it is as short as the jump is small.
+  static constexpr int most_error_fails = 40;
+
   // What SUNDIALS hands back to the functions it calls: a SundialsIntegrator*.
   void* user_data() { return this; }
   // f(t, y) and exact df/dy, as ARKODE and CVODES call for them.
