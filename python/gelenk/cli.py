@@ -3,19 +3,19 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import gelenk
-from gelenk.errors import GelenkError, StepError, UsageError
+from gelenk.chart.cli import app as chart_app
+from gelenk.errors import StepError, UsageError
 from gelenk.progress import progress_bar
 from gelenk.result import Result
+from gelenk.told import told
 
 app = typer.Typer(
     help="From the description of a mechanism to a plant FMU.",
@@ -24,37 +24,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(chart_app, name="chart")
 
 Without = Annotated[
     list[str] | None,
     typer.Option("--without", metavar="NAME", help="Leave out a reduction, or `all`; repeatable."),
 ]
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file: .yaml, .yml or .json.")]
-
-
-def _told[**P](command: Callable[P, None]) -> Callable[P, None]:
-    """Turns what a user can cause into lines on stderr and exit code 1."""
-
-    @functools.wraps(command)
-    def run(*args: P.args, **kwargs: P.kwargs) -> None:
-        try:
-            command(*args, **kwargs)
-        except GelenkError as e:
-            lines = e.lines
-        except BrokenPipeError:  # the reader of our output has gone: nothing to tell
-            sys.stderr.close()
-            raise typer.Exit(1) from None
-        except OSError as e:
-            lines = (f"{e.filename}: {(e.strerror or str(e)).lower()}" if e.filename else str(e),)
-        except KeyboardInterrupt:
-            lines = ("interrupted",)
-        else:
-            return
-        for line in lines:
-            print(line, file=sys.stderr)
-        raise typer.Exit(1)
-
-    return run
 
 
 def _version(asked: bool) -> None:
@@ -73,7 +49,7 @@ def main_options(
 
 
 @app.command()
-@_told
+@told
 def export(
     scene: SceneFile,
     output: Annotated[
@@ -88,7 +64,7 @@ def export(
 
 
 @app.command()
-@_told
+@told
 def check(scene: SceneFile) -> None:
     """Check a scene, close its loops, and say what it is."""
     plant = gelenk.Simulation(Path(scene))
@@ -106,7 +82,7 @@ def check(scene: SceneFile) -> None:
 
 
 @app.command()
-@_told
+@told
 def inspect(
     scene: SceneFile,
     without: Without = None,
@@ -118,7 +94,7 @@ def inspect(
 
 
 @app.command("import")
-@_told
+@told
 def import_(
     robot: Annotated[Path, typer.Argument(metavar="ROBOT.urdf", help="URDF robot description.")],
     output: Annotated[
@@ -135,7 +111,7 @@ def import_(
 
 
 @app.command()
-@_told
+@told
 def simulate(
     plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
     stop: Annotated[float | None, typer.Option(help="End of the run [s].")] = None,

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`gelenk chart`: the commands."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gelenk.chart import draw_work_precision, runs_csv
+from gelenk.chart.case import case_of
+from gelenk.chart.methods import chosen
+from gelenk.chart.outcome import Outcome
+from gelenk.chart.progress import status_line
+from gelenk.chart.style import pyplot
+from gelenk.chart.work_precision import QUICK, Settings, Study, regrets, study
+from gelenk.errors import UsageError
+from gelenk.scene import number
+from gelenk.told import told
+
+app = typer.Typer(
+    help="Charts: what methods cost for how many digits, and where they fail.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Methods = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method", metavar="NAME", help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; by default all."
+    ),
+]
+Tolerances = Annotated[
+    list[float] | None, typer.Option("--tolerance", metavar="X", help="Relative tolerance; repeatable.")
+]
+Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where files are written.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Few runs, for a first look.")]
+Limit = Annotated[float | None, typer.Option("--limit", metavar="S", help="Wall time of one run [s].")]
+
+SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # runs at a time where nobody says
+
+
+@app.command("work-precision")
+@told
+def work_precision(
+    scenes: Annotated[
+        list[str], typer.Argument(metavar="SCENE...", help="Scene files: .yaml, .yml or .json.")
+    ],
+    methods: Methods = None,
+    tolerances: Tolerances = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--input", metavar="NAME=VALUE", help="An input, constant; repeatable; others stay 0."),
+    ] = None,
+    output: Output = Path("charts"),
+    jobs: Jobs = SOME_JOBS,
+    quick: Quick = False,
+    limit: Limit = None,
+) -> None:
+    """Draw error against CPU time and evaluations: every method over its tolerances or steps."""
+    pyplot()  # told before anything is run
+    settings = changed(QUICK if quick else Settings(), tolerances, jobs, limit)
+    values = _values(inputs or [])
+    cases = [case_of(scene, values) for scene in scenes]
+    _told_apart([case.name for case in cases])
+    wanted = chosen(methods)
+    with status_line(sys.stderr) as tell:
+        studies = study(cases, wanted, settings, tell)
+    output.mkdir(parents=True, exist_ok=True)
+    for one in studies:
+        _written(one, output)
+
+
+def changed(settings: Settings, tolerances: list[float] | None, jobs: int, limit: float | None) -> Settings:
+    """Settings with what the command line says. Raises UsageError: a tolerance or limit that cannot be."""
+    if limit is not None and not limit > 0:
+        raise UsageError(f"--limit: found {limit}, expected more than 0")
+    wrong = [x for x in tolerances or [] if not 0 < x < 1]
+    if wrong:
+        raise UsageError(f"--tolerance: found {wrong[0]}, expected a number between 0 and 1")
+    return replace(
+        settings,
+        jobs=jobs,
+        tolerances=tuple(sorted(set(tolerances), reverse=True)) if tolerances else settings.tolerances,
+        limit=settings.limit if limit is None else limit,
+    )
+
+
+def _values(given: list[str]) -> dict[str, float]:
+    values = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals):
+            raise UsageError(f"--input {text}: expected NAME=VALUE")
+        values[name.strip()] = number(name.strip(), value.strip(), "real")
+    return values
+
+
+def _told_apart(names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{name}: two scenes with this name; their charts would be one file")
+
+
+def _written(one: Study, folder: Path) -> None:
+    name = one.case.name
+    table, picture = (folder / f"work-precision-{name}.{ending}" for ending in ("csv", "png"))
+    runs_csv.write(one.runs, table)
+    draw_work_precision.draw(one, picture)
+    count = Counter(str(run.outcome) for run in one.runs)
+    told_counts = ", ".join(f"{count[outcome]} {outcome}" for outcome in Outcome if count[outcome])
+    print(f"{name}: {len(one.runs)} runs, {told_counts}; reference {one.reference.words}")
+    print(f"  {table}, {picture}")
+    for regret in regrets(one.runs):
+        cpu = "no end" if math.isnan(regret.cpu) else f"{1e3 * regret.cpu:.3g} ms"
+        best = (
+            "none is good" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
+        )
+        print(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")

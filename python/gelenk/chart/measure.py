@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One run of one method through one case: what it cost, how far it was off, how it ended."""
+
+from __future__ import annotations
+
+import copy
+import math
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import gelenk
+from gelenk.chart.case import Array, Case, Jumps
+from gelenk.chart.methods import Method
+from gelenk.chart.outcome import Outcome, judged
+from gelenk.errors import GelenkError
+
+ENERGY_KEPT = 1e-8  # of the largest kinetic energy: what a reference loses by rounding and tolerance
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked: of an adaptive method a tolerance, of one with fixed steps its step [s]."""
+
+    case: Case
+    method: Method
+    tolerance: float | None = None
+    step: float | None = None
+
+
+@dataclass(frozen=True)
+class Path:
+    """Joint states (positions and speeds) at the samples, shape (samples, signals), and health."""
+
+    states: Array
+    kinetic: Array  # [J], the start included
+    total: Array
+    gap: float  # largest closure error of positions, and of velocities
+    rate: float
+    counts: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The truth, and how well it is known: `digits` is its largest error, in the measure of `error`."""
+
+    states: Array
+    scales: Array  # 1 unit, or the signal's largest value
+    kinetic: Array
+    total: Array
+    digits: float
+    words: str  # how it was found and checked
+
+    @property
+    def conserves(self) -> bool:
+        """Energy stays: then that of a run is compared with its own start."""
+        return bool(np.ptp(self.total) <= ENERGY_KEPT * max(1e-12, self.kinetic.max()))
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run gave; numbers that it did not come to are NaN. Times in s, energy by the largest kinetic."""
+
+    scene: str
+    method: str
+    formulation: str
+    integrator: str
+    tolerance: float = math.nan
+    step: float = math.nan
+    outcome: str = Outcome.FAILED
+    cpu: float = math.nan
+    evaluations: float = math.nan
+    steps: float = math.nan
+    rejected: float = math.nan
+    jacobians: float = math.nan
+    error: float = math.nan
+    digits: float = math.nan
+    position_residual: float = math.nan
+    velocity_residual: float = math.nan
+    energy_error: float = math.nan
+    reached: float = 0.0
+    reason: str = ""
+
+    @property
+    def finished(self) -> bool:
+        """To the end of the experiment, right or wrong."""
+        return self.outcome in (Outcome.GOOD, Outcome.WRONG)
+
+    @property
+    def asked(self) -> float | None:
+        """The tolerance; None for fixed steps."""
+        return None if math.isnan(self.tolerance) else self.tolerance
+
+
+def blank(task: Task) -> Run:
+    """The run of a task before anything is known of it."""
+    return Run(
+        task.case.name,
+        task.method.name,
+        task.method.formulation,
+        task.method.integrator,
+        math.nan if task.tolerance is None else task.tolerance,
+        math.nan if task.step is None else task.step,
+    )
+
+
+class Runner:
+    """A task made ready: compiled once, run as often as asked."""
+
+    def __init__(self, task: Task) -> None:
+        """Raises SceneError: the scene does not go with the method."""
+        case = task.case
+        data = copy.deepcopy(case.scene)
+        kept = {k: v for k, v in data.get("solver", {}).items() if k == "reductions"}
+        data["solver"] = {**kept, **task.method.solver(task.step)}
+        data["experiment"] = {"stop": case.stop, "step": case.step}
+        self._tolerance = task.tolerance or 1e-6
+        self._case = case
+        self.simulation = gelenk.Simulation(data)
+        self._core = self.simulation._core
+        names = [s.name for s in self.simulation.inputs]
+        self._constants = [(names.index(n), x) for n, x in case.inputs.items() if not isinstance(x, Jumps)]
+        self._jumps = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Jumps)]
+        self.states = [i for i, s in enumerate(self.simulation.outputs) if s.level in (0, 1)]
+        self.names = [self.simulation.outputs[i].name for i in self.states]
+        grid = case.grid
+        self._ends = grid[1:].tolist()
+        self._values = [[x.at(k) for _, x in self._jumps] for k in range(len(self._ends))]
+
+    def start(self) -> None:
+        """At t = 0. Raises AssemblyError."""
+        for index, value in self._constants:
+            self._core.set_input(index, value)
+        for (index, _), value in zip(self._jumps, self._values[0], strict=True):
+            self._core.set_input(index, value)
+        self._core.initialize(0.0, self._tolerance)
+
+    def record(self) -> Path:
+        """Runs to the end and reads at the samples. Raises GelenkError."""
+        self.start()
+        samples = set(self._case.samples())
+        health = [self.simulation.diagnostics]
+        rows = []
+        for k, end in enumerate(self._ends):
+            for (index, _), value in zip(self._jumps, self._values[k], strict=True):
+                self._core.set_input(index, value)
+            self._core.step_to(end)
+            if k + 1 in samples:
+                rows.append(self._core.read_outputs(self.states))
+                health.append(self.simulation.diagnostics)
+        column = {name: np.array([h[name] for h in health]) for name in health[0]}
+        return Path(
+            np.array(rows),
+            column["energy.kinetic"],
+            column["energy.total"],
+            float(column["constraints.position"].max()),
+            float(column["constraints.velocity"].max()),
+            {name: float(values[-1]) for name, values in column.items() if name.startswith("solver.")},
+        )
+
+    def timed(self) -> float:
+        """CPU time of the steps alone [s]: no assembly, nothing read, Python's share taken off."""
+        self.start()
+        core, inputs = self._core, [index for index, _ in self._jumps]
+        begun = time.thread_time()
+        for end, values in zip(self._ends, self._values, strict=True):
+            for index, value in zip(inputs, values, strict=True):
+                core.set_input(index, value)
+            core.step_to(end)
+        between = time.thread_time()
+        last = self._values[-1]  # the plant stands at its end and has these inputs: nothing is done
+        end = self._ends[-1]
+        for _ in self._ends:
+            for index, value in zip(inputs, last, strict=True):
+                core.set_input(index, value)
+            core.step_to(end)
+        return max(1e-9, between - begun - (time.thread_time() - between))
+
+
+def measured(task: Task, reference: Reference | None) -> Run:
+    """Runs once. Without a reference no error is told, and a finished run is called good."""
+    run = blank(task)
+    runner = None
+    begun = time.thread_time()
+    try:
+        runner = Runner(task)
+        begun = time.thread_time()
+        path = runner.record()
+    except GelenkError as e:
+        reached = 0.0 if runner is None else _time(runner)
+        return replace(run, outcome=Outcome.REFUSED, reason=first_sentence(str(e)), reached=reached)
+    run = replace(
+        run,
+        outcome=Outcome.GOOD,
+        cpu=time.thread_time() - begun,
+        evaluations=path.counts["solver.evaluations"],
+        steps=path.counts["solver.steps"],
+        rejected=path.counts["solver.rejected_steps"],
+        jacobians=path.counts.get("solver.jacobians", math.nan),
+        position_residual=path.gap,
+        velocity_residual=path.rate,
+        reached=task.case.stop,
+    )
+    return run if reference is None else compared(run, path, reference)
+
+
+def compared(run: Run, path: Path, reference: Reference) -> Run:
+    """A finished run with its errors and its outcome."""
+    error = difference(path.states, reference.states, reference.scales)
+    if not math.isfinite(error):
+        return replace(run, outcome=Outcome.FAILED, reason="the states are not finite")
+    truth = path.total[0] if reference.conserves else reference.total
+    drift = float(np.abs(path.total - truth).max()) / max(1e-12, float(reference.kinetic.max()))
+    outcome = judged(error, run.asked, reference.digits)
+    reason = ""
+    if outcome is Outcome.WRONG:
+        reason = (
+            "no two digits" if run.asked is None else f"error {error / run.asked:.1g} times the tolerance"
+        )
+    return replace(
+        run, outcome=outcome, error=error, digits=reference.digits, energy_error=drift, reason=reason
+    )
+
+
+def difference(states: Array, truth: Array, scales: Array) -> float:
+    """The largest over times and joint states of |x - truth|, in units or parts of the largest value."""
+    return float((np.abs(states - truth) / scales).max())
+
+
+def scales_of(states: Array) -> Array:
+    """1 unit, or the largest value of the signal if that is more: shape (signals,)."""
+    largest: Array = np.maximum(1.0, np.abs(states).max(axis=0))
+    return largest
+
+
+def first_sentence(words: str) -> str:
+    """Of a message: its first line, to the first full stop that ends a sentence."""
+    line = (words.strip().splitlines() or [""])[0]
+    return line.split(". ")[0].rstrip(".")
+
+
+def _time(runner: Runner) -> float:
+    try:
+        return runner.simulation.time
+    except GelenkError:
+        return 0.0

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reference solutions: found by one method, checked by others that share neither formulation nor integrator.
+
+What they agree to is what a reference claims to know.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gelenk.chart.case import Array, Case
+from gelenk.chart.measure import Path, Reference, Runner, Task, difference, scales_of
+from gelenk.chart.methods import Method, registered
+from gelenk.chart.workers import Failure, work_off
+from gelenk.errors import GelenkError
+
+MAIN = Method("projection", "erk")
+TIGHTEST = (1e-13, 1e-12, 1e-11, 1e-10)
+CHECKS = (("independent", "cvode-adams"), ("independent", "ida"), ("independent", "dirk"))
+CHECK_TOLERANCE = 1e-12
+FIXED_CHECK = ("independent", "rk4")
+FIXED_STEPS = 2**15  # over a run, of the check with fixed steps
+ROUNDING = 1e-14
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A path with the names of its states and the method that found it."""
+
+    path: Path
+    names: tuple[str, ...]
+    by: str
+
+
+def recorded(task: Task) -> Recording | Failure:
+    """Runs a task for its states; refusals are failures here."""
+    try:
+        runner = Runner(task)
+        path = runner.record()
+    except GelenkError as e:
+        return Failure(e.lines[0])
+    asked = f"{task.tolerance:.0e}" if task.tolerance else f"{task.step:.1e} s"
+    if not np.isfinite(path.states).all():
+        return Failure("the states are not finite")
+    return Recording(path, tuple(runner.names), f"{task.method.name} at {asked}")
+
+
+def main_recording(case: Case) -> Recording | Failure:
+    """By the first of the tightest tolerances that works."""
+    result: Recording | Failure = Failure("not tried")
+    for tolerance in TIGHTEST:
+        result = recorded(Task(case, MAIN, tolerance))
+        if isinstance(result, Recording):
+            return result
+    return result
+
+
+def checks(case: Case, quick: bool) -> list[Task]:
+    """Runs whose agreement with the main one tells its digits."""
+    formulations, integrators = registered()
+    known = [(f, i) for f, i in CHECKS if f in formulations and i in integrators]
+    tasks = [Task(case, Method(*pair), CHECK_TOLERANCE) for pair in known[: 2 if quick else None]]
+    if not quick:
+        parts = max(1, math.ceil(FIXED_STEPS * case.step / case.stop))
+        tasks.append(Task(case, Method(*FIXED_CHECK), None, case.step / parts))
+    return tasks
+
+
+def references(
+    cases: Sequence[Case],
+    jobs: int,
+    limit: float,
+    quick: bool = False,
+    told: Callable[[], None] | None = None,
+) -> dict[str, Reference | Failure]:
+    """Of every case by its name; a Failure where no two ways agree. limit: of each run [s]."""
+    calls: list[tuple[Callable[..., Any], tuple[Any, ...], float]] = []
+    owners: list[str] = []
+    for case in cases:
+        if case.expected == "refused":
+            continue
+        calls.append((main_recording, (case,), limit))
+        owners.append(case.name)
+        if case.truth is None:
+            tasks = checks(case, quick)
+            calls += [(recorded, (task,), limit) for task in tasks]
+            owners += [case.name] * len(tasks)
+    results = work_off(calls, jobs, None if told is None else lambda _i, _r: told())
+    found: dict[str, Reference | Failure] = {}
+    for case in cases:
+        mine = [result for owner, result in zip(owners, results, strict=True) if owner == case.name]
+        if mine:
+            found[case.name] = (closed if case.truth else agreed)(case, mine)
+    return found
+
+
+def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
+    """The first of the results, with the digits in which the best of the others and it agree."""
+    main, *others = results
+    if isinstance(main, Failure):
+        return Failure(f"no reference: {main.reason}")
+    scales = scales_of(main.path.states)
+    found: list[tuple[float, str]] = [
+        (difference(other.path.states, main.path.states, scales), other.by)
+        for other in others
+        if isinstance(other, Recording)
+    ]
+    published = against_published(case, main)
+    if published is not None:
+        found.append(published)
+    if not found:
+        why = "; ".join(other.reason for other in others if isinstance(other, Failure))
+        return Failure(f"no reference: nothing to check {main.by} with: {why}")
+    agreement, by = min(found)
+    words = f"{main.by}, checked by {by}: they agree to {agreement:.1e}"
+    if published is not None and by != published[1]:
+        words += f"; {published[1]}: to {published[0]:.1e}"
+    digits = max(agreement, ROUNDING)
+    return Reference(main.path.states, scales, main.path.kinetic, main.path.total, digits, words)
+
+
+def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
+    """By the closed form; energies by the method that also runs."""
+    assert case.truth is not None
+    main = results[0]
+    if isinstance(main, Failure):
+        return Failure(f"no reference: {main.reason}")
+    times = case.grid[case.samples()]
+    columns = case.truth(times)
+    states = np.array([columns[name] for name in main.names]).T
+    scales = scales_of(states)
+    agreement = difference(main.path.states, states, scales)
+    words = f"closed form; {main.by} agrees to {agreement:.1e}"
+    # Quadrature and Newton's method go on to rounding, which grows with the angle turned through.
+    digits = 100 * float(np.finfo(float).eps) * float(np.abs(states).max())
+    return Reference(states, scales, main.path.kinetic, main.path.total, digits, words)
+
+
+def against_published(case: Case, main: Recording) -> tuple[float, str] | None:
+    """(largest error against the published values, their source)."""
+    if not case.published:
+        return None
+    times: Array = case.grid[case.samples()]
+    worst = 0.0
+    for t, name, value in case.published:
+        row = int(np.argmin(np.abs(times - t)))
+        found = main.path.states[row, main.names.index(name)]
+        worst = max(worst, abs(float(found) - value) / max(1.0, abs(value)))
+    return worst, case.source

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs as a CSV file: one line each, every figure."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import fields
+from pathlib import Path
+
+from gelenk.chart.measure import Run
+
+COLUMNS = tuple(field.name for field in fields(Run))
+WORDS = ("scene", "method", "formulation", "integrator", "outcome", "reason")
+
+
+def write(runs: Iterable[Run], path: Path) -> None:
+    """Numbers that a run did not come to are empty. Raises OSError."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for run in runs:
+            writer.writerow([_cell(getattr(run, name)) for name in COLUMNS])
+
+
+def read(path: Path) -> list[Run]:
+    """The same runs again. Raises OSError."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return [
+            Run(**{k: v if k in WORDS else float(v) if v else math.nan for k, v in row.items()})  # type: ignore[arg-type]
+            for row in csv.DictReader(file)
+        ]
+
+
+def _cell(value: str | float) -> str:
+    if isinstance(value, str):
+        return str(value)
+    return "" if math.isnan(value) else repr(float(f"{value:.6g}"))

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How methods look on charts: the same on every one."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Any
+
+from gelenk.chart.methods import AUTO, DEFAULT, Method
+from gelenk.errors import UsageError
+
+# Integrators by colour, formulations by line and marker. Colours after Okabe & Ito and their darker kin.
+COLOURS = {
+    "erk": "#0072B2", "ida": "#D55E00", "rk4": "#009E73", "euler": "#999999", "cvode": "#E69F00",
+    "cvode-adams": "#56B4E9", "dirk": "#CC79A7", "generalized-alpha": "#7F3C8D", "hht": "#11A579",
+    "newmark": "#A5AA99",
+}  # fmt: skip
+LINES = {
+    "projection": ("-", "o"), "baumgarte": ("--", "s"), "udwadia-kalaba": (":", "v"),
+    "penalty": ("-.", "D"), "augmented-lagrangian": ((0, (5, 1, 1, 1, 1, 1)), "P"),
+    "independent": ((0, (1, 1)), "^"), "stabilized-index2": ((0, (7, 2)), "<"),
+    "index3": ((0, (3, 3)), ">"),
+}  # fmt: skip
+SPARE = "#4B4B4B"
+
+
+def look(method: Method) -> dict[str, Any]:
+    """Of a line of matplotlib."""
+    if method == AUTO:
+        return {"color": "black", "linestyle": "-", "marker": "o", "linewidth": 2.6, "markersize": 6,
+                "zorder": 5}  # fmt: skip
+    line, marker = LINES.get(method.formulation, ("-", "X"))
+    plain = method.formulation == DEFAULT
+    return {"color": COLOURS.get(method.integrator, SPARE), "linestyle": line, "marker": marker,
+            "linewidth": 1.5 if plain else 1.0, "markersize": 4.5, "zorder": 3 if plain else 2}  # fmt: skip
+
+
+def pyplot() -> Any:
+    """Matplotlib, drawing into files. Raises UsageError: it is not installed."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise UsageError("charts are drawn with matplotlib: pip install 'gelenk[charts]'")
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    return plt
