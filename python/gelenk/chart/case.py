@@ -52,6 +52,7 @@ class Case:
     published: tuple[tuple[float, str, float], ...] = ()
     source: str = ""
     expected: str = "good"  # or "refused": where equations have no solution
+    by_energy: bool = False  # a run without a drive so long that its phase says little: its energy is judged
 
     @property
     def grid(self) -> Array:

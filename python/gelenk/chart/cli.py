@@ -13,15 +13,17 @@ from typing import Annotated
 
 import typer
 
-from gelenk.chart import draw_work_precision, runs_csv
+from gelenk.chart import draw_stability, draw_work_precision, runs_csv, tables
+from gelenk.chart import stability as stability_study
 from gelenk.chart.case import case_of
 from gelenk.chart.methods import chosen
 from gelenk.chart.outcome import Outcome
 from gelenk.chart.progress import status_line
+from gelenk.chart.scenes import stability_cases
 from gelenk.chart.style import pyplot
 from gelenk.chart.work_precision import QUICK, Settings, Study, regrets, study
 from gelenk.errors import UsageError
-from gelenk.scene import number
+from gelenk.scene import number, unknown
 from gelenk.told import told
 
 app = typer.Typer(
@@ -78,7 +80,9 @@ def work_precision(
         _written(one, output)
 
 
-def changed(settings: Settings, tolerances: list[float] | None, jobs: int, limit: float | None) -> Settings:
+def changed[S: (Settings, stability_study.Settings)](
+    settings: S, tolerances: list[float] | None, jobs: int, limit: float | None
+) -> S:
     """Settings with what the command line says. Raises UsageError: a tolerance or limit that cannot be."""
     if limit is not None and not limit > 0:
         raise UsageError(f"--limit: found {limit}, expected more than 0")
@@ -124,3 +128,40 @@ def _written(one: Study, folder: Path) -> None:
             "none is good" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
         )
         print(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")
+
+
+@app.command("stability")
+@told
+def stability(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; by default all.")
+    ] = None,
+    methods: Methods = None,
+    tolerances: Tolerances = None,
+    output: Output = Path("charts"),
+    jobs: Jobs = SOME_JOBS,
+    quick: Quick = False,
+    limit: Limit = None,
+) -> None:
+    """Draw which method survives which scene: a table, coloured by outcome."""
+    pyplot()  # told before anything is run
+    known = [case.name for case in stability_cases()]
+    faults = [unknown(name, "scene of the map", known) for name in scenes or [] if name not in known]
+    if faults:
+        raise UsageError("\n".join(faults))
+    settings = changed(
+        stability_study.QUICK if quick else stability_study.Settings(), tolerances, jobs, limit
+    )
+    wanted = stability_study.natural_methods(chosen(methods) if methods else None)
+    with status_line(sys.stderr) as tell:
+        found = stability_study.stability(wanted, settings, scenes, tell)
+    output.mkdir(parents=True, exist_ok=True)
+    table, page = output / "stability.csv", output / "stability.md"
+    runs_csv.write(found.runs, table)
+    page.write_text(tables.stability(found, settings.tolerances), encoding="utf-8")
+    pictures = []
+    for tolerance in settings.tolerances:
+        pictures.append(output / f"stability-{tolerance:.0e}.png".replace("e-0", "e-"))
+        draw_stability.draw(found, tolerance, pictures[-1])
+    print(tables.counts(found))
+    print(", ".join(str(path) for path in (table, page, *pictures)))

@@ -51,6 +51,7 @@ class Reference:
     total: Array
     digits: float
     words: str  # how it was found and checked
+    by_energy: bool = False  # runs are judged by their energy, which stays, not by their states
 
     @property
     def conserves(self) -> bool:
@@ -212,6 +213,8 @@ def compared(run: Run, path: Path, reference: Reference) -> Run:
         return replace(run, outcome=Outcome.FAILED, reason="the states are not finite")
     truth = path.total[0] if reference.conserves else reference.total
     drift = float(np.abs(path.total - truth).max()) / max(1e-12, float(reference.kinetic.max()))
+    if reference.by_energy:
+        error = drift
     outcome = judged(error, run.asked, reference.digits)
     reason = ""
     if outcome is Outcome.WRONG:

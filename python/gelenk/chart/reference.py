@@ -86,7 +86,7 @@ def references(
             continue
         calls.append((main_recording, (case,), limit))
         owners.append(case.name)
-        if case.truth is None:
+        if case.truth is None and not case.by_energy:
             tasks = checks(case, quick)
             calls += [(recorded, (task,), limit) for task in tasks]
             owners += [case.name] * len(tasks)
@@ -95,7 +95,7 @@ def references(
     for case in cases:
         mine = [result for owner, result in zip(owners, results, strict=True) if owner == case.name]
         if mine:
-            found[case.name] = (closed if case.truth else agreed)(case, mine)
+            found[case.name] = (kept if case.by_energy else closed if case.truth else agreed)(case, mine)
     return found
 
 
@@ -139,6 +139,20 @@ def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     # Quadrature and Newton's method go on to rounding, which grows with the angle turned through.
     digits = 100 * float(np.finfo(float).eps) * float(np.abs(states).max())
     return Reference(states, scales, main.path.kinetic, main.path.total, digits, words)
+
+
+def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
+    """A motion that keeps its energy: no more is asked of a run. States are those of the method that runs."""
+    main = results[0]
+    if isinstance(main, Failure):
+        return Failure(f"no reference: {main.reason}")
+    path = main.path
+    drift = float(np.abs(path.total - path.total[0]).max() / path.kinetic.max())
+    words = f"energy at the start, of which {main.by} loses {drift:.1e} in {case.stop:g} s"
+    return Reference(
+        path.states, scales_of(path.states), path.kinetic, np.full_like(path.total, path.total[0]),
+        ROUNDING, words, by_energy=True,
+    )  # fmt: skip
 
 
 def against_published(case: Case, main: Recording) -> tuple[float, str] | None:

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs as tables of Markdown."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from gelenk.chart.draw_stability import short
+from gelenk.chart.measure import Run
+from gelenk.chart.outcome import Outcome
+from gelenk.chart.stability import SKIPPED, Map
+
+SIGNS = {Outcome.GOOD: "", Outcome.WRONG: "wrong ", Outcome.REFUSED: "refused", Outcome.FAILED: "failed",
+         SKIPPED: "not yet"}  # fmt: skip
+
+
+def rows(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    """A table, its header first."""
+    whole = [header, ["---"] * len(header), *lines]
+    return "\n".join("| " + " | ".join(line) + " |" for line in whole) + "\n"
+
+
+def stability(found: Map, tolerances: Sequence[float]) -> str:
+    """Error / largest closure error / energy error of every cell, and what was refused and failed."""
+    parts = []
+    for tolerance in tolerances:
+        header = ["scene", *(method.name for method in found.methods)]
+        lines = [
+            [case.name, *(cell(found.cell(case, method, tolerance)) for method in found.methods)]
+            for case in found.cases
+        ]
+        parts.append(
+            f"Tolerance {tolerance:.0e}; error, closure gap, energy error.\n\n" + rows(header, lines)
+        )
+    return "\n".join(parts)
+
+
+def cell(run: Run | None) -> str:
+    """One run in few characters."""
+    if run is None:
+        return ""
+    sign = SIGNS[Outcome(run.outcome) if run.outcome != SKIPPED else SKIPPED]
+    if not run.finished:
+        return sign
+    figures = (run.error, run.position_residual, run.energy_error)
+    return f"{sign}{' '.join(short(x) for x in figures)}"
+
+
+def counts(found: Map) -> str:
+    """For a terminal: how often each method was good, wrong, refused, failed."""
+    width = max(len(method.name) for method in found.methods)
+    lines = [f"{'':{width}}  " + " ".join(f"{outcome:>8}" for outcome in Outcome)]
+    for method in found.methods:
+        count = Counter(run.outcome for run in found.runs if run.method == method.name)
+        lines.append(f"{method.name:{width}}  " + " ".join(f"{count[outcome]:8d}" for outcome in Outcome))
+    return "\n".join(lines)
