@@ -5,6 +5,7 @@
 # make format   set all code
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
+# make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
 # make clean    remove what was built
 # A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
 SHELL := /bin/bash
@@ -26,9 +27,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions clean
+.PHONY: help demo test lint style tidy format pytest reductions charts clean
 help:
-	@sed -n '2,10s/^# //p' Makefile
+	@sed -n '2,11s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -55,6 +56,10 @@ tidy: $(VENV)/tools.stamp
 
 reductions: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/reductions.py
+
+# An hour on two cores; one run at a time, for times to be comparable.
+charts: $(VENV)/gelenk.stamp
+	$(BIN)/python benchmarks/charts.py
 
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)

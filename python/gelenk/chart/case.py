@@ -18,7 +18,7 @@ from gelenk.scene import unknown
 
 type Array = NDArray[np.float64]
 
-MOST_SAMPLES = 400
+MOST_SAMPLES = 1000
 SAMPLES = 20  # of a scene whose inputs never jump: few, for each cuts an integrator's step
 
 

@@ -12,7 +12,7 @@ from gelenk.chart.measure import Run
 from gelenk.chart.methods import DEFAULT, Method
 from gelenk.chart.outcome import Outcome
 from gelenk.chart.stability import SKIPPED, Map
-from gelenk.chart.style import pyplot
+from gelenk.chart.style import pyplot, save
 
 FILL = {
     Outcome.GOOD: "#a9dcb3", Outcome.WRONG: "#ffe08a", Outcome.REFUSED: "#b9cfec", Outcome.FAILED: "#f0a39b",
@@ -21,7 +21,8 @@ FILL = {
 MEANING = {
     Outcome.GOOD: "good",
     Outcome.WRONG: "finished but wrong: error over 100 × tolerance, over 0.01 with fixed steps",
-    Outcome.REFUSED: "refused, in words (framed: as it should be)", Outcome.FAILED: "failed: no end in time, or a crash",
+    Outcome.REFUSED: "refused, in words (framed: as it should be)",
+    Outcome.FAILED: "failed: no end in time, or a crash",
 }  # fmt: skip
 WIDTH, HEIGHT, LEFT, TOP = 0.82, 0.52, 4.3, 0.85  # inches: cells, room for the scenes' and methods' names
 
@@ -60,7 +61,7 @@ def draw(found: Map, tolerance: float, path: Path) -> None:
                 f"Where methods fail: tolerance {tolerance:.0e}, fixed steps of 1 ms", va="top",
                 fontsize=13, fontweight="bold")  # fmt: skip
     _legend(figure, plt, height)
-    figure.savefig(path, dpi=80)
+    save(figure, path, 80)
     plt.close(figure)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from gelenk.chart.measure import Run
 from gelenk.chart.methods import AUTO, Method
 from gelenk.chart.outcome import Outcome
-from gelenk.chart.style import look, pyplot
+from gelenk.chart.style import look, pyplot, save
 from gelenk.chart.work_precision import Study
 
 LIMIT = 3.0  # errors below this many times the reference's own are shown at its limit
@@ -40,7 +40,7 @@ def draw(study: Study, path: Path) -> None:
         f"{study.case.name}: work against precision, {study.case.stop:g} s\n", fontsize=13, fontweight="bold"
     )
     figure.text(0.01, 0.955, _told(study), fontsize=8, color="#444444", va="top")
-    figure.savefig(path, dpi=85)
+    save(figure, path, 85)
     plt.close(figure)
 
 

@@ -55,3 +55,22 @@ def counts(found: Map) -> str:
         count = Counter(run.outcome for run in found.runs if run.method == method.name)
         lines.append(f"{method.name:{width}}  " + " ".join(f"{count[outcome]:8d}" for outcome in Outcome))
     return "\n".join(lines)
+
+
+def reasons(found: Map) -> str:
+    """What was refused and what failed, in the words of the run, as it was told first."""
+    lines = []
+    for case in found.cases:
+        told: dict[tuple[str, str], list[str]] = {}
+        for run in found.runs:
+            if run.scene == case.name and run.outcome in (Outcome.REFUSED, Outcome.FAILED):
+                told.setdefault((run.outcome, run.reason), []).append(f"{run.method} {_asked(run)}")
+        lines += [
+            [case.name, outcome, reason, ", ".join(methods) if len(methods) <= 4 else f"{len(methods)} runs"]
+            for (outcome, reason), methods in told.items()
+        ]
+    return rows(["scene", "outcome", "why", "runs"], lines)
+
+
+def _asked(run: Run) -> str:
+    return "" if run.asked is None else f"{run.asked:.0e}"

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the charts and tables of docs/work-precision.md and docs/stability.md: `make charts`.
+
+Pictures go to docs/pictures/, every figure as CSV to out/charts/. What stands between the markers of a page
+is made anew, all else stays: each chart's paragraph of reading is written by hand.
+
+`--quick` does a small part of everything, into out/charts/ alone, to see that it runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import platform
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from gelenk.chart import draw_stability, draw_work_precision, master, published, runs_csv, stability, tables
+from gelenk.chart import work_precision as wp
+from gelenk.chart.methods import all_methods
+from gelenk.chart.outcome import Outcome
+from gelenk.chart.progress import status_line
+from gelenk.chart.reference_set import reference_set
+
+ROOT = Path(__file__).resolve().parent.parent
+NUMBERS = ROOT / "out" / "charts"
+BEGIN, END = "<!-- made by benchmarks/charts.py: {} -->", "<!-- end of {} -->"
+
+
+def put(page: Path, parts: dict[str, str]) -> None:
+    """Replaces the parts of a page by their names; a part without a place goes to the end."""
+    text = page.read_text(encoding="utf-8")
+    for name, content in parts.items():
+        begin, end = BEGIN.format(name), END.format(name)
+        block = f"{begin}\n{content.strip()}\n{end}"
+        if begin in text:
+            before, rest = text.split(begin)
+            text = before + block + rest.split(end, 1)[1]
+        else:
+            text += f"\n{block}\n\n*To be read.*\n"
+    page.write_text(text, encoding="utf-8")
+
+
+def machine() -> str:
+    """What the times were taken on."""
+    return f"{platform.machine().replace('_', '-')}, Python {platform.python_version()}"
+
+
+def milliseconds(cpu: float) -> str:
+    return "no end" if math.isnan(cpu) else f"{1e3 * cpu:.3g}"
+
+
+def regret_table(regrets: Sequence[wp.Regret]) -> str:
+    """Rows: scenes; columns: auto's CPU time and what it is to the best, at each tolerance."""
+    tolerances = list(dict.fromkeys(r.tolerance for r in regrets))
+    header = ["scene"]
+    for tolerance in tolerances:
+        header += [f"`auto` at {tolerance:.0e} [ms]", "best", "ratio", "ratio, fixed steps too"]
+    lines = []
+    for scene in dict.fromkeys(r.scene for r in regrets):
+        cells = [scene]
+        for tolerance in tolerances:
+            r = next(r for r in regrets if r.scene == scene and r.tolerance == tolerance)
+            outcome = "" if r.outcome == Outcome.GOOD else f" {r.outcome}"
+            cells += [milliseconds(r.cpu) + outcome, r.best, ratio(r.ratio), ratio(r.ratio_of_all)]
+        lines.append(cells)
+    return tables.rows(header, lines)
+
+
+def ratio(x: float) -> str:
+    return "" if math.isnan(x) else f"{x:.2f}" if x <= 2 else f"**{x:.2f}**"
+
+
+def study_part(study: wp.Study, picture: Path) -> str:
+    """A chart with the sentence on its scene and the outcomes of its runs."""
+    counts = Counter(run.outcome for run in study.runs)
+    told = ", ".join(f"{counts[o]} {o}" for o in Outcome if counts[o])
+    name = study.case.name
+    return (
+        f"![{name}: error against CPU time and evaluations](pictures/{picture.name})\n\n"
+        f"{study.case.about} {study.case.stop:g} s, {len(study.runs)} runs: {told}.\n"
+        f"Reference: {study.reference.words}."
+    )
+
+
+def orders_table(studies: Sequence[wp.Study]) -> str:
+    """Observed orders of the methods with fixed steps."""
+    names = list(dict.fromkeys(r.method for s in studies for r in s.runs if r.asked is None))
+    lines = []
+    for study in studies:
+        orders = [wp.observed_order([r for r in study.runs if r.method == name]) for name in names]
+        lines.append([study.case.name, *("" if math.isnan(x) else f"{x:.2f}" for x in orders)])
+    return tables.rows(["scene", *names], lines)
+
+
+def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
+    """Parts of docs/work-precision.md."""
+    cases = reference_set()
+    settings = replace(wp.QUICK, jobs=jobs) if quick else wp.Settings(jobs=jobs)
+    if quick:
+        cases = [case for case in cases if case.name in ("four_bar", "andrews")]
+    with status_line(sys.stderr) as tell:
+        studies = wp.study(cases, all_methods(), settings, tell)
+    parts = {}
+    for study in studies:
+        runs_csv.write(study.runs, NUMBERS / f"work-precision-{study.case.name}.csv")
+        picture = pictures / f"work-precision-{study.case.name}.png"
+        draw_work_precision.draw(study, picture)
+        parts[study.case.name] = study_part(study, picture)
+    regrets = wp.regrets([run for study in studies for run in study.runs])
+    parts["regret"] = (
+        regret_table(regrets) + f"\nCPU time of the steps, least of {settings.rounds} rounds; {machine()}."
+    )
+    parts["orders"] = orders_table(studies)
+    return parts
+
+
+def masters(jobs: int, quick: bool) -> dict[str, str]:
+    """What a master pays, and the published counts."""
+    case = master.master_case()
+    case = replace(case, stop=0.2) if quick else case
+    runs, reference = master.master_runs(all_methods(), jobs=jobs, case=case)
+    runs_csv.write(runs, NUMBERS / "master.csv")
+    steps = len(case.grid) - 1
+    cpu, error = master.share_of_ida(runs, 1e-6)
+    text = (
+        master.master_table(runs, steps)
+        + f"\nPer step of H = 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of the CPU "
+        f"time of projection+ida at {error:.1e} of its error. Reference: {reference.words}."
+    )
+    andrews = published.andrews_table(published.andrews_efforts())
+    pole = published.cart_pole_table(published.cart_pole_efforts(0.01), published.cart_pole_efforts(0.5))
+    return {"master": text, "published-andrews": andrews, "published-light-cart-pole": pole}
+
+
+def stability_map(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
+    """Parts of docs/stability.md."""
+    settings = replace(stability.QUICK if quick else stability.Settings(), jobs=jobs)
+    with status_line(sys.stderr) as tell:
+        found = stability.stability(stability.natural_methods(), settings, None, tell)
+    runs_csv.write(found.runs, NUMBERS / "stability.csv")
+    parts = {}
+    for tolerance in settings.tolerances:
+        label = f"{tolerance:.0e}".replace("e-0", "e-")
+        picture = pictures / f"stability-{label}.png"
+        draw_stability.draw(found, tolerance, picture)
+        parts[f"map-{label}"] = f"![methods against scenes at {label}](pictures/{picture.name})"
+    parts["tables"] = tables.stability(found, settings.tolerances)
+    parts["scenes"] = tables.rows(
+        ["scene", "what it is about", "reference"],
+        [[case.name, case.about, found.words[case.name]] for case in found.cases],
+    )
+    parts["words"] = tables.reasons(found)
+    return parts
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--only", choices=["work-precision", "master", "stability"])
+    given = parser.parse_args()
+    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
+    for folder in (NUMBERS, pictures):
+        folder.mkdir(parents=True, exist_ok=True)
+    pages: dict[str, dict[str, str]] = {"work-precision.md": {}, "stability.md": {}}
+    if given.only in (None, "work-precision"):
+        pages["work-precision.md"] |= work_precision(pictures, given.jobs, given.quick)
+    if given.only in (None, "master"):
+        pages["work-precision.md"] |= masters(given.jobs, given.quick)
+    if given.only in (None, "stability"):
+        pages["stability.md"] |= stability_map(pictures, given.jobs, given.quick)
+    for name, parts in pages.items():
+        page = ROOT / "docs" / name
+        if given.quick:
+            page = NUMBERS / name
+            page.write_text("", encoding="utf-8")
+        put(page, parts)
+        print(f"{page.relative_to(ROOT)}: {len(parts)} parts are new")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Evaluations per digit against what others published."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gelenk.chart import mechanisms
+from gelenk.chart.case import Case
+from gelenk.chart.measure import Runner, Task
+from gelenk.chart.methods import AUTO, Method
+from gelenk.chart.scenes import ANDREWS, light_cart_pole_truth
+from gelenk.chart.tables import rows
+from gelenk.errors import GelenkError
+
+# MEBDFI on Andrews' squeezer, index 3 (Mazzia & Magherini, IVP Test Set 2.4): rtol = atol, residuals,
+# Jacobians, significant correct digits of q. The row at 1e-2 stopped early.
+MEBDFI = (
+    (1e-3, 350, 22, -0.21), (1e-4, 466, 23, 0.37), (1e-5, 736, 29, 2.49), (1e-6, 993, 39, 4.01),
+    (1e-7, 1310, 40, 3.13), (1e-8, 1674, 56, 5.59), (1e-9, 2026, 64, 5.49), (1e-10, 2564, 73, 5.79),
+)  # fmt: skip
+# SciPy's DOP853 on the light cart-pole (N. Parsons 2026): rtol, right-hand sides, e.
+DOP853 = ((1e-4, 10352, 7.289e-3), (1e-6, 15923, 1.077e-4), (1e-8, 25574, 1.451e-7), (1e-10, 43154, 2.021e-9),
+          (1e-12, 53240, 1.222e-10))  # fmt: skip
+TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(6, 25))
+
+
+@dataclass(frozen=True)
+class Effort:
+    """A run of ours, its error measured as the publishers do."""
+
+    tolerance: float
+    evaluations: float
+    error: float
+
+
+def andrews_case() -> Case:
+    """30 ms without a stop on the way."""
+    return Case("andrews", "", mechanisms.shipped("andrews"), 0.03, 0.03)
+
+
+def andrews_efforts(method: Method = AUTO) -> list[Effort]:
+    """Error: the largest relative one of the seven angles at 30 ms against PSIDE's."""
+    efforts = []
+    for tolerance in TOLERANCES:
+        runner = Runner(Task(andrews_case(), method, tolerance))
+        try:
+            path = runner.record()
+        except GelenkError:
+            continue
+        end = dict(zip(runner.names, path.states[-1], strict=True))
+        error = max(abs(float(end[f"{name}.phi"]) / phi - 1) for name, (phi, _) in ANDREWS.items())
+        efforts.append(Effort(tolerance, path.counts["solver.evaluations"], error))
+    return efforts
+
+
+def cart_pole_case(step: float) -> Case:
+    """10 s, seen at every `step` [s]; published: at every 0.01 s."""
+    return Case("light-cart-pole", "", mechanisms.light_cart_pole(), 10.0, step)
+
+
+def cart_pole_efforts(step: float, method: Method = AUTO) -> list[Effort]:
+    """Error: the root of the mean square of (x, theta) over the samples, against the closed form."""
+    case = cart_pole_case(step)
+    truth = light_cart_pole_truth(case.grid[case.samples()])
+    efforts = []
+    for tolerance in TOLERANCES:
+        try:
+            runner = Runner(Task(case, method, tolerance))
+            path = runner.record()
+        except GelenkError:
+            continue
+        squares = sum(
+            (path.states[:, runner.names.index(name)] - truth[name]) ** 2 for name in ("track.s", "hinge.phi")
+        )
+        error = math.sqrt(float(np.mean(squares)))
+        efforts.append(Effort(tolerance, path.counts["solver.evaluations"], error))
+    return efforts
+
+
+def least(efforts: list[Effort], error: float) -> Effort | None:
+    """The one with the fewest evaluations that errs no more."""
+    return min((e for e in efforts if e.error <= error), key=lambda e: e.evaluations, default=None)
+
+
+def andrews_table(efforts: list[Effort]) -> str:
+    """MEBDFI's rows beside the least of ours with as many digits."""
+    lines = []
+    for tolerance, residuals, jacobians, digits in MEBDFI:
+        ours = least(efforts, 10.0**-digits)
+        mine = ["none", "", ""] if ours is None else [
+            f"{ours.evaluations:.0f}", f"{-math.log10(ours.error):.2f}", f"{ours.tolerance:.0e}"]  # fmt: skip
+        lines.append([f"{tolerance:.0e}", str(residuals), str(jacobians), f"{digits:.2f}", *mine])
+    header = [
+        "MEBDFI: tolerance",
+        "residuals",
+        "Jacobians",
+        "digits",
+        "`auto`: evaluations",
+        "digits",
+        "tolerance",
+    ]
+    return rows(header, lines)
+
+
+def cart_pole_table(at_samples: list[Effort], free: list[Effort]) -> str:
+    """DOP853's rows beside the least of ours that err no more: stopping at every sample, and every 0.5 s."""
+    lines = []
+    for tolerance, count, error in DOP853:
+        cells = [f"{tolerance:.0e}", str(count), f"{error:.1e}"]
+        for efforts in (at_samples, free):
+            ours = least(efforts, error)
+            cells += ["none", ""] if ours is None else [f"{ours.evaluations:.0f}", f"{ours.error:.1e}"]
+        lines.append(cells)
+    header = ["DOP853: rtol", "evaluations", "e", "`auto`, steps of 0.01 s: evaluations", "e",
+              "`auto`, steps of 0.5 s: evaluations", "e"]  # fmt: skip
+    return rows(header, lines)
