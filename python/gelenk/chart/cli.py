@@ -19,6 +19,7 @@ from gelenk.chart.case import case_of
 from gelenk.chart.methods import chosen
 from gelenk.chart.outcome import Outcome
 from gelenk.chart.progress import status_line
+from gelenk.chart.reference_set import reference_set
 from gelenk.chart.scenes import stability_cases
 from gelenk.chart.style import pyplot
 from gelenk.chart.work_precision import QUICK, Settings, Study, regrets, study
@@ -53,7 +54,8 @@ SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # runs at a time where nobody s
 @told
 def work_precision(
     scenes: Annotated[
-        list[str], typer.Argument(metavar="SCENE...", help="Scene files: .yaml, .yml or .json.")
+        list[str],
+        typer.Argument(metavar="SCENE...", help="Scene files, or scenes of the docs: four_bar, bricard, ..."),
     ],
     methods: Methods = None,
     tolerances: Tolerances = None,
@@ -70,7 +72,8 @@ def work_precision(
     pyplot()  # told before anything is run
     settings = changed(QUICK if quick else Settings(), tolerances, jobs, limit)
     values = _values(inputs or [])
-    cases = [case_of(scene, values) for scene in scenes]
+    ready = {case.name: case for case in reference_set()}
+    cases = [ready[name] if name in ready and not values else case_of(name, values) for name in scenes]
     _told_apart([case.name for case in cases])
     wanted = chosen(methods)
     with status_line(sys.stderr) as tell:
