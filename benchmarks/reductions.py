@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import platform
 from collections.abc import Callable, Iterator
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import gelenk
+from gelenk.chart.mechanisms import at, bricard, hinge, rod, windows
 from gelenk.inspection import REDUCTIONS, Inspection, evaluation_cost
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -23,51 +23,6 @@ Scene = dict[str, Any]
 
 
 # --- scenes that show what the ready ones have no use for ---
-
-
-def rod(length: float, mass: float = 1.0) -> Scene:
-    """A slender rod along x from its frame's origin."""
-    across = mass * length**2 / 12
-    return {"mass": mass, "com": [length / 2, 0, 0], "inertia": [0, across, across]}
-
-
-def hinge(parent: Any, child: Any, **fields: Any) -> Scene:
-    return {"type": "revolute", "parent": parent, "child": child, **fields}
-
-
-def at(body: str, x: float, y: float = 0.0, z: float = 0.0) -> Scene:
-    return {"body": body, "position": [x, y, z]}
-
-
-def windows(n: int) -> Scene:
-    """N parallelograms of equal bars side by side."""
-    bodies = {f"crank{i}": rod(1) for i in range(n + 1)} | {f"coupler{i}": rod(1) for i in range(n)}
-    phi = 1.2
-    joints = {f"A{i}": hinge(at("ground", i), f"crank{i}", start={"phi": phi}) for i in range(n + 1)}
-    for i in range(n):
-        joints[f"B{i}"] = hinge(at(f"crank{i}", 1), f"coupler{i}", start={"phi": -phi})
-        joints[f"C{i}"] = hinge(at(f"crank{i + 1}", 1), at(f"coupler{i}", 1), start={"phi": -phi})
-    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
-
-
-def bricard() -> Scene:
-    """Six hinges in a ring along the edges of a cube."""
-    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
-    axes = [[0, 1, 0], [0, 0, 1], [1, 0, 0]] * 2
-    spans = [[b - a for a, b in zip(p, q, strict=True)] for p, q in itertools.pairwise(points)]
-    bodies = {
-        f"rod{i}": {
-            "mass": 1,
-            "com": [x / 2 for x in span],
-            "inertia": [0.084 - 0.082 * abs(x) for x in span],
-        }
-        for i, span in enumerate(spans)
-    }
-    joints = {"J0": hinge("ground", "rod0", axis=axes[0])}
-    for i in range(1, 6):
-        child = at("ground", *points[5]) if i == 5 else f"rod{i}"
-        joints[f"J{i}"] = hinge(at(f"rod{i - 1}", *spans[i - 1]), child, axis=axes[i])
-    return {"gelenk": 1, "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
 
 
 def welded_chain(n: int) -> Scene:
@@ -147,7 +102,7 @@ def coupled_by_a_rod() -> Scene:
 
 
 BUILT: dict[str, Callable[[], Scene]] = {
-    "five parallelograms in a row": lambda: windows(5),
+    "five parallelograms in a row": lambda: windows(5, upright=math.pi / 2 - 1.2, rate=0.0),
     "Bricard's ring of six hinges": bricard,
     "slider-crank in space, ball joint listed first": ball_first,
     "pendulum of 50 welded pieces": lambda: welded_chain(50),

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, reordered, scene
+from mechanisms import Scene, frame_sensor, reordered, with_sensors
 
 import gelenk
+from gelenk.chart import mechanisms
 
 from .running import INTEGRATORS, Recording, assert_close, run
 
-POINTS = np.array([(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)], float)
-AXES = [(0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 0)]
 # P3 from an independent integration (chain and closure, DOP853 at 1e-11, eight digits), which lies on the
 # library's published plot.
 P3 = {
@@ -34,22 +33,8 @@ TIMES = np.array([0.0, *P3])
 
 
 def bricard() -> Scene:
-    """Rods of 1 m and 0.1 m x 0.1 m, 1 kg, each with its frame at its first point, along the world's axes."""
-    axial, across = 0.02 / 12, 1.01 / 12
-    bodies, joints = {}, {}
-    for i in range(5):
-        span = POINTS[i + 1] - POINTS[i]
-        bodies[f"rod{i + 1}"] = body(1.0, span / 2, np.where(np.abs(span) > 0.5, axial, across))
-    for i in range(6):
-        parent = frame("ground") if i == 0 else frame(f"rod{i}", POINTS[i] - POINTS[i - 1])
-        child = frame("ground", POINTS[5]) if i == 5 else frame(f"rod{i + 1}")
-        joints[f"J{i + 1}"] = joint("revolute", parent, child, axis=list(AXES[i]))
-    return scene(
-        bodies,
-        joints,
-        gravity=[0, -GRAVITY, 0],
-        sensors={"P3": frame_sensor("rod3"), "E": {"type": "energy"}},
-    )
+    """With sensors on its third point and of its energy."""
+    return with_sensors(mechanisms.bricard(), P3=frame_sensor("rod3"), E={"type": "energy"})
 
 
 @pytest.fixture(scope="module", params=INTEGRATORS)

@@ -9,14 +9,14 @@ most, so orders stay.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
+
+from gelenk.chart.mechanisms import governor
 
 from .running import Recording, assert_close, run
 
@@ -136,36 +136,6 @@ def test_constant_acceleration_is_exact_under_euler() -> None:
     times = np.linspace(0, 1, 5)
     found = run(source, times, integrator="euler", step=0.25)
     assert_close("P.s", found["P.s"], 3 * times - GRAVITY * times**2 / 2, 1e-14, "rounding")
-
-
-def governor() -> Scene:
-    """Flyball governor (IFToMM A05): 8e5 N/m and 4e4 N s/m between collar and rods."""
-    rod, ball = 0.3, 5.0  # kg
-    mass, com = rod + ball, (rod * 0.5 + ball) / (rod + ball)
-    across = rod * (1 + 1e-4) / 12 + rod * (0.5 - com) ** 2 + ball * (1 - com) ** 2
-    arm = body(mass, (com, 0, 0), (rod * 1e-4 / 6, across, across))
-    start: dict[str, Any] = {"phi": math.radians(30), "w": 0, "fixed": True}
-    turned = {**frame("shaft", (-0.05, 0, 1)), "rotation": {"axis": [0, 0, 1], "angle": math.pi}}
-    joints = {
-        "S": joint(
-            "revolute", frame("ground"), frame("shaft"), start={"phi": 0, "w": 2 * math.pi, "fixed": True}
-        ),
-        "P": joint("prismatic", frame("shaft"), frame("slider"), start={"s": 0.5, "v": 0, "fixed": True}),
-        "L": joint("revolute", frame("shaft", (0.05, 0, 1)), frame("left"), axis=[0, 1, 0], start=start),
-        "R": joint("revolute", turned, frame("right"), axis=[0, 1, 0], start=start),
-    }
-    spring = {"type": "spring_damper", "stiffness": 8e5, "damping": 4e4, "length": 0.5}
-    forces = {
-        f"to_{name}": {**spring, "from": frame("slider", (x, 0, 0)), "to": frame(name, (0.5, 0, 0))}
-        for name, x in (("left", 0.05), ("right", -0.05))
-    }
-    bodies = {
-        "shaft": body(0.3, (0, 0, 0.5), (0.3 * (1 + 1e-4) / 12, 0.3 * (1 + 1e-4) / 12, 0.3 * 1e-4 / 6)),
-        "slider": body(3, (0, 0, 0), (0.005, 0.005, 0.005)),
-        "left": arm,
-        "right": copy.deepcopy(arm),
-    }
-    return scene(bodies, joints, gravity=[0, 0, -GRAVITY], forces=forces, motors={"drive": {"joint": "S"}})
 
 
 @pytest.mark.parametrize("integrator", ["ida", "cvode", "dirk"])

@@ -10,9 +10,11 @@ import math
 
 import numpy as np
 import pytest
-from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, rod, scene
+from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, scene, with_sensors
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
+
+from gelenk.chart import mechanisms
 
 from .running import INTEGRATORS, assert_close, run
 
@@ -20,35 +22,8 @@ ABOUT_Z = {"axis": [0, 0, 1]}
 
 
 def windows(n: int, upright: float, rate: float) -> Scene:
-    """The N-four-bar (IFToMM A02): n + 1 cranks of 1 m, 1 kg from (0,0) .. (n,0), n couplers on their tips.
-    Cranks lean `upright` from the vertical to the right and turn at `rate` to the right [rad, rad/s].
-    """
-    bodies = {f"crank{i}": rod(1.0, 1.0) for i in range(n + 1)} | {
-        f"coupler{i}": rod(1.0, 1.0) for i in range(n)
-    }
-    phi = math.pi / 2 - upright
-    joints = {}
-    for i in range(n + 1):
-        start = {"phi": phi, "w": -rate, **({"fixed": True} if i == 0 else {})}
-        joints[f"A{i}"] = joint(
-            "revolute", frame("ground", (i, 0, 0)), frame(f"crank{i}"), **ABOUT_Z, start=start
-        )
-    for i in range(n):
-        joints[f"B{i}"] = joint(
-            "revolute",
-            frame(f"crank{i}", (1, 0, 0)),
-            frame(f"coupler{i}"),
-            **ABOUT_Z,
-            start={"phi": -phi, "w": rate},
-        )
-        joints[f"C{i}"] = joint(
-            "revolute",
-            frame(f"crank{i + 1}", (1, 0, 0)),
-            frame(f"coupler{i}", (1, 0, 0)),
-            **ABOUT_Z,
-            start={"phi": -phi, "w": rate},
-        )
-    return scene(bodies, joints, gravity=[0, -GRAVITY, 0], sensors={"tip": frame_sensor("crank0", (1, 0, 0))})
+    """The N-four-bar (IFToMM A02) with a sensor on the first crank's tip."""
+    return with_sensors(mechanisms.windows(n, upright, rate), tip=frame_sensor("crank0", (1, 0, 0)))
 
 
 def falling(n: int, upright: float, rate: float, times: np.ndarray) -> np.ndarray:
