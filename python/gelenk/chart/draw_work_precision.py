@@ -37,7 +37,9 @@ def draw(study: Study, path: Path) -> None:
     axes[0][0].set_title("no end: refused ×, failed ▲ (by the tolerance asked)", fontsize=8, loc="left")
     _legend(figure, axes[1][0], methods)
     figure.suptitle(
-        f"{study.case.name}: work against precision, {study.case.stop:g} s\n", fontsize=13, fontweight="bold"
+        f"{study.case.name}: work against precision, {study.case.stop:g} s\n\n",
+        fontsize=13,
+        fontweight="bold",
     )
     figure.text(0.01, 0.955, _told(study), fontsize=8, color="#444444", va="top")
     save(figure, path, 85)
@@ -51,7 +53,8 @@ def _of(runs: Sequence[Run], method: Method) -> list[Run]:
 
 
 def _told(study: Study) -> str:
-    return f"Reference: {study.reference.words}."
+    about = f"{study.case.about}\n" if study.case.about else ""
+    return f"{about}Reference: {study.reference.words}."
 
 
 def _place(error: float, digits: float) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -111,14 +111,14 @@ def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
         if isinstance(other, Recording)
     ]
     published = against_published(case, main)
-    if published is not None:
-        found.append(published)
+    if not found and published is not None:
+        found, published = [published], None
     if not found:
         why = "; ".join(other.reason for other in others if isinstance(other, Failure))
         return Failure(f"no reference: nothing to check {main.by} with: {why}")
     agreement, by = min(found)
     words = f"{main.by}, checked by {by}: they agree to {agreement:.1e}"
-    if published is not None and by != published[1]:
+    if published is not None:
         words += f"; {published[1]}: to {published[0]:.1e}"
     digits = max(agreement, ROUNDING)
     return Reference(main.path.states, scales, main.path.kinetic, main.path.total, digits, words)
@@ -136,6 +136,9 @@ def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     scales = scales_of(states)
     agreement = difference(main.path.states, states, scales)
     words = f"closed form; {main.by} agrees to {agreement:.1e}"
+    published = against_published(case, Recording(replace(main.path, states=states), main.names, ""))
+    if published is not None:
+        words += f"; {published[1]}: to {published[0]:.1e}"
     # Quadrature and Newton's method go on to rounding, which grows with the angle turned through.
     digits = 100 * float(np.finfo(float).eps) * float(np.abs(states).max())
     return Reference(states, scales, main.path.kinetic, main.path.total, digits, words)

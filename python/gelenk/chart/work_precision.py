@@ -9,9 +9,10 @@ import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import gelenk
 from gelenk.chart.case import Case
 from gelenk.chart.measure import Reference, Run, Runner, Task, blank, measured
-from gelenk.chart.methods import Method
+from gelenk.chart.methods import DEFAULT, Method
 from gelenk.chart.outcome import Outcome, allowed
 from gelenk.chart.reference import references
 from gelenk.chart.workers import Failure, work_off
@@ -54,9 +55,14 @@ class Study:
 
 
 def tasks_of(case: Case, methods: Sequence[Method], settings: Settings) -> list[Task]:
-    """What is run: each method over the tolerances, or over steps that divide the communication step."""
+    """What is run: each method over the tolerances, or over steps that divide the communication step. Without
+    loops formulations are one and the same, and only the default is run.
+    """
     tasks = []
+    loops = gelenk.Simulation(case.scene).size.rows > 0
     for method in methods:
+        if not loops and not method.automatic and method.formulation != DEFAULT:
+            continue
         if method.fixed_step:
             tasks += [Task(case, method, None, case.step / n) for n in settings.parts]
         else:
@@ -101,24 +107,40 @@ def run_all(
     limit: float,
     told: Callable[[float], None] | None = None,
 ) -> list[Run]:
-    """One run of each task in processes of their own, no longer than `limit` [s] each."""
-    done = 0
-
-    def count(_index: int, _result: object) -> None:
-        nonlocal done
-        done += 1
+    """One run of each task in processes of their own, no longer than `limit` [s] each. What came to no end is not
+    tried at the tighter tolerances or steps that follow it among the tasks: it fails there for the same reason.
+    """
+    runs: dict[int, Run] = {}
+    for wave in waves(tasks):
+        fresh = []
+        for k, before in wave:
+            if before is not None and runs[before].outcome == Outcome.FAILED:
+                runs[k] = replace(blank(tasks[k]), reason=runs[before].reason)
+            else:
+                fresh.append(k)
+        calls = []
+        for k in fresh:
+            found = truth.get(tasks[k].case.name)
+            calls.append((measured, (tasks[k], found if isinstance(found, Reference) else None), limit))
+        for k, result in zip(fresh, work_off(calls, jobs), strict=True):
+            runs[k] = result if isinstance(result, Run) else replace(blank(tasks[k]), reason=result.reason)
         if told is not None:
-            told(done / len(tasks))
+            told(len(runs) / len(tasks))
+    return [runs[k] for k in range(len(tasks))]
 
-    calls = []
-    for task in tasks:
-        reference = truth.get(task.case.name)
-        calls.append((measured, (task, reference if isinstance(reference, Reference) else None), limit))
-    results = work_off(calls, jobs, count)
-    return [
-        result if isinstance(result, Run) else replace(blank(task), reason=result.reason)
-        for task, result in zip(tasks, results, strict=True)
-    ]
+
+def waves(tasks: Sequence[Task]) -> list[list[tuple[int, int | None]]]:
+    """Tasks by their index, each with the one before it of the same case and method: first those without, ..."""
+    last: dict[tuple[str, Method], tuple[int, int]] = {}  # index and wave
+    found: list[list[tuple[int, int | None]]] = []
+    for k, task in enumerate(tasks):
+        key = (task.case.name, task.method)
+        before, wave = last.get(key, (None, -1))
+        last[key] = (k, wave + 1)
+        if wave + 1 == len(found):
+            found.append([])
+        found[wave + 1].append((k, before))
+    return found
 
 
 def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
