@@ -107,8 +107,8 @@ def run_all(
     limit: float,
     told: Callable[[float], None] | None = None,
 ) -> list[Run]:
-    """One run of each task in processes of their own, no longer than `limit` [s] each. What came to no end is not
-    tried at the tighter tolerances or steps that follow it among the tasks: it fails there for the same reason.
+    """One run of each task in processes of their own, no longer than `limit` [s] each. What came to no end is
+    not tried at the tighter tolerances or steps that follow among the tasks: it fails for the same reason.
     """
     runs: dict[int, Run] = {}
     for wave in waves(tasks):
@@ -130,7 +130,7 @@ def run_all(
 
 
 def waves(tasks: Sequence[Task]) -> list[list[tuple[int, int | None]]]:
-    """Tasks by their index, each with the one before it of the same case and method: first those without, ..."""
+    """Tasks by index, each with the one before it of the same case and method: first those without one."""
     last: dict[tuple[str, Method], tuple[int, int]] = {}  # index and wave
     found: list[list[tuple[int, int | None]]] = []
     for k, task in enumerate(tasks):
