@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -358,6 +359,14 @@ def test_wrong_calls_are_told_in_one_line(arguments: list[str], words: str, tmp_
     assert result.exit_code == 1
     assert words in result.stderr
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_without_matplotlib_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    result = CliRunner().invoke(app, ["chart", "stability", "-o", str(tmp_path / "none")])
+    assert result.exit_code == 1
+    assert result.stderr == "charts are drawn with matplotlib: pip install 'gelenk[charts]'\n"
+    assert not (tmp_path / "none").exists()
 
 
 def test_every_scene_of_the_map_says_what_it_is_about() -> None:

@@ -14,13 +14,11 @@ from gelenk.errors import UsageError
 from gelenk.scene import unknown
 
 FIXED_STEP = frozenset({"rk4", "euler", "generalized-alpha", "hht", "newmark"})
-# Formulations that are no ordinary differential equations, and what integrates them; all others go with all.
+# Formulations that are no ordinary differential equations, and their partners on charts; others go with all.
 OWN_INTEGRATORS = {
     "stabilized-index2": ("ida",),
-    "index3": ("ida", "generalized-alpha", "hht", "newmark"),
+    "index3": ("ida", "generalized-alpha"),
 }
-# Integrators that solve what a formulation other than projection gives them.
-OWN_FORMULATION = {"generalized-alpha": "index3", "hht": "index3", "newmark": "index3"}
 NATURAL = ("erk", "ida")  # what a formulation is charted with, where it goes with all
 DEFAULT = "projection"
 
@@ -74,16 +72,13 @@ def all_methods() -> list[Method]:
     """`auto`, projection with every integrator, every other formulation with those natural to it."""
     formulations, integrators = registered()
     methods = [AUTO]
-    for integrator in integrators:
-        formulation = OWN_FORMULATION.get(integrator, DEFAULT)
-        if formulation in formulations:
-            methods.append(Method(formulation, integrator))
+    methods += [Method(DEFAULT, integrator) for integrator in integrators]
     for formulation in formulations:
         if formulation == DEFAULT:
             continue
         own = OWN_INTEGRATORS.get(formulation, NATURAL)
         methods += [Method(formulation, name) for name in own if name in integrators]
-    return list(dict.fromkeys(methods))
+    return methods
 
 
 def chosen(names: Iterable[str] | None) -> list[Method]:
@@ -101,7 +96,7 @@ def chosen(names: Iterable[str] | None) -> list[Method]:
         if name == "auto":
             found.append(AUTO)
         elif not plus and name in integrators:
-            found.append(Method(OWN_FORMULATION.get(name, DEFAULT), name))
+            found.append(Method(DEFAULT, name))
         elif not plus and name in formulations:
             found.append(Method(name, OWN_INTEGRATORS.get(name, NATURAL)[0]))
         elif plus and formulation in formulations and integrator in integrators:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 from pathlib import Path
 from typing import Any
@@ -40,10 +39,10 @@ def look(method: Method) -> dict[str, Any]:
 
 def pyplot() -> Any:
     """Matplotlib, drawing into files. Raises UsageError: it is not installed."""
-    if importlib.util.find_spec("matplotlib") is None:
-        raise UsageError("charts are drawn with matplotlib: pip install 'gelenk[charts]'")
-    import matplotlib
-
+    try:
+        import matplotlib
+    except ImportError:
+        raise UsageError("charts are drawn with matplotlib: pip install 'gelenk[charts]'") from None
     matplotlib.use("Agg")
     from matplotlib import pyplot as plt
 
