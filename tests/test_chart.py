@@ -17,8 +17,7 @@ from typer.testing import CliRunner
 import gelenk
 from gelenk.chart import master, mechanisms, published, reference, runs_csv, stability, work_precision
 from gelenk.chart.case import Array, Case, Jumps, case_of
-from gelenk.chart.measure import Path as Course
-from gelenk.chart.measure import Reference, Run, Task, compared, measured
+from gelenk.chart.measure import Course, Reference, Run, Task, compared, measured
 from gelenk.chart.methods import AUTO, Method, all_methods, chosen, registered
 from gelenk.chart.outcome import Outcome, judged
 from gelenk.chart.scenes import LIGHT_CART_POLE, light_cart_pole_truth, stability_cases
@@ -192,7 +191,7 @@ def test_closed_forms_are_what_the_equations_give_at_first(name: str) -> None:
     assert case.truth is not None
     columns = case.truth(case.grid[case.samples()])
     expected = np.array([columns[n] for n in found.names]).T
-    np.testing.assert_allclose(found.path.states, expected, rtol=0, atol=1e-9)  # 1000 rtol
+    np.testing.assert_allclose(found.course.states, expected, rtol=0, atol=1e-9)  # 1000 rtol
 
 
 # --- methods ---

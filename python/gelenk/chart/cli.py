@@ -155,7 +155,7 @@ def stability(
     settings = changed(
         stability_study.QUICK if quick else stability_study.Settings(), tolerances, jobs, limit
     )
-    wanted = stability_study.natural_methods(chosen(methods) if methods else None)
+    wanted = chosen(methods) if methods else stability_study.natural_methods()
     with status_line(sys.stderr) as tell:
         found = stability_study.stability(wanted, settings, scenes, tell)
     output.mkdir(parents=True, exist_ok=True)

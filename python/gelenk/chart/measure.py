@@ -30,7 +30,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Path:
+class Course:
     """Joint states (positions and speeds) at the samples, shape (samples, signals), and health."""
 
     states: Array
@@ -137,7 +137,7 @@ class Runner:
             self._core.set_input(index, value)
         self._core.initialize(0.0, self._tolerance)
 
-    def record(self) -> Path:
+    def record(self) -> Course:
         """Runs to the end and reads at the samples. Raises GelenkError."""
         self.start()
         samples = set(self._case.samples())
@@ -151,7 +151,7 @@ class Runner:
                 rows.append(self._core.read_outputs(self.states))
                 health.append(self.simulation.diagnostics)
         column = {name: np.array([h[name] for h in health]) for name in health[0]}
-        return Path(
+        return Course(
             np.array(rows),
             column["energy.kinetic"],
             column["energy.total"],
@@ -187,7 +187,7 @@ def measured(task: Task, reference: Reference | None) -> Run:
     try:
         runner = Runner(task)
         begun = time.thread_time()
-        path = runner.record()
+        course = runner.record()
     except GelenkError as e:
         reached = 0.0 if runner is None else _time(runner)
         return replace(run, outcome=Outcome.REFUSED, reason=first_sentence(str(e)), reached=reached)
@@ -195,24 +195,24 @@ def measured(task: Task, reference: Reference | None) -> Run:
         run,
         outcome=Outcome.GOOD,
         cpu=time.thread_time() - begun,
-        evaluations=path.counts["solver.evaluations"],
-        steps=path.counts["solver.steps"],
-        rejected=path.counts["solver.rejected_steps"],
-        jacobians=path.counts.get("solver.jacobians", math.nan),
-        position_residual=path.gap,
-        velocity_residual=path.rate,
+        evaluations=course.counts["solver.evaluations"],
+        steps=course.counts["solver.steps"],
+        rejected=course.counts["solver.rejected_steps"],
+        jacobians=course.counts.get("solver.jacobians", math.nan),
+        position_residual=course.gap,
+        velocity_residual=course.rate,
         reached=task.case.stop,
     )
-    return run if reference is None else compared(run, path, reference)
+    return run if reference is None else compared(run, course, reference)
 
 
-def compared(run: Run, path: Path, reference: Reference) -> Run:
+def compared(run: Run, course: Course, reference: Reference) -> Run:
     """A finished run with its errors and its outcome."""
-    error = difference(path.states, reference.states, reference.scales)
+    error = difference(course.states, reference.states, reference.scales)
     if not math.isfinite(error):
         return replace(run, outcome=Outcome.FAILED, reason="the states are not finite")
-    truth = path.total[0] if reference.conserves else reference.total
-    drift = float(np.abs(path.total - truth).max()) / max(1e-12, float(reference.kinetic.max()))
+    truth = course.total[0] if reference.conserves else reference.total
+    drift = float(np.abs(course.total - truth).max()) / max(1e-12, float(reference.kinetic.max()))
     if reference.by_energy:
         error = drift
     outcome = judged(error, run.asked, reference.digits)

@@ -49,12 +49,12 @@ def andrews_efforts(method: Method = AUTO) -> list[Effort]:
     for tolerance in TOLERANCES:
         runner = Runner(Task(andrews_case(), method, tolerance))
         try:
-            path = runner.record()
+            course = runner.record()
         except GelenkError:
             continue
-        end = dict(zip(runner.names, path.states[-1], strict=True))
+        end = dict(zip(runner.names, course.states[-1], strict=True))
         error = max(abs(float(end[f"{name}.phi"]) / phi - 1) for name, (phi, _) in ANDREWS.items())
-        efforts.append(Effort(tolerance, path.counts["solver.evaluations"], error))
+        efforts.append(Effort(tolerance, course.counts["solver.evaluations"], error))
     return efforts
 
 
@@ -71,14 +71,15 @@ def cart_pole_efforts(step: float, method: Method = AUTO) -> list[Effort]:
     for tolerance in TOLERANCES:
         try:
             runner = Runner(Task(case, method, tolerance))
-            path = runner.record()
+            course = runner.record()
         except GelenkError:
             continue
         squares = sum(
-            (path.states[:, runner.names.index(name)] - truth[name]) ** 2 for name in ("track.s", "hinge.phi")
+            (course.states[:, runner.names.index(name)] - truth[name]) ** 2
+            for name in ("track.s", "hinge.phi")
         )
         error = math.sqrt(float(np.mean(squares)))
-        efforts.append(Effort(tolerance, path.counts["solver.evaluations"], error))
+        efforts.append(Effort(tolerance, course.counts["solver.evaluations"], error))
     return efforts
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from gelenk.chart.case import Array, Case
-from gelenk.chart.measure import Path, Reference, Runner, Task, difference, scales_of
+from gelenk.chart.measure import Course, Reference, Runner, Task, difference, scales_of
 from gelenk.chart.methods import Method, registered
 from gelenk.chart.workers import Failure, work_off
 from gelenk.errors import GelenkError
@@ -30,9 +30,9 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class Recording:
-    """A path with the names of its states and the method that found it."""
+    """A course with the names of its states and the method that found it."""
 
-    path: Path
+    course: Course
     names: tuple[str, ...]
     by: str
 
@@ -41,13 +41,13 @@ def recorded(task: Task) -> Recording | Failure:
     """Runs a task for its states; refusals are failures here."""
     try:
         runner = Runner(task)
-        path = runner.record()
+        course = runner.record()
     except GelenkError as e:
         return Failure(e.lines[0])
     asked = f"{task.tolerance:.0e}" if task.tolerance else f"{task.step:.1e} s"
-    if not np.isfinite(path.states).all():
+    if not np.isfinite(course.states).all():
         return Failure("the states are not finite")
-    return Recording(path, tuple(runner.names), f"{task.method.name} at {asked}")
+    return Recording(course, tuple(runner.names), f"{task.method.name} at {asked}")
 
 
 def main_recording(case: Case) -> Recording | Failure:
@@ -104,9 +104,9 @@ def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     main, *others = results
     if isinstance(main, Failure):
         return Failure(f"no reference: {main.reason}")
-    scales = scales_of(main.path.states)
+    scales = scales_of(main.course.states)
     found: list[tuple[float, str]] = [
-        (difference(other.path.states, main.path.states, scales), other.by)
+        (difference(other.course.states, main.course.states, scales), other.by)
         for other in others
         if isinstance(other, Recording)
     ]
@@ -121,7 +121,7 @@ def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     if published is not None:
         words += f"; {published[1]}: to {published[0]:.1e}"
     digits = max(agreement, ROUNDING)
-    return Reference(main.path.states, scales, main.path.kinetic, main.path.total, digits, words)
+    return Reference(main.course.states, scales, main.course.kinetic, main.course.total, digits, words)
 
 
 def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
@@ -134,14 +134,14 @@ def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     columns = case.truth(times)
     states = np.array([columns[name] for name in main.names]).T
     scales = scales_of(states)
-    agreement = difference(main.path.states, states, scales)
+    agreement = difference(main.course.states, states, scales)
     words = f"closed form; {main.by} agrees to {agreement:.1e}"
-    published = against_published(case, Recording(replace(main.path, states=states), main.names, ""))
+    published = against_published(case, Recording(replace(main.course, states=states), main.names, ""))
     if published is not None:
         words += f"; {published[1]}: to {published[0]:.1e}"
     # Quadrature and Newton's method go on to rounding, which grows with the angle turned through.
     digits = 100 * float(np.finfo(float).eps) * float(np.abs(states).max())
-    return Reference(states, scales, main.path.kinetic, main.path.total, digits, words)
+    return Reference(states, scales, main.course.kinetic, main.course.total, digits, words)
 
 
 def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
@@ -149,11 +149,11 @@ def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fail
     main = results[0]
     if isinstance(main, Failure):
         return Failure(f"no reference: {main.reason}")
-    path = main.path
-    drift = float(np.abs(path.total - path.total[0]).max() / path.kinetic.max())
+    course = main.course
+    drift = float(np.abs(course.total - course.total[0]).max() / course.kinetic.max())
     words = f"energy at the start, of which {main.by} loses {drift:.1e} in {case.stop:g} s"
     return Reference(
-        path.states, scales_of(path.states), path.kinetic, np.full_like(path.total, path.total[0]),
+        course.states, scales_of(course.states), course.kinetic, np.full_like(course.total, course.total[0]),
         ROUNDING, words, by_energy=True,
     )  # fmt: skip
 
@@ -166,6 +166,6 @@ def against_published(case: Case, main: Recording) -> tuple[float, str] | None:
     worst = 0.0
     for t, name, value in case.published:
         row = int(np.argmin(np.abs(times - t)))
-        found = main.path.states[row, main.names.index(name)]
+        found = main.course.states[row, main.names.index(name)]
         worst = max(worst, abs(float(found) - value) / max(1.0, abs(value)))
     return worst, case.source

@@ -15,6 +15,7 @@ from gelenk.chart.scenes import QUICK_CASES, stability_cases
 from gelenk.chart.work_precision import run_all
 from gelenk.chart.workers import Failure
 from gelenk.errors import SceneError
+from gelenk.scene import load
 
 TOLERANCES = (1e-6, 1e-8)
 STEP = 1e-3  # s, of methods with fixed steps
@@ -52,12 +53,12 @@ class Map:
         return None
 
 
-def natural_methods(methods: Sequence[Method] | None = None) -> list[Method]:
+def natural_methods() -> list[Method]:
     """`auto`, projection with every integrator, every other formulation with the first that suits it."""
     chosen: list[Method] = []
-    for method in all_methods() if methods is None else methods:
+    for method in all_methods():
         rival = not method.automatic and method.formulation != DEFAULT and not method.fixed_step
-        if rival and methods is None and any(m.formulation == method.formulation for m in chosen):
+        if rival and any(m.formulation == method.formulation for m in chosen):
             continue
         chosen.append(method)
     return chosen
@@ -102,8 +103,6 @@ def tasks_of(case: Case, methods: Sequence[Method], tolerances: Sequence[float])
 
 def unreadable(case: Case) -> str:
     """Why the scene cannot be read by this version; empty where it can."""
-    from gelenk.scene import load
-
     try:
         load(case.scene)
     except SceneError as e:
