@@ -102,14 +102,16 @@ def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
     settings = replace(wp.QUICK, jobs=jobs) if quick else wp.Settings(jobs=jobs)
     if quick:
         cases = [case for case in cases if case.name in ("four_bar", "andrews")]
-    with status_line(sys.stderr) as tell:
-        studies = wp.study(cases, all_methods(), settings, tell)
-    parts = {}
-    for study in studies:
+    parts, studies = {}, []
+    for case in cases:
+        with status_line(sys.stderr) as tell:
+            (study,) = wp.study([case], all_methods(), settings, tell)
+        studies.append(study)
         runs_csv.write(study.runs, NUMBERS / f"work-precision-{study.case.name}.csv")
         picture = pictures / f"work-precision-{study.case.name}.png"
         draw_work_precision.draw(study, picture)
         parts[study.case.name] = study_part(study, picture)
+        print(f"{picture.relative_to(ROOT)}: {len(study.runs)} runs", flush=True)
     regrets = wp.regrets([run for study in studies for run in study.runs])
     parts["regret"] = (
         regret_table(regrets) + f"\nCPU time of the steps, least of {settings.rounds} rounds; {machine()}."
