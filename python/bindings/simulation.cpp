@@ -67,6 +67,34 @@ Vector state_of(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(s.state(island)); }));
 }
 
+// x and xdot at the present state, one after the other.
+Vector consistent_at(Plant& plant, int island) {
+  return to_numpy(plant.with([&](Simulation& s) {
+    gelenk::OdeSystem& equations = s.equations(island);
+    const std::size_t n = equations.unknowns();
+    std::vector<double> out(s.state(island));
+    out.resize(2 * n);
+    if (!equations.consistent(s.time(), out.data(), out.data() + n)) throw gelenk::UsageError("there are none");
+    return out;
+  }));
+}
+
+// F(x, xdot), or dF/dx and dF/dxdot, column by column.
+Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
+                   bool slopes) {
+  return to_numpy(plant.with([&](Simulation& s) {
+    gelenk::OdeSystem& equations = s.equations(island);
+    const std::size_t n = equations.unknowns();
+    if (x.size() != n || xdot.size() != n) throw gelenk::UsageError(std::to_string(n) + " numbers are expected");
+    std::vector<double> out(slopes ? 2 * n * n : n);
+    const bool found = slopes
+                           ? equations.residual_slopes(s.time(), x.data(), xdot.data(), out.data(), out.data() + n * n)
+                           : equations.residual(s.time(), x.data(), xdot.data(), out.data());
+    if (!found) throw gelenk::UsageError("x: the equations are not finite there");
+    return out;
+  }));
+}
+
 // f(y), or df/dy column by column.
 Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
@@ -122,6 +150,10 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
       .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
            "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
+      .def("_consistent", consistent_at, nb::arg("island"),
+           "Unknowns x, multipliers behind (q, v), and xdot at the present state, one after the other; for checks.")
+      .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("slopes"),
+           "The island's residual F(x, xdot), or dF/dx and dF/dxdot column by column; for checks.")
       .def(
           "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
           "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")

@@ -121,7 +121,7 @@ def simulate(
         str | None, typer.Option(help="auto, ida, cvode, cvode-adams, dirk, erk, rk4 or euler.")
     ] = None,
     formulation: Annotated[
-        str | None, typer.Option(help="projection, baumgarte, penalty, ...: how loops meet the integrator.")
+        str | None, typer.Option(help="projection, baumgarte, index3, ...: how loops meet the integrator.")
     ] = None,
     inputs: Annotated[
         Path | None, typer.Option("--input", metavar="FILE.csv", help="Columns `time` and inputs by name.")

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How loop constraints meet an integrator: what all formulations share, and which there are. All of them make an ODE of
+// How loop constraints meet an integrator: what all formulations share, and which there are. Most make an ODE of
 //   M vdot + h + J^T lambda = tau,   Phi = 0,   J v = 0,   J vdot = gamma;
-// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = 0. Outputs (accelerations,
-// reactions) are those of the equations above at the state reached, whatever the formulation.
+// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = 0. Two leave it a DAE
+// (with_multipliers.h). Outputs (accelerations, reactions) are those of the equations above at the state reached,
+// whatever the formulation.
 #pragma once
 
 #include <memory>
@@ -116,5 +117,9 @@ std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanis
                                                        const std::vector<double>& u, const FormulationOptions& options);
 std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics,
                                               const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+                                         const FormulationOptions& options);
+std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics,
+                                                    const std::vector<double>& u, const FormulationOptions& options);
 
 }  // namespace gelenk

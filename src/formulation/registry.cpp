@@ -9,7 +9,7 @@
 namespace gelenk {
 namespace {
 
-constexpr std::array<FormulationKind, 6> kinds = {{
+constexpr std::array<FormulationKind, 8> kinds = {{
     {"projection", "q and v put back on the constraints after every step, least change in the mass metric",
      make_projection},
     {"baumgarte", "constraint errors fed back into the accelerations; errors stay bounded, not zero", make_baumgarte},
@@ -19,6 +19,9 @@ constexpr std::array<FormulationKind, 6> kinds = {{
      make_augmented_lagrangian},
     {"independent", "independent coordinates by pivoting; the others solved from them in every evaluation",
      make_independent},
+    {"index3", "multipliers as unknowns beside the constraints on q; a DAE of index 3", make_index3},
+    {"stabilized-index2", "multipliers as unknowns beside the constraints on q and v; a DAE of index 2",
+     make_stabilized_index2},
 }};
 
 }  // namespace

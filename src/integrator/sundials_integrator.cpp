@@ -9,7 +9,8 @@ namespace gelenk {
 SundialsIntegrator::SundialsIntegrator(OdeSystem& system) : system_(system), n_(system.size()), y_(new_vector()) {}
 
 N_Vector SundialsIntegrator::new_vector() {
-  N_Vector v = sundials::made(N_VNew_Serial(std::max(1, n_), context_));  // a scene may have nothing that moves
+  N_Vector v =
+      sundials::made(N_VNew_Serial(std::max(1, system_.unknowns()), context_));  // a scene may have nothing that moves
   N_VConst(0, v);
   return v;
 }
@@ -61,9 +62,11 @@ int SundialsIntegrator::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix 
   return system.jacobian(t, sundials::data(y), SUNDenseMatrix_Data(J)) ? 0 : 1;
 }
 
-void SundialsIntegrator::fail(Step step, double start) const {
+void SundialsIntegrator::fail(Step step, double start) {
   const double t = reached();
   const std::string where = at_time(std::isfinite(t) ? t : start);
+  const std::string obstacle = system_.obstacle(sundials::data(y_.get()));
+  if (!obstacle.empty()) throw IntegrationError(where + obstacle);
   switch (step) {
     case Step::too_small:
       throw IntegrationError(where + "no step is small enough for the tolerance");

@@ -19,7 +19,7 @@ class SundialsIntegrator : public Integrator {
   enum class Step { made, too_small, not_finite, not_closed, stopped };
 
   explicit SundialsIntegrator(OdeSystem& system);
-  N_Vector new_vector();  // of zeros
+  N_Vector new_vector();  // unknowns() zeros
 
   // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
   virtual void prepare(double end) = 0;
@@ -45,14 +45,14 @@ class SundialsIntegrator : public Integrator {
 
   sundials::Context context_;
   OdeSystem& system_;
-  int n_;
+  int n_;  // of y; of a DAE the multipliers are behind it in y_
   sundials::Vector y_;
   double t_ = 0;
   bool fresh_ = true;    // (t_, y_) is not where the last step ended
   bool jumped_ = false;  // the inputs are not those of the last step
 
  private:
-  [[noreturn]] void fail(Step step, double start) const;
+  [[noreturn]] void fail(Step step, double start);
 
   long kept_steps_ = 0;
   long kept_rejected_ = 0;

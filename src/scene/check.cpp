@@ -36,6 +36,17 @@ void check_gain(double gain, const char* path, const Solver& solver, Faults& fau
   }
 }
 
+void check_partners(const Solver& solver, Faults& faults) {
+  const auto limited = std::ranges::find(words::partners, solver.formulation, &words::Partners::formulation);
+  if (limited == words::partners.end()) return;
+  // A word that is none has been told.
+  if (std::ranges::find(words::integrators, solver.integrator) == words::integrators.end()) return;
+  const std::vector<std::string>& allowed = limited->integrators;
+  if (std::ranges::find(allowed, solver.integrator) != allowed.end()) return;
+  faults.add("solver.integrator", text::quoted(solver.integrator) + " with the formulation " + solver.formulation,
+             text::one_of({}, allowed, "words") + ", or another formulation");
+}
+
 void check_settings(const Scene& scene, Faults& faults, bool partial) {
   const Experiment& experiment = scene.experiment;
   check_positive(experiment.stop, "experiment.stop", faults);
@@ -49,6 +60,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   }
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
+  check_partners(scene.solver, faults);
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }

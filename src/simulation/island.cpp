@@ -55,7 +55,8 @@ void Island::start_integrator(double tolerance) {
   IntegratorOptions options;
   options.tolerance = tolerance > 0 ? tolerance : scene_.experiment.tolerance;
   options.step = step_of(scene_);
-  const std::string kind = choose_integrator(scene_, mechanism(), *dynamics_, y_, u_);
+  const bool dae = equations_->multipliers() > 0 && scene_.solver.integrator == "auto";
+  const std::string kind = dae ? "ida" : choose_integrator(scene_, mechanism(), *dynamics_, y_, u_);
   integrator_ = make_integrator(kind, *equations_, options);
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `stabilized-index2`: both the constraints and their rates, with a second set of multipliers for these
+// (Gear, Gupta & Leimkuhler 1985),
+//   qdot = N (v - J^T mu),   M vdot + h + J^T lambda = tau,   J v = 0,   Phi = 0.
+// mu vanishes with the step's error. Their J^T mu is kept rather than M^-1 J^T mu: the metric of a correction that
+// small shows in no result, and M^-1 would have to be found and differentiated in every iteration.
+#include "formulation/with_multipliers.h"
+
+namespace gelenk {
+namespace {
+
+class StabilizedIndex2 final : public WithMultipliers {
+ public:
+  StabilizedIndex2(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+      : WithMultipliers("stabilized-index2", mechanism, dynamics, u), moved_(nv_), rate_(nq_) {}
+
+  int multipliers() const override { return 2 * rows(); }
+  int index(int i) const override { return i < size() ? 1 : 2; }
+
+  bool residual(double, const double* x, const double* xdot, double* out) override {
+    Vector r(out, unknowns());
+    if (!equations_of_motion(x, xdot, r)) return false;
+    if (rows() == 0) return r.allFinite();
+    moved_ = J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + rows(), rows());
+    dynamics_.rate(x, moved_.data(), rate_.data());
+    r.head(nq_) += rate_;
+    for (int k = 0; k < rows(); ++k) {
+      r[size() + k] = dynamics_.row_rates()[k];
+      r[size() + rows() + k] = dynamics_.Phi()[k];
+    }
+    return r.allFinite();
+  }
+
+  // Exact where mu = 0; slopes of N J^T by q, times a mu of a step's error, are left out.
+  bool residual_slopes(double, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
+    Matrix F_x(by_x, unknowns(), unknowns());
+    Matrix F_xdot(by_xdot, unknowns(), unknowns());
+    if (!slopes_of_motion(x, xdot, F_x, F_xdot)) return false;
+    if (rows() == 0) return true;
+    const auto q = Eigen::seqN(0, nq_);
+    F_x(q, second()) = slopes_.qdot_v * J().transpose();
+    F_x(first(), q) = slopes_.rate_q;
+    F_x(first(), Eigen::seqN(nq_, nv_)) = J();
+    F_x(second(), q) = slopes_.Phi_q;
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd moved_, rate_;  // J^T mu; N of it
+};
+
+}  // namespace
+
+std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics,
+                                                    const std::vector<double>& u, const FormulationOptions&) {
+  return std::make_unique<StabilizedIndex2>(mechanism, dynamics, u);
+}
+
+}  // namespace gelenk

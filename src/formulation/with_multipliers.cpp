@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/with_multipliers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// Ratio of the rows' pivots below which a refusal is put down to them.
+constexpr double nearly_singular = 1e-3;
+
+}  // namespace
+
+WithMultipliers::WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics,
+                                 const std::vector<double>& u)
+    : Formulation(mechanism, dynamics, u), name_(name), M_(mechanism.nv, mechanism.nv), f_(mechanism.nv) {}
+
+bool WithMultipliers::consistent(double t, double* x, double* xdot) {
+  std::fill(x + size(), x + unknowns(), 0.0);
+  std::fill(xdot + size(), xdot + unknowns(), 0.0);
+  if (!rhs(t, x, xdot) || dynamics_.rank() < rows()) return false;
+  dynamics_.set_acceleration(xdot + nq_);
+  std::ranges::copy(dynamics_.lambda(), x + size());
+  return true;
+}
+
+std::string WithMultipliers::obstacle(const double* y) {
+  if (!std::all_of(y, y + size(), [](double value) { return std::isfinite(value); })) return {};
+  dynamics_.set_position(y);
+  dynamics_.factorise();
+  const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
+  if (dynamics_.rank() < rows()) {
+    return "the loops have " + std::to_string(rows()) + " constraint rows of rank " + std::to_string(dynamics_.rank()) +
+           cure;
+  }
+  if (dynamics_.pivot_ratio() < nearly_singular) {
+    return "close to a singular position, where the loops' constraint rows lose rank" + cure;
+  }
+  return {};
+}
+
+bool WithMultipliers::assemble(const double* x) {
+  if (!std::all_of(x, x + unknowns(), [](double value) { return std::isfinite(value); })) return false;
+  dynamics_.set_position(x);
+  dynamics_.set_velocity(x + nq_);
+  dynamics_.assemble(u_.data(), M_.data(), f_.data());
+  return f_.allFinite();
+}
+
+bool WithMultipliers::equations_of_motion(const double* x, const double* xdot, Vector& r) {
+  if (!assemble(x)) return false;
+  dynamics_.rate(x, x + nq_, r.data());
+  for (int i = 0; i < nq_; ++i) r[i] = xdot[i] - r[i];
+  const Eigen::Map<const Eigen::VectorXd> vdot(xdot + nq_, nv_);
+  const Eigen::Map<const Eigen::VectorXd> lambda(x + size(), rows());
+  r.segment(nq_, nv_) = M_ * vdot - f_;
+  if (rows() > 0) r.segment(nq_, nv_) += J().transpose() * lambda;
+  return true;
+}
+
+bool WithMultipliers::slopes_of_motion(const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
+  if (!assemble(x)) return false;
+  dynamics_.differentiate(u_.data(), inputs(), xdot + nq_, slopes_, x + size());
+  F_x.setZero();
+  F_x.topLeftCorner(nq_, nq_) = -slopes_.qdot_q;
+  F_x.block(0, nq_, nq_, nv_) = -slopes_.qdot_v;
+  F_x.block(nq_, 0, nv_, nq_) = slopes_.r_q;
+  F_x.block(nq_, nq_, nv_, nv_) = slopes_.r_v;
+  if (rows() > 0) F_x.block(nq_, size(), nv_, rows()) = J().transpose();
+  F_xdot.setZero();
+  F_xdot.topLeftCorner(nq_, nq_).setIdentity();
+  F_xdot.block(nq_, nq_, nv_, nv_) = M_;
+  return F_x.allFinite();
+}
+
+}  // namespace gelenk

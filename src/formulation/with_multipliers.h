@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `index3` and `stabilized-index2` share: the multipliers are unknowns beside q and v, and the constraints are
+// equations that the integrator itself fulfils, in every step. As an ODE, where one is asked for, they are the index-1
+// form.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "formulation/formulation.h"
+
+namespace gelenk {
+
+class WithMultipliers : public Formulation {
+ public:
+  bool consistent(double t, double* x, double* xdot) final;
+  std::string obstacle(const double* y) final;
+
+ protected:
+  WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+
+  using Vector = Eigen::Map<Eigen::VectorXd>;
+  using Matrix = Eigen::Map<Eigen::MatrixXd>;
+
+  // Writes into r: qdot - N v and M vdot + h + J^T lambda - tau. dynamics_ is then at x, J() included. False: x is not
+  // finite.
+  bool equations_of_motion(const double* x, const double* xdot, Vector& r);
+  // Their slopes into F_x and M into F_xdot, the rest zeros; leaves slopes_ at x. False: as above.
+  bool slopes_of_motion(const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
+  // The first and the second `rows` unknowns after y, or equations after those of motion.
+  auto first() const { return Eigen::seqN(size(), rows()); }
+  auto second() const { return Eigen::seqN(size() + rows(), rows()); }
+
+ private:
+  bool assemble(const double* x);
+
+  std::string name_;
+  RowMatrix M_;
+  Eigen::VectorXd f_;  // tau - h
+};
+
+}  // namespace gelenk

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrator/scaled_solver.h"
+
+#include <idas/idas.h>
+
+#include <cmath>
+
+namespace gelenk::sundials {
+namespace {
+
+// Below this the factors are rounding: rows that repeat others.
+constexpr double least_condition = 1e-16;
+
+ScaledSolver& of(SUNLinearSolver solver) { return *static_cast<ScaledSolver*>(solver->content); }
+
+}  // namespace
+
+ScaledSolver::ScaledSolver(const OdeSystem& system, void* ida_memory, SUNContext context)
+    : ida_memory_(ida_memory),
+      matrix_(made(SUNDenseMatrix(system.unknowns(), system.unknowns(), context))),
+      solver_(made(SUNLinSolNewEmpty(context))),
+      row_scale_(system.unknowns()),
+      column_scale_(system.unknowns()),
+      lu_(system.unknowns()) {
+  solver_->content = this;
+  solver_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+  solver_->ops->setup = setup;
+  solver_->ops->solve = solve;
+  solver_->ops->free = [](SUNLinearSolver s) -> SUNErrCode {
+    s->content = nullptr;
+    SUNLinSolFreeEmpty(s);
+    return SUN_SUCCESS;
+  };
+  for (int i = 0; i < system.unknowns(); ++i) {
+    row_power_.push_back(i < system.size() ? system.index(i) : 0);
+    column_power_.push_back(system.index(i) - 1);
+  }
+}
+
+void ScaledSolver::find_scales() {
+  double cj = 1;
+  IDAGetCurrentCj(ida_memory_, &cj);
+  for (std::size_t i = 0; i < row_power_.size(); ++i) {
+    row_scale_[i] = std::pow(cj, -row_power_[i]);
+    column_scale_[i] = std::pow(cj, column_power_[i]);
+  }
+}
+
+int ScaledSolver::setup(SUNLinearSolver solver, SUNMatrix A) {
+  ScaledSolver& self = of(solver);
+  const Eigen::Index n = self.row_scale_.size();
+  const Eigen::Map<const Eigen::MatrixXd> J(SUNDenseMatrix_Data(A), n, n);
+  self.find_scales();
+  self.lu_.compute(self.row_scale_.asDiagonal() * J * self.column_scale_.asDiagonal());
+  return self.lu_.rcond() > least_condition ? 0 : 1;
+}
+
+// The scales are those of the present cj, not of the factors'.
+int ScaledSolver::solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, sunrealtype) {
+  ScaledSolver& self = of(solver);
+  const Eigen::Index n = self.row_scale_.size();
+  self.find_scales();
+  const Eigen::Map<const Eigen::VectorXd> right(data(b), n);
+  Eigen::Map<Eigen::VectorXd> out(data(x), n);
+  out = self.lu_.solve(self.row_scale_.cwiseProduct(right));
+  out.array() *= self.column_scale_.array();
+  return out.allFinite() ? 0 : 1;
+}
+
+}  // namespace gelenk::sundials
