@@ -22,8 +22,8 @@ BEYOND = {
     "mass_infinite", "mass_nan", "motor_joint_unknown", "motor_on_spherical", "name_of_health_variable",
     "names_collide", "parameter_of_missing_bound", "parameter_unknown", "rotation_matrix_mirror",
     "rotation_matrix_stretched", "rotation_quaternion_zero", "sensor_joint_unknown",
-    "solver_gain_without_baumgarte", "solver_partners", "spring_on_one_body", "start_nan",
-    "start_quaternion_zero", "stop_bounds_crossed",
+    "solver_gain_without_baumgarte", "solver_partners", "solver_rho_inf", "solver_rho_inf_unused",
+    "spring_on_one_body", "start_nan", "start_quaternion_zero", "stop_bounds_crossed",
 }  # fmt: skip
 
 

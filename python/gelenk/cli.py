@@ -118,7 +118,8 @@ def simulate(
     step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,
     tolerance: Annotated[float | None, typer.Option(help="Relative tolerance of the integrator.")] = None,
     integrator: Annotated[
-        str | None, typer.Option(help="auto, ida, cvode, cvode-adams, dirk, erk, rk4 or euler.")
+        str | None,
+        typer.Option(help="auto, ida, erk, rk4, generalized-alpha, ...: see docs/scene-format.md."),
     ] = None,
     formulation: Annotated[
         str | None, typer.Option(help="projection, baumgarte, index3, ...: how loops meet the integrator.")

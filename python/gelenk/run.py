@@ -46,7 +46,8 @@ def simulate(
         stop: end of the run [s]; by default the scene's or the FMU's own.
         step: communication step [s]; the last one is shortened to end at `stop`.
         tolerance: relative tolerance of the integrator.
-        integrator: "auto", "ida", "cvode", "cvode-adams", "dirk", "erk", "rk4" or "euler".
+        integrator: "auto", "ida", "cvode", "cvode-adams", "dirk", "erk", "rk4", "euler",
+            "generalized-alpha", "hht" or "newmark".
         formulation: how loops meet the integrator: "projection", or a rival of it (docs/scene-format.md).
         inputs: see `gelenk.inputs.functions`; inputs that are not named stay 0.
         parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.

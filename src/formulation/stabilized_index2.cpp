@@ -21,7 +21,7 @@ class StabilizedIndex2 final : public WithMultipliers {
     Vector r(out, unknowns());
     if (!equations_of_motion(x, xdot, r)) return false;
     if (rows() == 0) return r.allFinite();
-    moved_ = J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + rows(), rows());
+    moved_.noalias() = J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + rows(), rows());
     dynamics_.rate(x, moved_.data(), rate_.data());
     r.head(nq_) += rate_;
     for (int k = 0; k < rows(); ++k) {

@@ -54,8 +54,10 @@ bool WithMultipliers::equations_of_motion(const double* x, const double* xdot, V
   for (int i = 0; i < nq_; ++i) r[i] = xdot[i] - r[i];
   const Eigen::Map<const Eigen::VectorXd> vdot(xdot + nq_, nv_);
   const Eigen::Map<const Eigen::VectorXd> lambda(x + size(), rows());
-  r.segment(nq_, nv_) = M_ * vdot - f_;
-  if (rows() > 0) r.segment(nq_, nv_) += J().transpose() * lambda;
+  auto balance = r.segment(nq_, nv_);
+  balance = -f_;
+  balance.noalias() += M_ * vdot;
+  if (rows() > 0) balance.noalias() += J().transpose() * lambda;
   return true;
 }
 

@@ -10,7 +10,7 @@ namespace gelenk {
 
 class FixedStep : public Integrator {
  public:
-  void restart(double t, const double* y) final;
+  void restart(double t, const double* y) override;
   void advance(double end, double* y) final;
 
  protected:

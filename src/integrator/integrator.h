@@ -15,6 +15,7 @@ namespace gelenk {
 struct IntegratorOptions {
   double tolerance = 1e-6;  // relative; absolute per unit of y
   double step = 1e-3;       // s, of fixed-step methods
+  double rho_inf = 0.8;     // of generalized-alpha and hht: spectral radius at infinite frequency, 0 to 1 (hht: 1/2)
 };
 
 // The step asked for could not be made; says why and how far it came.
@@ -62,6 +63,9 @@ std::unique_ptr<Integrator> make_dirk(OdeSystem& system, const IntegratorOptions
 std::unique_ptr<Integrator> make_euler(OdeSystem& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_generalized_alpha(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_hht(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_newmark(OdeSystem& system, const IntegratorOptions& options);
 
 // Tells a run that gets nowhere from one that is long: a window of steps must take it some way towards the end.
 class Patience {

@@ -8,7 +8,7 @@
 namespace gelenk {
 namespace {
 
-constexpr std::array<IntegratorKind, 7> kinds = {{
+constexpr std::array<IntegratorKind, 10> kinds = {{
     {"erk", "explicit Runge-Kutta, adaptive steps, order by tolerance (ARKODE), projected after each step", make_erk},
     {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", make_ida},
     {"rk4", "the classical Runge-Kutta method of order 4 with fixed steps, projected after each step", make_rk4},
@@ -16,6 +16,10 @@ constexpr std::array<IntegratorKind, 7> kinds = {{
     {"cvode", "BDF of variable order (CVODES), projected by its own hook; for stiff scenes", make_cvode},
     {"cvode-adams", "Adams-Moulton of variable order (CVODES), projected after each step", make_cvode_adams},
     {"dirk", "implicit Runge-Kutta, L-stable, adaptive steps (ARKODE), projected after each step", make_dirk},
+    {"generalized-alpha", "second order with damping of what is fast, implicit, fixed steps (Chung & Hulbert)",
+     make_generalized_alpha},
+    {"hht", "second order with damping of what is fast, implicit, fixed steps (Hilber, Hughes & Taylor)", make_hht},
+    {"newmark", "the trapezoidal rule, second order without damping, implicit, fixed steps", make_newmark},
 }};
 
 }  // namespace

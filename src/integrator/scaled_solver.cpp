@@ -21,6 +21,7 @@ ScaledSolver::ScaledSolver(const OdeSystem& system, void* ida_memory, SUNContext
       solver_(made(SUNLinSolNewEmpty(context))),
       row_scale_(system.unknowns()),
       column_scale_(system.unknowns()),
+      right_(system.unknowns()),
       lu_(system.unknowns()) {
   solver_->content = this;
   solver_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
@@ -62,7 +63,8 @@ int ScaledSolver::solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector 
   self.find_scales();
   const Eigen::Map<const Eigen::VectorXd> right(data(b), n);
   Eigen::Map<Eigen::VectorXd> out(data(x), n);
-  out = self.lu_.solve(self.row_scale_.cwiseProduct(right));
+  self.right_ = self.row_scale_.cwiseProduct(right);
+  out = self.lu_.solve(self.right_);
   out.array() *= self.column_scale_.array();
   return out.allFinite() ? 0 : 1;
 }

@@ -32,7 +32,7 @@ class ScaledSolver {
   Matrix matrix_;
   LinearSolver solver_;
   std::vector<int> row_power_, column_power_;
-  Eigen::VectorXd row_scale_, column_scale_;
+  Eigen::VectorXd row_scale_, column_scale_, right_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
 };
 

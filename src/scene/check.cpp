@@ -47,6 +47,21 @@ void check_partners(const Solver& solver, Faults& faults) {
              text::one_of({}, allowed, "words") + ", or another formulation");
 }
 
+void check_rho_inf(const Solver& solver, Faults& faults) {
+  const std::string found = text::number(solver.rho_inf);
+  const bool hht = solver.integrator == "hht";
+  const double least = hht ? 0.5 : 0;
+  if (!(solver.rho_inf >= least && solver.rho_inf <= 1)) {
+    faults.add("solver.rho_inf", found + (hht ? " with the integrator hht" : ""),
+               "a number from " + text::number(least) + " to 1");
+  }
+  const bool used = hht || solver.integrator == "generalized-alpha" || solver.integrator.empty();
+  if (!used && solver.rho_inf != Solver{}.rho_inf) {
+    faults.add("solver.rho_inf", found + " with the integrator " + solver.integrator,
+               "the integrator generalized-alpha or hht, or " + text::number(Solver{}.rho_inf));
+  }
+}
+
 void check_settings(const Scene& scene, Faults& faults, bool partial) {
   const Experiment& experiment = scene.experiment;
   check_positive(experiment.stop, "experiment.stop", faults);
@@ -61,6 +76,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
   check_partners(scene.solver, faults);
+  check_rho_inf(scene.solver, faults);
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }

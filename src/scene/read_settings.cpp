@@ -44,6 +44,7 @@ void read_solver(const Json& section, Reader& reader) {
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
+  solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Allowed::not_negative);
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Allowed::not_negative);
   solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Allowed::not_negative);
   if (const Json* reductions = fields.find("reductions")) read_reductions(*reductions, solver, reader.faults);

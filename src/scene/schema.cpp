@@ -198,6 +198,13 @@ Json settings() {
       {{"formulation", {{"enum", words::formulations}}},
        {"integrator", {{"enum", words::integrators}}},
        {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
+       {"rho_inf",
+        {{"type", "number"},
+         {"minimum", 0},
+         {"maximum", 1},
+         {"description",
+          "Of generalized-alpha and hht: share of an infinitely fast oscillation that a step leaves; 0.8 if not "
+          "given"}}},
        {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Allowed::not_negative)},
        {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Allowed::not_negative)},
        {"reductions", reductions()}},

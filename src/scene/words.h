@@ -10,14 +10,15 @@ namespace gelenk::words {
 inline const std::vector<std::string> formulations = {
     "projection",           "baumgarte",   "udwadia-kalaba", "penalty",
     "augmented-lagrangian", "independent", "index3",         "stabilized-index2"};
-inline const std::vector<std::string> integrators = {"auto",  "ida",   "erk",         "rk4",
-                                                     "euler", "cvode", "cvode-adams", "dirk"};
+inline const std::vector<std::string> integrators = {
+    "auto", "ida", "erk", "rk4", "euler", "cvode", "cvode-adams", "dirk", "generalized-alpha", "hht", "newmark"};
 // The integrators that a formulation goes with: all, unless it stands here.
 struct Partners {
   std::string formulation;
   std::vector<std::string> integrators;
 };
-inline const std::vector<Partners> partners = {{"index3", {"auto", "ida"}}, {"stabilized-index2", {"auto", "ida"}}};
+inline const std::vector<Partners> partners = {{"index3", {"auto", "ida", "generalized-alpha", "hht", "newmark"}},
+                                               {"stabilized-index2", {"auto", "ida"}}};
 // In the order of enum Reduction.
 inline const std::vector<std::string> reductions = {"weld",           "static",  "cut_choice", "planar",
                                                     "redundant_rows", "islands", "outputs",    "massless"};

@@ -153,6 +153,12 @@ void add_solver(std::vector<Parameter>& table) {
   };
   gain("solver.baumgarte_alpha", "the constraints' rates", &Solver::baumgarte_alpha);
   gain("solver.baumgarte_beta", "the constraints' errors (as its square)", &Solver::baumgarte_beta);
+  Parameter rho_inf =
+      real_parameter("solver.rho_inf", "1", "generalized-alpha, hht: spectral radius at infinite frequency",
+                     [](auto& scene) -> auto& { return scene.solver.rho_inf; });
+  rho_inf.min = 0;
+  rho_inf.max = 1;
+  table.push_back(std::move(rho_inf));
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {

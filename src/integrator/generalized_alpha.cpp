@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `generalized-alpha` (Chung & Hulbert 1993), fixed steps, with the auxiliary accelerations a,
+//   q+ = q moved by h v + h^2 ((1/2 - beta) a + beta a+),   v+ = v + h ((1 - gamma) a + gamma a+),
+//   (1 - alpha_m) a+ + alpha_m a = (1 - alpha_f) vdot+ + alpha_f vdot,
+// and vdot+ (of index3 with lambda+) such that the equations hold at the end of the step (Arnold & Bruls 2007); on
+// quaternions q is moved by displace() (Bruls, Cardona & Arnold 2012). Its members are `hht` (Hilber, Hughes & Taylor
+// 1977; alpha_m = 0) and `newmark` (Newmark 1959; the trapezoidal rule, alpha_m = alpha_f = 0). Of order 2.
+//
+// a stands for vdot at t + theta h, theta = alpha_m - alpha_f. Where nothing lies behind (a start, a jump of the
+// inputs), the first step is the trapezoidal rule, and a+ is extrapolated from vdot at its ends. With a = vdot for a
+// start each jump would cost an error of order h, and a stiff spring would kick.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "integrator/fixed_step.h"
+#include "scene/text.h"
+
+namespace gelenk {
+namespace {
+
+struct Coefficients {
+  double alpha_m, alpha_f;
+  double gamma() const { return 0.5 - alpha_m + alpha_f; }                  // of order 2
+  double beta() const { return 0.25 * (gamma() + 0.5) * (gamma() + 0.5); }  // most damping
+};
+
+// Newton's method, in speeds: changes of a step relative to 1 + |v|.
+constexpr double solved = 1e-13;
+constexpr double enough = 1e-9;  // where rounding ends the progress earlier; of index3 it grows as the step shrinks
+// Contraction above which a matrix of an earlier step is made anew; twice or half cost the same.
+constexpr double slow = 0.1;
+constexpr double hopeless = 0.9;  // contraction that leads nowhere
+constexpr int most_iterations = 25;
+constexpr double same_step = 0.05;  // relative, for a matrix to serve again
+constexpr double least_condition = 1e-16;
+
+class GeneralizedAlpha final : public FixedStep {
+ public:
+  GeneralizedAlpha(OdeSystem& system, const IntegratorOptions& options, Coefficients coefficients)
+      : FixedStep(system, options),
+        c_(coefficients),
+        nq_(system.coordinates()),
+        nv_(n_ - nq_),
+        m_(system.multipliers()),
+        x_(system.unknowns()),
+        xdot_(system.unknowns()),
+        r_(system.unknowns()),
+        dq_(nv_),
+        vdot_(nv_),
+        a_(nv_),
+        q_fixed_(nv_),
+        v_fixed_(nv_),
+        a_fixed_(nv_),
+        F_x_(system.unknowns(), system.unknowns()),
+        F_xdot_(system.unknowns(), system.unknowns()),
+        A_(nv_ + m_, nv_ + m_),
+        N_(nq_, nv_),
+        right_(nv_ + m_),
+        change_(nv_ + m_),
+        lu_(nv_ + m_) {}
+
+  void restart(double t, const double* y) override {
+    FixedStep::restart(t, y);
+    fresh_ = true;
+    matrix_made_for_ = 0;
+  }
+  void inputs_changed() override { fresh_ = true; }
+
+ private:
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+
+  // Shares of vdot+ in q (of h^2), in v (of h) and in a+.
+  struct Shares {
+    double position, speed, acceleration;
+  };
+
+  void make_step(double t, double h) override {
+    if (fresh_) begin(t);
+    const Shares shares = prepare(h);
+    Eigen::Map<Vector> vdot(xdot_.data() + nq_, nv_);
+    vdot = vdot_;
+    if (!solve(t + h, h, shares)) refuse(t, h);
+    place(h, shares);  // with the last correction
+    vdot_ = vdot;
+    a_ = a_fixed_ + shares.acceleration * vdot_;
+    last_step_ = h;
+    fresh_ = false;
+    std::copy_n(x_.begin(), n_, y_.begin());
+  }
+
+  // vdot_ and, of a DAE, the multipliers at the start.
+  void begin(double t) {
+    std::ranges::copy(y_, x_.begin());
+    if (!system_.consistent(t, x_.data(), xdot_.data())) {
+      const std::string obstacle = system_.obstacle(y_.data());
+      throw IntegrationError(at_time(t) + (obstacle.empty() ? "the accelerations are not finite" : obstacle));
+    }
+    vdot_ = Eigen::Map<const Vector>(xdot_.data() + nq_, nv_);
+    std::fill_n(xdot_.begin(), nq_, 0.0);  // not needed; the rows of qdot are not used
+  }
+
+  // Of q and v, in h^2 and in h, and of a+: their fixed parts, and the shares of vdot+ in them.
+  Shares prepare(double h) {
+    const double theta = c_.alpha_m - c_.alpha_f;
+    if (fresh_) {
+      q_fixed_ = vdot_ / 4;
+      v_fixed_ = vdot_ / 2;
+      a_fixed_ = -theta * vdot_;
+      return {0.25, 0.5, 1 + theta};
+    }
+    if (h != last_step_) a_ = vdot_ + h / last_step_ * (a_ - vdot_);
+    a_fixed_ = (c_.alpha_f * vdot_ - c_.alpha_m * a_) / (1 - c_.alpha_m);
+    const double share = (1 - c_.alpha_f) / (1 - c_.alpha_m);
+    q_fixed_ = (0.5 - c_.beta()) * a_ + c_.beta() * a_fixed_;
+    v_fixed_ = (1 - c_.gamma()) * a_ + c_.gamma() * a_fixed_;
+    return {c_.beta() * share, c_.gamma() * share, share};
+  }
+
+  // x_ <- the state at the end of the step for vdot+ as in xdot_.
+  void place(double h, const Shares& s) {
+    const Eigen::Map<const Vector> vdot(xdot_.data() + nq_, nv_);
+    const Eigen::Map<const Vector> v(y_.data() + nq_, nv_);
+    dq_ = h * v + h * h * (q_fixed_ + s.position * vdot);
+    std::copy_n(y_.begin(), nq_, x_.begin());
+    system_.displace(x_.data(), dq_.data());
+    Eigen::Map<Vector>(x_.data() + nq_, nv_) = v + h * (v_fixed_ + s.speed * vdot);
+  }
+
+  // Newton's method for vdot+ and the multipliers. Its matrix serves over many steps, as long as it contracts well.
+  bool solve(double t, double h, const Shares& s) {
+    bool renewed = false;
+    double size_before = INFINITY;
+    for (int i = 0; i < most_iterations; ++i) {
+      place(h, s);
+      if (!system_.residual(t, x_.data(), xdot_.data(), r_.data())) return false;
+      const bool other = std::abs(matrix_made_for_ - s.speed * h) > same_step * s.speed * h;
+      if (other && !(renewed = make_matrix(t, h, s))) return false;
+      const double size = correct(h, s);
+      if (!std::isfinite(size)) return false;
+      if (size <= solved) return true;
+      const double contraction = size / size_before;
+      size_before = size;
+      if (i == 0) continue;
+      if (contraction < 1 && contraction / (1 - contraction) * size <= solved) return true;
+      if (contraction <= slow) continue;
+      if (size <= enough) return true;
+      if (!renewed) {
+        matrix_made_for_ = 0;
+      } else if (m_ > 0 && moved_ <= solved) {
+        return true;  // of q only rounding is left, which a short step magnifies
+      } else if (contraction > hopeless && i > 2) {
+        return false;
+      }
+    }
+    return false;
+  }
+
+  // One correction of xdot_ and the multipliers; its size.
+  double correct(double h, const Shares& s) {
+    right_.head(nv_) = Eigen::Map<const Vector>(r_.data() + nq_, nv_);
+    right_.tail(m_) = Eigen::Map<const Vector>(r_.data() + n_, m_) / (s.position * h * h);
+    change_ = lu_.solve(right_);
+    double size = 0;
+    moved_ = s.position * h * h * change_.head(nv_).lpNorm<Eigen::Infinity>();
+    for (int k = 0; k < nv_; ++k) {
+      xdot_[nq_ + k] -= change_[k];
+      size = std::max(size, h * std::abs(change_[k]) / (1 + std::abs(x_[nq_ + k])));
+    }
+    for (int k = 0; k < m_; ++k) x_[n_ + k] -= change_[nv_ + k];
+    return change_.allFinite() ? size : INFINITY;
+  }
+
+  // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the share of vdot+ in q:
+  // so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is turned on
+  // its way, by an angle of the order of h, is left out.
+  bool make_matrix(double t, double h, const Shares& s) {
+    if (!system_.residual_slopes(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
+    N_ = -F_x_.block(0, nq_, nq_, nv_);
+    auto speeds = A_.topLeftCorner(nv_, nv_);
+    speeds.noalias() = s.position * h * h * F_x_.block(nq_, 0, nv_, nq_) * N_;
+    speeds += F_xdot_.block(nq_, nq_, nv_, nv_) + s.speed * h * F_x_.block(nq_, nq_, nv_, nv_);
+    A_.topRightCorner(nv_, m_) = F_x_.block(nq_, n_, nv_, m_);
+    A_.bottomLeftCorner(m_, nv_).noalias() = F_x_.block(n_, 0, m_, nq_) * N_;
+    A_.bottomRightCorner(m_, m_).setZero();
+    lu_.compute(A_);
+    matrix_made_for_ = s.speed * h;
+    return lu_.rcond() > least_condition;
+  }
+
+  [[noreturn]] void refuse(double t, double h) {
+    const std::string obstacle = system_.obstacle(y_.data());
+    throw IntegrationError(at_time(t) + (obstacle.empty() ? "Newton's method does not converge in a step of " +
+                                                                text::rounded(h) + " s; a shorter solver.step may help"
+                                                          : obstacle));
+  }
+
+  Coefficients c_;
+  int nq_, nv_, m_;
+  bool fresh_ = true;           // vdot_ and a_ are not those of the last step
+  double moved_ = 0;            // m or rad, by the last correction
+  double last_step_ = 0;        // s
+  double matrix_made_for_ = 0;  // s, the share of vdot+ in v; 0: there is none
+  std::vector<double> x_, xdot_, r_;
+  Vector dq_, vdot_, a_, q_fixed_, v_fixed_, a_fixed_;
+  Matrix F_x_, F_xdot_, A_, N_;
+  Vector right_, change_;
+  Eigen::PartialPivLU<Matrix> lu_;
+};
+
+}  // namespace
+
+// Spectral radius rho at infinite frequency, the same of all eigenvalues there (Chung & Hulbert 1993, eq. 25).
+std::unique_ptr<Integrator> make_generalized_alpha(OdeSystem& system, const IntegratorOptions& options) {
+  const double rho = options.rho_inf;
+  return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{(2 * rho - 1) / (rho + 1), rho / (rho + 1)});
+}
+
+// alpha = -alpha_f from -1/3 to 0.
+std::unique_ptr<Integrator> make_hht(OdeSystem& system, const IntegratorOptions& options) {
+  const double rho = options.rho_inf;
+  return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{0, (1 - rho) / (1 + rho)});
+}
+
+std::unique_ptr<Integrator> make_newmark(OdeSystem& system, const IntegratorOptions& options) {
+  return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{0, 0});
+}
+
+}  // namespace gelenk
