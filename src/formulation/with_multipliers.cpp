@@ -7,8 +7,8 @@
 namespace gelenk {
 namespace {
 
-// Ratio of the rows' pivots below which a refusal is put down to them.
-constexpr double nearly_singular = 1e-3;
+// Share of the soundest ratio of pivots at a start below which a refusal is put down to the rows.
+constexpr double nearly_singular = 0.1;
 
 }  // namespace
 
@@ -20,6 +20,7 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
   std::fill(x + size(), x + unknowns(), 0.0);
   std::fill(xdot + size(), xdot + unknowns(), 0.0);
   if (!rhs(t, x, xdot) || dynamics_.rank() < rows()) return false;
+  soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
   dynamics_.set_acceleration(xdot + nq_);
   std::ranges::copy(dynamics_.lambda(), x + size());
   return true;
@@ -34,7 +35,7 @@ std::string WithMultipliers::obstacle(const double* y) {
     return "the loops have " + std::to_string(rows()) + " constraint rows of rank " + std::to_string(dynamics_.rank()) +
            cure;
   }
-  if (dynamics_.pivot_ratio() < nearly_singular) {
+  if (dynamics_.pivot_ratio() < nearly_singular * soundest_) {
     return "close to a singular position, where the loops' constraint rows lose rank" + cure;
   }
   return {};

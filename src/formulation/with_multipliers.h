@@ -36,7 +36,8 @@ class WithMultipliers : public Formulation {
 
   std::string name_;
   RowMatrix M_;
-  Eigen::VectorXd f_;  // tau - h
+  Eigen::VectorXd f_;    // tau - h
+  double soundest_ = 0;  // largest pivot ratio of the rows at a start
 };
 
 }  // namespace gelenk

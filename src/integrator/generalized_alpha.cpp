@@ -132,28 +132,30 @@ class GeneralizedAlpha final : public FixedStep {
   // Newton's method for vdot+ and the multipliers. Its matrix serves over many steps, as long as it contracts well.
   bool solve(double t, double h, const Shares& s) {
     bool renewed = false;
-    double size_before = INFINITY;
+    double size_before = 0;  // with the same matrix; 0: it is new
     for (int i = 0; i < most_iterations; ++i) {
       place(h, s);
       if (!system_.residual(t, x_.data(), xdot_.data(), r_.data())) return false;
-      const bool other = std::abs(matrix_made_for_ - s.speed * h) > same_step * s.speed * h;
-      if (other && !(renewed = make_matrix(t, h, s))) return false;
+      if (std::abs(matrix_made_for_ - s.speed * h) > same_step * s.speed * h) {
+        if (!make_matrix(t, h, s)) return false;
+        renewed = true;
+        size_before = 0;
+      }
       const double size = correct(h, s);
       if (!std::isfinite(size)) return false;
       if (size <= solved) return true;
-      const double contraction = size / size_before;
+      const double contraction = size_before > 0 ? size / size_before : 0;
+      const bool first = size_before == 0;
       size_before = size;
-      if (i == 0) continue;
-      if (contraction < 1 && contraction / (1 - contraction) * size <= solved) return true;
-      if (contraction <= slow) continue;
-      if (size <= enough) return true;
-      if (!renewed) {
-        matrix_made_for_ = 0;
-      } else if (m_ > 0 && moved_ <= solved) {
-        return true;  // of q only rounding is left, which a short step magnifies
-      } else if (contraction > hopeless && i > 2) {
-        return false;
+      if (first || contraction <= slow) {
+        if (contraction / (1 - contraction) * size <= solved && !first) return true;
+        continue;
       }
+      if (size <= enough) return true;
+      // Of q only rounding may be left, which a short step magnifies.
+      if (renewed && m_ > 0 && moved_ <= solved) return true;
+      if (renewed && contraction > hopeless) return false;
+      if (!renewed) matrix_made_for_ = 0;
     }
     return false;
   }

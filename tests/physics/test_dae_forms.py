@@ -13,6 +13,7 @@ import gelenk
 
 from .running import Array, assert_close
 from .test_bricard import bricard
+from .test_parallelograms import windows
 
 ROOT = Path(__file__).parents[2]
 FORMS = ("index3", "stabilized-index2")
@@ -136,6 +137,20 @@ def test_rows_that_repeat_others_are_refused(form: str) -> None:
         simulation.step_to(0.1)
     assert simulation.time == 0.0
     assert np.array_equal(simulation.values(), before)
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_short_steps_end_beside_a_singular_position(n: int) -> None:
+    """All bars of the N-four-bar are in line after 0.71 s (test_singular_passages.py). At 1e-9 steps are too
+    short to straddle that.
+    """
+    source = windows(n, 0.0, 1.0)
+    source["solver"] = {"integrator": "ida", "formulation": "stabilized-index2"}
+    simulation = gelenk.Simulation(gelenk.load(source))
+    simulation.initialize(0.0, 1e-9)
+    with pytest.raises(gelenk.StepError, match=r"t = 0\.7\d+ s: close to a singular position"):
+        simulation.step_to(2.0)
+    assert simulation.time == 0.0
 
 
 @pytest.mark.parametrize("form", FORMS)

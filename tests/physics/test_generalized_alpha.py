@@ -21,6 +21,8 @@ import gelenk
 from .running import Recording, assert_close, record
 from .test_bricard import bricard
 from .test_integrators import MOTIONS, governor, states
+from .test_parallelograms import falling, windows
+from .test_singular_passages import tip
 
 ROOT = Path(__file__).parents[2]
 MEMBERS = ("generalized-alpha", "hht", "newmark")
@@ -205,6 +207,17 @@ def test_a_step_too_long_is_refused(formulation: str) -> None:
         simulation.step_to(30.0)
     assert simulation.time == 0
     assert_close("state", simulation.values(), before, 1e-9, "accelerations are computed anew")
+
+
+@pytest.mark.parametrize("formulation", ["projection", "index3"])
+@pytest.mark.parametrize("n", [1, 2])
+def test_passes_change_points(n: int, formulation: str) -> None:
+    """28 times in 10 s (the N-four-bar of test_singular_passages.py): steps of a millisecond straddle them."""
+    times = list(np.linspace(0, 10, 101))
+    solver: dict[str, Any] = {"integrator": "generalized-alpha", "formulation": formulation}
+    found = go(windows(n, 0.0, 1.0), times, step=H, **solver)
+    expected = tip(falling(n, 0.0, 1.0, np.array(times)))
+    assert_close("tip", found.vector("tip.r")[:, :2], expected, 1e-4, "ten times what was found; h^2 is 1e-6")
 
 
 def test_index3_refuses_rows_that_repeat_others() -> None:
