@@ -15,7 +15,7 @@ bool OdeSystem::residual_slopes(double t, const double* x, const double*, double
   if (!jacobian(t, x, F_x)) return false;
   const int n = size();
   for (int i = 0; i < n * n; ++i) F_x[i] = -F_x[i];
-  std::fill(F_xdot, F_xdot + n * n, 0.0);
+  std::fill_n(F_xdot, n * n, 0.0);
   for (int i = 0; i < n; ++i) F_xdot[i * n + i] = 1;
   return true;
 }

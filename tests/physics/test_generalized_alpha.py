@@ -212,7 +212,7 @@ def test_a_step_too_long_is_refused(formulation: str) -> None:
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
 @pytest.mark.parametrize("n", [1, 2])
 def test_passes_change_points(n: int, formulation: str) -> None:
-    """28 times in 10 s (the N-four-bar of test_singular_passages.py): steps of a millisecond straddle them."""
+    """28 times in 10 s (the N-four-bar of test_singular_passages.py): steps of 1 ms straddle them."""
     times = list(np.linspace(0, 10, 101))
     solver: dict[str, Any] = {"integrator": "generalized-alpha", "formulation": formulation}
     found = go(windows(n, 0.0, 1.0), times, step=H, **solver)
