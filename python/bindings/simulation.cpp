@@ -70,7 +70,7 @@ Vector state_of(Plant& plant, int island) {
 // x and xdot at the present state, one after the other.
 Vector consistent_at(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::OdeSystem& equations = s.equations(island);
+    gelenk::Equations& equations = s.equations(island);
     const std::size_t n = equations.unknowns();
     std::vector<double> out(s.state(island));
     out.resize(2 * n);
@@ -83,7 +83,7 @@ Vector consistent_at(Plant& plant, int island) {
 Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
                    bool slopes) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::OdeSystem& equations = s.equations(island);
+    gelenk::Equations& equations = s.equations(island);
     const std::size_t n = equations.unknowns();
     if (x.size() != n || xdot.size() != n) throw gelenk::UsageError(std::to_string(n) + " numbers are expected");
     std::vector<double> out(slopes ? 2 * n * n : n);
@@ -98,7 +98,7 @@ Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const
 // f(y), or df/dy column by column.
 Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::OdeSystem& equations = s.equations(island);
+    gelenk::Equations& equations = s.equations(island);
     const std::size_t n = equations.size();
     if (y.size() != n) throw gelenk::UsageError("y: " + std::to_string(n) + " numbers are expected");
     std::vector<double> out(jacobian ? n * n : n);

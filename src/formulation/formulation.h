@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
-#include "formulation/ode_system.h"
+#include "formulation/equations.h"
 #include "formulation/turns.h"
 
 namespace gelenk {
@@ -23,7 +23,7 @@ struct FormulationOptions {
   double baumgarte_beta = 0;   // 1/s; likewise
 };
 
-class Formulation : public OdeSystem {
+class Formulation : public Equations {
  public:
   // u: the inputs, read at every evaluation.
   Formulation(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);

@@ -24,7 +24,7 @@ class Cvode : public SundialsIntegrator {
   ~Cvode() override { CVodeFree(&memory_); }
 
  protected:
-  Cvode(OdeSystem& system, int method, double tolerance) : SundialsIntegrator(system) {
+  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {
     memory_ = sundials::made(CVodeCreate(method, context_));
     CVodeInit(memory_, rhs, 0, y_.get());
     CVodeSetUserData(memory_, user_data());
@@ -80,7 +80,7 @@ class Cvode : public SundialsIntegrator {
 
 class Bdf final : public Cvode {
  public:
-  Bdf(OdeSystem& system, const IntegratorOptions& options)
+  Bdf(Equations& system, const IntegratorOptions& options)
       : Cvode(system, CV_BDF, bdf_share * options.tolerance), linear_(y_.get(), context_) {
     CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     CVodeSetJacFn(memory_, jacobian);
@@ -110,7 +110,7 @@ class Bdf final : public Cvode {
 // the state from which the next step starts is moved, after the step, and the derivatives stay.
 class Adams final : public Cvode {
  public:
-  Adams(OdeSystem& system, const IntegratorOptions& options)
+  Adams(Equations& system, const IntegratorOptions& options)
       : Cvode(system, CV_ADAMS, adams_share * options.tolerance),
         solver_(sundials::made(SUNNonlinSol_FixedPoint(y_.get(), 0, context_))) {
     CVodeSetNonlinearSolver(memory_, solver_.get());
@@ -139,11 +139,11 @@ class Adams final : public Cvode {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_cvode(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Bdf>(system, options);
 }
 
-std::unique_ptr<Integrator> make_cvode_adams(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_cvode_adams(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Adams>(system, options);
 }
 

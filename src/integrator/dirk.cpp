@@ -21,7 +21,7 @@ constexpr double least_tolerance = 1e-13;
 
 class Dirk final : public ArkodeIntegrator {
  public:
-  Dirk(OdeSystem& system, const IntegratorOptions& options) : ArkodeIntegrator(system), linear_(y_.get(), context_) {
+  Dirk(Equations& system, const IntegratorOptions& options) : ArkodeIntegrator(system), linear_(y_.get(), context_) {
     own(ARKStepCreate(nullptr, rhs, 0, y_.get(), context_), std::max(least_tolerance, local_share * options.tolerance));
     ARKStepSetTableNum(memory_, ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ERK_NONE);
     ARKodeSetSafetyFactor(memory_, safety);
@@ -36,7 +36,7 @@ class Dirk final : public ArkodeIntegrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_dirk(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_dirk(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Dirk>(system, options);
 }
 

@@ -43,7 +43,7 @@ constexpr int longest_wait = 256;  // communication steps between two trials of 
 
 class Erk final : public ArkodeIntegrator {
  public:
-  Erk(OdeSystem& system, const IntegratorOptions& options)
+  Erk(Equations& system, const IntegratorOptions& options)
       : ArkodeIntegrator(system), top_(top_rung(options.tolerance)), rung_(top_) {
     for (int i = 0; i <= top_; ++i) {
       own(ERKStepCreate(rhs, 0, y_.get(), context_), std::max(least_tolerance, ladder[i].share * options.tolerance));
@@ -105,7 +105,7 @@ class Erk final : public ArkodeIntegrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_erk(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Erk>(system, options);
 }
 

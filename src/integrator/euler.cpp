@@ -11,7 +11,7 @@ namespace {
 
 class Euler final : public FixedStep {
  public:
-  Euler(OdeSystem& system, const IntegratorOptions& options)
+  Euler(Equations& system, const IntegratorOptions& options)
       : FixedStep(system, options), nq_(system.coordinates()), dq_(n_ - nq_) {}
 
  private:
@@ -32,7 +32,7 @@ class Euler final : public FixedStep {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_euler(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_euler(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Euler>(system, options);
 }
 

@@ -6,7 +6,7 @@
 
 namespace gelenk {
 
-FixedStep::FixedStep(OdeSystem& system, const IntegratorOptions& options)
+FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
     : system_(system), n_(system.size()), y_(n_), k_(n_), step_(options.step) {}
 
 void FixedStep::restart(double t, const double* y) {

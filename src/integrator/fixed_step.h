@@ -14,14 +14,14 @@ class FixedStep : public Integrator {
   void advance(double end, double* y) final;
 
  protected:
-  FixedStep(OdeSystem& system, const IntegratorOptions& options);
+  FixedStep(Equations& system, const IntegratorOptions& options);
 
   // Takes y_ from t to t + h, not yet projected.
   virtual void make_step(double t, double h) = 0;
   // k_ = f(t, y). Throws IntegrationError.
   void evaluate(double t, const double* y);
 
-  OdeSystem& system_;
+  Equations& system_;
   int n_;
   std::vector<double> y_, k_;
 

@@ -38,7 +38,7 @@ constexpr double least_condition = 1e-16;
 
 class GeneralizedAlpha final : public FixedStep {
  public:
-  GeneralizedAlpha(OdeSystem& system, const IntegratorOptions& options, Coefficients coefficients)
+  GeneralizedAlpha(Equations& system, const IntegratorOptions& options, Coefficients coefficients)
       : FixedStep(system, options),
         c_(coefficients),
         nq_(system.coordinates()),
@@ -215,18 +215,18 @@ class GeneralizedAlpha final : public FixedStep {
 }  // namespace
 
 // Spectral radius rho at infinite frequency, the same of all eigenvalues there (Chung & Hulbert 1993, eq. 25).
-std::unique_ptr<Integrator> make_generalized_alpha(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_generalized_alpha(Equations& system, const IntegratorOptions& options) {
   const double rho = options.rho_inf;
   return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{(2 * rho - 1) / (rho + 1), rho / (rho + 1)});
 }
 
 // alpha = -alpha_f from -1/3 to 0.
-std::unique_ptr<Integrator> make_hht(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_hht(Equations& system, const IntegratorOptions& options) {
   const double rho = options.rho_inf;
   return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{0, (1 - rho) / (1 + rho)});
 }
 
-std::unique_ptr<Integrator> make_newmark(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_newmark(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{0, 0});
 }
 

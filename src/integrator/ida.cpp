@@ -36,7 +36,7 @@ constexpr double first_share = 1e-3;  // of the first step in the first communic
 
 class Ida final : public SundialsIntegrator {
  public:
-  Ida(OdeSystem& system, const IntegratorOptions& options)
+  Ida(Equations& system, const IntegratorOptions& options)
       : SundialsIntegrator(system),
         dae_(system.multipliers() > 0),
         tolerance_(std::max(dae_ ? least_dae_tolerance : least_tolerance, local_share * options.tolerance)),
@@ -211,7 +211,7 @@ class Ida final : public SundialsIntegrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_ida(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Ida>(system, options);
 }
 

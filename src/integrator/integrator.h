@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "formulation/ode_system.h"
+#include "formulation/equations.h"
 
 namespace gelenk {
 
@@ -46,26 +46,26 @@ class Integrator {
 struct IntegratorKind {
   std::string_view name;
   std::string_view summary;
-  std::unique_ptr<Integrator> (*make)(OdeSystem& system, const IntegratorOptions& options);
+  std::unique_ptr<Integrator> (*make)(Equations& system, const IntegratorOptions& options);
 };
 
 // All integrators that can be named in a scene (registry.cpp).
 std::span<const IntegratorKind> integrator_kinds();
 
 // Throws std::out_of_range for an unknown name.
-std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& system, const IntegratorOptions& options);
 
 // One per file.
-std::unique_ptr<Integrator> make_rk4(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_cvode(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_cvode_adams(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_dirk(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_euler(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_erk(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_ida(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_generalized_alpha(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_hht(OdeSystem& system, const IntegratorOptions& options);
-std::unique_ptr<Integrator> make_newmark(OdeSystem& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_cvode_adams(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_dirk(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_euler(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_erk(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_ida(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_generalized_alpha(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_hht(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_newmark(Equations& system, const IntegratorOptions& options);
 
 // Tells a run that gets nowhere from one that is long: a window of steps must take it some way towards the end.
 class Patience {

@@ -26,7 +26,7 @@ constexpr std::array<IntegratorKind, 10> kinds = {{
 
 std::span<const IntegratorKind> integrator_kinds() { return kinds; }
 
-std::unique_ptr<Integrator> make_integrator(std::string_view name, OdeSystem& system,
+std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& system,
                                             const IntegratorOptions& options) {
   const auto found = std::ranges::find(kinds, name, &IntegratorKind::name);
   if (found == kinds.end()) throw std::out_of_range("no integrator is called " + std::string(name));

@@ -10,7 +10,7 @@ namespace {
 
 class Rk4 final : public FixedStep {
  public:
-  Rk4(OdeSystem& system, const IntegratorOptions& options) : FixedStep(system, options), stage_(n_), sum_(n_) {}
+  Rk4(Equations& system, const IntegratorOptions& options) : FixedStep(system, options), stage_(n_), sum_(n_) {}
 
  private:
   void make_step(double t, double h) override {
@@ -30,7 +30,7 @@ class Rk4 final : public FixedStep {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_rk4(OdeSystem& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options) {
   return std::make_unique<Rk4>(system, options);
 }
 

@@ -15,7 +15,7 @@ ScaledSolver& of(SUNLinearSolver solver) { return *static_cast<ScaledSolver*>(so
 
 }  // namespace
 
-ScaledSolver::ScaledSolver(const OdeSystem& system, void* ida_memory, SUNContext context)
+ScaledSolver::ScaledSolver(const Equations& system, void* ida_memory, SUNContext context)
     : ida_memory_(ida_memory),
       matrix_(made(SUNDenseMatrix(system.unknowns(), system.unknowns(), context))),
       solver_(made(SUNLinSolNewEmpty(context))),

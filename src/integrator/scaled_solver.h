@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <vector>
 
-#include "formulation/ode_system.h"
+#include "formulation/equations.h"
 #include "integrator/sundials.h"
 
 namespace gelenk::sundials {
@@ -16,7 +16,7 @@ namespace gelenk::sundials {
 class ScaledSolver {
  public:
   // ida_memory: asked for cj; must outlive this.
-  ScaledSolver(const OdeSystem& system, void* ida_memory, SUNContext context);
+  ScaledSolver(const Equations& system, void* ida_memory, SUNContext context);
   ScaledSolver(const ScaledSolver&) = delete;
   ScaledSolver& operator=(const ScaledSolver&) = delete;
 

@@ -6,7 +6,7 @@
 
 namespace gelenk {
 
-SundialsIntegrator::SundialsIntegrator(OdeSystem& system) : system_(system), n_(system.size()), y_(new_vector()) {}
+SundialsIntegrator::SundialsIntegrator(Equations& system) : system_(system), n_(system.size()), y_(new_vector()) {}
 
 N_Vector SundialsIntegrator::new_vector() {
   N_Vector v =
@@ -58,7 +58,7 @@ int SundialsIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self
 
 int SundialsIntegrator::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* self, N_Vector, N_Vector,
                                  N_Vector) {
-  OdeSystem& system = static_cast<SundialsIntegrator*>(self)->system_;
+  Equations& system = static_cast<SundialsIntegrator*>(self)->system_;
   return system.jacobian(t, sundials::data(y), SUNDenseMatrix_Data(J)) ? 0 : 1;
 }
 

@@ -13,12 +13,12 @@ class SundialsIntegrator : public Integrator {
   void inputs_changed() final { jumped_ = true; }
   void advance(double end, double* y) final;
 
-  OdeSystem& system() const { return system_; }
+  Equations& system() const { return system_; }
 
  protected:
   enum class Step { made, too_small, not_finite, not_closed, stopped };
 
-  explicit SundialsIntegrator(OdeSystem& system);
+  explicit SundialsIntegrator(Equations& system);
   N_Vector new_vector();  // unknowns() zeros
 
   // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
@@ -44,7 +44,7 @@ class SundialsIntegrator : public Integrator {
   static int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* self, N_Vector, N_Vector, N_Vector);
 
   sundials::Context context_;
-  OdeSystem& system_;
+  Equations& system_;
   int n_;  // of y; of a DAE the multipliers are behind it in y_
   sundials::Vector y_;
   double t_ = 0;

@@ -45,7 +45,7 @@ class Island {
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
 
   // What the integrator sees, and where it stands; for checks. After a call of it, roll_back() is due.
-  OdeSystem& equations() { return *equations_; }
+  Equations& equations() { return *equations_; }
   const std::vector<double>& state() const { return y_; }
 
   // s: CPU time of one evaluation of the equations of motion at the present state, least of several. budget [s]: what

@@ -167,7 +167,7 @@ const std::vector<int>& Simulation::independent_coordinates() const { return imp
 std::string Simulation::assembly_report() const { return impl_->prepared.report; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
-OdeSystem& Simulation::equations(int island) {
+Equations& Simulation::equations(int island) {
   if (!impl_->initialized) throw UsageError("equations before initialize()");
   return impl_->islands.at(island)->equations();
 }

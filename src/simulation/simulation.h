@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "formulation/ode_system.h"
+#include "formulation/equations.h"
 #include "scene/scene.h"
 #include "simulation/preparation.h"
 #include "simulation/signals.h"
@@ -86,7 +86,7 @@ class Simulation {
 
   // Equations of island i as its integrator sees them, and the state (q, v) at which it stands; for checks. Calls of
   // the former leave outputs of this moment undefined.
-  OdeSystem& equations(int island);
+  Equations& equations(int island);
   const std::vector<double>& state(int island) const;
 
   // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "formulation/ode_system.h"
+#include "formulation/equations.h"
 
 #include <algorithm>
 
 namespace gelenk {
 
-bool OdeSystem::residual(double t, const double* x, const double* xdot, double* r) {
+bool Equations::residual(double t, const double* x, const double* xdot, double* r) {
   if (!rhs(t, x, r)) return false;
   for (int i = 0; i < size(); ++i) r[i] = xdot[i] - r[i];
   return true;
 }
 
-bool OdeSystem::residual_slopes(double t, const double* x, const double*, double* F_x, double* F_xdot) {
+bool Equations::residual_slopes(double t, const double* x, const double*, double* F_x, double* F_xdot) {
   if (!jacobian(t, x, F_x)) return false;
   const int n = size();
   for (int i = 0; i < n * n; ++i) F_x[i] = -F_x[i];

@@ -7,9 +7,9 @@
 
 namespace gelenk {
 
-class OdeSystem {
+class Equations {
  public:
-  virtual ~OdeSystem() = default;
+  virtual ~Equations() = default;
   virtual int size() const = 0;
   virtual int coordinates() const = 0;  // nq: how many of y are q
 
