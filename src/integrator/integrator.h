@@ -34,6 +34,12 @@ class Integrator {
   // Advances to `end` > t exactly and writes the state there to y. Throws IntegrationError and leaves y alone;
   // restart() is due then.
   virtual void advance(double end, double* y) = 0;
+  // Likewise, but for at least one step and no more than `most`, where the method can stop between: returns the time
+  // reached, of which y is the state.
+  virtual double advance_some(double end, double* y, long /*most*/) {
+    advance(end, y);
+    return end;
+  }
 
   long steps() const { return steps_; }
   long rejected_steps() const { return rejected_; }
@@ -56,6 +62,7 @@ std::span<const IntegratorKind> integrator_kinds();
 std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& system, const IntegratorOptions& options);
 
 // One per file.
+std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode_adams(Equations& system, const IntegratorOptions& options);

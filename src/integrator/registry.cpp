@@ -8,7 +8,8 @@
 namespace gelenk {
 namespace {
 
-constexpr std::array<IntegratorKind, 10> kinds = {{
+constexpr std::array<IntegratorKind, 11> kinds = {{
+    {"auto", "erk, and cvode where that is cheaper; ida for formulations with multipliers", make_automatic},
     {"erk", "explicit Runge-Kutta, adaptive steps, order by tolerance (ARKODE), projected after each step", make_erk},
     {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", make_ida},
     {"rk4", "the classical Runge-Kutta method of order 4 with fixed steps, projected after each step", make_rk4},

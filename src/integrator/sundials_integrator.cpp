@@ -2,6 +2,7 @@
 #include "integrator/sundials_integrator.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 
 namespace gelenk {
@@ -32,10 +33,23 @@ void SundialsIntegrator::add_kept_counts() {
 }
 
 void SundialsIntegrator::advance(double end, double* y) {
+  patience_end_ = -INFINITY;
+  advance_by(end, y, LONG_MAX);
+}
+
+double SundialsIntegrator::advance_some(double end, double* y, long most) {
+  advance_by(end, y, most);
+  return t_;
+}
+
+void SundialsIntegrator::advance_by(double end, double* y, long most) {
   const double start = t_;
-  Patience patience(start, end);
+  if (end != patience_end_) {
+    patience_ = Patience(start, end);
+    patience_end_ = end;
+  }
   prepare(end);
-  while (t_ < end) {
+  for (; t_ < end && most > 0; --most) {
     Step step = make_step(end);
     if (step != Step::made && jumped_ && t_ == start) {
       // A history that cannot be carried across the jump.
@@ -46,7 +60,7 @@ void SundialsIntegrator::advance(double end, double* y) {
     jumped_ = false;
     if (step != Step::made) fail(step, start);
     system_.accepted(t_, sundials::data(y_.get()));
-    patience.step_to(t_);
+    patience_.step_to(t_);
   }
   count();
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);

@@ -12,6 +12,7 @@ class SundialsIntegrator : public Integrator {
   void restart(double t, const double* y) final;
   void inputs_changed() final { jumped_ = true; }
   void advance(double end, double* y) final;
+  double advance_some(double end, double* y, long most) final;
 
   Equations& system() const { return system_; }
 
@@ -52,8 +53,11 @@ class SundialsIntegrator : public Integrator {
   bool jumped_ = false;  // the inputs are not those of the last step
 
  private:
+  void advance_by(double end, double* y, long most);
   [[noreturn]] void fail(Step step, double start);
 
+  Patience patience_{0, 0};
+  double patience_end_ = 0;  // s: of the advance that it is for
   long kept_steps_ = 0;
   long kept_rejected_ = 0;
 };

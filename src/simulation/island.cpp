@@ -6,8 +6,6 @@
 #include <ctime>
 #include <utility>
 
-#include "simulation/choose.h"
-
 namespace gelenk {
 namespace {
 
@@ -56,9 +54,7 @@ void Island::start_integrator(double tolerance) {
   options.tolerance = tolerance > 0 ? tolerance : scene_.experiment.tolerance;
   options.step = step_of(scene_);
   options.rho_inf = scene_.solver.rho_inf;
-  const bool dae = equations_->multipliers() > 0 && scene_.solver.integrator == "auto";
-  const std::string kind = dae ? "ida" : choose_integrator(scene_, mechanism(), *dynamics_, y_, u_);
-  integrator_ = make_integrator(kind, *equations_, options);
+  integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
 }

@@ -24,7 +24,7 @@ std::vector<std::string> formulations() {
 }
 
 std::vector<std::string> integrators() {
-  std::vector<std::string> names = {"auto"};
+  std::vector<std::string> names;
   for (const IntegratorKind& kind : integrator_kinds()) names.emplace_back(kind.name);
   return names;
 }

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `auto`: the explicit method, until an implicit one is cheaper. What each costs is counted while it runs, as
+// evaluations per simulated second, so the choice follows from what the run meets: stiffness that comes and goes,
+// inputs that jump, communication steps. Counts, not clocks: the same calls give the same bits.
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <cmath>
+#include <vector>
+
+#include "integrator/integrator.h"
+
+namespace gelenk {
+namespace {
+
+constexpr int stretch_steps = 100;  // what a price is taken from
+// Steps times the largest eigenvalue of df/dy: the explicit method is stable to about 4, and where it is accurate to
+// its tolerance alone, is seldom beyond 1.
+constexpr double suspicious = 1.0;
+constexpr double stable_reach = 4.0;
+constexpr int iterations = 8;          // of the power method for that eigenvalue
+constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
+constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
+
+// Costs in evaluations: measured on the flyball governor.
+constexpr std::array<double, 2> cost_of_step = {1, 3};
+double cost_of_jacobian(int size) { return 2.0 * size; }
+
+// Hands calls on and counts what they cost.
+class Counted final : public Equations {
+ public:
+  explicit Counted(Equations& counted) : counted_(counted) {}
+  double cost() const { return static_cast<double>(evaluations_) + cost_of_jacobian(size()) * jacobians_; }
+
+  int size() const override { return counted_.size(); }
+  int coordinates() const override { return counted_.coordinates(); }
+  bool rhs(double t, const double* y, double* ydot) override {
+    ++evaluations_;
+    return counted_.rhs(t, y, ydot);
+  }
+  bool jacobian(double t, const double* y, double* J) override {
+    ++jacobians_;
+    return counted_.jacobian(t, y, J);
+  }
+  bool project(double t, double* y) override { return counted_.project(t, y); }
+  void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
+  void accepted(double t, const double* y) override { counted_.accepted(t, y); }
+  std::string obstacle(const double* y) override { return counted_.obstacle(y); }
+
+ private:
+  Equations& counted_;
+  long evaluations_ = 0;
+  long jacobians_ = 0;
+};
+
+class Automatic final : public Integrator {
+ public:
+  Automatic(Equations& system, const IntegratorOptions& options)
+      : system_(system),
+        counted_(system),
+        methods_{make_erk(counted_, options), make_cvode(counted_, options)},
+        n_(system.size()),
+        y_(n_),
+        direction_(n_),
+        beside_(n_),
+        f_(n_),
+        f_beside_(n_) {
+    for (int i = 0; i < n_; ++i) direction_[i] = 1 + 0.3 * i / n_;
+  }
+
+  void restart(double t, const double* y) override {
+    t_ = t;
+    std::copy_n(y, n_, y_.begin());
+    methods_[current_]->restart(t_, y_.data());
+    stretch_ = {};
+  }
+
+  void inputs_changed() override { methods_[current_]->inputs_changed(); }
+
+  void advance(double end, double* y) override {
+    while (t_ < end) {
+      go_on(end);
+      if (stretch_.steps >= stretch_steps) review();
+    }
+    count();
+    std::ranges::copy(y_, y);
+  }
+
+ private:
+  enum Method { explicit_method, implicit_method };
+  struct Stretch {
+    double time = 0, cost = 0;  // s; evaluations
+    long steps = 0;
+    double price() const { return cost / time; }
+  };
+
+  void go_on(double end) {
+    const double cost = counted_.cost();
+    const long steps = methods_[current_]->steps();
+    const double start = t_;
+    try {
+      t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps - stretch_.steps);
+    } catch (const IntegrationError&) {
+      // Perhaps the other can; if not, its word is as good.
+      change_to(current_ == explicit_method ? implicit_method : explicit_method);
+      t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps);
+    }
+    stretch_.time += t_ - start;
+    stretch_.steps += methods_[current_]->steps() - steps;
+    stretch_.cost += counted_.cost() - cost;
+  }
+
+  // After each stretch: whether another method is worth a trial, or the trial was.
+  void review() {
+    stretch_.cost += cost_of_step[current_] * static_cast<double>(stretch_.steps);
+    const Stretch last = stretch_;
+    stretch_ = {};
+    if (trial_ > 0 && --trial_ > 0) return;  // a multistep method starts with small steps
+    const double before = price_[1 - current_];
+    price_[current_] = last.price();
+    if (on_trial_) {
+      on_trial_ = false;
+      if (price_[current_] < clearly * before) {
+        wait_ = 1;
+      } else {
+        waiting_ = wait_ = std::min(4 * wait_, longest_wait);
+        change_to(1 - current_);
+      }
+      return;
+    }
+    if (--waiting_ > 0) return;
+    if (current_ == explicit_method) {
+      if (fastest_rate() * last.time > suspicious * static_cast<double>(last.steps)) attempt(implicit_method);
+    } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {
+      attempt(explicit_method);
+    }
+  }
+
+  // What stability alone asks of the explicit method; an eighth-order step is 13 evaluations.
+  double least_explicit_price() { return 4 * 13 * fastest_rate() / stable_reach; }
+
+  void attempt(int method) {
+    on_trial_ = true;
+    trial_ = 2;
+    change_to(method);
+  }
+
+  void change_to(int method) {
+    current_ = method;
+    methods_[current_]->restart(t_, y_.data());
+  }
+
+  // Largest eigenvalue of df/dy at (t_, y_), by magnitude [1/s], by the power method on differences of f; the direction
+  // found last is a good one to begin with.
+  double fastest_rate() {
+    if (!system_.rhs(t_, y_.data(), f_.data())) return 0;
+    double size = 0;
+    for (const double y : y_) size += y * y;
+    const double h = 1e-7 * std::sqrt(1 + size);
+    double rate = 0;
+    for (int i = 0; i < iterations; ++i) {
+      double length = 0;
+      for (const double x : direction_) length += x * x;
+      length = std::sqrt(length);
+      if (!(length > 0 && std::isfinite(length))) break;
+      for (int k = 0; k < n_; ++k) beside_[k] = y_[k] + h * direction_[k] / length;
+      if (!system_.rhs(t_, beside_.data(), f_beside_.data())) break;
+      rate = 0;
+      for (int k = 0; k < n_; ++k) {
+        direction_[k] = (f_beside_[k] - f_[k]) / h;
+        rate += direction_[k] * direction_[k];
+      }
+      rate = std::sqrt(rate);
+    }
+    if (!(rate > 0 && std::isfinite(rate))) std::ranges::fill(direction_, 1.0);
+    return rate;
+  }
+
+  void count() {
+    steps_ = rejected_ = 0;
+    for (const auto& method : methods_) {
+      steps_ += method->steps();
+      rejected_ += method->rejected_steps();
+    }
+  }
+
+  Equations& system_;
+  Counted counted_;
+  std::array<std::unique_ptr<Integrator>, 2> methods_;
+  int n_;
+  int current_ = explicit_method;
+  double t_ = 0;
+  std::vector<double> y_;
+  Stretch stretch_;
+  std::array<double, 2> price_ = {INFINITY, INFINITY};  // evaluations per simulated second, when last used
+  bool on_trial_ = false;
+  int trial_ = 0;  // stretches of a trial that are still to come
+  int wait_ = 1, waiting_ = 1;
+  std::vector<double> direction_, beside_, f_, f_beside_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options) {
+  if (system.multipliers() > 0) return make_ida(system, options);
+  return std::make_unique<Automatic>(system, options);
+}
+
+}  // namespace gelenk
