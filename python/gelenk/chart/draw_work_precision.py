@@ -78,7 +78,7 @@ def _lines(axis: Any, study: Study, methods: Sequence[Method], field: str, label
             )  # fmt: skip
     axis.set_xscale("log")
     axis.set_yscale("log")
-    low = min(0.5 * digits, 1e-12)
+    low = min(0.5 * digits, 5e-13)
     axis.set_xlim(20.0, low)  # more digits to the right
     axis.axvspan(low, LIMIT * digits, color="#dddddd", zorder=0)
     axis.text(LIMIT * digits, 0.99, " at the reference's limit", rotation=90, fontsize=7, va="top", ha="left",

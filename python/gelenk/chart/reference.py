@@ -159,12 +159,13 @@ def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fail
 
 
 def against_published(case: Case, main: Recording) -> tuple[float, str] | None:
-    """(largest error against the published values, their source)."""
-    if not case.published:
-        return None
+    """(largest error against those published values that fall on samples, their source); None without any."""
     times: Array = case.grid[case.samples()]
+    seen = [p for p in case.published if np.abs(times - p[0]).min() < 1e-9 * case.stop]
+    if not seen:
+        return None
     worst = 0.0
-    for t, name, value in case.published:
+    for t, name, value in seen:
         row = int(np.argmin(np.abs(times - t)))
         found = main.course.states[row, main.names.index(name)]
         worst = max(worst, abs(float(found) - value) / max(1.0, abs(value)))

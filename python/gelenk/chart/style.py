@@ -55,4 +55,6 @@ def save(figure: Any, path: Path, dpi: int) -> None:
 
     whole = io.BytesIO()
     figure.savefig(whole, format="png", dpi=dpi)
-    Image.open(whole).convert("RGB").quantize(COLOURS_KEPT).save(path, optimize=True)
+    # By coverage: rare colours stay what they are.
+    few = Image.open(whole).convert("RGB").quantize(COLOURS_KEPT, Image.Quantize.MAXCOVERAGE)
+    few.save(path, optimize=True)

@@ -146,7 +146,7 @@ def waves(tasks: Sequence[Task]) -> list[list[tuple[int, int | None]]]:
 def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
     """The runs with the least CPU time of several, all of a scene in one process, by turns."""
     places = [k for k, run in enumerate(runs) if run.finished and run.cpu <= LONG]
-    if not places:
+    if not places or rounds == 0:
         return list(runs)
     call = (by_turns, ([tasks[k] for k in places], [runs[k].cpu for k in places], rounds), TIMING_LIMIT)
     (found,) = work_off([call], 1)
@@ -223,8 +223,9 @@ def regrets(runs: Sequence[Run], tolerances: Sequence[float] = REGRETTED) -> lis
 
 def observed_order(runs: Sequence[Run]) -> float:
     """Of a method with fixed steps: the median of log2(error(h) / error(h/2)) over neighbouring steps whose
-    errors lie clear of the reference's digits and below 0.1. NaN where no two do.
+    errors lie between rounding and the reference's digits below and 0.1 above. NaN where no two do.
     """
-    usable = sorted((r for r in runs if r.finished and 30 * r.digits < r.error < 0.1), key=lambda r: -r.step)
+    clear = [r for r in runs if r.finished and max(1e-11, 30 * r.digits) < r.error < 0.1]
+    usable = sorted(clear, key=lambda r: -r.step)
     orders = [math.log(a.error / b.error) / math.log(a.step / b.step) for a, b in itertools.pairwise(usable)]
     return statistics.median(orders) if orders else math.nan
