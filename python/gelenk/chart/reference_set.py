@@ -13,7 +13,7 @@ from gelenk.chart.scenes import stability_cases
 READY: dict[str, tuple[dict[str, float], str]] = {
     "pendulum": ({}, "A damped rod swings about a pin: one freedom, no loop."),
     "double_pendulum": ({}, "Two rods in a row, chaotic: errors grow by themselves."),
-    "free_body": ({}, "A body tumbles about its middle axis for 100 s: fast turns, and long rests between."),
+    "free_body": ({}, "A body turns about its middle axis for 100 s and tumbles over, again and again."),
     "cart_pole": ({"drive.f": 0.7}, "A pole falls from a cart that 0.7 N push."),
     "four_bar": ({}, "A planar loop falls and swings."),
     "five_bar": (

@@ -31,8 +31,12 @@ class _Worker:
         self.job = -1
         self.deadline = 0.0
         self.limit = 0.0
-        if not self.pipe.poll(PATIENCE) or self.pipe.recv() != "ready":
-            raise OSError("a process for the runs did not start")
+        try:
+            ready = self.pipe.poll(PATIENCE) and self.pipe.recv() == "ready"
+        except EOFError:
+            ready = False
+        if not ready:
+            raise OSError("a process for the runs did not start; a script needs `if __name__ == '__main__':`")
 
     def give(self, job: int, call: tuple[Callable[..., Any], tuple[Any, ...]], limit: float) -> None:
         self.job, self.limit = job, limit
