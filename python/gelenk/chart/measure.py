@@ -219,7 +219,7 @@ def compared(run: Run, course: Course, reference: Reference) -> Run:
     reason = ""
     if outcome is Outcome.WRONG:
         reason = (
-            "no two digits" if run.asked is None else f"error {error / run.asked:.1g} times the tolerance"
+            "no two digits" if run.asked is None else f"error {error / run.asked:.0f} times the tolerance"
         )
     return replace(
         run, outcome=outcome, error=error, digits=reference.digits, energy_error=drift, reason=reason

@@ -13,8 +13,8 @@ from gelenk.errors import UsageError
 # Integrators by colour, formulations by line and marker. Colours after Okabe & Ito and their darker kin.
 COLOURS = {
     "erk": "#0072B2", "ida": "#D55E00", "rk4": "#009E73", "euler": "#999999", "cvode": "#E69F00",
-    "cvode-adams": "#56B4E9", "dirk": "#CC79A7", "generalized-alpha": "#7F3C8D", "hht": "#11A579",
-    "newmark": "#A5AA99",
+    "cvode-adams": "#56B4E9", "dirk": "#CC79A7", "generalized-alpha": "#7F3C8D", "hht": "#8C564B",
+    "newmark": "#BCBD22",
 }  # fmt: skip
 LINES = {
     "projection": ("-", "o"), "baumgarte": ("--", "s"), "udwadia-kalaba": (":", "v"),
