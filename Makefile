@@ -57,7 +57,7 @@ tidy: $(VENV)/tools.stamp
 reductions: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/reductions.py
 
-# An hour on two cores; one run at a time, for times to be comparable.
+# Half an hour: one run at a time, for times to be comparable.
 charts: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/charts.py
 
