@@ -201,6 +201,7 @@ class DynamicsOf final : public Dynamics {
   const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
   Eigen::Map<const RowMatrix> J() const override { return {ws_.J.data(), model_.rows, model_.nv}; }
+  const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.pivot_ratio(); }
   void limit_rank(int rank) override { max_rank_ = rank; }

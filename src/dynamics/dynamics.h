@@ -105,6 +105,9 @@ class Dynamics {
   virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
+  // Stops of tree joints.
+  virtual const std::vector<JointStop>& stops() const = 0;
+
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };
 

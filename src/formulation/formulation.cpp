@@ -97,6 +97,15 @@ void Formulation::accepted(double t, const double* y) {
   if (!mechanism_.cuts.empty()) turns_.count(t, y);
 }
 
+void Formulation::switch_values(const double* y, double* g, double* gdot) const {
+  for (const JointStop& s : dynamics_.stops()) {
+    *g++ = y[s.q] - s.stop.upper;
+    *gdot++ = y[nq_ + s.v];
+    *g++ = s.stop.lower - y[s.q];
+    *gdot++ = -y[nq_ + s.v];
+  }
+}
+
 void Formulation::output_accelerations(double, const double* y, double* vdot) {
   dynamics_.set_position(y);
   dynamics_.factorise();

@@ -36,6 +36,9 @@ class Formulation : public Equations {
   // Unless a formulation says otherwise: quaternions are made unit again, no more.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
+  // Two for each stop of a tree joint: beyond its upper bound, beyond its lower.
+  int switches() const final { return 2 * static_cast<int>(dynamics_.stops().size()); }
+  void switch_values(const double* y, double* g, double* gdot) const final;
 
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   virtual void output_accelerations(double t, const double* y, double* vdot);

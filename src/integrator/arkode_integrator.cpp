@@ -42,6 +42,10 @@ double ArkodeIntegrator::next_step() const {
 
 void ArkodeIntegrator::prepare(double end) {
   choose_stepper(end);
+  begin(end);
+}
+
+void ArkodeIntegrator::begin(double end) {
   // A reset drops the derivative kept from the last step, which belongs to the former inputs, but not the step size.
   if (fresh_ || jumped_) ARKodeReset(memory_, t_, y_.get());
   fresh_ = false;
@@ -49,6 +53,9 @@ void ArkodeIntegrator::prepare(double end) {
 }
 
 ArkodeIntegrator::Step ArkodeIntegrator::make_step(double end) {
+  const void* before = memory_;
+  reconsider_stepper();
+  if (memory_ != before) begin(end);
   const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
   if (flag >= 0) return Step::made;
   if (flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE) return Step::too_small;

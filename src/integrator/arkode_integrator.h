@@ -24,6 +24,8 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void use(int stepper, double step);
   // Before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
+  // Before each of these steps.
+  virtual void reconsider_stepper() {}
   long attempts() const;     // of steps, by the stepper in use
   double next_step() const;  // s, likewise
 
@@ -31,8 +33,10 @@ class ArkodeIntegrator : public SundialsIntegrator {
 
  private:
   void prepare(double end) final;
+  void begin(double end);
   Step make_step(double end) final;
   double reached() const final;
+  bool steps_back() const final { return true; }
   void count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
 

@@ -45,6 +45,8 @@ class Counted final : public Equations {
   bool project(double t, double* y) override { return counted_.project(t, y); }
   void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
   void accepted(double t, const double* y) override { counted_.accepted(t, y); }
+  int switches() const override { return counted_.switches(); }
+  void switch_values(const double* y, double* g, double* gdot) const override { counted_.switch_values(y, g, gdot); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }
 
  private:

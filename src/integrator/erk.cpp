@@ -39,6 +39,8 @@ constexpr double safety = 0.8;
 // Below this the error test meets rounding.
 constexpr double least_tolerance = 1e-13;
 
+// Of steps of a lower rung in one communication step: it has met something.
+constexpr long most_attempts = 6;
 constexpr int longest_wait = 256;  // communication steps between two trials of another rung
 
 class Erk final : public ArkodeIntegrator {
@@ -59,6 +61,15 @@ class Erk final : public ArkodeIntegrator {
     const bool alike = steps > 0 && std::abs(length - length_) < 1e-6 * length;
     if (alike) climb(length, steps * ladder[rung_].stages);
     length_ = length;
+    attempts_before_ = attempts();
+  }
+
+  void reconsider_stepper() override {
+    if (rung_ == top_ || attempts() - attempts_before_ < most_attempts) return;
+    trial_ = false;
+    length_ = 0;  // the next communication step is not like this one
+    waiting_ = wait_ = std::min(2 * wait_, longest_wait);
+    go(top_, next_step());
     attempts_before_ = attempts();
   }
 

@@ -6,6 +6,12 @@
 #include <cmath>
 
 namespace gelenk {
+namespace {
+
+// Nearer to an end of the step than this part of it, a kink does no harm.
+constexpr double switch_share = 1e-9;
+
+}  // namespace
 
 SundialsIntegrator::SundialsIntegrator(Equations& system) : system_(system), n_(system.size()), y_(new_vector()) {}
 
@@ -37,6 +43,38 @@ void SundialsIntegrator::advance(double end, double* y) {
   advance_by(end, y, LONG_MAX);
 }
 
+void SundialsIntegrator::keep_start() {
+  const double* y = sundials::data(y_.get());
+  start_t_ = t_;
+  start_y_.assign(y, y + n_);
+  for (auto* values : {&start_g_, &start_gdot_, &g_, &gdot_}) values->resize(system_.switches());
+  system_.switch_values(y, start_g_.data(), start_gdot_.data());
+}
+
+// s: the first zero of a switch inside the step just made, by the cubic through values and rates at both ends; t_ if
+// there is none. The cubic is rough where the kink is inside, but the next one ends near it.
+double SundialsIntegrator::first_switch() const {
+  system_.switch_values(sundials::data(y_.get()), g_.data(), gdot_.data());
+  const double h = t_ - start_t_;
+  double first = 1;
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    if ((start_g_[i] < 0) == (g_[i] < 0)) continue;
+    const auto value = [&](double s) {
+      const double r = 1 - s;
+      return r * r * (1 + 2 * s) * start_g_[i] + s * s * (3 - 2 * s) * g_[i] +
+             s * r * h * (r * start_gdot_[i] - s * gdot_[i]);
+    };
+    double low = 0;
+    double high = 1;
+    for (int k = 0; k < 50; ++k) {
+      const double middle = (low + high) / 2;
+      ((value(middle) < 0) == (start_g_[i] < 0) ? low : high) = middle;
+    }
+    first = std::min(first, high);
+  }
+  return first > switch_share && first < 1 - switch_share ? start_t_ + first * h : t_;
+}
+
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
   advance_by(end, y, most);
   return t_;
@@ -48,17 +86,26 @@ void SundialsIntegrator::advance_by(double end, double* y, long most) {
     patience_ = Patience(start, end);
     patience_end_ = end;
   }
-  prepare(end);
+  const bool watched = steps_back() && system_.switches() > 0;
+  double target = end;
+  prepare(target);
   for (; t_ < end && most > 0; --most) {
-    Step step = make_step(end);
+    if (t_ >= target) prepare(target = end);
+    if (watched) keep_start();
+    Step step = make_step(target);
     if (step != Step::made && jumped_ && t_ == start) {
       // A history that cannot be carried across the jump.
       restart(start, y);
-      prepare(end);
-      step = make_step(end);
+      prepare(target);
+      step = make_step(target);
     }
     jumped_ = false;
     if (step != Step::made) fail(step, start);
+    if (const double at = watched ? first_switch() : t_; at < t_) {
+      restart(start_t_, start_y_.data());
+      prepare(target = at);
+      continue;
+    }
     system_.accepted(t_, sundials::data(y_.get()));
     patience_.step_to(t_);
   }

@@ -2,6 +2,8 @@
 // The way from one communication point to the next, which SUNDIALS' adaptive integrators share.
 #pragma once
 
+#include <vector>
+
 #include "integrator/integrator.h"
 #include "integrator/sundials.h"
 
@@ -28,6 +30,8 @@ class SundialsIntegrator : public Integrator {
   virtual Step make_step(double end) = 0;
   // How far the step that failed had come [s].
   virtual double reached() const = 0;
+  // Whether a step can be taken back and made shorter at no loss: then steps end at the zeros of the system's switches.
+  virtual bool steps_back() const { return false; }
   // Writes steps_ and rejected_.
   virtual void count() = 0;
 
@@ -54,8 +58,14 @@ class SundialsIntegrator : public Integrator {
 
  private:
   void advance_by(double end, double* y, long most);
+  void keep_start();
+  double first_switch() const;
   [[noreturn]] void fail(Step step, double start);
 
+  // At the start of a step, for systems with switches.
+  double start_t_ = 0;
+  std::vector<double> start_y_, start_g_, start_gdot_;
+  mutable std::vector<double> g_, gdot_;
   Patience patience_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
   long kept_steps_ = 0;
