@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scene/text.h"
+#include "simulation/report.h"
 
 namespace gelenk {
 namespace {
@@ -92,6 +93,7 @@ void Instance::step(double current, double h) {
                      text::number(stop_) + " s of fmi2SetupExperiment");
   }
   Clock next = clock_;
+  const long passages = plant_.singular_positions();
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
   } catch (const StepError&) {
@@ -101,6 +103,9 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
+  if (plant_.singular_positions() > passages) {
+    log_.say(Category::warning, describe_singular_position(plant_.last_singular_position()));
+  }
 }
 
 void Instance::enter(Mode mode) {

@@ -11,6 +11,8 @@ fmi2Status status_of(Category category) {
   switch (category) {
     case Category::events:
       break;
+    case Category::warning:
+      return fmi2Warning;
     case Category::discard:
       return fmi2Discard;
     case Category::error:

@@ -31,10 +31,11 @@ struct LogCategory {
   const char* description;
 };
 
-// Standard names of FMI 2.0, section 2.2.4. Errors and discards are told unless the master declines.
-enum class Category : unsigned { events, discard, error };
-inline constexpr std::array<LogCategory, 3> log_categories = {{
+// Standard names of FMI 2.0, section 2.2.4. Warnings, discards and errors are told unless the master declines.
+enum class Category : unsigned { events, warning, discard, error };
+inline constexpr std::array<LogCategory, 4> log_categories = {{
     {"logEvents", "what assembly found, changes of the instance's mode"},
+    {"logStatusWarning", "singular positions passed, where loops could go on by another branch"},
     {"logStatusDiscard", "steps that could not be made"},
     {"logStatusError", "wrong calls and why they were refused"},
 }};

@@ -105,4 +105,8 @@ void Plant::set(int variable, double value) {
   simulation_.reset();
 }
 
+long Plant::singular_positions() {
+  return std::lround(simulation_->diagnostic(static_cast<int>(Diagnostic::singular_positions)));
+}
+
 }  // namespace gelenk

@@ -51,6 +51,9 @@ class Plant {
   // As Simulation's; assembled plants only.
   void step_to(double end) { simulation_->step_to(end); }
   double time() const { return simulation_ ? simulation_->time() : start_; }
+  // Passed since the start, and about when the last one was [s].
+  long singular_positions();
+  double last_singular_position() const { return simulation_->last_singular_position(); }
   std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
 
  private:

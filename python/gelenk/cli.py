@@ -151,6 +151,19 @@ def simulate(
             _write(e.result, output)
         raise
     _write(result, output)
+    _tell_passages(result)
+
+
+def _tell_passages(result: Result) -> None:
+    if not result.singular_positions:
+        return
+    times = ", ".join(f"{t:g}" for t in result.singular_positions[:5])
+    more = len(result.singular_positions) - 5
+    print(
+        f"passed singular positions, where loops could go on by another branch, before t = {times}"
+        f"{f' and {more} more' if more > 0 else ''} s",
+        file=sys.stderr,
+    )
 
 
 def _settings(given: list[str]) -> dict[str, gelenk.scene.Value]:

@@ -25,6 +25,9 @@ class Result:
         self.units = dict(units)
         #: What assembly found, in words; empty when the plant does not tell.
         self.assembly_report = ""
+        #: Times [s] of the rows before which a singular position was passed, where loops could have gone on
+        #: by another branch; empty when the plant does not tell.
+        self.singular_positions: tuple[float, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

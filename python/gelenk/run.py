@@ -19,6 +19,7 @@ from gelenk.result import Result
 from gelenk.scene import Scene, Value, load, number, unknown
 from gelenk.scene_plant import ScenePlant
 
+PASSAGES = "solver.singular_positions"  # how many were passed
 MOST_NUMBERS = 500_000_000  # of a result, 4 GB
 
 
@@ -85,6 +86,8 @@ def simulate(
             raise UsageError(
                 f"{len(times)} rows of {1 + len(names)} columns would not fit; choose a longer step"
             )
+        watched = [PASSAGES] if PASSAGES in opened.units and PASSAGES not in names else []
+        opened.select([*names, *watched])
         tolerance = None if "solver.tolerance" in settings else tolerance
         opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()})
         return _run(opened, times, names, signals, progress)
@@ -150,7 +153,6 @@ def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
     faults += [f"{name}: asked for twice" for name in dict.fromkeys(names) if names.count(name) > 1]
     if faults:
         raise UsageError("\n".join(faults))
-    plant.select(names)
     return names
 
 
@@ -163,12 +165,16 @@ def _run(
 ) -> Result:
     rows = np.empty((len(times), 1 + len(names)))
     rows[:, 0] = times
-    rows[0, 1:] = plant.read()
+    rows[0, 1:] = plant.read()[: len(names)]
     stop = float(times[-1])
+    passages: list[float] = []
+    passed = names.index(PASSAGES) if PASSAGES in names else len(names)
+    count = 0.0
 
     def result(count: int) -> Result:
         found = Result(names, rows[:count], {name: plant.units[name] for name in names})
         found.assembly_report = plant.assembly_report
+        found.singular_positions = tuple(passages)
         return found
 
     for k in range(1, len(times)):
@@ -178,7 +184,11 @@ def _run(
             plant.set_input(name, signal(t))
         try:
             plant.advance(t, end)
-            rows[k, 1:] = plant.read()
+            values = plant.read()
+            rows[k, 1:] = values[: len(names)]
+            if passed < len(values) and values[passed] > count:
+                count = float(values[passed])
+                passages.append(end)
         except StepError as e:
             e.result = result(k)
             raise

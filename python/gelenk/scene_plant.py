@@ -60,9 +60,8 @@ class ScenePlant(Plant):
         values = self._simulation.values(self._selection)
         if not self._diagnostics:
             return values
-        health = self._simulation.diagnostics
         places = [i - k for k, (i, _) in enumerate(self._diagnostics)]
-        return np.insert(values, places, [health[name] for _, name in self._diagnostics])
+        return np.insert(values, places, [self._simulation.diagnostic(name) for _, name in self._diagnostics])
 
     @override
     def close(self) -> None:

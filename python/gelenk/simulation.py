@@ -36,6 +36,7 @@ class Simulation:
         #: Health of the run: tuple of signals; their values are in `diagnostics`.
         self.diagnostic_signals = tuple(self._core.diagnostics)
         self._input = {s.name: i for i, s in enumerate(self.inputs)}
+        self._diagnostic = {s.name: i for i, s in enumerate(self.diagnostic_signals)}
         self._output = {s.name: i for i, s in enumerate(self.outputs)}
 
     def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
@@ -90,6 +91,10 @@ class Simulation:
         if names is None:
             return self._core.read_outputs(range(len(self.outputs)))
         return self._core.read_outputs([self._index(name, "output", self._output) for name in names])
+
+    def diagnostic(self, name: str) -> float:
+        """One of `diagnostics`, read alone. Raises UsageError for an unknown name."""
+        return self._core.diagnostic(self._index(name, "diagnostic", self._diagnostic))
 
     @property
     def diagnostics(self) -> dict[str, float]:

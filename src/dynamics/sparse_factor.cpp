@@ -12,7 +12,7 @@ SparseFactor::SparseFactor(std::vector<int> parent)
 int SparseFactor::factorise() {
   for (int k = n_ - 1; k >= 0; --k) {
     double* row_k = &L_[static_cast<std::size_t>(k) * n_];
-    if (!(row_k[k] > 0)) return k;
+    if (row_k[k] <= 0) return k;  // what is no number shows in the accelerations
     row_k[k] = std::sqrt(row_k[k]);
     const double inverse = 1 / row_k[k];
     for (int i = parent_[k]; i >= 0; i = parent_[i]) row_k[i] *= inverse;

@@ -44,6 +44,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (at == nullptr) return false;
   dynamics_.set_position(at);
   if (!accelerate(t, at, ydot + nq_)) return false;
+  if (rows() > 0) passages_.seen(t, dynamics_.pivot_ratio());
   dynamics_.rate(at, at + nq_, ydot);
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
@@ -62,6 +63,7 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
 
 bool Formulation::jacobian(double t, const double* y, double* J) {
   ydot_.resize(size());
+  ++jacobians_;
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
   differentiate(ydot_.data() + nq_, out);
@@ -95,6 +97,7 @@ bool Formulation::project(double, double* y) {
 
 void Formulation::accepted(double t, const double* y) {
   if (!mechanism_.cuts.empty()) turns_.count(t, y);
+  if (rows() > 0) passages_.accepted(t);
 }
 
 void Formulation::switch_values(const double* y, double* g, double* gdot) const {
@@ -113,7 +116,10 @@ void Formulation::output_accelerations(double, const double* y, double* vdot) {
   dynamics_.solve(u_.data(), vdot);
 }
 
-void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) { turns_.count_from(cut_q, t, y); }
+void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
+  turns_.count_from(cut_q, t, y);
+  passages_.restart(t);
+}
 
 // Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.
 double Formulation::rounding(const double* q) const {

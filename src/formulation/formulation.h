@@ -13,6 +13,7 @@
 
 #include "dynamics/dynamics.h"
 #include "formulation/equations.h"
+#include "formulation/passages.h"
 #include "formulation/turns.h"
 
 namespace gelenk {
@@ -42,6 +43,10 @@ class Formulation : public Equations {
 
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   virtual void output_accelerations(double t, const double* y, double* vdot);
+
+  long jacobians() const { return jacobians_; }  // made since construction
+  // Singular positions since the start.
+  const Passages& passages() const { return passages_; }
 
   const std::vector<double>& cut_coordinates() const { return turns_.coordinates(); }
   // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
@@ -89,6 +94,8 @@ class Formulation : public Equations {
   double rounding(const double* q) const;
 
   TurnCounter turns_;
+  Passages passages_;
+  long jacobians_ = 0;
   double length_;  // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };

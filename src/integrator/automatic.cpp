@@ -102,10 +102,17 @@ class Automatic final : public Integrator {
     const double start = t_;
     try {
       t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps - stretch_.steps);
-    } catch (const IntegrationError&) {
-      // Perhaps the other can; if not, its word is as good.
-      change_to(current_ == explicit_method ? implicit_method : explicit_method);
-      t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps);
+    } catch (const IntegrationError& first) {
+      change_to(1 - current_);  // perhaps the other can
+      try {
+        t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps);
+      } catch (const IntegrationError&) {
+        throw IntegrationError(first);
+      }
+      on_trial_ = false;
+      trial_ = 0;
+      stretch_ = {};
+      return;
     }
     stretch_.time += t_ - start;
     stretch_.steps += methods_[current_]->steps() - steps;

@@ -72,7 +72,9 @@ double SundialsIntegrator::first_switch() const {
     }
     first = std::min(first, high);
   }
-  return first > switch_share && first < 1 - switch_share ? start_t_ + first * h : t_;
+  const double at = start_t_ + first * h;
+  const double nearest = std::max(switch_share * h, 1e-15 * std::abs(t_));  // as near as times can be told apart
+  return at > start_t_ + nearest && at < t_ - nearest ? at : t_;
 }
 
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
@@ -104,6 +106,7 @@ void SundialsIntegrator::advance_by(double end, double* y, long most) {
     if (const double at = watched ? first_switch() : t_; at < t_) {
       restart(start_t_, start_y_.data());
       prepare(target = at);
+      patience_.step_to(t_);
       continue;
     }
     system_.accepted(t_, sundials::data(y_.get()));

@@ -99,7 +99,8 @@ void check_names(const Scene& scene, Faults& faults) {
   names.take(always, "constraints", {"position", "velocity"});
   names.take(always, "energy", {"kinetic", "potential", "total"});
   names.take(always, "solver",
-             {"steps", "evaluations", "rejected_steps", "tolerance", "formulation", "integrator", "step"});
+             {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "tolerance", "formulation",
+              "integrator", "step"});
   for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
   for (const Motor& motor : scene.motors) names.take("motors." + motor.name, motor.name, motor_suffixes(scene, motor));

@@ -42,6 +42,9 @@ class Island {
 
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
+  long singular_positions() const { return equations_->passages().count(); }
+  double last_singular_position() const { return equations_->passages().last(); }  // s
+  long jacobians() const { return equations_->jacobians(); }
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
 
   // What the integrator sees, and where it stands; for checks. After a call of it, roll_back() is due.

@@ -96,6 +96,18 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
          "carries";
 }
 
+std::string describe_singular_position(double t) {
+  return "t = " + text::rounded(t) +
+         " s: passed a singular position, where loops could go on by another branch; it stayed on the one on which it "
+         "came";
+}
+
+std::string describe_lost_inertia(double t, const std::string& link) {
+  return "after t = " + text::rounded(t) + " s: the inertia seen at bodies." + link +
+         " is no longer positive: the motion has grown beyond bounds (steps too long for the method?), or the body has "
+         "come to move without inertia";
+}
+
 std::string describe_refusal(const std::string& cause, double good_time) {
   return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
 }

@@ -21,7 +21,13 @@ std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 // A link that moves without inertia.
 std::string describe_massless(const Scene& scene, const std::string& link);
 
+// The same of a link that had inertia at the start; t [s]: of the last good state.
+std::string describe_lost_inertia(double t, const std::string& link);
+
 // A step that was refused.
 std::string describe_refusal(const std::string& cause, double good_time);
+
+// A singular position that was passed about t [s].
+std::string describe_singular_position(double t);
 
 }  // namespace gelenk

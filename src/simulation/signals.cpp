@@ -132,6 +132,10 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::evaluations, "solver.evaluations", "1",
       "evaluations of the equations of motion since initialisation");
   set(Diagnostic::rejected_steps, "solver.rejected_steps", "1", "steps tried and given up since initialisation");
+  set(Diagnostic::jacobians, "solver.jacobians", "1",
+      "Jacobian matrices made for implicit methods since initialisation");
+  set(Diagnostic::singular_positions, "solver.singular_positions", "1",
+      "singular positions passed since initialisation, where loops could go on by another branch");
   return signals;
 }
 

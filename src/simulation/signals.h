@@ -36,8 +36,10 @@ enum class Diagnostic : int {
   steps,                // of the integrator since initialize()
   evaluations,          // of the equations of motion since initialize()
   rejected_steps,       // tried and given up, since initialize()
+  jacobians,            // exact df/dy made for implicit methods, since initialize()
+  singular_positions,   // passed since initialize(), where a loop's rows lose rank for a moment
 };
-inline constexpr int diagnostic_count = 8;
+inline constexpr int diagnostic_count = 10;
 
 std::vector<Signal> diagnostic_signals();
 

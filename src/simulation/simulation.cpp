@@ -112,7 +112,7 @@ void Simulation::Impl::advance(double end) {
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {
-    cause = describe_massless(scene, fault.what());
+    cause = describe_lost_inertia(time, fault.what());
   }
   for (std::size_t i = 0; i <= moved; ++i) islands[i]->roll_back();
   throw StepError(describe_refusal(cause, time));
@@ -166,6 +166,12 @@ const std::vector<Signal>& Simulation::diagnostics() const { return impl_->diagn
 const std::vector<int>& Simulation::independent_coordinates() const { return impl_->independent; }
 std::string Simulation::assembly_report() const { return impl_->prepared.report; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
+
+double Simulation::last_singular_position() const {
+  double last = -INFINITY;
+  for (const auto& island : impl_->islands) last = std::max(last, island->last_singular_position());
+  return last;
+}
 
 Equations& Simulation::equations(int island) {
   if (!impl_->initialized) throw UsageError("equations before initialize()");
@@ -226,6 +232,12 @@ double Simulation::diagnostic(int index) {
       return sum;
     case Diagnostic::rejected_steps:
       over_islands([](Island& i) { return i.rejected_steps(); });
+      return sum;
+    case Diagnostic::jacobians:
+      over_islands([](Island& i) { return i.jacobians(); });
+      return sum;
+    case Diagnostic::singular_positions:
+      over_islands([](Island& i) { return i.singular_positions(); });
       return sum;
     case Diagnostic::evaluations:
       over_islands([](Island& i) { return i.evaluations(); });

@@ -81,6 +81,9 @@ class Simulation {
   // What assembly found, in words: the branch (start values of every joint) and what it changed.
   std::string assembly_report() const;
 
+  // s: about when the last singular position was passed (diagnostic singular_positions); -infinity: none was.
+  double last_singular_position() const;
+
   // The scene as it is reduced and stands at its start. Known after initialize().
   const PreparedScene& prepared() const;
 

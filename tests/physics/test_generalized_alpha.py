@@ -17,10 +17,11 @@ import pytest
 from mechanisms import Scene, body, frame, joint, scene
 
 import gelenk
+from gelenk.chart.mechanisms import governor
 
 from .running import Recording, assert_close, record
 from .test_bricard import bricard
-from .test_integrators import MOTIONS, governor, states
+from .test_integrators import MOTIONS, states
 from .test_parallelograms import falling, windows
 from .test_singular_passages import tip
 

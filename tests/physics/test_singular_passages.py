@@ -8,6 +8,7 @@ all bars in line, twice a turn. There each window could turn into its mirror ima
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ import gelenk
 from . import reducible
 from .running import assert_close, run
 from .test_parallelograms import falling, windows
+
+ROOT = Path(__file__).parents[2]
 
 
 def tip(phi: np.ndarray) -> np.ndarray:
@@ -91,3 +94,31 @@ def test_torques_may_jump_while_passing(n: int, step: float, tolerance: float) -
     assert tip_error < max(1e-5, 100 * tolerance), "steps of 0.1 s reach 7e-6 m in 10 s at 1e-6"
     # There the rows ask for what is an error of the state over a distance that vanishes.
     assert a_error < 5e-3, "1e-3 rad/s2 with ten windows, of some 20"
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize(("n", "points"), [(1, 40), (1, 2000), (2, 200), (10, 2000)])
+def test_every_passage_is_told(n: int, points: int, tolerance: float) -> None:
+    """The cranks of a falling N-four-bar lie flat, all bars in line, where cos(phi) = 0."""
+    source = windows(n, 0.0, 1.0) | {"experiment": {"stop": 10, "step": 10 / points, "tolerance": tolerance}}
+    found = gelenk.simulate(source, outputs=["tip.r[1]", "solver.singular_positions"])
+    fine = np.linspace(0, 10, 100001)
+    flat = fine[1:][np.diff(np.sign(np.cos(falling(n, 0.0, 1.0, fine)))) != 0]
+    assert found["solver.singular_positions"][-1] == len(flat) > 5
+    if points > 40:  # one at most between two of them
+        assert_close(
+            "times", np.array(found.singular_positions), flat, 2.5 * 10 / points, "told by the next points"
+        )
+
+
+def test_parallelogram_keeps_its_branch_at_twenty_passages() -> None:
+    """Full turns of one window: the energy of 3 rad/s at the top carries it through 20 change points."""
+    times = np.linspace(0, 20, 2001)
+    found = run(windows(1, 0.0, 1.0), times, tolerance=1e-8)
+    assert found["solver.singular_positions"][-1] >= 20
+    assert_close("couple", found["A0.phi"] - found["A1.phi"], np.zeros(len(times)), 1e-7, "it stays parallel")
+
+
+@pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar", "andrews"])
+def test_what_is_not_singular_is_not_told(name: str) -> None:
+    assert gelenk.simulate(ROOT / "scenes" / f"{name}.yaml").singular_positions == ()
