@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import gelenk
 import numpy as np
+
+import gelenk
 
 from .running import assert_close, run
 
