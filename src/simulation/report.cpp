@@ -97,9 +97,7 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
 }
 
 std::string describe_singular_position(double t) {
-  return "t = " + text::rounded(t) +
-         " s: passed a singular position, where loops could go on by another branch; it stayed on the one on which it "
-         "came";
+  return "t = " + text::rounded(t) + " s: passed a singular position, where loops could go on by another branch";
 }
 
 std::string describe_lost_inertia(double t, const std::string& link) {
