@@ -13,7 +13,7 @@ from gelenk.chart.mechanisms import windows
 
 
 def test_singular_positions_are_logged_as_warnings(tmp_path: Path) -> None:
-    """A falling parallelogram has its bars in line at t = 0.7088 and 1.2160 s (its pendulum by quadrature)."""
+    """A falling parallelogram has its bars in line at 0.7088 and 1.2160 s (its pendulum by quadrature)."""
     fmu = gelenk.export_fmu(windows(1), tmp_path / "w.fmu")
     said: list[tuple[int, bytes, str]] = []
 
