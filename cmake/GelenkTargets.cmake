@@ -34,6 +34,7 @@ if(fmu_sources)
   target_link_options(gelenk_fmu PRIVATE
     -static-libgcc -static-libstdc++
     -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free  # fmu/memory.h
     $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>
     $<$<CONFIG:Release>:-Wl,--strip-all>)
   set_target_properties(gelenk_fmu PROPERTIES

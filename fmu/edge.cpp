@@ -38,8 +38,7 @@ fmi2Status report_exception(Instance& instance, const char* function) noexcept {
   } catch (const std::invalid_argument& error) {
     return say(instance, Category::error, fmi2Error, function, error.what());
   } catch (const std::bad_alloc&) {
-    instance.fail();
-    return say(instance, Category::error, fmi2Error, function, "no memory left; reset or free the instance");
+    return report_famine(instance, function);
   } catch (const std::exception& error) {
     instance.fail();
     return say(instance, Category::error, fmi2Error, function,
@@ -50,8 +49,17 @@ fmi2Status report_exception(Instance& instance, const char* function) noexcept {
   }
 }
 
+fmi2Status report_famine(Instance& instance, const char* function) noexcept {
+  instance.fail();
+  return say(instance, Category::error, fmi2Error, function, "no memory left; reset or free the instance");
+}
+
 fmi2Status refuse(Instance& instance, const char* function, const std::string& why) {
   return say(instance, Category::error, fmi2Error, function, why);
+}
+
+fmi2Status discard(Instance& instance, const char* function, const std::string& why) {
+  return say(instance, Category::discard, fmi2Discard, function, why);
 }
 
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept {

@@ -7,7 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "fmu/floats.h"
 #include "fmu/instance.h"
+#include "fmu/memory.h"
 
 namespace gelenk {
 
@@ -20,8 +22,14 @@ inline constexpr unsigned assembled = between_steps | Mode::initialization | Mod
 // Turns the exception in flight into a status and one log line. `function` is the FMI function's name.
 fmi2Status report_exception(Instance& instance, const char* function) noexcept;
 
+// The call was made, but with the last memory: the instance can only be reset or freed. Returns fmi2Error.
+fmi2Status report_famine(Instance& instance, const char* function) noexcept;
+
 // Says why a call is refused; returns fmi2Error.
 fmi2Status refuse(Instance& instance, const char* function, const std::string& why);
+
+// Says why there is nothing to tell; returns fmi2Discard.
+fmi2Status discard(Instance& instance, const char* function, const std::string& why);
 
 // Whether the instance is in one of the modes; if not, the log says what is wrong.
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept;
@@ -31,9 +39,12 @@ template <class Body>
 fmi2Status call(fmi2Component component, const char* function, unsigned modes, Body&& body) noexcept {
   auto* instance = static_cast<Instance*>(component);
   if (instance == nullptr) return fmi2Error;
+  const PlainFloats floats;
+  const MemoryReserve memory;
   if (!allowed(*instance, function, modes)) return fmi2Error;
   try {
-    return std::forward<Body>(body)(*instance);
+    const fmi2Status status = std::forward<Body>(body)(*instance);
+    return status == fmi2OK && memory.drawn() ? report_famine(*instance, function) : status;
   } catch (...) {
     return report_exception(*instance, function);
   }

@@ -2,8 +2,10 @@
 // Instances come, change their mode, and go.
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <optional>
 
 #include "fmu/edge.h"
@@ -12,16 +14,23 @@
 namespace gelenk {
 namespace {
 
+std::string read_file(const std::filesystem::path& path) {
+  std::error_code none;
+  errno = std::filesystem::is_directory(path, none) ? EISDIR : 0;
+  std::ifstream file;
+  if (errno == 0) file.open(path, std::ios::binary);
+  if (errno == 0 && file) {
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    if (file) return content;
+  }
+  throw UsageError("the scene " + path.string() +
+                   " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
+}
+
 std::shared_ptr<const PlantModel> load(const char* location, const std::string& guid) {
   if (location == nullptr) throw UsageError("resource location: found nothing, expected the FMU's resources directory");
   const std::filesystem::path path = directory_of_uri(location) / "scene.json";
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  const std::string json{std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
-    throw UsageError("the scene " + path.string() +
-                     " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
-  }
+  const std::string json = read_file(path);
   auto model = std::make_shared<const PlantModel>(json, path.string());
   if (guid != model->guid) {
     throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
@@ -41,7 +50,12 @@ fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const
   try {
     if (log.instance_name().empty()) throw UsageError("instance name: found nothing, expected a name");
     why = refusal(type, guid);
-    if (why.empty()) return new Instance(load(location, guid), log);
+    if (why.empty()) {
+      const MemoryReserve memory;
+      auto instance = std::make_unique<Instance>(load(location, guid), log);
+      if (!memory.drawn()) return instance.release();
+      why = "no memory left";
+    }
   } catch (const SceneError& error) {
     for (const std::string& line : error.lines()) why += (why.empty() ? "" : "; ") + line;
   } catch (const std::exception& error) {
@@ -66,6 +80,7 @@ const char* fmi2GetVersion() { return "2.0"; }
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions* functions,
                               fmi2Boolean /*visible*/, fmi2Boolean loggingOn) {
+  const gelenk::PlainFloats floats;
   try {
     return gelenk::instantiate(
         gelenk::Log(functions, instanceName != nullptr ? instanceName : "", loggingOn != fmi2False), fmuType, fmuGUID,

@@ -21,6 +21,19 @@ fmi2Status status_of(Category category) {
   return fmi2OK;
 }
 
+// Bytes of the UTF-8 character at the beginning of a text that is not empty; 0: there is none.
+std::size_t character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  }
+  return length;
+}
+
 }  // namespace
 
 Log::Log(const fmi2CallbackFunctions* callbacks, std::string instance_name, bool events)
@@ -59,9 +72,16 @@ void Log::say(Category category, std::string_view sentence) const {
 
 std::string as_format(std::string_view text) {
   std::string out;
-  for (const char c : text) {
-    out += c;
-    if (c == '%') out += c;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = character(text.substr(i));
+    if (length == 0 || static_cast<unsigned char>(text[i]) < ' ') {
+      out += length == 0 ? '?' : ' ';
+      ++i;
+      continue;
+    }
+    out += text.substr(i, length);
+    if (text[i] == '%') out += '%';
+    i += length;
   }
   return out;
 }

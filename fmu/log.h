@@ -34,7 +34,8 @@ class Log {
   std::array<bool, n> on_{};
 };
 
-// The text as printf prints it back: each % doubled. Loggers take the message for a format.
+// The text as printf prints it back, each % doubled, since loggers take the message for a format; on one line, and in
+// UTF-8, as strings of FMI are: other bytes (of a damaged file) become question marks.
 std::string as_format(std::string_view text);
 
 }  // namespace gelenk

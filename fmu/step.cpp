@@ -13,7 +13,8 @@ fmi2Status tell(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2
                 Value&& fact) noexcept {
   return call(c, function, stepped, [&](Instance& instance) {
     if (value == nullptr) return refuse(instance, function, "value: found nothing, expected where to write it");
-    if (kind != known) return fmi2Discard;
+    if (kind != known)
+      return discard(instance, function, "not known; this FMU tells fmi2LastSuccessfulTime and fmi2Terminated");
     *value = fact(instance);
     return fmi2OK;
   });
@@ -21,7 +22,9 @@ fmi2Status tell(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2
 
 // Statuses that only a slave with steps running in the background has.
 fmi2Status nothing_pending(fmi2Component c, const char* function) noexcept {
-  return call(c, function, stepped, [](Instance&) { return fmi2Discard; });
+  return call(c, function, stepped, [function](Instance& instance) {
+    return discard(instance, function, "no step is running: fmi2DoStep returns when it is done");
+  });
 }
 
 }  // namespace

@@ -69,8 +69,9 @@ std::filesystem::path directory_of_uri(std::string_view location) {
     rest.remove_prefix(drive ? 2 : slash);
   }
   while (rest.starts_with("//")) rest.remove_prefix(1);
-  if (rest.size() >= 3 && rest[0] == '/' && is_letter(rest[1]) && rest[2] == ':') rest.remove_prefix(1);
-  return std::filesystem::path(unescaped(rest, location));
+  std::string path = unescaped(rest, location);
+  if (path.size() >= 3 && path[0] == '/' && is_letter(path[1]) && path[2] == ':') path.erase(0, 1);
+  return std::filesystem::path(path);
 }
 
 }  // namespace gelenk

@@ -70,12 +70,17 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
     const bool running = (between_steps & static_cast<unsigned>(instance.mode())) != 0;
     for (size_t i = 0; i < count; ++i) {
       const Variable& v = plant.catalogue().variables()[references[i]];
-      if (running && v.source == Source::parameter) {
-        return refuse(instance, function, v.name + " is a parameter: it can be set until fmi2ExitInitializationMode");
+      if (running && v.variability == Variability::fixed) {
+        return refuse(instance, function,
+                      v.name + " is a fixed parameter: it can be set until fmi2ExitInitializationMode");
       }
       plant.check(static_cast<int>(references[i]), static_cast<double>(values[i]));
     }
-    for (size_t i = 0; i < count; ++i) plant.set(static_cast<int>(references[i]), static_cast<double>(values[i]));
+    for (size_t i = 0; i < count; ++i) {
+      const int variable = static_cast<int>(references[i]);
+      const auto value = static_cast<double>(values[i]);
+      running ? plant.tune(variable, value) : plant.set(variable, value);
+    }
     return fmi2OK;
   });
 }

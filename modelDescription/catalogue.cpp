@@ -2,6 +2,7 @@
 #include "modelDescription/catalogue.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "joint/registry.h"
@@ -11,17 +12,26 @@
 namespace gelenk {
 namespace {
 
+std::string type_of_unit(const std::string& unit) {
+  const std::string_view measured = quantity(unit);
+  return measured.empty() ? std::string() : "Gelenk." + std::string(measured);
+}
+
 Variable described(const Signal& signal, Causality causality, Source source, std::size_t index) {
   Variable v;
   v.name = signal.name;
   v.description = signal.description;
   v.unit = signal.unit;
   v.display_unit = default_display_unit(signal.unit);
+  v.type_name = type_of_unit(signal.unit);
   v.causality = causality;
   v.source = source;
   v.index = static_cast<int>(index);
   return v;
 }
+
+// The nearest; 0 for 0.
+double power_of_ten(double x) { return x > 0 ? std::pow(10.0, std::round(std::log10(x))) : 0; }
 
 // Whether speed i is the rate of coordinate i; of a quaternion's components no speed is.
 bool is_rate_of_coordinate(const JointKind& kind, int i) {
@@ -51,6 +61,7 @@ Catalogue::Catalogue(const Scene& scene) {
     }
   }
   add_diagnostics();
+  add_sizes(scene);
 }
 
 const Variable* Catalogue::find(unsigned value_reference) const {
@@ -89,9 +100,9 @@ void Catalogue::add_parameters(const Scene& scene) {
     v.description = p.description;
     v.unit = p.unit;
     v.display_unit = default_display_unit(p.unit);
-    if (p.type == ParameterType::enumeration) v.type_name = "Gelenk." + p.name;
+    v.type_name = p.type == ParameterType::enumeration ? "Gelenk." + p.name : type_of_unit(p.unit);
     v.causality = Causality::parameter;
-    v.variability = Variability::fixed;
+    v.variability = p.tunable ? Variability::tunable : Variability::fixed;
     v.type = p.type;
     v.source = Source::parameter;
     v.index = static_cast<int>(i);
@@ -108,6 +119,26 @@ void Catalogue::add_diagnostics() {
     variables_.push_back(described(signals[i], Causality::local, Source::diagnostic, i));
     // Counts are reals, since an Integer of FMI would be full after an hour.
     if (signals[i].name.starts_with("solver.")) variables_.back().variability = Variability::discrete;
+    const auto which = static_cast<Diagnostic>(i);
+    if (which != Diagnostic::potential_energy && which != Diagnostic::total_energy) variables_.back().min = 0;
+  }
+}
+
+// Forces, torques and energies are of the size of the weight and what it does over the largest body.
+void Catalogue::add_sizes(const Scene& scene) {
+  double mass = 0;
+  double length = 0;
+  for (const Body& body : scene.bodies) mass += body.mass;
+  for (const Joint& joint : scene.joints) {
+    length = std::max({length, joint.parent.X_BF.p.norm(), joint.child.X_BF.p.norm()});
+  }
+  const double weight = mass * scene.gravity.norm();
+  for (Variable& v : variables_) {
+    if (v.causality == Causality::parameter) continue;
+    if (v.unit == "N") v.nominal = power_of_ten(weight);
+    if (v.unit == "N.m" || v.unit == "J") v.nominal = power_of_ten(weight * length);
+    if (v.name.starts_with("constraints.")) v.nominal = scene.experiment.tolerance;
+    if (v.source == Source::output && v.unit == "J" && v.name.ends_with(".kinetic")) v.min = 0;
   }
 }
 

@@ -15,7 +15,7 @@
 namespace gelenk {
 
 enum class Causality { input, output, parameter, local };
-enum class Variability { continuous, discrete, fixed };
+enum class Variability { continuous, discrete, fixed, tunable };
 
 // Where a variable's value lives.
 enum class Source {
@@ -31,7 +31,7 @@ struct Variable {
   std::string description;
   std::string unit;          // empty: none
   std::string display_unit;  // empty: the unit itself
-  std::string type_name;     // of an enumeration
+  std::string type_name;     // "Gelenk.Angle"; empty: none
   Causality causality = Causality::local;
   Variability variability = Variability::continuous;
   ParameterType type = ParameterType::real;
@@ -40,6 +40,7 @@ struct Variable {
   std::optional<double> start;  // inputs and parameters; all others are calculated
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  double nominal = 0;      // the size to expect; 0: not known
   int derivative_of = -1;  // index of the variable whose time derivative this is, where it is a state
 };
 
@@ -80,6 +81,7 @@ class Catalogue {
   void add_outputs(const Scene& scene);
   void add_parameters(const Scene& scene);
   void add_diagnostics();
+  void add_sizes(const Scene& scene);
   void declare(int state, int derivative);
   int output_variable(int output) const { return outputs_begin_ + output; }
 

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "modelDescription/catalogue.h"
+#include "modelDescription/dependencies.h"
 #include "modelDescription/fingerprint.h"
+#include "modelDescription/picture.h"
 #include "modelDescription/write_page.h"
 #include "modelDescription/write_xml.h"
 #include "modelDescription/zip.h"
@@ -89,11 +91,14 @@ void export_fmu(const Scene& scene, const fs::path& runtime, const fs::path& out
   catalogue.declare_states(simulation.independent_coordinates());
 
   const FmuFacts facts{model_identifier(carried.name), fingerprint(json)};
+  const Picture picture = draw(simulation);
   Zip zip;
-  zip.add("modelDescription.xml", write_model_description(carried, catalogue, facts));
+  zip.add("modelDescription.xml",
+          write_model_description(carried, catalogue, dependencies_of(simulation, catalogue), facts));
+  zip.add("model.png", write_png(picture));
   zip.add("binaries/linux64/" + facts.model_identifier + ".so", library, true);
   zip.add("resources/scene.json", json);
-  zip.add("documentation/index.html", write_documentation(simulation, catalogue));
+  zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture));
   if (!licenses.empty()) {
     for (const fs::path& file : files_in(licenses)) {
       zip.add("documentation/licenses/" + file.generic_string(), read_file(licenses / file, "a licence"));

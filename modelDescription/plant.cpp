@@ -109,4 +109,14 @@ long Plant::singular_positions() {
   return std::lround(simulation_->diagnostic(static_cast<int>(Diagnostic::singular_positions)));
 }
 
+void Plant::tune(int variable, double value) {
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  if (v.variability != Variability::tunable) return set(variable, value);
+  const Parameter& parameter = catalogue().parameters()[static_cast<std::size_t>(v.index)];
+  check_parameter(parameter, value);
+  if (value == parameter.get(scene_)) return;
+  set_parameter(scene_, parameter, value);
+  simulation_->tune(scene_);
+}
+
 }  // namespace gelenk

@@ -45,6 +45,9 @@ class Plant {
   // Throws std::invalid_argument for what check() refuses.
   void set(int variable, double value);
 
+  // As set(), while running: a tunable parameter then acts from the next step on, and nothing is assembled anew.
+  void tune(int variable, double value);
+
   // Whether set() will take the value: throws std::invalid_argument, naming the variable, if not.
   void check(int variable, double value) const;
 

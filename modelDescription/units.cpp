@@ -2,6 +2,7 @@
 #include "modelDescription/units.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <stdexcept>
 
@@ -34,6 +35,28 @@ UnitExponents factor(std::string_view text) {
   throw std::invalid_argument("no unit is called '" + std::string(text) + "'");
 }
 
+struct Measured {
+  std::string_view unit, quantity;
+};
+constexpr Measured quantities[] = {
+    {"rad", "Angle"},
+    {"rad/s", "AngularVelocity"},
+    {"rad/s2", "AngularAcceleration"},
+    {"m", "Length"},
+    {"m/s", "Velocity"},
+    {"m/s2", "Acceleration"},
+    {"N", "Force"},
+    {"N.m", "Torque"},
+    {"kg", "Mass"},
+    {"kg.m2", "MomentOfInertia"},
+    {"J", "Energy"},
+    {"s", "Time"},
+    {"N/m", "TranslationalSpringConstant"},
+    {"N.m/rad", "RotationalSpringConstant"},
+    {"N.s/m", "TranslationalDampingConstant"},
+    {"N.m.s/rad", "RotationalDampingConstant"},
+};
+
 constexpr double degrees = 180 / std::numbers::pi;
 constexpr DisplayUnit angle[] = {{"deg", degrees}};
 constexpr DisplayUnit speed[] = {{"rpm", 30 / std::numbers::pi}, {"deg/s", degrees}};
@@ -53,6 +76,11 @@ UnitExponents unit_exponents(std::string_view unit) {
     begin = end + 1;
   }
   return total;
+}
+
+std::string_view quantity(std::string_view unit) {
+  const auto* const found = std::ranges::find(quantities, unit, &Measured::unit);
+  return found == std::end(quantities) ? std::string_view() : found->quantity;
 }
 
 std::span<const DisplayUnit> display_units(std::string_view unit) {

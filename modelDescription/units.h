@@ -17,6 +17,10 @@ using UnitExponents = std::array<int, 4>;
 // "N.m.s/rad" -> kg m2 s-1 rad-1. All that follows the slash divides. Throws std::invalid_argument.
 UnitExponents unit_exponents(std::string_view unit);
 
+// What a unit of a scene's variables measures, by the names of Modelica.Units.SI: "Angle"; empty: several things or
+// none.
+std::string_view quantity(std::string_view unit);
+
 struct DisplayUnit {
   const char* name;
   double factor;  // shown = factor * value

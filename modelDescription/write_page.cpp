@@ -52,7 +52,8 @@ void add_table(std::string& page, const char* heading, Causality causality, cons
     if (settable) {
       page += "<td>" + escaped(start_text(v, catalogue)) + "</td><td>" + escaped(range_text(v, catalogue)) + "</td>";
     }
-    page += "<td>" + escaped(v.description) + "</td></tr>\n";
+    page +=
+        "<td>" + escaped(v.description) + (v.variability == Variability::tunable ? "; tunable" : "") + "</td></tr>\n";
   }
   page += "</table>\n";
 }
@@ -90,7 +91,7 @@ void add_reductions(std::string& page, const Inspection& report) {
 
 }  // namespace
 
-std::string write_documentation(Simulation& simulation, const Catalogue& catalogue) {
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture) {
   const Scene& scene = simulation.scene();
   const ModelSize& size = simulation.size();
   const std::string name = escaped(scene.name);
@@ -102,8 +103,11 @@ std::string write_documentation(Simulation& simulation, const Catalogue& catalog
           degrees(size.freedoms) + " of freedom; " +
           (size.planar ? "all motion is in one plane" : "motion is in space") + ".</p>\n";
   page += "<p>Co-simulation FMU of FMI 2.0. Steps of any size; " + text::number(scene.experiment.step) +
-          " s is the one proposed. Parameters can be set until initialisation ends. SI units, angles in radians; they "
+          " s is the one proposed. Parameters can be set until initialisation ends, tunable ones also between steps. "
+          "SI units, angles in radians; they "
           "count turns.</p>\n";
+  page +=
+      "<figure>\n" + write_svg(picture) + "<figcaption>At the start. Red joints are driven.</figcaption>\n</figure>\n";
   add_table(page, "Inputs", Causality::input, catalogue);
   add_table(page, "Outputs", Causality::output, catalogue);
   add_table(page, "Parameters", Causality::parameter, catalogue);

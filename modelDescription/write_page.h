@@ -5,11 +5,12 @@
 #include <string>
 
 #include "modelDescription/catalogue.h"
+#include "modelDescription/picture.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
 
 // simulation: of the same scene, assembled at its start values.
-std::string write_documentation(Simulation& simulation, const Catalogue& catalogue);
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture);
 
 }  // namespace gelenk

@@ -33,6 +33,8 @@ const char* name_of(Variability variability) {
       return "continuous";
     case Variability::discrete:
       return "discrete";
+    case Variability::tunable:
+      return "tunable";
     case Variability::fixed:
       break;
   }
@@ -97,15 +99,29 @@ void write_units(Writer& w, const Catalogue& catalogue) {
   w.close(1, "UnitDefinitions");
 }
 
+void write_real_types(Writer& w, const Catalogue& catalogue) {
+  std::set<std::string> written;
+  for (const Variable& v : catalogue.variables()) {
+    if (v.type != ParameterType::real || v.type_name.empty() || !written.insert(v.type_name).second) continue;
+    w.open(2, "SimpleType").attribute("name", v.type_name).inside();
+    w.open(3, "Real").attribute("quantity", quantity(v.unit)).attribute("unit", v.unit);
+    if (!v.display_unit.empty()) w.attribute("displayUnit", v.display_unit);
+    w.end();
+    w.close(2, "SimpleType");
+  }
+}
+
 void write_types(Writer& w, const Catalogue& catalogue) {
   w.open(1, "TypeDefinitions").inside();
+  write_real_types(w, catalogue);
   for (const Variable& v : catalogue.variables()) {
     if (v.type != ParameterType::enumeration) continue;
     w.open(2, "SimpleType").attribute("name", v.type_name).attribute("description", v.description).inside();
     w.open(3, "Enumeration").inside();
-    const auto& items = catalogue.parameters()[static_cast<std::size_t>(v.index)].items;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      w.open(4, "Item").attribute("name", items[i]).attribute("value", static_cast<int>(i) + 1).end();
+    const Parameter& choice = catalogue.parameters()[static_cast<std::size_t>(v.index)];
+    for (std::size_t i = 0; i < choice.items.size(); ++i) {
+      w.open(4, "Item").attribute("name", choice.items[i]).attribute("value", static_cast<int>(i) + 1);
+      w.attribute("description", choice.item_summaries[i]).end();
     }
     w.close(3, "Enumeration");
     w.close(2, "SimpleType");
@@ -125,10 +141,12 @@ void write_type(Writer& w, const Variable& v) {
   switch (v.type) {
     case ParameterType::real:
       w.open(3, "Real");
+      if (!v.type_name.empty()) w.attribute("declaredType", v.type_name);
       if (!v.unit.empty()) w.attribute("unit", v.unit);
       if (!v.display_unit.empty()) w.attribute("displayUnit", v.display_unit);
       if (std::isfinite(v.min)) w.attribute("min", v.min);
       if (std::isfinite(v.max)) w.attribute("max", v.max);
+      if (v.nominal > 0) w.attribute("nominal", v.nominal);
       if (v.start) w.attribute("start", *v.start);
       if (v.derivative_of >= 0) w.attribute("derivative", v.derivative_of + 1);
       break;
@@ -154,18 +172,33 @@ void write_variable(Writer& w, const Variable& v, std::size_t value_reference) {
   w.close(2, "ScalarVariable");
 }
 
-// Indices from 1, as FMI counts.
-void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices) {
+// Not telling the dependencies means all of them; so large models whose parts all act on each other stay readable.
+constexpr std::size_t few = 64;
+
+// Indices from 1, as FMI counts. dependencies: by variable; null: on everything. knowns: how many there are.
+void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices,
+                    const std::vector<std::set<int>>* dependencies, std::size_t knowns) {
   if (indices.empty()) return;
   w.open(2, element).inside();
-  for (const int index : indices) w.open(3, "Unknown").attribute("index", index + 1).end();
+  for (const int index : indices) {
+    w.open(3, "Unknown").attribute("index", index + 1);
+    const std::set<int>* on = dependencies != nullptr ? &(*dependencies)[static_cast<std::size_t>(index)] : nullptr;
+    if (on != nullptr && (on->size() < knowns || knowns <= few)) {
+      std::string text;
+      for (const int known : *on) text += (text.empty() ? "" : " ") + std::to_string(known + 1);
+      w.attribute("dependencies", text);
+    }
+    w.end();
+  }
   w.close(2, element);
 }
 
-void write_structure(Writer& w, const Catalogue& catalogue) {
+void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<std::set<int>>& dependencies) {
   std::set<int> outputs;
+  std::size_t knowns = catalogue.states().size();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
     if (catalogue.variables()[i].causality == Causality::output) outputs.insert(static_cast<int>(i));
+    knowns += catalogue.variables()[i].causality == Causality::input ? 1 : 0;
   }
   std::set<int> derivatives;
   std::set<int> initial = outputs;
@@ -174,9 +207,9 @@ void write_structure(Writer& w, const Catalogue& catalogue) {
     initial.insert({state.variable, state.derivative});
   }
   w.open(1, "ModelStructure").inside();
-  write_unknowns(w, "Outputs", outputs);
-  write_unknowns(w, "Derivatives", derivatives);
-  write_unknowns(w, "InitialUnknowns", initial);
+  write_unknowns(w, "Outputs", outputs, &dependencies, knowns);
+  write_unknowns(w, "Derivatives", derivatives, &dependencies, knowns);
+  write_unknowns(w, "InitialUnknowns", initial, nullptr, 0);  // parameters: of the whole scene
   w.close(1, "ModelStructure");
 }
 
@@ -216,7 +249,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string write_model_description(const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts) {
+std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
+                                    const std::vector<std::set<int>>& dependencies, const FmuFacts& facts) {
   Writer w;
   w.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
   w.open(0, "fmiModelDescription").attribute("fmiVersion", "2.0").attribute("modelName", scene.name);
@@ -232,7 +266,7 @@ std::string write_model_description(const Scene& scene, const Catalogue& catalog
   w.open(1, "ModelVariables").inside();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) write_variable(w, catalogue.variables()[i], i);
   w.close(1, "ModelVariables");
-  write_structure(w, catalogue);
+  write_structure(w, catalogue, dependencies);
   w.close(0, "fmiModelDescription");
   return w.take();
 }

@@ -2,8 +2,10 @@
 // modelDescription.xml of FMI 2.0, from the catalogue.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "modelDescription/catalogue.h"
 
@@ -18,7 +20,9 @@ struct FmuFacts {
 // The name as a C identifier: other characters become underscores.
 std::string model_identifier(std::string_view name);
 
-std::string write_model_description(const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts);
+// dependencies: by variable, as dependencies_of() tells them.
+std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
+                                    const std::vector<std::set<int>>& dependencies, const FmuFacts& facts);
 
 // The text with the characters that XML and HTML keep for themselves written out; control characters are dropped.
 std::string escaped(std::string_view text);

@@ -37,12 +37,6 @@ struct Differentiator<A>::Impl {
         rows(model.rows),
         qdot(model.nq) {
     std::iota(links.begin(), links.end(), 1);
-    const Eigen::Vector3d& g = loads.gravity;
-    if constexpr (A::planar) {
-      root_acceleration = {Dual(0), Dual(-g.x()), Dual(-g.y())};
-    } else {
-      root_acceleration.v = (-g).cast<Dual>();
-    }
   }
 
   // Runs the residuals for the directions seeded in q, v, u.
@@ -50,7 +44,7 @@ struct Differentiator<A>::Impl {
     kernels::positions(model, q.data(), ws);
     kernels::root_poses(model, links, ws);
     kernels::loop_positions(model, ws);
-    kernels::velocities(model, q.data(), v.data(), root_acceleration, ws);
+    kernels::velocities(model, q.data(), v.data(), kernels::root_acceleration<D>(loads), ws);
     kernels::loop_velocities(model, ws);
     kernels::link_loads(model, loads, u.data(), ws);
     kernels::cut_loads(model, loads, u.data(), at.cut_reference, ws);
@@ -89,7 +83,6 @@ struct Differentiator<A>::Impl {
   const Loads& loads;
   Model<D> model;
   Workspace<D> ws;
-  typename D::Motion root_acceleration{};
   std::vector<int> links;
   std::vector<Dual> q, v, u, vdot, tau, rows, qdot;
 };

@@ -73,14 +73,7 @@ class DynamicsOf final : public Dynamics {
         v_(model_.nv),
         q_(model_.nq),
         cut_reference_(model_.cut_nq),
-        shifted_(model_.rows) {
-    const Eigen::Vector3d& g = loads.gravity;
-    if constexpr (A::planar) {
-      root_acceleration_ = {0, -g.x(), -g.y()};
-    } else {
-      root_acceleration_.v = -g;
-    }
-  }
+        shifted_(model_.rows) {}
 
   void set_position(const double* q) override {
     std::copy(q, q + model_.nq, q_.begin());
@@ -105,7 +98,7 @@ class DynamicsOf final : public Dynamics {
 
   void set_velocity(const double* v) override {
     std::copy(v, v + model_.nv, v_.begin());
-    kernels::velocities(model_, q_.data(), v, root_acceleration_, ws_);
+    kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
   }
 
@@ -325,7 +318,6 @@ class DynamicsOf final : public Dynamics {
   SparseFactor M_;
   RowFactor Y_;
   int max_rank_;
-  typename A::Motion root_acceleration_{};
   bool follows_ = false;  // the last solve() had something expected
   std::vector<double> w_, expected_, nothing_, tau_, v_, q_, cut_reference_, shifted_;
   const double* row_shift_ = nullptr;

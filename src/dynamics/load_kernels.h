@@ -6,6 +6,20 @@
 
 namespace gelenk::kernels {
 
+// Gravity as an acceleration of the root the other way. Read anew at each evaluation: it may be tuned.
+template <class A>
+typename A::Motion root_acceleration(const Loads& loads) {
+  using T = typename A::Scalar;
+  const Eigen::Vector3d& g = loads.gravity;
+  typename A::Motion out{};
+  if constexpr (A::planar) {
+    out = {T(0), T(-g.x()), T(-g.y())};
+  } else {
+    out.v = (-g).cast<T>();
+  }
+  return out;
+}
+
 // Overwrites ws.F_ext. After velocities.
 template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rods without mass between two point-like joints become one row each: the distance between their ends.
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <unordered_set>
 
@@ -33,13 +34,20 @@ class Busy {
     const auto some = [](const std::vector<double>& k) {
       return std::ranges::any_of(k, [](double x) { return x != 0; });
     };
-    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping) || joint.stop;
+    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping) || joint.stop ||
+           may_be_tuned(joint.name + ".stiffness") || may_be_tuned(joint.name + ".damping");
   }
   bool on(const Group& group) const {
     return std::ranges::any_of(group.bodies, [&](int b) { return bodies_.contains(scene_.bodies[b].name); });
   }
 
  private:
+  // Listed as a parameter that can change during a run, as a whole or by its elements.
+  bool may_be_tuned(const std::string& path) const {
+    return std::ranges::any_of(
+        scene_.parameters, [&](const std::string& listed) { return listed == path || listed.starts_with(path + "["); });
+  }
+
   const Scene& scene_;
   std::unordered_set<std::string_view> joints_, bodies_;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "formulation/formulation.h"
@@ -30,6 +31,11 @@ class Island {
     fresh_ = Outputs::Needs::state;
   }
   const std::vector<int>& inputs() const { return loads_.inputs; }
+  // loads: of the same scene with other numbers.
+  void set_loads(Loads loads) {
+    loads_ = std::move(loads);
+    inputs_jumped();
+  }
 
   // Brings the equations up to what outputs need.
   void refresh(Outputs::Needs needs);

@@ -17,17 +17,19 @@
 namespace gelenk {
 namespace {
 
-std::vector<std::string> formulations() {
-  std::vector<std::string> names;
-  for (const FormulationKind& kind : formulation_kinds()) names.emplace_back(kind.name);
-  return names;
-}
+// Names and what they mean.
+struct Items {
+  std::vector<std::string> names, summaries;
 
-std::vector<std::string> integrators() {
-  std::vector<std::string> names;
-  for (const IntegratorKind& kind : integrator_kinds()) names.emplace_back(kind.name);
-  return names;
-}
+  template <class Kinds>
+  Items& add(const Kinds& kinds) {
+    for (const auto& kind : kinds) {
+      names.emplace_back(kind.name);
+      summaries.emplace_back(kind.summary);
+    }
+    return *this;
+  }
+};
 
 // "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
 std::string start_name(const std::string& joint, std::string_view quantity) {
@@ -110,16 +112,17 @@ void add_gravity(std::vector<Parameter>& table) {
     table.push_back(real_parameter("gravity[" + std::to_string(i + 1) + "]", "m/s2",
                                    std::string("gravitational acceleration, ") + axes[i] + " component in the world",
                                    [i](auto& scene) -> auto& { return scene.gravity[i]; }));
+    table.back().tunable = true;
   }
 }
 
-Parameter choice(const char* name, const char* description, std::vector<std::string> items,
-                 std::string Solver::* field) {
+Parameter choice(const char* name, const char* description, Items items, std::string Solver::* field) {
   Parameter p;
   p.name = name;
   p.description = description;
   p.type = ParameterType::enumeration;
-  p.items = std::move(items);
+  p.items = std::move(items.names);
+  p.item_summaries = std::move(items.summaries);
   p.min = 1;
   p.max = static_cast<double>(p.items.size());
   p.get = [items = p.items, field](const Scene& scene) {
@@ -142,9 +145,10 @@ void add_solver(std::vector<Parameter>& table) {
                                   [](auto& scene) -> auto& { return scene.solver.step; });
   step.min = 0;
   table.push_back(std::move(step));
+  table.push_back(choice("solver.formulation", "how loop constraints meet the integrator",
+                         Items().add(formulation_kinds()), &Solver::formulation));
   table.push_back(
-      choice("solver.formulation", "how loop constraints meet the integrator", formulations(), &Solver::formulation));
-  table.push_back(choice("solver.integrator", "integration method", integrators(), &Solver::integrator));
+      choice("solver.integrator", "integration method", Items().add(integrator_kinds()), &Solver::integrator));
   const auto gain = [&](const char* name, const char* on, double Solver::* field) {
     Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: chosen from the step",
                                  [field](auto& scene) -> auto& { return scene.solver.*field; });
@@ -213,6 +217,25 @@ void check_parameter(const Parameter& parameter, double value) {
 void set_parameter(Scene& scene, const Parameter& parameter, double value) {
   check_parameter(parameter, value);
   if (value != parameter.get(scene)) parameter.put(scene, value);
+}
+
+void take_tunables(Scene& scene, const Scene& from) {
+  scene.gravity = from.gravity;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    Joint& joint = scene.joints[j];
+    joint.damping = from.joints[j].damping;
+    joint.stiffness = from.joints[j].stiffness;
+    joint.spring_reference = from.joints[j].spring_reference;
+    joint.stop = from.joints[j].stop;
+  }
+  for (std::size_t f = 0; f < scene.forces.size(); ++f) {
+    Force& force = scene.forces[f];
+    force.stiffness = from.forces[f].stiffness;
+    force.damping = from.forces[f].damping;
+    force.length = from.forces[f].length;
+    force.force = from.forces[f].force;
+    force.torque = from.forces[f].torque;
+  }
 }
 
 Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }

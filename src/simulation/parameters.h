@@ -24,8 +24,10 @@ struct Parameter {
   std::string description;  // one sentence
   ParameterType type = ParameterType::real;
   std::vector<std::string> items;  // of an enumeration, in the order of its values 1, 2, ...
+  std::vector<std::string> item_summaries;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  bool tunable = false;  // may change during a run (Simulation::tune)
 
   // Booleans are 0 or 1, enumerations the item's number from 1. Use set_parameter() to set.
   std::function<double(const Scene&)> get;
@@ -43,6 +45,10 @@ void check_parameter(const Parameter& parameter, double value);
 // Throws what check_parameter() throws; the scene is then unchanged. Setting the present value changes nothing at
 // all (a guess stays a guess).
 void set_parameter(Scene& scene, const Parameter& parameter, double value);
+
+// Gravity, and the numbers of springs, dampers, stops and constant loads: what tunable parameters set. Both scenes have
+// the same elements.
+void take_tunables(Scene& scene, const Scene& from);
 
 // The scene with quaternions made unit again and everything checked that only several values together can break
 // (moments of inertia). Throws SceneError.

@@ -10,6 +10,7 @@ namespace gelenk {
 namespace {
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 class Table {
  public:
@@ -23,13 +24,23 @@ class Table {
     return rows_.back().parameter;
   }
 
+  // As add(), of something that may change during a run; min: the least allowed.
+  template <class Access>
+  void add_tunable(const std::string& owner, const std::string& key, const std::string& name, std::string_view unit,
+                   const std::string& description, double min, Access access) {
+    Parameter& p = add(owner, key, name, unit, description, std::move(access));
+    p.tunable = true;
+    p.min = min;
+  }
+
   // access(scene) gives a reference to a 3-vector.
   template <class Access>
   void add_vector(const std::string& owner, const std::string& key, std::string_view unit,
-                  const std::string& description, Access access) {
+                  const std::string& description, Access access, bool tunable = false) {
     for (int i = 0; i < 3; ++i) {
       add(owner, key, key + "[" + std::to_string(i + 1) + "]", unit, description + ", " + axis_names[i] + " component",
-          [access, i](auto& scene) -> auto& { return access(scene)[i]; });
+          [access, i](auto& scene) -> auto& { return access(scene)[i]; })
+          .tunable = tunable;
     }
   }
 
@@ -70,25 +81,31 @@ void add_spring(Table& table, const Joint& joint, const JointKind& kind, std::si
   const std::string_view unit = kind.q[i].unit;
   const std::string on = " on " + std::string(kind.q[i].name);
   const std::string effort = effort_unit(unit);
-  table.add(joint.name, "stiffness", "stiffness" + element, effort + "/" + std::string(unit), "stiffness" + on,
-            [=](auto& scene) -> auto& { return scene.joints[j].stiffness[i]; });
-  table.add(joint.name, "spring_reference", "spring_reference" + element, unit,
-            "where the spring is slack, " + std::string(kind.q[i].name),
-            [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
+  table.add_tunable(joint.name, "stiffness", "stiffness" + element, effort + "/" + std::string(unit), "stiffness" + on,
+                    0, [=](auto& scene) -> auto& { return scene.joints[j].stiffness[i]; });
+  table.add_tunable(joint.name, "spring_reference", "spring_reference" + element, unit,
+                    "where the spring is slack, " + std::string(kind.q[i].name), -unbounded,
+                    [=](auto& scene) -> auto& { return scene.joints[j].spring_reference[i]; });
 }
 
 void add_stop(Table& table, const Joint& joint, const JointKind& kind, std::size_t j) {
   const std::string unit(kind.q[0].unit);
   const std::string effort = effort_unit(unit);
   const std::string q(kind.q[0].name);
-  const auto add = [&](const std::string& key, const std::string& in, const std::string& what, double Stop::* field) {
-    table.add(joint.name, "stop." + key, "stop." + key, in, what + " of its stop, on " + q,
-              [=](auto& scene) -> auto& { return (*scene.joints[j].stop).*field; });
+  const auto add = [&](const std::string& key, const std::string& in, const std::string& what,
+                       double Stop::* field) -> Parameter& {
+    return table.add(joint.name, "stop." + key, "stop." + key, in, what + " of its stop, on " + q,
+                     [=](auto& scene) -> auto& { return (*scene.joints[j].stop).*field; });
+  };
+  const auto add_tunable = [&](const std::string& key, const std::string& in, double Stop::* field) {
+    Parameter& p = add(key, in, key, field);
+    p.tunable = true;
+    p.min = 0;
   };
   if (std::isfinite(joint.stop->lower)) add("lower", unit, "lower bound", &Stop::lower);
   if (std::isfinite(joint.stop->upper)) add("upper", unit, "upper bound", &Stop::upper);
-  add("stiffness", effort + "/" + unit, "stiffness", &Stop::stiffness);
-  add("damping", effort + (unit == "rad" ? ".s/rad" : ".s/m"), "damping", &Stop::damping);
+  add_tunable("stiffness", effort + "/" + unit, &Stop::stiffness);
+  add_tunable("damping", effort + (unit == "rad" ? ".s/rad" : ".s/m"), &Stop::damping);
 }
 
 void add_joint(Table& table, const Joint& joint, std::size_t j) {
@@ -97,8 +114,8 @@ void add_joint(Table& table, const Joint& joint, std::size_t j) {
   for (std::size_t i = 0; i < kind->v.size(); ++i) {
     const std::string element = kind->nv == 1 ? "" : "[" + std::to_string(i + 1) + "]";
     const std::string unit = kind->v[i].unit == "rad/s" ? "N.m.s/rad" : "N.s/m";
-    table.add(joint.name, "damping", "damping" + element, unit, "damping on " + std::string(kind->v[i].name),
-              [=](auto& scene) -> auto& { return scene.joints[j].damping[i]; });
+    table.add_tunable(joint.name, "damping", "damping" + element, unit, "damping on " + std::string(kind->v[i].name), 0,
+                      [=](auto& scene) -> auto& { return scene.joints[j].damping[i]; });
     if (kind->springs()) add_spring(table, joint, *kind, j, i);
   }
   if (joint.stop) add_stop(table, joint, *kind, j);
@@ -123,17 +140,19 @@ void add_motor(Table& table, const Scene& scene, std::size_t m) {
 
 void add_force(Table& table, const Force& force, std::size_t f) {
   if (force.type == ForceType::wrench) {
-    table.add_vector(force.name, "force", "N", "constant force", [f](auto& s) -> auto& { return s.forces[f].force; });
-    table.add_vector(force.name, "torque", "N.m", "constant torque",
-                     [f](auto& s) -> auto& { return s.forces[f].torque; });
+    const auto add = [&](const char* key, const char* unit, const char* what, Eigen::Vector3d Force::* field) {
+      table.add_vector(force.name, key, unit, what, [=](auto& s) -> auto& { return s.forces[f].*field; }, true);
+    };
+    add("force", "N", "constant force", &Force::force);
+    add("torque", "N.m", "constant torque", &Force::torque);
     return;
   }
-  table.add(force.name, "stiffness", "stiffness", "N/m", "stiffness",
-            [f](auto& s) -> auto& { return s.forces[f].stiffness; });
-  table.add(force.name, "damping", "damping", "N.s/m", "damping",
-            [f](auto& s) -> auto& { return s.forces[f].damping; });
-  table.add(force.name, "length", "length", "m", "free length", [f](auto& s) -> auto& { return s.forces[f].length; })
-      .min = 0;
+  const auto add = [&](const char* key, const char* unit, const char* what, double Force::* field) {
+    table.add_tunable(force.name, key, key, unit, what, 0, [=](auto& s) -> auto& { return s.forces[f].*field; });
+  };
+  add("stiffness", "N/m", "stiffness", &Force::stiffness);
+  add("damping", "N.s/m", "damping", &Force::damping);
+  add("length", "m", "free length", &Force::length);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "integrator/integrator.h"
 #include "scene/text.h"
 #include "simulation/island.h"
+#include "simulation/parameters.h"
 #include "simulation/report.h"
 #include "simulation/start.h"
 
@@ -37,7 +38,7 @@ struct Simulation::Impl {
         u(inputs.size(), 0.0),
         size(size_of(reduced)) {}
 
-  const Scene scene;
+  Scene scene;
   const ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
   std::vector<double> u;
@@ -197,6 +198,15 @@ void Simulation::set_input(int index, double value) {
   s.u[index] = value;
   if (!s.initialized) return;
   if (const int island = s.island_of_input[index]; island >= 0) s.islands[island]->inputs_jumped();
+}
+
+void Simulation::tune(const Scene& scene) {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("tuning before initialize()");
+  take_tunables(s.scene, scene);
+  std::vector<Loads> loads = make_loads(s.scene, s.prepared.reduced);
+  for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->set_loads(std::move(loads[i]));
+  s.still_energy = standing_energy(s.scene, s.prepared.reduced);
 }
 
 double Simulation::input(int index) const { return impl_->u.at(index); }

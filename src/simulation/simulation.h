@@ -70,6 +70,9 @@ class Simulation {
   // Throws UsageError for a value that is not finite, naming the input; the former value stays.
   void set_input(int index, double value);
   double input(int index) const;
+  // Takes what may change during a run (Parameter::tunable) from `scene`, otherwise the one this was made of; as an
+  // input that jumps. After initialize(). Allocates.
+  void tune(const Scene& scene);
   double output(int index);      // computed when first read after a change
   double diagnostic(int index);  // likewise
 

@@ -26,8 +26,9 @@ def test_the_fmu_holds_scene_page_licences_and_library(tmp_path: Path) -> None:
     with zipfile.ZipFile(found) as archive:
         assert archive.testzip() is None
         names = archive.namelist()
-        assert names[:4] == [
+        assert names[:5] == [
             "modelDescription.xml",
+            "model.png",
             "binaries/linux64/Gyroscope.so",
             "resources/scene.json",
             "documentation/index.html",

@@ -99,7 +99,9 @@ def impossible_parameters_are_named(fmu: Fmu) -> None:
     boolean = ("fmi2SetBoolean", c_int)
     expect(s, s.set({"A.fixed": 7}, *boolean), ERROR, "A.fixed: found 7, expected false (0) or true (1)")
     s.start()
-    expect(s, s.set({"crank.m": 1.5}), ERROR, "crank.m is a parameter", "until fmi2ExitInitializationMode")
+    expect(
+        s, s.set({"crank.m": 1.5}), ERROR, "crank.m is a fixed parameter", "until fmi2ExitInitializationMode"
+    )
     expect(s, s.set({"A.phi": 1.5}), ERROR, "A.phi is computed by the plant and cannot be set")
 
 

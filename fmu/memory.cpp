@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/memory.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <mutex>
+
+namespace gelenk {
+namespace {
+
+// Blocks one behind the other; room comes back from the last one, and when none is left.
+class Store {
+ public:
+  void* take(std::size_t n) noexcept {
+    constexpr std::size_t grain = alignof(std::max_align_t);
+    const std::size_t size = (std::max<std::size_t>(n, 1) + grain - 1) / grain * grain;
+    const std::scoped_lock lock(mutex_);
+    if (size < n || size > bytes_.size() - used_) return nullptr;
+    last_ = used_;
+    used_ += size;
+    ++blocks_;
+    return bytes_.data() + last_;
+  }
+
+  // Bytes from a block of ours to the end of what is taken; 0: not from here.
+  std::size_t room_of(const void* block) noexcept {
+    const std::scoped_lock lock(mutex_);
+    const auto* at = static_cast<const std::byte*>(block);
+    return is_mine(at) ? static_cast<std::size_t>(bytes_.data() + used_ - at) : 0;
+  }
+
+  // False: not from here.
+  bool give_back(const void* block) noexcept {
+    const auto* at = static_cast<const std::byte*>(block);
+    if (!is_mine(at)) return false;
+    const std::scoped_lock lock(mutex_);
+    if (at == bytes_.data() + last_) used_ = last_;
+    if (--blocks_ == 0) used_ = last_ = 0;
+    return true;
+  }
+
+ private:
+  bool is_mine(const std::byte* at) const noexcept {
+    return !std::less<>()(at, bytes_.data()) && std::less<>()(at, bytes_.data() + bytes_.size());
+  }
+
+  // Pages that nobody touches cost nothing.
+  alignas(std::max_align_t) std::array<std::byte, std::size_t{16} << 20U> bytes_{};
+  std::size_t used_ = 0, last_ = 0, blocks_ = 0;
+  std::mutex mutex_;
+};
+
+constinit Store store;
+constinit thread_local bool open = false;
+constinit thread_local bool drawn_upon = false;
+
+void* from_reserve(std::size_t n) noexcept {
+  void* block = open ? store.take(n) : nullptr;
+  if (block != nullptr) drawn_upon = true;
+  return block;
+}
+
+}  // namespace
+
+MemoryReserve::MemoryReserve() : open_before_(open), drawn_before_(drawn_upon) {
+  open = true;
+  drawn_upon = false;
+}
+
+MemoryReserve::~MemoryReserve() {
+  open = open_before_;
+  drawn_upon = drawn_before_;
+}
+
+bool MemoryReserve::drawn() const { return drawn_upon; }
+
+}  // namespace gelenk
+
+extern "C" {
+
+// The linker (cmake/GelenkTargets.cmake) leads all calls of the library, of what it contains too, to these.
+void* __real_malloc(std::size_t n);
+void* __real_calloc(std::size_t count, std::size_t n);
+void* __real_realloc(void* block, std::size_t n);
+void __real_free(void* block);
+
+void* __wrap_malloc(std::size_t n) {
+  void* block = __real_malloc(n);
+  return block != nullptr ? block : gelenk::from_reserve(n);
+}
+
+void* __wrap_calloc(std::size_t count, std::size_t n) {
+  void* block = __real_calloc(count, n);
+  if (block != nullptr || (n > 0 && count > std::numeric_limits<std::size_t>::max() / n)) return block;
+  block = gelenk::from_reserve(count * n);
+  return block != nullptr ? std::memset(block, 0, count * n) : nullptr;
+}
+
+void* __wrap_realloc(void* block, std::size_t n) {
+  const std::size_t room = gelenk::store.room_of(block);
+  if (room == 0) {
+    // What was there cannot be measured, so it cannot move to the reserve.
+    return __real_realloc(block, n);
+  }
+  void* other = __wrap_malloc(n);
+  if (other == nullptr) return nullptr;
+  std::memcpy(other, block, std::min(n, room));
+  gelenk::store.give_back(block);
+  return other;
+}
+
+void __wrap_free(void* block) {
+  if (!gelenk::store.give_back(block)) __real_free(block);
+}
+
+}  // extern "C"

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whatever can be a parameter is set in the finished FMU, and acts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from ctypes import c_int
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+import scene_files
+
+import gelenk
+
+from .all_parameters import observed, offering_all
+from .host import OK, Fmu, Slave
+
+STEPS = 3
+
+Values = dict[str, float]
+
+
+def set_all(slave: Slave, values: Values) -> None:
+    for name, value in values.items():
+        kind = next(v.type for v in slave.fmu.description.modelVariables if v.name == name)
+        setter = {"Real": "fmi2SetReal", "Boolean": "fmi2SetBoolean"}.get(kind, "fmi2SetInteger")
+        if kind == "Real":
+            assert slave.set({name: value}) == OK, slave.said
+        else:
+            assert slave.set({name: int(value)}, setter, c_int) == OK, slave.said
+
+
+def run(fmu: Fmu, values: Values) -> list[list[float]] | None:
+    """Outputs at the start and after each step; None where that is refused."""
+    slave = Slave(fmu)
+    try:
+        set_all(slave, values)
+        assert slave.setup() == OK, slave.said
+        assert slave.enter() == OK, slave.said
+        set_all(slave, {v.name: 1.3 for v in fmu.description.modelVariables if v.causality == "input"})
+        if slave.leave() != OK:
+            return None
+        rows = [slave.outputs()]
+        size = 10 * step_of(fmu)
+        for k in range(STEPS):
+            if slave.step(k * size, size) != OK:
+                return None
+            rows.append(slave.outputs())
+        return rows
+    finally:
+        slave.free()
+
+
+def step_of(fmu: Fmu) -> float:
+    return float(fmu.description.defaultExperiment.stepSize)
+
+
+class Situations:
+    """An FMU and ways to start it in which parameters act that do not in the scene as it is."""
+
+    def __init__(self, source: dict[str, Any], folder: Path) -> None:
+        out = gelenk.export_fmu(source, folder / "x.fmu")
+        fmpy.extract(str(out), str(folder / "extracted"))
+        self.fmu = Fmu(folder / "extracted")
+        self.parameters = {
+            v.name: v for v in self.fmu.description.modelVariables if v.causality == "parameter"
+        }
+        self._runs: dict[str, list[list[float]] | None] = {}
+
+    def items(self, name: str) -> list[str]:
+        return [item.name for item in self.parameters[name].declaredType.items]
+
+    def all(self, pattern: str, value: float) -> Values:
+        return {name: value for name in self.parameters if re.search(pattern, name)}
+
+    def situations(self) -> Iterator[tuple[str, Values]]:
+        yield "as it is", {}
+        yield "guesses only", self.all(r"\.fixed$", 0)
+        yield "springs everywhere", self.all(r"\.stiffness", 7.0) | self.all(r"\.rotor_inertia$", 0.01)
+        yield "at its stops", self.all(r"\.stop\.lower$", 1.0) | self.all(r"\.stop\.upper$", 2.0)
+        rk4 = self.items("solver.integrator").index("rk4") + 1
+        yield "rk4", {"solver.integrator": rk4, "solver.step": step_of(self.fmu)}
+        yield "baumgarte", {"solver.formulation": self.items("solver.formulation").index("baumgarte") + 1}
+        yield "round bodies", self.all(r"\.inertia\[[123]\]", 1.0)
+        yield "turned", self.all(r"\.Q_start\[1\]", 0.1) | self.all(r"\.fixed$", 0)
+        yield "swinging", self.all(r"\.(w|v|w_a|w_b)_start", 0.4) | self.all(r"\.fixed$", 0)
+
+    def acts(self, name: str) -> bool:
+        """Whether a change of the parameter changes some output, in any situation."""
+        for situation, values in self.situations():
+            if situation not in self._runs:
+                self._runs[situation] = run(self.fmu, values)
+            before = values.get(name, float_start(self.parameters[name]))
+            changed = run(self.fmu, values | {name: perturbed(self.parameters[name], before)})
+            if None not in (changed, self._runs[situation]) and changed != self._runs[situation]:
+                return True
+        return False
+
+
+def float_start(parameter: Any) -> float:
+    if parameter.type == "Boolean":
+        return float(parameter.start == "true")
+    return float(parameter.start)
+
+
+def perturbed(parameter: Any, value: float) -> float:
+    if parameter.type == "Boolean":
+        return 1 - value
+    if parameter.type == "Enumeration":
+        return value + 1 if value < len(parameter.declaredType.items) else value - 1
+    return 1.013 * value + 0.011
+
+
+def normal(source: dict[str, Any]) -> int | None:
+    """0, 1, 2: everything moves in the plane across x, y, z."""
+    joints = source["joints"].values()
+    if any(joint["type"] not in ("revolute", "prismatic") for joint in joints):
+        return None
+    axes = {tuple(abs(x) for x in joint["axis"]) for joint in joints if joint["type"] == "revolute"}
+    return axes.pop().index(1) if len(axes) == 1 else None
+
+
+def cannot_act(source: dict[str, Any], name: str) -> bool:
+    """What physics leaves without effect, in these scenes.
+
+    In a tree guesses are kept as exactly as what is fixed, and there are no constraints to formulate. In a plane only
+    inertia about the normal matters, deviations from it included, and none of bodies that slide; what moves a joint
+    of a loop off the plane tears the loop, so is refused.
+    """
+    tree = len(source["joints"]) == len(source["bodies"])
+    if tree and re.search(r"\.fixed$|^solver\.(formulation|baumgarte_)", name):
+        return True
+    n = normal(source)
+    if n is None:
+        return False
+    if found := re.fullmatch(r"(\w+)\.inertia\[(\d)\]", name):
+        ends = (("parent", "child"), ("child", "parent"))
+        slides = any(
+            joint["type"] == "prismatic" and joint[a]["body"] == found[1] and joint[b]["body"] == "ground"
+            for joint in source["joints"].values()
+            for a, b in ends
+        )
+        return slides or "xyz"[n] not in ("xx", "yy", "zz", "xy", "xz", "yz")[int(found[2]) - 1]
+    return not tree and name.endswith(f".position[{n + 1}]")
+
+
+@pytest.mark.parametrize("file", scene_files.good(), ids=lambda file: file.stem)
+def test_each_parameter_of_each_scene_acts(file: Path, tmp_path: Path) -> None:
+    source = offering_all(gelenk.load(file).to_dict())
+    (tmp_path / "plain").mkdir()
+    plain = Situations(source, tmp_path / "plain")
+    silent = [name for name in plain.parameters if not plain.acts(name)]
+    if silent:  # nobody looks where they act
+        (tmp_path / "observed").mkdir()
+        seen = Situations(observed(source), tmp_path / "observed")
+        silent = [name for name in silent if not seen.acts(name)]
+    assert silent == [name for name in plain.parameters if cannot_act(source, name)]
