@@ -3,16 +3,36 @@
 
 #include <algorithm>
 
-#include "dynamics/model.h"
+#include "mechanism/sets.h"
 
 namespace gelenk {
 namespace {
 
 // What the outputs of one part can depend on.
 struct Part {
-  std::set<int> positions, states, all;  // states that are coordinates; those and speeds; those and inputs
-  int speeds = 0;                        // among the states
+  std::set<int> positions, states;  // states that are coordinates; those and speeds
+  int speeds = 0;                   // among the states
 };
+
+// -1: the ground.
+int body_number(const Scene& scene, const std::string& name) {
+  const auto found = std::ranges::find(scene.bodies, name, &Body::name);
+  return found == scene.bodies.end() ? -1 : static_cast<int>(found - scene.bodies.begin());
+}
+
+// By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
+// once by these, by others of the part only through springs, so through states.
+std::vector<int> clusters_of(const Scene& scene) {
+  Sets sets(scene.bodies.size());
+  for (const Joint& joint : scene.joints) {
+    const int parent = body_number(scene, joint.parent.body);
+    const int child = body_number(scene, joint.child.body);
+    if (parent >= 0 && child >= 0) sets.join(parent, child);
+  }
+  std::vector<int> out;
+  for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) out.push_back(sets.find(b));
+  return out;
+}
 
 // Parameters that move joints can couple parts, and free what loops hold still.
 bool geometry_may_change(const Scene& scene) {
@@ -27,11 +47,11 @@ class Finder {
         reduced_(simulation.prepared().reduced),
         signals_(simulation.outputs()),
         catalogue_(catalogue),
-        parts_(reduced_.islands.size()) {
-    for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
-      if (catalogue.variables()[i].source == Source::input) inputs_.push_back(static_cast<int>(i));
-    }
-    collect(simulation);
+        parts_(reduced_.islands.size()),
+        cluster_(clusters_of(scene_)),
+        inputs_of_(scene_.bodies.size()) {
+    collect_states(simulation);
+    collect_inputs();
   }
 
   std::vector<std::set<int>> run() {
@@ -48,7 +68,7 @@ class Finder {
   }
 
  private:
-  void collect(const Simulation& simulation) {
+  void collect_states(const Simulation& simulation) {
     for (const State& state : catalogue_.states()) {
       const Variable& v = catalogue_.variables()[static_cast<std::size_t>(state.variable)];
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
@@ -57,22 +77,38 @@ class Finder {
       if (signal.level == 1) ++part.speeds;
       part.states.insert(state.variable);
     }
-    const std::vector<Loads> loads = make_loads(scene_, reduced_);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       const Structure& structure = simulation.prepared().islands[p].structure;
       known_ = known_ && parts_[p].speeds == reduced_.islands[p].nv - structure.rank;
-      parts_[p].all = parts_[p].states;
-      for (const int input : loads[p].inputs) parts_[p].all.insert(inputs_[static_cast<std::size_t>(input)]);
+      whole_.positions.insert(parts_[p].positions.begin(), parts_[p].positions.end());
+      whole_.states.insert(parts_[p].states.begin(), parts_[p].states.end());
     }
-    for (const Part& part : parts_) add(whole_, part);
-    whole_.all.insert(inputs_.begin(), inputs_.end());
     known_ = known_ && !geometry_may_change(scene_);
   }
 
-  static void add(Part& to, const Part& part) {
-    to.positions.insert(part.positions.begin(), part.positions.end());
-    to.states.insert(part.states.begin(), part.states.end());
-    to.all.insert(part.all.begin(), part.all.end());
+  // In the order of input_signals(), which are the first variables.
+  void collect_inputs() {
+    int next = 0;
+    const auto add = [&](const std::string& body, int count) {
+      std::set<int>& inputs =
+          inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body_number(scene_, body))])];
+      for (int i = 0; i < count; ++i) {
+        inputs.insert(next);
+        all_.insert(next++);
+      }
+    };
+    for (const Motor& motor : scene_.motors) {
+      add(moving_body(*std::ranges::find(scene_.joints, motor.joint, &Joint::name)), 1);
+    }
+    for (const Force& force : scene_.forces) {
+      if (force.type == ForceType::wrench && force.input) add(force.at.body, 6);
+    }
+    all_.insert(whole_.states.begin(), whole_.states.end());
+  }
+
+  // One of the two that is not the ground.
+  static const std::string& moving_body(const Joint& joint) {
+    return joint.child.body != ground ? joint.child.body : joint.parent.body;
   }
 
   // island: none where something stands still.
@@ -82,19 +118,31 @@ class Finder {
     return island < 0 ? nothing : parts_[static_cast<std::size_t>(island)];
   }
 
-  std::set<int> of_joint(const Signal& signal, int variable) const {
-    const JointPlace& place = reduced_.joints[static_cast<std::size_t>(signal.joint)];
-    const Part& p = part(place.role == JointPlace::Role::merged ? -1 : place.island);
-    if (signal.level == 2) return p.all;
-    if (p.states.contains(variable)) return {variable};
-    return known_ ? (signal.level == 0 ? p.positions : p.states) : p.all;
+  // The states of a joint's part, and the inputs that its bodies feel.
+  std::set<int> of_accelerations(const Joint& joint, const Part& part) const {
+    if (!known_) return all_;
+    std::set<int> out = part.states;
+    const int body = body_number(scene_, moving_body(joint));
+    const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])];
+    out.insert(inputs.begin(), inputs.end());
+    return out;
   }
 
-  // Of a quaternion's component: the quaternion and the speeds of its joint.
+  std::set<int> of_joint(const Signal& signal, int variable) const {
+    const auto j = static_cast<std::size_t>(signal.joint);
+    const JointPlace& place = reduced_.joints[j];
+    const bool moves = place.role != JointPlace::Role::merged;
+    const Part& p = part(moves ? place.island : -1);
+    if (p.states.contains(variable)) return {variable};
+    if (!known_) return all_;
+    if (signal.level == 2) return moves ? of_accelerations(scene_.joints[j], p) : std::set<int>();
+    return signal.level == 0 ? p.positions : p.states;
+  }
+
+  // Of a quaternion's component: by the states of its joint.
   std::set<int> of_rate(const Rate& rate) const {
     const JointPlace& place = reduced_.joints[static_cast<std::size_t>(rate.joint)];
-    const Part& p = part(place.role == JointPlace::Role::merged ? -1 : place.island);
-    return known_ ? p.states : p.all;
+    return known_ ? part(place.role == JointPlace::Role::merged ? -1 : place.island).states : all_;
   }
 
   std::set<int> of_sensor(std::size_t output) const {
@@ -103,7 +151,7 @@ class Finder {
       if (output < size) return of_sensor(sensor, output);
       output -= size;
     }
-    return whole_.all;
+    return all_;
   }
 
   static std::size_t size_of(const Sensor& sensor) {
@@ -112,23 +160,26 @@ class Finder {
   }
 
   std::set<int> of_sensor(const Sensor& sensor, std::size_t component) const {
-    if (!known_) return whole_.all;
+    if (!known_) return all_;
     if (sensor.type == SensorType::energy) return component == 1 ? whole_.positions : whole_.states;
     if (sensor.type == SensorType::frame) {
       const Part& p = part(place(scene_, reduced_, -1, sensor.frame).island);
       return component < 7 ? p.positions : p.states;
     }
     const auto joint = std::ranges::find(scene_.joints, sensor.joint, &Joint::name);
-    return part(reduced_.joints[static_cast<std::size_t>(joint - scene_.joints.begin())].island).all;
+    const int island = reduced_.joints[static_cast<std::size_t>(joint - scene_.joints.begin())].island;
+    return of_accelerations(*joint, part(island));
   }
 
   const Scene& scene_;
   const ReducedScene& reduced_;
   const std::vector<Signal>& signals_;
   const Catalogue& catalogue_;
-  std::vector<int> inputs_;  // variables
   std::vector<Part> parts_;
+  std::vector<int> cluster_;              // by body
+  std::vector<std::set<int>> inputs_of_;  // by cluster
   Part whole_;
+  std::set<int> all_;  // states and inputs
   bool known_ = true;  // the states make up every part, and parts stay what they are
 };
 

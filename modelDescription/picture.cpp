@@ -49,6 +49,9 @@ std::vector<Pose3> start_poses(const Scene& scene) {
   return poses;
 }
 
+// Whether there is anything to draw: a joint with all freedoms holds nothing.
+bool holds(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
+
 // From where the scene is looked at: directions of the picture's axes in the world.
 struct View {
   Vector3d right{1, 0, 0}, up{0, 0, 1};
@@ -120,7 +123,16 @@ class Artist {
   }
 
   Picture run() {
-    for (const Joint& joint : scene_.joints) draw_ground(joint);
+    for (const Joint& joint : scene_.joints) {
+      if (!holds(joint)) continue;
+      draw_ground(joint.parent);
+      draw_ground(joint.child);
+    }
+    for (const Force& force : scene_.forces) {
+      if (force.type != ForceType::spring_damper) continue;
+      draw_ground(force.from);
+      draw_ground(force.to);
+    }
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) draw_body(b);
     for (const Force& force : scene_.forces) draw_force(force);
     for (const Joint& joint : scene_.joints) draw_joint(joint);
@@ -143,8 +155,9 @@ class Artist {
       if (frame.body == scene_.bodies[b].name) out.push_back(in_world(frame));
     };
     for (const Joint& joint : scene_.joints) {
-      if (joint.type != "free") mark(joint.parent);
-      if (joint.type != "free") mark(joint.child);
+      if (!holds(joint)) continue;
+      mark(joint.parent);
+      mark(joint.child);
     }
     for (const Force& force : scene_.forces) {
       if (force.type != ForceType::spring_damper) continue;
@@ -165,6 +178,11 @@ class Artist {
     };
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) std::ranges::for_each(marks(b), include);
     for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
+    for (const Force& force : scene_.forces) {
+      if (force.type != ForceType::spring_damper) continue;
+      include(in_world(force.from));
+      include(in_world(force.to));
+    }
     if (!(least.x() <= most.x())) return;  // nothing there
     const Vector2d room(picture_.width - 2 * margin, picture_.height - 2 * margin);
     const Vector2d size = most - least;
@@ -185,14 +203,11 @@ class Artist {
     picture_.shapes.push_back({Shape::Kind::polygon, std::move(points), 0, 2, edge, fill});
   }
 
-  void draw_ground(const Joint& joint) {
-    if (joint.type == "free") return;
-    for (const BodyFrame* frame : {&joint.parent, &joint.child}) {
-      if (frame->body != ground) continue;
-      const Vector2d at = on_paper(in_world(*frame));
-      polygon({at, at + Vector2d(-11, 18), at + Vector2d(11, 18)}, earth, {232, 232, 232});
-      line({at + Vector2d(-17, 19), at + Vector2d(17, 19)}, 3, earth);
-    }
+  void draw_ground(const BodyFrame& frame) {
+    if (frame.body != ground) return;
+    const Vector2d at = on_paper(in_world(frame));
+    polygon({at, at + Vector2d(-11, 18), at + Vector2d(11, 18)}, earth, {232, 232, 232});
+    line({at + Vector2d(-17, 19), at + Vector2d(17, 19)}, 3, earth);
   }
 
   void draw_body(std::size_t b) {
@@ -232,14 +247,15 @@ class Artist {
   }
 
   void draw_joint(const Joint& joint) {
-    if (joint.type == "free") return;
+    if (!holds(joint)) return;
     const Vector2d at = on_paper(in_world(joint.child));
     const Vector2d from = on_paper(in_world(joint.parent));
     if ((at - from).norm() > 1) line({from, at}, 2, ink);
     const bool driven = std::ranges::find(scene_.motors, joint.name, &Motor::joint) != scene_.motors.end();
-    const Colour fill = driven ? drive : joint.type == "weld" ? ink : paper;
-    const bool slides = joint.type == "prismatic" || joint.type == "cylindrical" || joint.type == "planar";
-    if (slides || joint.type == "weld") {
+    const JointKind& kind = *find_joint_kind(joint.type);
+    const Colour fill = driven ? drive : kind.nv == 0 ? ink : paper;
+    const bool slides = kind.nv > 0 && kind.q[0].unit == "m";
+    if (slides || kind.nv == 0) {
       const double half = slides ? 7 : 3;
       polygon({at + Vector2d(-half, -half), at + Vector2d(half, -half), at + Vector2d(half, half),
                at + Vector2d(-half, half)},

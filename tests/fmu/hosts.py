@@ -57,11 +57,11 @@ def decimal_commas_are_no_concern(fmu: Fmu) -> None:
     expected = life(fmu)
     name, folder = "de_DE.UTF-8", fmu.folder.parent / "locales"
     if (program := shutil.which("localedef")) is None:
-        raise Unavailable("localedef, to make a locale with decimal commas, is not installed")
+        raise UnavailableError("localedef, to make a locale with decimal commas, is not installed")
     folder.mkdir()
     made = subprocess.run([program, "-i", "de_DE", "-f", "UTF-8", str(folder / name)], capture_output=True)
     if not (folder / name).is_dir():
-        raise Unavailable(f"localedef: {made.stderr.decode()}")
+        raise UnavailableError(f"localedef: {made.stderr.decode()}")
     os.environ["LOCPATH"] = str(folder)
     locale.setlocale(locale.LC_ALL, name)
     libc = ctypes.CDLL(None)
@@ -74,7 +74,7 @@ def decimal_commas_are_no_concern(fmu: Fmu) -> None:
     expect(s, s.step(0.0, 0.5), ERROR, "stands at t = 0.5 s")
 
 
-class Unavailable(Exception):
+class UnavailableError(Exception):
     """Something on this machine without which a scenario cannot be played."""
 
 
@@ -178,12 +178,20 @@ def what_is_not_known_of_steps_is_discarded_with_a_sentence(fmu: Fmu) -> None:
 def every_function_survives_null(fmu: Fmu) -> None:
     """All arguments null or zero, without an instance and with one in each mode."""
     functions = [
-        "fmi2SetDebugLogging", "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2GetString", "fmi2SetReal",
-        "fmi2SetInteger", "fmi2SetBoolean", "fmi2SetString", "fmi2GetFMUstate", "fmi2SetFMUstate",
-        "fmi2FreeFMUstate", "fmi2SerializedFMUstateSize", "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate",
-        "fmi2GetDirectionalDerivative", "fmi2SetRealInputDerivatives", "fmi2GetRealOutputDerivatives", "fmi2CancelStep",
-        "fmi2GetStatus", "fmi2GetRealStatus", "fmi2GetIntegerStatus", "fmi2GetBooleanStatus", "fmi2GetStringStatus",
-    ]  # fmt: skip
+        *(
+            f"fmi2{verb}{kind}"
+            for verb in ("Get", "Set")
+            for kind in ("Real", "Integer", "Boolean", "String")
+        ),
+        *(f"fmi2Get{kind}Status" for kind in ("", "Real", "Integer", "Boolean", "String")),
+        *(f"fmi2{verb}FMUstate" for verb in ("Get", "Set", "Free", "Serialize", "DeSerialize")),
+        "fmi2SerializedFMUstateSize",
+        "fmi2GetDirectionalDerivative",
+        "fmi2SetRealInputDerivatives",
+        "fmi2GetRealOutputDerivatives",
+        "fmi2SetDebugLogging",
+        "fmi2CancelStep",
+    ]
     nothing = [c_void_p(None)] * 7
 
     def all_functions(s: Slave) -> None:

@@ -23,5 +23,5 @@ if __name__ == "__main__":
     try:
         SCENARIOS[sys.argv[1]](Fmu(Path(sys.argv[2])))
         print("done")
-    except hosts.Unavailable as missing:
+    except hosts.UnavailableError as missing:
         print(f"skip: {missing}")

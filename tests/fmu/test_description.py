@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from mechanisms import body, frame, joint, scene
+from mechanisms import Scene, body, frame, joint, scene
 
 import gelenk
 
+from .host import OK, Fmu, Slave
 from .plants import crank_rocker, gyroscope
 
 SCENES = {"crank_rocker": crank_rocker, "gyroscope": gyroscope}
@@ -137,3 +139,122 @@ def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
     changed = gelenk.export_fmu(other, tmp_path / "c.fmu")
     guid = fmpy.read_model_description(str(changed)).guid
     assert guid != fmpy.read_model_description(str(tmp_path / "a.fmu")).guid
+
+
+def test_reals_have_types_with_quantities(description: Any) -> None:
+    types = {t.name: t for t in description.typeDefinitions}
+    for v in description.modelVariables:
+        if v.type == "Real" and v.unit not in ("1", "1/s"):
+            assert v.declaredType is types[v.declaredType.name]
+            assert v.declaredType.quantity
+            assert v.declaredType.unit == v.unit
+            assert v.declaredType.displayUnit == v.displayUnit
+    assert types["Gelenk.AngularVelocity"].displayUnit == "rpm"
+
+
+def test_each_choice_of_a_method_is_explained(description: Any) -> None:
+    types = {t.name: t for t in description.typeDefinitions}
+    for name in ("Gelenk.solver.integrator", "Gelenk.solver.formulation"):
+        assert len(types[name].items) >= 6
+        for item in types[name].items:
+            assert len(item.description or "") > 10, item.name
+
+
+def test_sizes_and_bounds_are_told_where_they_are_known(tmp_path: Path) -> None:
+    """7.5 kg under 9.81 m/s2: a weight of 74 N, at arms of 1.75 m."""
+    found = fmpy.read_model_description(str(gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")))
+    variables = {v.name: v for v in found.modelVariables}
+    for name in ("drive.tau", "hinge.f[1]", "energy.total"):
+        assert float(variables[name].nominal) == 100, name
+    assert float(variables["constraints.position"].nominal) == 1e-6
+    for name in ("energy.kinetic", "energy_meter.kinetic", "solver.steps", "crank.m", "A.damping"):
+        assert float(variables[name].min) == 0, name
+    assert variables["energy.potential"].min is None
+
+
+def test_what_may_change_while_running_is_tunable(tmp_path: Path) -> None:
+    found = fmpy.read_model_description(str(gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")))
+    kinds = {v.name: v.variability for v in found.modelVariables if v.causality == "parameter"}
+    assert {name for name, kind in kinds.items() if kind == "tunable"} == {
+        "A.damping",
+        *(f"gravity[{i}]" for i in (1, 2, 3)),
+    }
+    assert set(kinds.values()) == {"tunable", "fixed"}
+
+
+def two_machines() -> Scene:
+    """A crank-rocker beside a gyroscope: nothing couples them."""
+    out, other = crank_rocker(), gyroscope()
+    for section in ("bodies", "joints"):
+        out[section] |= other[section]
+    out["forces"] = other["forces"]
+    out["sensors"]["pose"] = {"type": "frame", "body": "rocker"}
+    out["sensors"]["mount"] = {"type": "frame", "body": "ground"}
+    return out
+
+
+def dependencies(description: Any) -> dict[str, set[str]]:
+    """Of each output: the names that modelDescription.xml lists."""
+    return {u.variable.name: {v.name for v in u.dependencies} for u in description.outputs}
+
+
+def test_an_input_acts_at_once_on_the_outputs_that_depend_on_it_and_on_no_other(tmp_path: Path) -> None:
+    fmu = extracted(two_machines(), tmp_path)
+    declared = dependencies(fmu.description)
+    inputs = [v.name for v in fmu.description.modelVariables if v.causality == "input"]
+    assert set(inputs) >= {"drive.tau", "push.f[1]", "push.t[3]"}
+    slave = Slave(fmu).start()
+    slave.run(5)
+    before = dict(zip(declared, slave.outputs(), strict=True))
+    for name in inputs:
+        assert slave.set({name: 1.7}) == OK
+        after = dict(zip(declared, slave.outputs(), strict=True))
+        assert slave.set({name: 0.0}) == OK
+        changed = {output for output in declared if after[output] != before[output]}
+        wanted = {output for output in declared if name in declared[output]}
+        assert changed <= wanted, name
+        # A four-bar in a plane loads its hinge in that plane, and no hinge about its own axis.
+        assert wanted - changed <= {"hinge.f[3]", "hinge.t[1]", "hinge.t[2]", "hinge.t[3]"}, name
+
+
+def test_a_state_acts_on_no_output_but_those_that_depend_on_it(tmp_path: Path) -> None:
+    """States are changed by their start values."""
+    fmu = extracted(two_machines(), tmp_path)
+    declared = dependencies(fmu.description)
+    assert declared["A.phi"] == {"A.phi"}
+    assert declared["C.phi"] == {"A.phi"}
+    assert declared["C.w"] == {"A.phi", "A.w"}
+    assert declared["C.a"] == {"A.phi", "A.w", "drive.tau"}
+    assert declared["pose.r[1]"] == {"A.phi"}
+    assert declared["mount.r[1]"] == set()
+    before = dict(zip(declared, Slave(fmu).start().outputs(), strict=True))
+    for name, value in {"A.phi": 1.3, "A.w": 0.7, "S.w[2]": 0.4, "F.r[3]": 0.9, "F.v[1]": 0.3}.items():
+        slave = Slave(fmu)
+        joint, quantity = name.split(".")
+        start = re.sub(r"(\[\d\])?$", r"_start\1", quantity, count=1)
+        assert slave.set({f"{joint}.{start}": value}) == OK, slave.said
+        after = dict(zip(declared, slave.start().outputs(), strict=True))
+        changed = {output for output in declared if after[output] != before[output]}
+        assert name in changed
+        assert changed <= {output for output in declared if name in declared[output]}, name
+
+
+def test_large_models_do_not_repeat_that_all_depends_on_all(tmp_path: Path) -> None:
+    """A chain of n links: accelerations depend on everything, which is what no list means."""
+    n = 40
+    rod = body(1.0, (0.3, 0, 0), (0.01, 0.02, 0.02))
+    hinges = {
+        f"J{i}": joint("revolute", frame(f"B{i - 1}" if i else "ground", (0.6, 0, 0)), frame(f"B{i}"))
+        for i in range(n)
+    }
+    found = gelenk.export_fmu(scene({f"B{i}": rod for i in range(n)}, hinges), tmp_path / "x.fmu")
+    assert validate_fmu(str(found)) == []
+    description = fmpy.read_model_description(str(found))
+    assert len(description.derivatives) == 2 * n
+    for u in description.outputs:
+        assert u.dependencies == (None if u.variable.name.endswith(".a") else [u.variable])
+
+
+def extracted(source: Scene, folder: Path) -> Fmu:
+    fmpy.extract(str(gelenk.export_fmu(source, folder / "x.fmu")), str(folder / "extracted"))
+    return Fmu(folder / "extracted")

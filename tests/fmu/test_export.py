@@ -4,11 +4,18 @@
 from __future__ import annotations
 
 import json
+import math
+import struct
 import time
 import zipfile
+import zlib
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+import scene_files
+from numpy.typing import NDArray
 
 import gelenk
 
@@ -36,9 +43,67 @@ def test_the_fmu_holds_scene_page_licences_and_library(tmp_path: Path) -> None:
         assert any(n.startswith("documentation/licenses/") for n in names)
         carried = json.loads(archive.read("resources/scene.json"))
         page = archive.read("documentation/index.html").decode()
+        picture = archive.read("model.png")
     assert list(carried["joints"]) == ["S", "F"]
     for name in ("push.f[1]", "S.Q[4]", "tie.stiffness", "solver.steps"):
         assert f"<td>{name}</td>" in page
+    assert pixels(picture).shape == (360, 480, 3)
+
+
+def pixels(png: bytes) -> NDArray[np.uint8]:
+    """Rows, columns, colours of a PNG of 8-bit colours without filters; all its checksums checked."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    chunks, at = {}, 8
+    while at < len(png):
+        (size,) = struct.unpack(">I", png[at : at + 4])
+        kind, content = png[at + 4 : at + 8], png[at + 8 : at + 8 + size]
+        assert struct.unpack(">I", png[at + 8 + size : at + 12 + size]) == (zlib.crc32(kind + content),)
+        chunks[kind] = content
+        at += 12 + size
+    assert list(chunks) == [b"IHDR", b"IDAT", b"IEND"]
+    width, height, *form = struct.unpack(">IIBBBBB", chunks[b"IHDR"])
+    assert form == [8, 2, 0, 0, 0]
+    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, 3 * width + 1)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 3)
+
+
+@pytest.mark.parametrize("file", scene_files.good(), ids=lambda file: file.stem)
+def test_every_scene_has_a_picture(file: Path, tmp_path: Path) -> None:
+    source = gelenk.load(file).to_dict()
+    with zipfile.ZipFile(gelenk.export_fmu(source, tmp_path / "x.fmu")) as archive:
+        image = pixels(archive.read("model.png"))
+        page = archive.read("documentation/index.html").decode()
+    drawn = (image < 255).any(axis=2)
+    assert 0.005 < drawn.mean() < 0.6
+    assert not drawn[:, [0, 1, -2, -1]].any()  # all of it is inside
+    assert not drawn[[0, 1, -2, -1], :].any()
+    svg = ElementTree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
+    circles = [e for e in svg if e.tag.endswith("circle")]
+    assert len(circles) >= len(source["bodies"])  # each has its centre of mass
+    if len(source["joints"]) <= 12:
+        assert {e.text for e in svg if e.tag.endswith("text")} >= set(source["bodies"])
+
+
+def test_the_picture_shows_where_bodies_start(tmp_path: Path) -> None:
+    """A rod that leans to the right by 0.3 rad, driven at its lower end: red below on the left."""
+    rod = {"mass": 1.0, "com": [0.5, 0, 0], "inertia": [0, 0.1, 0.1]}
+    pin = {"type": "revolute", "axis": [0, -1, 0], "parent": "ground", "child": "rod"}
+    start = {"phi": math.pi / 2 - 0.3, "fixed": True}
+    source = {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {"rod": rod},
+        "joints": {"pin": pin | {"start": start}},
+        "motors": {"drive": {"joint": "pin"}},
+    }
+    with zipfile.ZipFile(gelenk.export_fmu(source, tmp_path / "x.fmu")) as archive:
+        image = pixels(archive.read("model.png")).astype(int)
+    red = np.argwhere(image[:, :, 0] - image[:, :, 1] > 100).mean(axis=0)
+    black = np.argwhere(image.max(axis=2) < 70)
+    tip = black[black[:, 0].argmin()]  # the centre of mass is the highest mark
+    up, right = red[0] - tip[0], tip[1] - red[1]
+    assert math.atan2(right, up) == pytest.approx(0.3, abs=0.02)  # pixels: 2 of 280
 
 
 def test_names_that_are_no_identifiers_and_markup_are_escaped(tmp_path: Path) -> None:
