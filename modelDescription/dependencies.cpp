@@ -189,4 +189,21 @@ std::vector<std::set<int>> dependencies_of(const Simulation& simulation, const C
   return Finder(simulation, catalogue).run();
 }
 
+std::vector<std::set<int>> initial_dependencies_of(const Catalogue& catalogue,
+                                                   const std::vector<std::set<int>>& dependencies) {
+  std::set<int> parameters;
+  const auto& variables = catalogue.variables();
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const bool acts = variables[i].source == Source::parameter && !variables[i].name.starts_with("solver.");
+    if (acts) parameters.insert(static_cast<int>(i));
+  }
+  std::vector<std::set<int>> out(dependencies.size(), parameters);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (const int known : dependencies[i]) {
+      if (variables[static_cast<std::size_t>(known)].source == Source::input) out[i].insert(known);
+    }
+  }
+  return out;
+}
+
 }  // namespace gelenk

@@ -17,4 +17,9 @@ namespace gelenk {
 // simulation: assembled; the catalogue's states are declared.
 std::vector<std::set<int>> dependencies_of(const Simulation& simulation, const Catalogue& catalogue);
 
+// The same for values at the start: on inputs and parameters. What an output is computed with (solver.*) does not
+// act on it there.
+std::vector<std::set<int>> initial_dependencies_of(const Catalogue& catalogue,
+                                                   const std::vector<std::set<int>>& dependencies);
+
 }  // namespace gelenk

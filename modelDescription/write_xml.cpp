@@ -6,6 +6,7 @@
 #include <set>
 
 #include "modelDescription/capabilities.h"
+#include "modelDescription/dependencies.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/units.h"
 #include "scene/text.h"
@@ -175,17 +176,17 @@ void write_variable(Writer& w, const Variable& v, std::size_t value_reference) {
 // Not telling the dependencies means all of them; so large models whose parts all act on each other stay readable.
 constexpr std::size_t few = 64;
 
-// Indices from 1, as FMI counts. dependencies: by variable; null: on everything. knowns: how many there are.
+// Indices from 1, as FMI counts. dependencies: by variable. all: how many knowns make up a list that can be left out.
 void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices,
-                    const std::vector<std::set<int>>* dependencies, std::size_t knowns) {
+                    const std::vector<std::set<int>>& dependencies, std::size_t all) {
   if (indices.empty()) return;
   w.open(2, element).inside();
   for (const int index : indices) {
     w.open(3, "Unknown").attribute("index", index + 1);
-    const std::set<int>* on = dependencies != nullptr ? &(*dependencies)[static_cast<std::size_t>(index)] : nullptr;
-    if (on != nullptr && (on->size() < knowns || knowns <= few)) {
+    const std::set<int>& on = dependencies[static_cast<std::size_t>(index)];
+    if (on.size() < all || all <= few) {
       std::string text;
-      for (const int known : *on) text += (text.empty() ? "" : " ") + std::to_string(known + 1);
+      for (const int known : on) text += (text.empty() ? "" : " ") + std::to_string(known + 1);
       w.attribute("dependencies", text);
     }
     w.end();
@@ -207,9 +208,10 @@ void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<st
     initial.insert({state.variable, state.derivative});
   }
   w.open(1, "ModelStructure").inside();
-  write_unknowns(w, "Outputs", outputs, &dependencies, knowns);
-  write_unknowns(w, "Derivatives", derivatives, &dependencies, knowns);
-  write_unknowns(w, "InitialUnknowns", initial, nullptr, 0);  // parameters: of the whole scene
+  write_unknowns(w, "Outputs", outputs, dependencies, knowns);
+  write_unknowns(w, "Derivatives", derivatives, dependencies, knowns);
+  // Of the parameters almost all act on everything, so these lists would only be long.
+  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalogue, dependencies), few + 1);
   w.close(1, "ModelStructure");
 }
 
