@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import ctypes
 import locale
+import math
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Callable
 from ctypes import c_double, c_int, c_size_t, c_void_p
 
@@ -173,6 +175,29 @@ def what_is_not_known_of_steps_is_discarded_with_a_sentence(fmu: Fmu) -> None:
     expect(s, status, DISCARD, "fmi2Terminated")
     expect(s, s.call("fmi2GetRealStatus", c_int(99), value), DISCARD, "fmi2GetRealStatus: ")
     s.run(1, first=1)
+
+
+def gigantic_steps_come_back(fmu: Fmu) -> None:
+    """Made where the plant rests before long, given up where it gets nowhere; in seconds either way."""
+    for size in (1e2, 1e4, 1e9, 1e15, 1e100, 1e300):
+        s = Slave(fmu).start()
+        s.set_real(drive__tau=0.5)
+        s.run(2, SIZE)
+        before = s.outputs()
+        begin = time.monotonic()
+        status = s.step(2 * SIZE, size)
+        assert time.monotonic() - begin < 10
+        if status == OK:
+            assert size < 1e5
+            assert all(map(math.isfinite, s.outputs()))
+            continue
+        expect(s, status, DISCARD, "fmi2DoStep: t = ", f"still stands at t = {2 * SIZE:.6g} s and can go on")
+        last = c_double()
+        assert s.call("fmi2GetRealStatus", c_int(LAST_SUCCESSFUL_TIME), ctypes.byref(last)) == OK
+        assert last.value == 2 * SIZE
+        assert s.outputs() == before
+        s.run(2, SIZE, first=2)
+        s.free()
 
 
 def every_function_survives_null(fmu: Fmu) -> None:
