@@ -80,6 +80,7 @@ bool MemoryReserve::drawn() const { return drawn_upon; }
 
 }  // namespace gelenk
 
+// The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 
 // The linker (cmake/GelenkTargets.cmake) leads all calls of the library, of what it contains too, to these.
@@ -118,3 +119,4 @@ void __wrap_free(void* block) {
 }
 
 }  // extern "C"
+// NOLINTEND(bugprone-reserved-identifier)

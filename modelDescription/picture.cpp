@@ -240,8 +240,8 @@ class Artist {
     if (along.norm() < 1) return;
     const Vector2d aside = 7 * Vector2d(-along.y(), along.x()) / along.norm();
     std::vector<Vector2d> points = {from, from + 0.2 * along};
-    for (int i = 0; i < 8; ++i) points.push_back(from + (0.225 + 0.075 * i) * along + (i % 2 == 0 ? 1 : -1) * aside);
-    points.push_back(from + 0.8 * along);
+    for (int i = 0; i < 8; ++i) points.emplace_back(from + (0.225 + 0.075 * i) * along + (i % 2 == 0 ? 1 : -1) * aside);
+    points.emplace_back(from + 0.8 * along);
     points.push_back(to);
     line(std::move(points), 2, wire);
   }

@@ -39,14 +39,16 @@ double distance(const Shape& shape, const Vector2d& p) {
 class Canvas {
  public:
   explicit Canvas(const Picture& picture)
-      : width_(picture.width), height_(picture.height), pixels_(static_cast<std::size_t>(3 * width_ * height_), 255) {
+      : width_(picture.width),
+        height_(picture.height),
+        pixels_(std::size_t{3} * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 255) {
     for (const Shape& shape : picture.shapes) paint(shape);
   }
 
   // Rows as PNG has them: a filter's number (none), then the pixels.
   std::string rows() const {
     std::string out;
-    const auto stride = static_cast<std::size_t>(3 * width_);
+    const auto stride = std::size_t{3} * static_cast<std::size_t>(width_);
     for (std::size_t y = 0; y < static_cast<std::size_t>(height_); ++y) {
       out += '\0';
       for (std::size_t i = 0; i < stride; ++i) out += static_cast<char>(pixels_[y * stride + i]);
@@ -78,7 +80,8 @@ class Canvas {
   // cover: how much of the pixel the colour takes, if between 0 and 1.
   void blend(int x, int y, const Colour& colour, double cover) {
     const double part = std::clamp(cover, 0.0, 1.0);
-    std::uint8_t* pixel = &pixels_[static_cast<std::size_t>(3 * (y * width_ + x))];
+    std::uint8_t* pixel = &pixels_[std::size_t{3} * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                                     static_cast<std::size_t>(x))];
     for (std::size_t c = 0; c < 3; ++c) {
       pixel[c] = static_cast<std::uint8_t>(std::lround(part * colour[c] + (1 - part) * pixel[c]));
     }
