@@ -32,7 +32,7 @@ def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.mark.parametrize("integrator", ["erk", "rk4", "ida", "cvode", "dirk"])
+@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"])
 def test_allocations_that_fail_are_survived(integrator: str, host: Path, tmp_path: Path) -> None:
     source = crank_rocker()
     source["solver"] = {"integrator": integrator}

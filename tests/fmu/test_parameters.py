@@ -84,8 +84,9 @@ class Situations:
         yield "guesses only", self.all(r"\.fixed$", 0)
         yield "springs everywhere", self.all(r"\.stiffness", 7.0) | self.all(r"\.rotor_inertia$", 0.01)
         yield "at its stops", self.all(r"\.stop\.lower$", 1.0) | self.all(r"\.stop\.upper$", 2.0)
-        rk4 = self.items("solver.integrator").index("rk4") + 1
-        yield "rk4", {"solver.integrator": rk4, "solver.step": step_of(self.fmu)}
+        for method in ("rk4", "generalized-alpha"):
+            number = self.items("solver.integrator").index(method) + 1
+            yield method, {"solver.integrator": number, "solver.step": step_of(self.fmu)}
         yield "baumgarte", {"solver.formulation": self.items("solver.formulation").index("baumgarte") + 1}
         yield "round bodies", self.all(r"\.inertia\[[123]\]", 1.0)
         yield "turned", self.all(r"\.Q_start\[1\]", 0.1) | self.all(r"\.fixed$", 0)
@@ -114,7 +115,8 @@ def perturbed(parameter: Any, value: float) -> float:
         return 1 - value
     if parameter.type == "Enumeration":
         return value + 1 if value < len(parameter.declaredType.items) else value - 1
-    return 1.013 * value + 0.011
+    larger = 1.013 * value + 0.011
+    return larger if parameter.max is None or larger <= float(parameter.max) else 0.9 * value
 
 
 def normal(source: dict[str, Any]) -> int | None:
