@@ -16,9 +16,9 @@ constexpr double zero_share = 0.02;  // what counts as zero: the parabola throug
 void Passages::seen(double t, double ratio) {
   soundest_ = std::max(soundest_, ratio);
   const bool low = ratio < near_share * soundest_;
-  if (!low) high_t_ = std::max(high_t_, t);
+  if (!low) sound_from_ = std::min(sound_from_, t);
   if (!(ratio <= kept_share * soundest_)) return;
-  if (low && high_t_ > last_) near_ = true;
+  if (low && armed_) near_ = true;
   samples_[next_] = {t, ratio * ratio};
   next_ = (next_ + 1) % static_cast<int>(samples_.size());
   size_ = std::min(size_ + 1, static_cast<int>(samples_.size()));
@@ -50,6 +50,7 @@ Passages::Foot Passages::foot(double& time) const {
 }
 
 void Passages::accepted(double t) {
+  if (sound_from_ <= t) armed_ = true;
   if (!near_) {
     size_ = next_ = 0;
     return;
@@ -62,6 +63,8 @@ void Passages::accepted(double t) {
     if (time > t) return;
     ++count_;
     last_ = time;
+    armed_ = false;
+    sound_from_ = INFINITY;
   }
   near_ = false;
   size_ = next_ = 0;
@@ -70,7 +73,8 @@ void Passages::accepted(double t) {
 void Passages::restart(double t) {
   if (last_ > t) --count_;
   last_ = std::min(last_, t);
-  high_t_ = std::min(high_t_, t);
+  armed_ = true;
+  sound_from_ = INFINITY;
   near_ = false;
   size_ = next_ = 0;
 }

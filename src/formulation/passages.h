@@ -30,8 +30,9 @@ class Passages {
   std::array<Sample, 64> samples_{};
   int size_ = 0;
   int next_ = 0;
-  bool near_ = false;          // one of them is low enough for a passage
-  double high_t_ = -INFINITY;  // s: of the latest evaluation that was not
+  bool near_ = false;             // one of them is low enough for a passage
+  double sound_from_ = INFINITY;  // s: of the first evaluation away from the last passage; counts once accepted
+  bool armed_ = true;             // it has been accepted
   long count_ = 0;
   double last_ = -INFINITY;
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrator/step_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrator/sundials.h"
+
+namespace gelenk::sundials {
+namespace {
+
+constexpr double bias = 1.5;          // on error estimates, ARKODE's own
+constexpr double least_error = 1e-6;  // below it an estimate may be rounding
+
+struct Before {
+  double step = 0, error = 0;  // s; of the last accepted step, none: 0
+};
+
+Before& before(SUNAdaptController c) { return *static_cast<Before*>(c->content); }
+
+SUNAdaptController_Type type(SUNAdaptController) { return SUN_ADAPTCONTROLLER_H; }
+
+// From one step to the next the error's factor of h^k changes, and as much again from this one to the next: where the
+// steps were cut short at communication points this holds, too.
+SUNErrCode estimate(SUNAdaptController c, sunrealtype h, int p, sunrealtype error, sunrealtype* next) {
+  const double k = p + 1;
+  const double e = std::max(bias * error, 1e-10);
+  *next = h * std::pow(e, -1 / k);
+  const Before& last = before(c);
+  if (last.error > least_error && e > least_error) {
+    *next *= std::min(1.0, h / last.step * std::pow(last.error / e, 1 / k));
+  }
+  return SUN_SUCCESS;
+}
+
+SUNErrCode accept(SUNAdaptController c, sunrealtype h, sunrealtype error) {
+  before(c) = {h, bias * error};
+  return SUN_SUCCESS;
+}
+
+SUNErrCode reset(SUNAdaptController c) {
+  before(c) = {};
+  return SUN_SUCCESS;
+}
+
+SUNErrCode destroy(SUNAdaptController c) {
+  delete &before(c);
+  SUNAdaptController_DestroyEmpty(c);
+  return SUN_SUCCESS;
+}
+
+}  // namespace
+
+StepController make_step_controller(SUNContext context) {
+  auto content = std::make_unique<Before>();
+  StepController controller(made(SUNAdaptController_NewEmpty(context)));
+  controller->content = content.release();
+  controller->ops->gettype = type;
+  controller->ops->estimatestep = estimate;
+  controller->ops->updateh = accept;
+  controller->ops->reset = reset;
+  controller->ops->destroy = destroy;
+  return controller;
+}
+
+}  // namespace gelenk::sundials

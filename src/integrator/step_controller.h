@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which step ARKODE tries next: the one that would have met the tolerance, or less where the errors of the last two
+// steps show that the motion is becoming harder (Gustafsson 1994, as in Hairer & Wanner II, sec. IV.8).
+#pragma once
+
+#include <sundials/sundials_adaptcontroller.h>
+
+#include <memory>
+
+namespace gelenk::sundials {
+
+struct DestroyController {
+  void operator()(SUNAdaptController c) const { SUNAdaptController_Destroy(c); }
+};
+using StepController = std::unique_ptr<std::remove_pointer_t<SUNAdaptController>, DestroyController>;
+
+StepController make_step_controller(SUNContext context);
+
+}  // namespace gelenk::sundials
