@@ -16,7 +16,7 @@ namespace {
 constexpr int stretch_steps = 100;  // what a price is taken from
 // Steps times the largest eigenvalue of df/dy: the explicit method is stable to about 4, and where it is accurate to
 // its tolerance alone, is seldom beyond 1.
-constexpr double suspicious = 1.0;
+constexpr double suspicious = 2.0;
 constexpr double stable_reach = 4.0;
 constexpr int iterations = 8;          // of the power method for that eigenvalue
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
