@@ -124,7 +124,8 @@ class Automatic final : public Integrator {
     stretch_.cost += cost_of_step[current_] * static_cast<double>(stretch_.steps);
     const Stretch last = stretch_;
     stretch_ = {};
-    if (trial_ > 0 && --trial_ > 0) return;  // a multistep method starts with small steps
+    trial_ = std::max(0, trial_ - 1);
+    if (trial_ > 0) return;  // a multistep method starts with small steps
     const double before = price_[1 - current_];
     price_[current_] = last.price();
     if (on_trial_) {
@@ -137,7 +138,8 @@ class Automatic final : public Integrator {
       }
       return;
     }
-    if (--waiting_ > 0) return;
+    --waiting_;
+    if (waiting_ > 0) return;
     if (current_ == explicit_method) {
       if (fastest_rate() * last.time > suspicious * static_cast<double>(last.steps)) attempt(implicit_method);
     } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {

@@ -89,8 +89,9 @@ class Erk final : public ArkodeIntegrator {
     const bool one_step = cost == ladder[rung_].stages;
     if (rung_ < top_ && cost > ladder[rung_ + 1].stages) {
       attempt(rung_ + 1, next_step(), cost);
-    } else if (one_step && rung_ > 0 && --waiting_ <= 0) {
-      attempt(rung_ - 1, length, cost);
+    } else if (one_step && rung_ > 0) {
+      --waiting_;
+      if (waiting_ <= 0) attempt(rung_ - 1, length, cost);
     }
   }
 
