@@ -39,7 +39,7 @@ void SundialsIntegrator::add_kept_counts() {
 }
 
 void SundialsIntegrator::advance(double end, double* y) {
-  patience_end_ = -INFINITY;
+  patience_end_ = t_;  // no advance ends where it begins
   advance_by(end, y, LONG_MAX);
 }
 
