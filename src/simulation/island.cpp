@@ -35,7 +35,6 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const s
     : scene_(scene),
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
-      u_(u),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
       equations_(make_formulation(scene.solver.formulation, prepared_.mechanism, *dynamics_, u, options_of(scene))),
       time_(time),

@@ -68,7 +68,6 @@ class Island {
   const Scene& scene_;
   PreparedIsland prepared_;
   Loads loads_;
-  const std::vector<double>& u_;
   std::unique_ptr<Dynamics> dynamics_;
   std::unique_ptr<Formulation> equations_;
   std::unique_ptr<Integrator> integrator_;  // none where nothing moves

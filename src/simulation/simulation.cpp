@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "integrator/integrator.h"
@@ -169,7 +170,7 @@ std::string Simulation::assembly_report() const { return impl_->prepared.report;
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
 double Simulation::last_singular_position() const {
-  double last = -INFINITY;
+  double last = -std::numeric_limits<double>::infinity();
   for (const auto& island : impl_->islands) last = std::max(last, island->last_singular_position());
   return last;
 }
