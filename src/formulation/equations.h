@@ -24,7 +24,8 @@ class Equations {
   virtual void displace(double* q, const double* dv) const = 0;
   // A step has been accepted; y is on the constraints.
   virtual void accepted(double t, const double* y) = 0;
-  // Where f has kinks: at zeros of so many functions of y. g, gdot (per s): their values and rates.
+  // Where f has kinks: at zeros of so many functions of y. g, gdot (per s): their values and rates; a rate that is not
+  // known is no number.
   virtual int switches() const { return 0; }
   virtual void switch_values(const double* /*y*/, double* /*g*/, double* /*gdot*/) const {}
 

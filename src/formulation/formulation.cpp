@@ -100,12 +100,17 @@ void Formulation::accepted(double t, const double* y) {
   if (rows() > 0) passages_.accepted(t);
 }
 
+// A stop pushes beyond its bound where k depth + d rate > 0: at a damped one's release that is what vanishes first.
 void Formulation::switch_values(const double* y, double* g, double* gdot) const {
   for (const JointStop& s : dynamics_.stops()) {
-    *g++ = y[s.q] - s.stop.upper;
-    *gdot++ = y[nq_ + s.v];
-    *g++ = s.stop.lower - y[s.q];
-    *gdot++ = -y[nq_ + s.v];
+    const double settling = s.stop.damping / s.stop.stiffness;  // s
+    for (const double side : {1.0, -1.0}) {
+      const double depth = side * (y[s.q] - (side > 0 ? s.stop.upper : s.stop.lower));
+      const double rate = side * y[nq_ + s.v];
+      const bool releasing = settling > 0 && rate < 0 && depth > 0;
+      *g++ = releasing ? depth + settling * rate : depth;
+      *gdot++ = releasing ? NAN : rate;
+    }
   }
 }
 

@@ -37,7 +37,7 @@ class Formulation : public Equations {
   // Unless a formulation says otherwise: quaternions are made unit again, no more.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  // Two for each stop of a tree joint: beyond its upper bound, beyond its lower.
+  // Two for each stop of a tree joint, at its upper and its lower bound: positive where it pushes.
   int switches() const final { return 2 * static_cast<int>(dynamics_.stops().size()); }
   void switch_values(const double* y, double* g, double* gdot) const final;
 

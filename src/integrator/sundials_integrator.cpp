@@ -10,6 +10,8 @@ namespace {
 
 // Nearer to an end of the step than this part of it, a kink does no harm.
 constexpr double switch_share = 1e-9;
+// Likewise where the rate is not known, so that a straight line has to do; the force itself has no jump there.
+constexpr double corner_share = 1e-3;
 
 }  // namespace
 
@@ -57,10 +59,13 @@ double SundialsIntegrator::first_switch() const {
   system_.switch_values(sundials::data(y_.get()), g_.data(), gdot_.data());
   const double h = t_ - start_t_;
   double first = 1;
+  double share = switch_share;
   for (std::size_t i = 0; i < g_.size(); ++i) {
     if ((start_g_[i] < 0) == (g_[i] < 0)) continue;
+    const bool smooth = std::isfinite(start_gdot_[i]) && std::isfinite(gdot_[i]);
     const auto value = [&](double s) {
       const double r = 1 - s;
+      if (!smooth) return r * start_g_[i] + s * g_[i];
       return r * r * (1 + 2 * s) * start_g_[i] + s * s * (3 - 2 * s) * g_[i] +
              s * r * h * (r * start_gdot_[i] - s * gdot_[i]);
     };
@@ -70,10 +75,12 @@ double SundialsIntegrator::first_switch() const {
       const double middle = (low + high) / 2;
       ((value(middle) < 0) == (start_g_[i] < 0) ? low : high) = middle;
     }
-    first = std::min(first, high);
+    if (high >= first) continue;
+    first = high;
+    share = smooth ? switch_share : corner_share;
   }
   const double at = start_t_ + first * h;
-  const double nearest = std::max(switch_share * h, 1e-15 * std::abs(t_));  // as near as times can be told apart
+  const double nearest = std::max(share * h, 1e-15 * std::abs(t_));  // as near as times can be told apart
   return at > start_t_ + nearest && at < t_ - nearest ? at : t_;
 }
 
