@@ -42,7 +42,7 @@ class Formulation : public Equations {
   void switch_values(const double* y, double* g, double* gdot) const final;
 
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
-  virtual void output_accelerations(double t, const double* y, double* vdot);
+  void output_accelerations(double t, const double* y, double* vdot);
 
   long jacobians() const { return jacobians_; }  // made since construction
   // Singular positions since the start.
@@ -72,8 +72,11 @@ class Formulation : public Equations {
   virtual double slack() const { return 1e3; }
   // Its factors at the position of dynamics_, and its step; the least in the mass metric unless overridden.
   virtual void refactor() { dynamics_.factorise(); }
+  // Of factors just made: whether rows are weak there.
+  virtual void judge() {}
   virtual void correction(const double* residual, double* dv) { dynamics_.correct(residual, dv); }
 
+  void count_jacobian() { ++jacobians_; }
   // refactor(), remembered. What else is solved with afterwards keeps to these factors.
   void renew_factors();
   // vdot to be followed where rows are weak (dynamics.h), or null.

@@ -29,11 +29,9 @@ Passages::Foot Passages::foot(double& time) const {
   const auto lowest = std::min_element(samples_.begin(), end, [](auto& a, auto& b) { return a.square < b.square; });
   const Sample* before = nullptr;
   const Sample* after = nullptr;
-  double last = lowest->t;
   for (auto s = samples_.begin(); s != end; ++s) {
     if (s->t < lowest->t && (before == nullptr || s->t > before->t)) before = &*s;
     if (s->t > lowest->t && (after == nullptr || s->t < after->t)) after = &*s;
-    last = std::max(last, s->t);
   }
   if (after == nullptr) return Foot::not_passed;
   const double zero = zero_share * zero_share * soundest_ * soundest_;

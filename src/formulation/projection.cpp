@@ -28,11 +28,10 @@ class Projection final : public Formulation {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
-  void output_accelerations(double t, const double* y, double* vdot) override;
 
  private:
   void refactor() override;
-  void judge();
+  void judge() override;
   double slack() const override;
   const double* expected(double t) override;
   void add_jump();
@@ -59,15 +58,6 @@ void Projection::refactor() {
   dynamics_.factorise();
   soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
   judge();
-}
-
-// Reading outputs must not change the run: soundest_ stays.
-void Projection::output_accelerations(double t, const double* y, double* vdot) {
-  dynamics_.set_position(y);
-  dynamics_.factorise();
-  judge();
-  dynamics_.set_velocity(y + nq_);
-  dynamics_.solve(u_.data(), vdot, expected(t));
 }
 
 void Projection::judge() {

@@ -2,7 +2,6 @@
 #include "formulation/with_multipliers.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace gelenk {
 namespace {
@@ -27,7 +26,7 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
 }
 
 std::string WithMultipliers::obstacle(const double* y) {
-  if (!std::all_of(y, y + size(), [](double value) { return std::isfinite(value); })) return {};
+  if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return {};
   dynamics_.set_position(y);
   dynamics_.factorise();
   const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
@@ -42,7 +41,7 @@ std::string WithMultipliers::obstacle(const double* y) {
 }
 
 bool WithMultipliers::assemble(const double* x) {
-  if (!std::all_of(x, x + unknowns(), [](double value) { return std::isfinite(value); })) return false;
+  if (!Eigen::Map<const Eigen::VectorXd>(x, unknowns()).allFinite()) return false;
   dynamics_.set_position(x);
   dynamics_.set_velocity(x + nq_);
   dynamics_.assemble(u_.data(), M_.data(), f_.data());
@@ -63,6 +62,7 @@ bool WithMultipliers::equations_of_motion(const double* x, const double* xdot, V
 }
 
 bool WithMultipliers::slopes_of_motion(const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
+  count_jacobian();
   if (!assemble(x)) return false;
   dynamics_.differentiate(u_.data(), inputs(), xdot + nq_, slopes_, x + size());
   F_x.setZero();

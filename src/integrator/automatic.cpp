@@ -4,7 +4,6 @@
 // inputs that jump, communication steps. Counts, not clocks: the same calls give the same bits.
 #include <algorithm>
 #include <array>
-#include <climits>
 #include <cmath>
 #include <vector>
 
@@ -18,6 +17,8 @@ constexpr int stretch_steps = 100;  // what a price is taken from
 // its tolerance alone, is seldom beyond 1.
 constexpr double suspicious = 2.0;
 constexpr double stable_reach = 4.0;
+constexpr double stages = 13;          // of an explicit step of order 8
+constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
 constexpr int iterations = 8;          // of the power method for that eigenvalue
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
 constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
@@ -109,7 +110,6 @@ class Automatic final : public Integrator {
       } catch (const IntegrationError&) {
         throw IntegrationError(first);
       }
-      on_trial_ = false;
       trial_ = 0;
       stretch_ = {};
       return;
@@ -124,22 +124,21 @@ class Automatic final : public Integrator {
     stretch_.cost += cost_of_step[current_] * static_cast<double>(stretch_.steps);
     const Stretch last = stretch_;
     stretch_ = {};
-    trial_ = std::max(0, trial_ - 1);
+    const bool on_trial = trial_ > 0;
+    if (on_trial) --trial_;
     if (trial_ > 0) return;  // a multistep method starts with small steps
     const double before = price_[1 - current_];
     price_[current_] = last.price();
-    if (on_trial_) {
-      on_trial_ = false;
+    if (on_trial) {
       if (price_[current_] < clearly * before) {
-        wait_ = 1;
+        trials_.succeeded();
       } else {
-        waiting_ = wait_ = std::min(4 * wait_, longest_wait);
+        trials_.failed();
         change_to(1 - current_);
       }
       return;
     }
-    --waiting_;
-    if (waiting_ > 0) return;
+    if (!trials_.due()) return;
     if (current_ == explicit_method) {
       if (fastest_rate() * last.time > suspicious * static_cast<double>(last.steps)) attempt(implicit_method);
     } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {
@@ -147,11 +146,10 @@ class Automatic final : public Integrator {
     }
   }
 
-  // What stability alone asks of the explicit method; an eighth-order step is 13 evaluations.
-  double least_explicit_price() { return 4 * 13 * fastest_rate() / stable_reach; }
+  // What stability asks of the explicit method.
+  double least_explicit_price() { return accuracy_margin * stages * fastest_rate() / stable_reach; }
 
   void attempt(int method) {
-    on_trial_ = true;
     trial_ = 2;
     change_to(method);
   }
@@ -204,9 +202,8 @@ class Automatic final : public Integrator {
   std::vector<double> y_;
   Stretch stretch_;
   std::array<double, 2> price_ = {INFINITY, INFINITY};  // evaluations per simulated second, when last used
-  bool on_trial_ = false;
-  int trial_ = 0;  // stretches of a trial that are still to come
-  int wait_ = 1, waiting_ = 1;
+  int trial_ = 0;                                       // stretches of a trial that are still to come
+  Backoff trials_{4, longest_wait};
   std::vector<double> direction_, beside_, f_, f_beside_;
 };
 

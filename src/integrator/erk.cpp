@@ -69,7 +69,7 @@ class Erk final : public ArkodeIntegrator {
     if (rung_ == top_ || attempts() - attempts_before_ < most_attempts) return;
     trial_ = false;
     length_ = 0;  // the next communication step is not like this one
-    waiting_ = wait_ = std::min(2 * wait_, longest_wait);
+    trials_.failed();
     go(top_, next_step());
     attempts_before_ = attempts();
   }
@@ -79,19 +79,18 @@ class Erk final : public ArkodeIntegrator {
     if (trial_) {
       trial_ = false;
       if (cost < cost_before_) {
-        wait_ = 1;
+        trials_.succeeded();
       } else {
         go(rung_before_, rung_before_ > rung_ ? std::min(length, next_step()) : length);
-        waiting_ = wait_ = std::min(2 * wait_, longest_wait);
+        trials_.failed();
         return;
       }
     }
     const bool one_step = cost == ladder[rung_].stages;
     if (rung_ < top_ && cost > ladder[rung_ + 1].stages) {
       attempt(rung_ + 1, next_step(), cost);
-    } else if (one_step && rung_ > 0) {
-      --waiting_;
-      if (waiting_ <= 0) attempt(rung_ - 1, length, cost);
+    } else if (one_step && rung_ > 0 && trials_.due()) {
+      attempt(rung_ - 1, length, cost);
     }
   }
 
@@ -114,7 +113,7 @@ class Erk final : public ArkodeIntegrator {
   bool trial_ = false;  // of a rung, since the last communication step
   int rung_before_ = 0;
   long cost_before_ = 0;  // evaluations
-  int wait_ = 1, waiting_ = 1;
+  Backoff trials_{2, longest_wait};
 };
 
 }  // namespace

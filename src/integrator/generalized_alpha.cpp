@@ -82,7 +82,11 @@ class GeneralizedAlpha final : public FixedStep {
     const Shares shares = prepare(h);
     Eigen::Map<Vector> vdot(xdot_.data() + nq_, nv_);
     vdot = vdot_;
-    if (!solve(t + h, h, shares)) refuse(t, h);
+    if (!solve(t + h, h, shares)) {
+      refuse(
+          system_, t, y_.data(),
+          "Newton's method does not converge in a step of " + text::rounded(h) + " s; a shorter solver.step may help");
+    }
     place(h, shares);  // with the last correction
     vdot_ = vdot;
     a_ = a_fixed_ + shares.acceleration * vdot_;
@@ -95,8 +99,7 @@ class GeneralizedAlpha final : public FixedStep {
   void begin(double t) {
     std::ranges::copy(y_, x_.begin());
     if (!system_.consistent(t, x_.data(), xdot_.data())) {
-      const std::string obstacle = system_.obstacle(y_.data());
-      throw IntegrationError(at_time(t) + (obstacle.empty() ? "the accelerations are not finite" : obstacle));
+      refuse(system_, t, y_.data(), "the accelerations are not finite");
     }
     vdot_ = Eigen::Map<const Vector>(xdot_.data() + nq_, nv_);
     std::fill_n(xdot_.begin(), nq_, 0.0);  // not needed; the rows of qdot are not used
@@ -190,13 +193,6 @@ class GeneralizedAlpha final : public FixedStep {
     lu_.compute(A_);
     matrix_made_for_ = s.speed * h;
     return lu_.rcond() > least_condition;
-  }
-
-  [[noreturn]] void refuse(double t, double h) {
-    const std::string obstacle = system_.obstacle(y_.data());
-    throw IntegrationError(at_time(t) + (obstacle.empty() ? "Newton's method does not converge in a step of " +
-                                                                text::rounded(h) + " s; a shorter solver.step may help"
-                                                          : obstacle));
   }
 
   Coefficients c_;

@@ -86,10 +86,7 @@ class Ida final : public SundialsIntegrator {
   void begin(double end) {
     double* x = sundials::data(y_.get());
     double* xdot = sundials::data(ydot_.get());
-    if (!system_.consistent(t_, x, xdot)) {
-      const std::string obstacle = system_.obstacle(x);
-      throw IntegrationError(at_time(t_) + (obstacle.empty() ? "the accelerations are not finite" : obstacle));
-    }
+    if (!system_.consistent(t_, x, xdot)) refuse(system_, t_, x, "the accelerations are not finite");
     keep_counts();
     IDAReInit(memory_, t_, y_.get(), ydot_.get());
     if (dae_) {

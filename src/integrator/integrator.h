@@ -2,6 +2,7 @@
 // What all integrators offer. One instance belongs to one simulation.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -87,7 +88,28 @@ class Patience {
   int count_ = 0;
 };
 
+// When to try another way again: after each failure later, up to a longest wait.
+class Backoff {
+ public:
+  // factor: by which a failure makes the wait longer; longest: in calls of due().
+  Backoff(int factor, int longest) : factor_(factor), longest_(longest) {}
+  // Counts a chance for a trial; whether to take it.
+  bool due() {
+    if (waiting_ > 0) --waiting_;
+    return waiting_ == 0;
+  }
+  void succeeded() { wait_ = 1; }
+  void failed() { waiting_ = wait_ = std::min(factor_ * wait_, longest_); }
+
+ private:
+  int factor_, longest_;
+  int wait_ = 1, waiting_ = 1;
+};
+
 // "t = 1.2031 s: ..." as integrators begin their messages.
 std::string at_time(double t);
+
+// Throws IntegrationError: what stands in the way of the equations at y where they know it, otherwise `why`.
+[[noreturn]] void refuse(Equations& system, double t, const double* y, const std::string& why);
 
 }  // namespace gelenk

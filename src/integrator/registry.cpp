@@ -46,4 +46,9 @@ void Patience::step_to(double t) {
 
 std::string at_time(double t) { return "t = " + text::rounded(t) + " s: "; }
 
+void refuse(Equations& system, double t, const double* y, const std::string& why) {
+  const std::string obstacle = system.obstacle(y);
+  throw IntegrationError(at_time(t) + (obstacle.empty() ? why : obstacle));
+}
+
 }  // namespace gelenk

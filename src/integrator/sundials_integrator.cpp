@@ -2,8 +2,8 @@
 #include "integrator/sundials_integrator.h"
 
 #include <algorithm>
-#include <climits>
 #include <cmath>
+#include <limits>
 
 namespace gelenk {
 namespace {
@@ -42,7 +42,7 @@ void SundialsIntegrator::add_kept_counts() {
 
 void SundialsIntegrator::advance(double end, double* y) {
   patience_end_ = t_;  // no advance ends where it begins
-  advance_by(end, y, LONG_MAX);
+  advance_some(end, y, std::numeric_limits<long>::max());
 }
 
 void SundialsIntegrator::keep_start() {
@@ -55,7 +55,7 @@ void SundialsIntegrator::keep_start() {
 
 // s: the first zero of a switch inside the step just made, by the cubic through values and rates at both ends; t_ if
 // there is none. The cubic is rough where the kink is inside, but the next one ends near it.
-double SundialsIntegrator::first_switch() const {
+double SundialsIntegrator::first_switch() {
   system_.switch_values(sundials::data(y_.get()), g_.data(), gdot_.data());
   const double h = t_ - start_t_;
   double first = 1;
@@ -85,11 +85,6 @@ double SundialsIntegrator::first_switch() const {
 }
 
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
-  advance_by(end, y, most);
-  return t_;
-}
-
-void SundialsIntegrator::advance_by(double end, double* y, long most) {
   const double start = t_;
   if (end != patience_end_) {
     patience_ = Patience(start, end);
@@ -121,6 +116,7 @@ void SundialsIntegrator::advance_by(double end, double* y, long most) {
   }
   count();
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
+  return t_;
 }
 
 int SundialsIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
@@ -135,19 +131,21 @@ int SundialsIntegrator::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix 
 
 void SundialsIntegrator::fail(Step step, double start) {
   const double t = reached();
-  const std::string where = at_time(std::isfinite(t) ? t : start);
-  const std::string obstacle = system_.obstacle(sundials::data(y_.get()));
-  if (!obstacle.empty()) throw IntegrationError(where + obstacle);
+  std::string why;
   switch (step) {
     case Step::too_small:
-      throw IntegrationError(where + "no step is small enough for the tolerance");
+      why = "no step is small enough for the tolerance";
+      break;
     case Step::not_finite:
-      throw IntegrationError(where + "the accelerations are not finite");
+      why = "the accelerations are not finite";
+      break;
     case Step::not_closed:
-      throw IntegrationError(where + "the loops could not be closed again");
+      why = "the loops could not be closed again";
+      break;
     default:
-      throw IntegrationError(where + "the integrator stopped (" + context_.last_error() + ")");
+      why = "the integrator stopped (" + context_.last_error() + ")";
   }
+  refuse(system_, std::isfinite(t) ? t : start, sundials::data(y_.get()), why);
 }
 
 }  // namespace gelenk

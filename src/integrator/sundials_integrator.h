@@ -57,15 +57,13 @@ class SundialsIntegrator : public Integrator {
   bool jumped_ = false;  // the inputs are not those of the last step
 
  private:
-  void advance_by(double end, double* y, long most);
   void keep_start();
-  double first_switch() const;
+  double first_switch();
   [[noreturn]] void fail(Step step, double start);
 
   // At the start of a step, for systems with switches.
   double start_t_ = 0;
-  std::vector<double> start_y_, start_g_, start_gdot_;
-  mutable std::vector<double> g_, gdot_;
+  std::vector<double> start_y_, start_g_, start_gdot_, g_, gdot_;
   Patience patience_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
   long kept_steps_ = 0;

@@ -228,40 +228,34 @@ double Simulation::output(int index) {
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("a diagnostic before initialize()");
-  double sum = 0;
-  double most = 0;
-  const auto over_islands = [&](auto value) {
+  const auto total = [&](long (Island::*count)() const) {
+    long sum = 0;
+    for (const auto& island : s.islands) sum += ((*island).*count)();
+    return static_cast<double>(sum);
+  };
+  const auto largest = [&](double (Island::*gap)() const) {
+    double most = 0;
     for (const auto& island : s.islands) {
-      const auto x = static_cast<double>(value(*island));
-      sum += x;
-      most = std::max(most, x);
+      island->refresh(Outputs::Needs::velocities);
+      most = std::max(most, ((*island).*gap)());
     }
+    return most;
   };
   switch (static_cast<Diagnostic>(index)) {
     case Diagnostic::steps:
-      over_islands([](Island& i) { return i.steps(); });
-      return sum;
+      return total(&Island::steps);
     case Diagnostic::rejected_steps:
-      over_islands([](Island& i) { return i.rejected_steps(); });
-      return sum;
+      return total(&Island::rejected_steps);
     case Diagnostic::jacobians:
-      over_islands([](Island& i) { return i.jacobians(); });
-      return sum;
+      return total(&Island::jacobians);
     case Diagnostic::singular_positions:
-      over_islands([](Island& i) { return i.singular_positions(); });
-      return sum;
+      return total(&Island::singular_positions);
     case Diagnostic::evaluations:
-      over_islands([](Island& i) { return i.evaluations(); });
-      return sum;
+      return total(&Island::evaluations);
     case Diagnostic::constraint_position:
-    case Diagnostic::constraint_velocity: {
-      const bool position = static_cast<Diagnostic>(index) == Diagnostic::constraint_position;
-      over_islands([&](Island& i) {
-        i.refresh(Outputs::Needs::velocities);
-        return position ? i.position_gap() : i.velocity_gap();
-      });
-      return most;
-    }
+      return largest(&Island::position_gap);
+    case Diagnostic::constraint_velocity:
+      return largest(&Island::velocity_gap);
     case Diagnostic::kinetic_energy:
       return s.energy().kinetic;
     case Diagnostic::potential_energy:

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Record: numbers of a run, written down and read back in the same order, so that the run can go on from there to the
+// bit. What a class carries from one step to the next it names once, in exchange(Record&), for both ways.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace gelenk {
+
+class Record {
+ public:
+  // Empty, to be written.
+  Record() = default;
+  // To be read from its beginning.
+  explicit Record(std::vector<std::uint64_t> words) : words_(std::move(words)), reading_(true) {}
+
+  bool reading() const { return reading_; }
+  const std::vector<std::uint64_t>& words() const { return words_; }
+
+  void write_anew() {
+    words_.clear();
+    reading_ = false;
+  }
+  void read_anew() {
+    next_ = 0;
+    reading_ = true;
+  }
+  // After reading: throws std::invalid_argument if anything is left.
+  void finish() const {
+    if (reading_ && next_ != words_.size()) fail();
+  }
+
+  // Vectors and arrays keep their length, which is not part of the record. Throw std::invalid_argument when the record
+  // ends too early, and for a bool that is none.
+  void exchange(double& x) { word(x); }
+  void exchange(std::uint64_t& x) { word(x); }
+  void exchange(bool& x) {
+    int number = x ? 1 : 0;
+    within(number, 0, 1);
+    x = number == 1;
+  }
+  template <std::signed_integral Int>
+  void exchange(Int& x) {
+    std::int64_t wide = x;
+    word(wide);
+    x = static_cast<Int>(wide);
+    if (x != wide) fail();
+  }
+  template <class Numbers>
+    requires requires(Numbers& x) { x.begin(); }
+  void exchange(Numbers& x) {
+    for (auto& number : x) exchange(number);
+  }
+  template <class First, class Second, class... Rest>
+  void exchange(First& first, Second& second, Rest&... rest) {
+    exchange(first);
+    exchange(second);
+    (exchange(rest), ...);
+  }
+
+  // A whole number that decides where something is found. Throws std::invalid_argument outside [low, high].
+  template <std::signed_integral Int>
+  void within(Int& x, Int low, Int high) {
+    Int number = x;
+    exchange(number);
+    if (number < low || number > high) fail();
+    x = number;
+  }
+
+ private:
+  template <class T>
+  void word(T& x) {
+    if (!reading_) {
+      words_.push_back(std::bit_cast<std::uint64_t>(x));
+      return;
+    }
+    if (next_ == words_.size()) fail();
+    x = std::bit_cast<T>(words_[next_++]);
+  }
+  [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
+
+  std::vector<std::uint64_t> words_;
+  std::size_t next_ = 0;  // to be read
+  bool reading_ = false;
+};
+
+}  // namespace gelenk
