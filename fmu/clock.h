@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "math/record.h"
+
 namespace gelenk {
 
 class Clock {
@@ -37,6 +39,8 @@ class Clock {
     end_ = current + h;
     return origin_ + count_ * size_;
   }
+
+  void exchange(Record& record) { record.exchange(origin_, size_, count_, end_); }
 
   // The master's time at the end of the last step.
   double end() const { return end_; }

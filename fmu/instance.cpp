@@ -108,6 +108,58 @@ void Instance::step(double current, double h) {
   }
 }
 
+SavedState* Instance::save() {
+  auto state = std::make_unique<SavedState>();
+  write(state->record);
+  return adopt(std::move(state));
+}
+
+SavedState* Instance::adopt(std::unique_ptr<SavedState> state) {
+  SavedState* plain = state.get();
+  states_.emplace(plain, std::move(state));
+  return plain;
+}
+
+SavedState* Instance::find(fmi2FMUstate state) const {
+  const auto found = states_.find(state);
+  return found == states_.end() ? nullptr : found->second.get();
+}
+
+void Instance::restore(SavedState& state) {
+  if (mode_ == Mode::error) plant_ = Plant(model_);  // nothing of it can be relied on
+  if (state.own) return read(state.record);
+  Record before;
+  write(before);
+  try {
+    read(state.record);
+  } catch (...) {
+    read(before);
+    throw;
+  }
+  state.own = true;
+}
+
+void Instance::write(Record& record) {
+  record.write_anew();
+  exchange(record);
+}
+
+void Instance::read(Record& record) {
+  record.read_anew();
+  exchange(record);
+  record.finish();
+}
+
+void Instance::exchange(Record& record) {
+  auto mode = static_cast<int>(mode_);
+  record.within(mode, 1, static_cast<int>(Mode::terminated));
+  if ((mode & (mode - 1)) != 0) throw std::invalid_argument("it is not of this plant, or damaged");
+  record.exchange(stop_);
+  clock_.exchange(record);
+  plant_.exchange(record);
+  mode_ = static_cast<Mode>(mode);
+}
+
 void Instance::enter(Mode mode) {
   mode_ = mode;
   log_.say(Category::events, log_.instance_name() + " is now " + words(mode));

@@ -2,6 +2,7 @@
 // Instance: what stands behind an fmi2Component. Knows in which mode it is and what it has told the master.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "fmu/clock.h"
 #include "fmu/log.h"
+#include "fmu/saved_state.h"
 #include "modelDescription/plant.h"
 
 namespace gelenk {
@@ -47,7 +49,20 @@ class Instance {
   // Advances by h > 0 from the master's time. Throws StepError (then in step_failed) and UsageError (no change).
   void step(double current, double h);
 
+  // FMU states belong to the instance that made them, and are gone with it.
+  SavedState* save();
+  void save(SavedState& over) { write(over.record); }
+  // Null: this is none of this instance's.
+  SavedState* find(fmi2FMUstate state) const;
+  // Throws what Plant::exchange throws, and stays as it was.
+  void restore(SavedState& state);
+  SavedState* adopt(std::unique_ptr<SavedState> state);
+  void free(SavedState* state) { states_.erase(state); }
+
  private:
+  void write(Record& record);
+  void read(Record& record);
+  void exchange(Record& record);
   void enter(Mode mode);
 
   std::shared_ptr<const PlantModel> model_;
@@ -56,6 +71,7 @@ class Instance {
   Clock clock_;
   Mode mode_ = Mode::instantiated;
   double stop_;  // s; infinite: none given
+  std::map<const void*, std::unique_ptr<SavedState>> states_;
 };
 
 }  // namespace gelenk

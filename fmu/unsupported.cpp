@@ -17,9 +17,6 @@ fmi2Status model_exchange_only(fmi2Component c, const char* function) noexcept {
   });
 }
 
-constexpr const char* states = "canGetAndSetFMUstate = false";
-constexpr const char* serialization = "canSerializeFMUstate = false";
-
 }  // namespace
 }  // namespace gelenk
 
@@ -28,25 +25,6 @@ using gelenk::not_offered;
 
 extern "C" {
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* /*state*/) {
-  return not_offered(c, "fmi2GetFMUstate", gelenk::states);
-}
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate /*state*/) {
-  return not_offered(c, "fmi2SetFMUstate", gelenk::states);
-}
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* /*state*/) {
-  return not_offered(c, "fmi2FreeFMUstate", gelenk::states);
-}
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate /*state*/, size_t* /*size*/) {
-  return not_offered(c, "fmi2SerializedFMUstateSize", gelenk::serialization);
-}
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate /*state*/, fmi2Byte /*bytes*/[], size_t /*size*/) {
-  return not_offered(c, "fmi2SerializeFMUstate", gelenk::serialization);
-}
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte /*bytes*/[], size_t /*size*/,
-                                   fmi2FMUstate* /*state*/) {
-  return not_offered(c, "fmi2DeSerializeFMUstate", gelenk::serialization);
-}
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference /*unknown*/[], size_t /*nUnknown*/,
                                         const fmi2ValueReference /*known*/[], size_t /*nKnown*/,
                                         const fmi2Real /*dvKnown*/[], fmi2Real /*dvUnknown*/[]) {

@@ -19,8 +19,8 @@ inline constexpr std::array<Capability, 8> capabilities = {{
     {"canRunAsynchronuously", false},
     {"canBeInstantiatedOnlyOncePerProcess", false},
     {"canNotUseMemoryManagementFunctions", true},
-    {"canGetAndSetFMUstate", false},
-    {"canSerializeFMUstate", false},
+    {"canGetAndSetFMUstate", true},
+    {"canSerializeFMUstate", true},
     {"providesDirectionalDerivative", false},
 }};
 

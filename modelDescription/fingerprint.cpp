@@ -29,6 +29,12 @@ Bits128 add(Bits128 hash, std::string_view text) {
 
 std::string_view gelenk_version() { return GELENK_VERSION; }
 
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
 std::string fingerprint(std::string_view scene_json) {
   Bits128 hash = add(add(add(offset_basis, gelenk_version()), "\n"), scene_json);
   std::string text(32, '0');

@@ -2,6 +2,7 @@
 // The GUID of an FMU: tells whether modelDescription.xml, scene.json and the runtime belong together.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,5 +13,8 @@ std::string_view gelenk_version();
 
 // FNV-1a, 128 bit, of the version and the scene file's bytes, as 8-4-4-4-12 hexadecimal digits.
 std::string fingerprint(std::string_view scene_json);
+
+// FNV-1a, 64 bit: tells bytes from damaged ones.
+std::uint64_t checksum(std::string_view bytes);
 
 }  // namespace gelenk

@@ -25,7 +25,11 @@ PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
     : scene(read_scene_json(scene_json, file)), catalogue(scene), guid(fingerprint(scene_json)) {}
 
 Plant::Plant(std::shared_ptr<const PlantModel> model)
-    : model_(std::move(model)), scene_(model_->scene), inputs_(inputs_of(model_->catalogue), 0.0) {
+    : model_(std::move(model)),
+      scene_(model_->scene),
+      settings_(model_->catalogue, scene_),
+      assembled_(settings_),
+      inputs_(inputs_of(model_->catalogue), 0.0) {
   for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
 }
 
@@ -37,11 +41,12 @@ void Plant::set_experiment(double start, double tolerance) {
 
 void Plant::assemble() {
   if (simulation_) return;
-  Simulation fresh(parameters_set_ ? checked(scene_) : scene_);
+  Simulation fresh(settings_ == Settings(catalogue(), model_->scene) ? scene_ : checked(scene_));
   const bool by_hand = scene_.experiment.tolerance != model_->scene.experiment.tolerance;
   for (std::size_t i = 0; i < inputs_.size(); ++i) fresh.set_input(static_cast<int>(i), inputs_[i]);
   fresh.initialize(start_, by_hand ? 0 : tolerance_);
   simulation_.emplace(std::move(fresh));
+  assembled_ = settings_;
 }
 
 double Plant::get(int variable) {
@@ -101,7 +106,7 @@ void Plant::set(int variable, double value) {
   }
   if (value == catalogue().parameters()[index].get(scene_)) return;
   set_parameter(scene_, catalogue().parameters()[index], value);
-  parameters_set_ = true;
+  settings_ = Settings(catalogue(), scene_);
   simulation_.reset();
 }
 
@@ -116,6 +121,44 @@ void Plant::tune(int variable, double value) {
   check_parameter(parameter, value);
   if (value == parameter.get(scene_)) return;
   set_parameter(scene_, parameter, value);
+  settings_.values[static_cast<std::size_t>(v.index)] = value;
+  simulation_->tune(scene_);
+}
+
+void Plant::exchange(Record& record) {
+  bool assembled = simulation_.has_value();
+  double start = start_;
+  double tolerance = tolerance_;
+  Settings when_assembled = assembled_;
+  Settings present = settings_;
+  record.exchange(assembled, start, tolerance, inputs_);
+  when_assembled.exchange(record);
+  present.exchange(record);
+  if (record.reading()) {
+    const bool same = start == start_ && tolerance == tolerance_ && when_assembled == assembled_;
+    if (!assembled || !same) simulation_.reset();
+    start_ = start;
+    tolerance_ = tolerance;
+    if (assembled) {
+      take(when_assembled, present);
+    } else if (settings_ != present) {
+      present.put(catalogue(), scene_);
+      settings_ = present;
+    }
+  }
+  if (assembled) simulation_->exchange(record);
+}
+
+// Of a run that was assembled with one and has been tuned to the other.
+void Plant::take(const Settings& assembled, const Settings& present) {
+  if (!simulation_) {
+    assembled.put(catalogue(), scene_);
+    settings_ = assembled;
+    assemble();
+  }
+  if (present == settings_) return;
+  present.put(catalogue(), scene_);
+  settings_ = present;
   simulation_->tune(scene_);
 }
 

@@ -11,6 +11,7 @@
 
 #include "joint/registry.h"
 #include "modelDescription/catalogue.h"
+#include "modelDescription/settings.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -51,6 +52,11 @@ class Plant {
   // Whether set() will take the value: throws std::invalid_argument, naming the variable, if not.
   void check(int variable, double value) const;
 
+  // Everything that decides how the run goes on, settings included, written down or taken from a record of any instance
+  // of this model; where it was assembled with other settings it is assembled anew. See Simulation::exchange. Throws
+  // std::invalid_argument for a record of something else, and SceneError, AssemblyError; it is undefined then.
+  void exchange(Record& record);
+
   // As Simulation's; assembled plants only.
   void step_to(double end) { simulation_->step_to(end); }
   double time() const { return simulation_ ? simulation_->time() : start_; }
@@ -61,10 +67,12 @@ class Plant {
 
  private:
   double rate(const Rate& rate);
+  void take(const Settings& assembled, const Settings& present);
 
   std::shared_ptr<const PlantModel> model_;
-  Scene scene_;  // with the parameters set so far
-  bool parameters_set_ = false;
+  Scene scene_;         // with the parameters set so far
+  Settings settings_;   // of scene_
+  Settings assembled_;  // of simulation_, when it was assembled
   std::vector<double> inputs_;
   std::optional<Simulation> simulation_;
   std::vector<AnyJoint> joints_;  // as many as rates need, by joint

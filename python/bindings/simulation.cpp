@@ -5,7 +5,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstdint>
+#include <cstring>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "bindings.h"
@@ -95,6 +98,32 @@ Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const
   }));
 }
 
+nb::bytes save(Plant& plant) {
+  gelenk::Record record;
+  plant.with([&](Simulation& s) { s.exchange(record); });
+  return nb::bytes(record.words().data(), record.words().size() * sizeof(std::uint64_t));
+}
+
+// As it was where the record is refused.
+void restore(Plant& plant, const nb::bytes& saved) {
+  if (saved.size() % sizeof(std::uint64_t) != 0) throw gelenk::UsageError("saved: it is not of this plant, or damaged");
+  std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
+  std::memcpy(words.data(), saved.data(), words.size() * sizeof(std::uint64_t));
+  gelenk::Record record(std::move(words));
+  gelenk::Record before;
+  plant.with([&](Simulation& s) {
+    s.exchange(before);
+    try {
+      s.exchange(record);
+      record.finish();
+    } catch (const std::invalid_argument& error) {
+      before.read_anew();
+      s.exchange(before);
+      throw gelenk::UsageError(std::string("saved: ") + error.what());
+    }
+  });
+}
+
 // f(y), or df/dy column by column.
 Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
@@ -157,6 +186,12 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def(
           "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
           "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+      .def("save", save,
+           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
+           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
+      .def("restore", restore, nb::arg("saved"),
+           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
+           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
       .def_prop_ro(
           "time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].")
       .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })

@@ -51,6 +51,24 @@ class Simulation:
         """
         self._core.initialize(time, tolerance)
 
+    def save(self) -> bytes:
+        """All that decides how the run goes on: time, state, inputs, what methods carry from step to step.
+
+        Methods with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.
+        """
+        return self._core.save()
+
+    def restore(self, saved: bytes) -> None:
+        """Goes back to what `save` gave: from there the same calls give the same bits.
+
+        Args:
+            saved: by this instance, or another one of the same scene, initialized alike.
+
+        Raises:
+            UsageError: these are bytes of something else; the plant stays as it is.
+        """
+        self._core.restore(saved)
+
     def step_to(self, end: float) -> None:
         """Advances to `end` [s] under the inputs set now.
 

@@ -128,6 +128,13 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   passages_.restart(t);
 }
 
+void Formulation::exchange(Record& record) {
+  turns_.exchange(record);
+  passages_.exchange(record);
+  record.exchange(jacobians_);
+  factors_ = false;
+}
+
 // Rounding of the rows' errors [m or rad]: of lengths, and of angles that have counted many turns.
 double Formulation::rounding(const double* q) const {
   double largest_q = 0;

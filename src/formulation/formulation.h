@@ -15,6 +15,7 @@
 #include "formulation/equations.h"
 #include "formulation/passages.h"
 #include "formulation/turns.h"
+#include "math/record.h"
 
 namespace gelenk {
 
@@ -43,6 +44,10 @@ class Formulation : public Equations {
 
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   void output_accelerations(double t, const double* y, double* vdot);
+
+  // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
+  // that wrote the record as in the one that reads it.
+  virtual void exchange(Record& record);
 
   long jacobians() const { return jacobians_; }  // made since construction
   // Singular positions since the start.

@@ -26,6 +26,17 @@ class Independent final : public Formulation {
     if (rows() > 0) choose();
   }
 
+  void exchange(Record& record) override {
+    Formulation::exchange(record);
+    int rank = static_cast<int>(needed_.size());
+    record.within(rank, 0, std::min(rows(), nv_));
+    needed_.resize(rank);
+    dependent_.resize(rank);
+    for (int& row : needed_) record.within(row, 0, rows() - 1);
+    for (int& speed : dependent_) record.within(speed, 0, nv_ - 1);
+    record.exchange(smallest_, chosen_);
+  }
+
   bool project(double, double* y) override { return close_position(y) && close_velocity(y + nq_); }
 
   void accepted(double t, const double* y) override {

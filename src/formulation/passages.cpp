@@ -68,6 +68,14 @@ void Passages::accepted(double t) {
   size_ = next_ = 0;
 }
 
+void Passages::exchange(Record& record) {
+  const int most = static_cast<int>(samples_.size());
+  record.within(size_, 0, most);
+  record.within(next_, 0, most - 1);
+  for (int i = 0; i < size_; ++i) record.exchange(samples_[i].t, samples_[i].square);
+  record.exchange(soundest_, near_, sound_from_, armed_, count_, last_);
+}
+
 void Passages::restart(double t) {
   if (last_ > t) --count_;
   last_ = std::min(last_, t);

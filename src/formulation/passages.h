@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "math/record.h"
+
 namespace gelenk {
 
 class Passages {
@@ -16,6 +18,8 @@ class Passages {
   void accepted(double t);
   // The run begins anew at t [s]: back at a former time, or at the first.
   void restart(double t);
+
+  void exchange(Record& record);
 
   long count() const { return count_; }
   double last() const { return last_; }  // s: about when the last one was passed

@@ -28,6 +28,7 @@ class Projection final : public Formulation {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
+  void exchange(Record& record) override;
 
  private:
   void refactor() override;
@@ -52,6 +53,19 @@ class Projection final : public Formulation {
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
   remembered_ = 0;
   Formulation::start(cut_q, t, y);
+}
+
+void Projection::exchange(Record& record) {
+  Formulation::exchange(record);
+  record.exchange(soundest_);
+  record.within(remembered_, 0, memory);
+  if (remembered_ == 0) return;
+  u_seen_.resize(u_.size());
+  record.exchange(u_seen_);
+  for (int i = 0; i < remembered_; ++i) {
+    accelerations_[i].resize(nv_);
+    record.exchange(times_[i], accelerations_[i]);
+  }
 }
 
 void Projection::refactor() {

@@ -31,6 +31,11 @@ void TurnCounter::count_from(const std::vector<double>& cut_q, double t, const d
   count(t, y);
 }
 
+void TurnCounter::exchange(Record& record) {
+  record.exchange(q_, v_last_, last_time_);
+  dynamics_.set_cut_reference(q_.data());
+}
+
 void TurnCounter::count(double t, const double* y) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + mechanism_.nq);

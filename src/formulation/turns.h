@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "math/record.h"
 
 namespace gelenk {
 
@@ -16,6 +17,8 @@ class TurnCounter {
   const std::vector<double>& coordinates() const { return q_; }
   // Starts counting: angles nearest to the numbers given. y = (q, v).
   void count_from(const std::vector<double>& cut_q, double t, const double* y);
+  // The counts, for the state at which the run stands.
+  void exchange(Record& record);
   // The speeds at both ends of the step say which turn it is.
   void count(double t, const double* y);
 

@@ -40,6 +40,11 @@ std::string WithMultipliers::obstacle(const double* y) {
   return {};
 }
 
+void WithMultipliers::exchange(Record& record) {
+  Formulation::exchange(record);
+  record.exchange(soundest_);
+}
+
 bool WithMultipliers::assemble(const double* x) {
   if (!Eigen::Map<const Eigen::VectorXd>(x, unknowns()).allFinite()) return false;
   dynamics_.set_position(x);

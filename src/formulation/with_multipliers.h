@@ -15,6 +15,7 @@ class WithMultipliers : public Formulation {
  public:
   bool consistent(double t, double* x, double* xdot) final;
   std::string obstacle(const double* y) final;
+  void exchange(Record& record) final;
 
  protected:
   WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);

@@ -4,26 +4,34 @@
 #include <algorithm>
 
 namespace gelenk {
+namespace {
+
+constexpr double most_first_growth = 1e4;  // ARKODE's own
+
+}  // namespace
 
 ArkodeIntegrator::~ArkodeIntegrator() {
-  for (void*& stepper : steppers_) ARKodeFree(&stepper);
+  for (Stepper& stepper : steppers_) ARKodeFree(&stepper.memory);
 }
 
 void ArkodeIntegrator::own(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
-  steppers_.push_back(memory_);
+  steppers_.push_back({memory_});
   ARKodeSetUserData(memory_, user_data());
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);
   ARKodeSetMaxNumSteps(memory_, -1);
+  ARKodeSetMaxGrowth(memory_, most_growth);
   ARKodeSetMaxErrTestFails(memory_, most_error_fails);
   // No dense output is read: steps end at the communication points.
   ARKodeSetInterpolantType(memory_, ARK_INTERP_NONE);
 }
 
 void ArkodeIntegrator::use(int stepper, double step) {
-  if (memory_ == steppers_[stepper]) return;
-  memory_ = steppers_[stepper];
+  Stepper& next = steppers_[stepper];
+  if (memory_ == next.memory) return;
+  memory_ = next.memory;
+  next.first_step = step;
   ARKodeSetInitStep(memory_, step);
   fresh_ = true;
 }
@@ -34,10 +42,31 @@ long ArkodeIntegrator::attempts() const {
   return attempts;
 }
 
-double ArkodeIntegrator::next_step() const {
+double ArkodeIntegrator::current_step() const {
   double step = 0;
   ARKodeGetCurrentStep(memory_, &step);
   return step;
+}
+
+double ArkodeIntegrator::next_step(std::size_t stepper) const {
+  double step = 0;
+  ARKodeGetCurrentStep(steppers_[stepper].memory, &step);
+  return step;
+}
+
+// ARKODE offers no copy of its memory, but of a one-step method the next step's length is all that counts of it.
+void ArkodeIntegrator::exchange(Record& record) {
+  SundialsIntegrator::exchange(record);
+  record.exchange(step_at_end_);
+  for (std::size_t i = 0; i < steppers_.size(); ++i) {
+    Stepper& stepper = steppers_[i];
+    double step = stepper.first_step.value_or(next_step(i));
+    record.exchange(step, stepper.used);
+    stepper.first_step = step;
+    reinitialise(stepper.memory);
+    ARKodeSetInitStep(stepper.memory, step);
+    ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? most_growth : most_first_growth);
+  }
 }
 
 void ArkodeIntegrator::prepare(double end) {
@@ -57,7 +86,12 @@ ArkodeIntegrator::Step ArkodeIntegrator::make_step(double end) {
   reconsider_stepper();
   if (memory_ != before) begin(end);
   const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
-  if (flag >= 0) return Step::made;
+  if (flag >= 0) {
+    Stepper& stepper = steppers_[in_use()];
+    stepper.used = true;
+    stepper.first_step.reset();
+    return Step::made;
+  }
   if (flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE) return Step::too_small;
   if (flag == ARK_RHSFUNC_FAIL || flag == ARK_UNREC_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
       flag == ARK_FIRST_RHSFUNC_ERR) {
@@ -75,16 +109,18 @@ double ArkodeIntegrator::reached() const {
 void ArkodeIntegrator::count() {
   steps_ = 0;
   rejected_ = 0;
-  for (void* stepper : steppers_) {
+  for (const Stepper& stepper : steppers_) {
     long steps = 0;
     long attempts = 0;
     long failures = 0;
-    ARKodeGetNumSteps(stepper, &steps);
-    ARKodeGetNumStepAttempts(stepper, &attempts);
-    ARKodeGetNumErrTestFails(stepper, &failures);
+    ARKodeGetNumSteps(stepper.memory, &steps);
+    ARKodeGetNumStepAttempts(stepper.memory, &attempts);
+    ARKodeGetNumErrTestFails(stepper.memory, &failures);
     steps_ += steps;
     rejected_ += std::max(failures, attempts - steps);
   }
+  add_kept_counts();
+  step_at_end_ = current_step();
 }
 
 int ArkodeIntegrator::project(sunrealtype t, N_Vector y, void* self) {

@@ -5,6 +5,8 @@
 
 #include <arkode/arkode.h>
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "integrator/sundials_integrator.h"
@@ -14,22 +16,30 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
+  void exchange(Record& record) override;
 
  protected:
   using SundialsIntegrator::SundialsIntegrator;
+
+  static constexpr double most_growth = 20;  // of a step over the one before; ARKODE's own
 
   // Takes a stepper over, and sets what all methods share. The last one taken over is in use.
   void own(void* memory, double tolerance);
   // Goes on with another of the steppers owned, which is to try this step [s] first; 0: it finds one.
   void use(int stepper, double step);
+  // Takes a stepper to (t_, y_) as if it had never made a step; its settings stay.
+  virtual void reinitialise(void* memory) = 0;
+  // s: that a stepper with steps behind it will try next.
+  virtual double next_step(std::size_t stepper) const;
   // Before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
   // Before each of these steps.
   virtual void reconsider_stepper() {}
-  long attempts() const;     // of steps, by the stepper in use
-  double next_step() const;  // s, likewise
+  long attempts() const;        // of steps, by the stepper in use
+  double current_step() const;  // s: that it tries next; at a communication point the last one, cut short there
 
   void* memory_ = nullptr;  // the stepper in use
+  double step_at_end_ = 0;  // s: current_step() where the last advance ended
 
  private:
   void prepare(double end) final;
@@ -40,7 +50,14 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
 
-  std::vector<void*> steppers_;
+  struct Stepper {
+    void* memory;
+    bool used = false;                 // has made steps: the next one may not be as much longer as a first one's next
+    std::optional<double> first_step;  // s, to be tried first; 0: it finds one
+  };
+  std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
+
+  std::vector<Stepper> steppers_;
 };
 
 }  // namespace gelenk

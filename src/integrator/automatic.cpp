@@ -80,6 +80,15 @@ class Automatic final : public Integrator {
 
   void inputs_changed() override { methods_[current_]->inputs_changed(); }
 
+  void exchange(Record& record) override {
+    Integrator::exchange(record);
+    record.within(current_, 0, 1);
+    if (record.reading()) methods_[current_]->restart(t_, y_.data());
+    for (const auto& method : methods_) method->exchange(record);
+    record.exchange(stretch_.time, stretch_.cost, stretch_.steps, price_, direction_, trial_);
+    trials_.exchange(record);
+  }
+
   void advance(double end, double* y) override {
     while (t_ < end) {
       go_on(end);

@@ -31,6 +31,8 @@ class Dirk final : public ArkodeIntegrator {
   }
 
  private:
+  void reinitialise(void* memory) override { ARKStepReInit(memory, nullptr, rhs, t_, y_.get()); }
+
   sundials::DenseSolver linear_;
 };
 

@@ -55,7 +55,25 @@ class Erk final : public ArkodeIntegrator {
     }
   }
 
+  void exchange(Record& record) override {
+    record.within(rung_, 0, top_);
+    use(rung_, 0);
+    long since = attempts() - attempts_before_;
+    ArkodeIntegrator::exchange(record);
+    for (int i = 0; i <= top_; ++i) sundials::exchange(controllers_[i], record);
+    record.exchange(since, length_, trial_, cost_before_);
+    record.within(rung_before_, 0, top_);
+    trials_.exchange(record);
+    attempts_before_ = attempts() - since;
+  }
+
  private:
+  void reinitialise(void* memory) override { ERKStepReInit(memory, rhs, t_, y_.get()); }
+
+  double next_step(std::size_t stepper) const override {
+    return sundials::next_step(controllers_[stepper], safety, most_growth);
+  }
+
   void choose_stepper(double end) override {
     const double length = end - t_;
     const long steps = attempts() - attempts_before_;
@@ -70,7 +88,7 @@ class Erk final : public ArkodeIntegrator {
     trial_ = false;
     length_ = 0;  // the next communication step is not like this one
     trials_.failed();
-    go(top_, next_step());
+    go(top_, current_step());
     attempts_before_ = attempts();
   }
 
@@ -81,14 +99,14 @@ class Erk final : public ArkodeIntegrator {
       if (cost < cost_before_) {
         trials_.succeeded();
       } else {
-        go(rung_before_, rung_before_ > rung_ ? std::min(length, next_step()) : length);
+        go(rung_before_, rung_before_ > rung_ ? std::min(length, step_at_end_) : length);
         trials_.failed();
         return;
       }
     }
     const bool one_step = cost == ladder[rung_].stages;
     if (rung_ < top_ && cost > ladder[rung_ + 1].stages) {
-      attempt(rung_ + 1, next_step(), cost);
+      attempt(rung_ + 1, step_at_end_, cost);
     } else if (one_step && rung_ > 0 && trials_.due()) {
       attempt(rung_ - 1, length, cost);
     }

@@ -67,6 +67,11 @@ class GeneralizedAlpha final : public FixedStep {
     matrix_made_for_ = 0;
   }
   void inputs_changed() override { fresh_ = true; }
+  void exchange(Record& record) override {
+    Integrator::exchange(record);
+    record.exchange(fresh_, last_step_, vdot_, a_, x_);
+    matrix_made_for_ = 0;
+  }
 
  private:
   using Vector = Eigen::VectorXd;

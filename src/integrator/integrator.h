@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "formulation/equations.h"
+#include "math/record.h"
 
 namespace gelenk {
 
@@ -41,6 +42,11 @@ class Integrator {
     advance(end, y);
     return end;
   }
+
+  // What it carries from one communication point to the next besides (t, y), after restart() there when reading.
+  // Methods with a history that cannot be written down begin anew: in the run that wrote the record as in the one that
+  // reads it.
+  virtual void exchange(Record& record) { record.exchange(steps_, rejected_); }
 
   long steps() const { return steps_; }
   long rejected_steps() const { return rejected_; }
@@ -99,6 +105,7 @@ class Backoff {
     return waiting_ == 0;
   }
   void succeeded() { wait_ = 1; }
+  void exchange(Record& record) { record.exchange(wait_, waiting_); }
   void failed() { waiting_ = wait_ = std::min(factor_ * wait_, longest_); }
 
  private:

@@ -14,6 +14,7 @@ constexpr double least_error = 1e-6;  // below it an estimate may be rounding
 
 struct Before {
   double step = 0, error = 0;  // s; of the last accepted step, none: 0
+  double tried = 0, next = 0;  // s: the last step tried, and the one thought best after it
 };
 
 Before& before(SUNAdaptController c) { return *static_cast<Before*>(c->content); }
@@ -30,11 +31,14 @@ SUNErrCode estimate(SUNAdaptController c, sunrealtype h, int p, sunrealtype erro
   if (last.error > least_error && e > least_error) {
     *next *= std::min(1.0, h / last.step * std::pow(last.error / e, 1 / k));
   }
+  before(c).tried = h;
+  before(c).next = *next;
   return SUN_SUCCESS;
 }
 
 SUNErrCode accept(SUNAdaptController c, sunrealtype h, sunrealtype error) {
-  before(c) = {h, bias * error};
+  before(c).step = h;
+  before(c).error = bias * error;
   return SUN_SUCCESS;
 }
 
@@ -61,6 +65,18 @@ StepController make_step_controller(SUNContext context) {
   controller->ops->reset = reset;
   controller->ops->destroy = destroy;
   return controller;
+}
+
+// As ARKODE does it, to the rounding.
+double next_step(const StepController& controller, double safety, double most_growth) {
+  const auto [step, error, tried, next] = before(controller.get());
+  if (tried == 0) return 0;
+  return tried * (std::min(next * safety, most_growth * tried) / tried);
+}
+
+void exchange(const StepController& controller, Record& record) {
+  Before& last = before(controller.get());
+  record.exchange(last.step, last.error, last.tried, last.next);
 }
 
 }  // namespace gelenk::sundials

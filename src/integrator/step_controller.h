@@ -7,6 +7,8 @@
 
 #include <memory>
 
+#include "math/record.h"
+
 namespace gelenk::sundials {
 
 struct DestroyController {
@@ -15,5 +17,12 @@ struct DestroyController {
 using StepController = std::unique_ptr<std::remove_pointer_t<SUNAdaptController>, DestroyController>;
 
 StepController make_step_controller(SUNContext context);
+
+// s: the step that ARKODE will try next with it, when at a stop time only the one cut short there is known of it; 0: it
+// has not made any.
+double next_step(const StepController& controller, double safety, double most_growth);
+
+// What it remembers of the last step.
+void exchange(const StepController& controller, Record& record);
 
 }  // namespace gelenk::sundials

@@ -30,6 +30,13 @@ void SundialsIntegrator::restart(double t, const double* y) {
   fresh_ = true;
 }
 
+void SundialsIntegrator::exchange(Record& record) {
+  Integrator::exchange(record);
+  record.exchange(jumped_);
+  keep_counts();
+  fresh_ = true;
+}
+
 void SundialsIntegrator::keep_counts() {
   kept_steps_ = steps_;
   kept_rejected_ = rejected_;

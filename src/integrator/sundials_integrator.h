@@ -15,6 +15,7 @@ class SundialsIntegrator : public Integrator {
   void inputs_changed() final { jumped_ = true; }
   void advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
+  void exchange(Record& record) override;
 
   Equations& system() const { return system_; }
 

@@ -78,6 +78,18 @@ void Island::roll_back() {
   if (integrator_) integrator_->restart(time_, y_.data());
 }
 
+void Island::exchange(Record& record) {
+  long made = evaluations();
+  record.exchange(time_, y_, inputs_jumped_, made);
+  evaluations_before_ = dynamics_->evaluations() - made;
+  equations_->exchange(record);
+  if (integrator_) {
+    if (record.reading()) integrator_->restart(time_, y_.data());
+    integrator_->exchange(record);
+  }
+  fresh_ = Outputs::Needs::state;
+}
+
 void Island::refresh(Outputs::Needs needs) {
   if (needs <= fresh_) return;
   if (needs == Outputs::Needs::accelerations) {

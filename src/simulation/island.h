@@ -26,6 +26,9 @@ class Island {
   // Back to before the last advance().
   void roll_back();
 
+  // Where it stands and all it carries from one step to the next. Throws std::invalid_argument; it is undefined then.
+  void exchange(Record& record);
+
   void inputs_jumped() {
     inputs_jumped_ = true;
     fresh_ = Outputs::Needs::state;

@@ -159,6 +159,13 @@ void Simulation::step_to(double end) {
   if (end > s.time) s.advance(end);
 }
 
+void Simulation::exchange(Record& record) {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("a record of a run before initialize()");
+  record.exchange(s.time, s.u);
+  for (const auto& island : s.islands) island->exchange(record);
+}
+
 double Simulation::time() const { return impl_->time; }
 const Scene& Simulation::scene() const { return impl_->scene; }
 const ModelSize& Simulation::size() const { return impl_->size; }

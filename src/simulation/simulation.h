@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formulation/equations.h"
+#include "math/record.h"
 #include "scene/scene.h"
 #include "simulation/preparation.h"
 #include "simulation/signals.h"
@@ -57,6 +58,13 @@ class Simulation {
   // Advances to `end` [s] under the inputs set now. Inputs may differ from those of the step before.
   // Throws StepError (state unchanged since time()), UsageError when end < time() or is not finite.
   void step_to(double end);
+
+  // Writes down, or takes from a record, everything that decides how the run goes on: time, state, inputs, what methods
+  // carry from step to step. It then goes on to the same bits in both runs, and in any instance of the same scene that
+  // was initialized at the same time and tolerance and has been tuned alike. Methods with a history (ida, cvode,
+  // cvode-adams, dirk) begin anew at a record, in the run that wrote it, too. After initialize(). Throws
+  // std::invalid_argument for a record of something else; the simulation is undefined then, until it takes a right one.
+  void exchange(Record& record);
 
   double time() const;
   const Scene& scene() const;

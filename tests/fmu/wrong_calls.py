@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import c_double, c_int, c_size_t, c_uint
 from typing import Any
 
 from fmu.host import ERROR, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, OK, Fmu, Slave, expect
@@ -163,20 +163,9 @@ def experiments_that_cannot_be_are_refused(fmu: Fmu) -> None:
 
 def functions_not_offered_say_so(fmu: Fmu) -> None:
     s = Slave(fmu).start()
-    pointer = c_void_p()
     some = s.references(["drive.tau"])
     real, order, one = (c_double * 1)(), (c_int * 1)(1), c_size_t(1)
     calls: dict[str, tuple[tuple[Any, ...], ...]] = {
-        "canGetAndSetFMUstate": (
-            ("fmi2GetFMUstate", ctypes.byref(pointer)),
-            ("fmi2SetFMUstate", pointer),
-            ("fmi2FreeFMUstate", ctypes.byref(pointer)),
-        ),
-        "canSerializeFMUstate": (
-            ("fmi2SerializedFMUstateSize", pointer, ctypes.byref(one)),
-            ("fmi2SerializeFMUstate", pointer, None, one),
-            ("fmi2DeSerializeFMUstate", None, one, ctypes.byref(pointer)),
-        ),
         "providesDirectionalDerivative": (
             ("fmi2GetDirectionalDerivative", some, one, some, one, real, real),
         ),

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// FMU states: taken, gone back to, given away as bytes.
+#include "fmu/edge.h"
+
+namespace gelenk {
+namespace {
+
+// Runs body(instance, state) with a state of this instance.
+template <class Body>
+fmi2Status with_state(fmi2Component c, const char* function, unsigned modes, fmi2FMUstate state, Body&& body) noexcept {
+  return call(c, function, modes, [&](Instance& instance) {
+    SavedState* found = instance.find(state);
+    if (found == nullptr) {
+      return refuse(instance, function,
+                    std::string("FMU state: found ") + (state == nullptr ? "nothing" : "one that is not there") +
+                        ", expected one that this instance has made and not freed");
+    }
+    return body(instance, *found);
+  });
+}
+
+fmi2Status no_room(Instance& instance, const char* function, const char* what) {
+  return refuse(instance, function, std::string(what) + ": found nothing, expected where to write it");
+}
+
+}  // namespace
+}  // namespace gelenk
+
+using gelenk::Instance;
+using gelenk::Mode;
+using gelenk::SavedState;
+
+namespace {
+
+// A fault's traces are not to be kept; going back is a way out of it.
+constexpr unsigned sound = gelenk::assembled | Mode::instantiated;
+
+}  // namespace
+
+extern "C" {
+
+// With a state given it is written over, and its memory used again.
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* FMUstate) {
+  constexpr const char* name = "fmi2GetFMUstate";
+  if (FMUstate != nullptr && *FMUstate != nullptr) {
+    return gelenk::with_state(c, name, sound, *FMUstate, [](Instance& instance, SavedState& state) {
+      instance.save(state);
+      return fmi2OK;
+    });
+  }
+  return gelenk::call(c, name, sound, [&](Instance& instance) {
+    if (FMUstate == nullptr) return gelenk::no_room(instance, name, "FMU state");
+    *FMUstate = instance.save();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
+  constexpr const char* name = "fmi2SetFMUstate";
+  return gelenk::with_state(c, name, gelenk::any_mode, FMUstate, [](Instance& instance, SavedState& state) {
+    try {
+      instance.restore(state);
+    } catch (const std::invalid_argument& error) {
+      return gelenk::refuse(instance, name, std::string("FMU state: ") + error.what());
+    }
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* FMUstate) {
+  constexpr const char* name = "fmi2FreeFMUstate";
+  if (FMUstate == nullptr || *FMUstate == nullptr) {  // as free() does
+    return gelenk::call(c, name, gelenk::any_mode, [](Instance&) { return fmi2OK; });
+  }
+  return gelenk::with_state(c, name, gelenk::any_mode, *FMUstate, [&](Instance& instance, SavedState& state) {
+    instance.free(&state);
+    *FMUstate = nullptr;
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t* size) {
+  constexpr const char* name = "fmi2SerializedFMUstateSize";
+  return gelenk::with_state(c, name, gelenk::any_mode, FMUstate, [&](Instance& instance, SavedState& state) {
+    if (size == nullptr) return gelenk::no_room(instance, name, "size");
+    *size = gelenk::serialized_size(state);
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
+  constexpr const char* name = "fmi2SerializeFMUstate";
+  return gelenk::with_state(c, name, gelenk::any_mode, FMUstate, [&](Instance& instance, SavedState& state) {
+    if (serializedState == nullptr) return gelenk::no_room(instance, name, "bytes");
+    const std::size_t needed = gelenk::serialized_size(state);
+    if (size < needed) {
+      return gelenk::refuse(instance, name,
+                            "size: found " + std::to_string(size) + ", expected " + std::to_string(needed) +
+                                " as of fmi2SerializedFMUstateSize");
+    }
+    gelenk::serialize(state, instance.plant().model().guid, {serializedState, needed});
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate* FMUstate) {
+  constexpr const char* name = "fmi2DeSerializeFMUstate";
+  return gelenk::call(c, name, gelenk::any_mode, [&](Instance& instance) {
+    if (serializedState == nullptr) return gelenk::refuse(instance, name, "bytes: found nothing, expected a state");
+    if (FMUstate == nullptr) return gelenk::no_room(instance, name, "FMU state");
+    auto state = gelenk::deserialize(instance.plant().model().guid, {serializedState, size});
+    *FMUstate = instance.adopt(std::move(state));
+    return fmi2OK;
+  });
+}
+
+}  // extern "C"
