@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * A host with many instances: busy_host LIBRARY GUID RESOURCES INPUT FIRST_OUTPUT OUTPUTS TASK=N...
+ *   cycles=N   instantiates, initialises and frees N times; tells what memory the process has after a tenth, and then
+ *   timing=N   as that, telling the median of the processor's time to the end of initialisation
+ *   crowd=N    N instances step by step in turns, each of which must give the bits that it gave alone
+ *   threads=N  the same instances dealt out to N threads, which live at the same time
+ *   wrong=N    N times a life of wrong calls; each must give the status that it deserves
+ * Ends with 0 and a line for each task. */
+#define _GNU_SOURCE
+#include <malloc.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "c_host.h"
+
+enum { STEPS = 20 };
+static const double size = 1e-3; /* s */
+
+static _Noreturn void fail(const char* what, long which) {
+  fprintf(stderr, "%s: %ld\n", what, which);
+  exit(4);
+}
+
+static fmi2Component initialized(double torque) {
+  fmi2Component c = instantiate();
+  if (c == NULL || initialize(c, torque) != fmi2OK) fail("not initialised", 0);
+  return c;
+}
+
+/* One instance with torques of its own, and a checksum of the bits of all that it put out. */
+typedef struct {
+  fmi2Component c;
+  uint64_t sum;
+} Life;
+
+static double torque_of(long which, int k) { return 0.01 * (double)(which + 1) * (k % 4 < 2 ? 1 : -0.5); }
+
+static void begin(Life* life, long which) {
+  life->c = initialized(torque_of(which, 0));
+  life->sum = 14695981039346656037U; /* FNV-1a of the words */
+}
+
+static void step(Life* life, long which, int k) {
+  double values[sizeof outputs / sizeof outputs[0]];
+  const double torque = torque_of(which, k);
+  if (CALL(fmi2SetReal)(life->c, &input, 1, &torque) != fmi2OK) fail("torque refused", which);
+  if (CALL(fmi2DoStep)(life->c, k * size, size, fmi2True) != fmi2OK) fail("step refused", which);
+  if (CALL(fmi2GetReal)(life->c, outputs, n_outputs, values) != fmi2OK) fail("no outputs", which);
+  for (size_t i = 0; i < n_outputs; ++i) {
+    uint64_t word;
+    memcpy(&word, &values[i], sizeof word);
+    life->sum = (life->sum ^ word) * 1099511628211U;
+  }
+}
+
+static void end(Life* life) { CALL(fmi2FreeInstance)(life->c); }
+
+static long crowd_size;
+static uint64_t* alone; /* the checksums of the crowd, each having lived by itself */
+
+static void live_alone(void) {
+  alone = calloc((size_t)crowd_size, sizeof *alone);
+  for (long i = 0; i < crowd_size; ++i) {
+    Life life;
+    begin(&life, i);
+    for (int k = 0; k < STEPS; ++k) step(&life, i, k);
+    end(&life);
+    alone[i] = life.sum;
+    for (long j = 0; j < i; ++j) {
+      if (alone[j] == alone[i]) fail("two torques, one run", i);
+    }
+  }
+}
+
+/* The lives first, first + stride, ... of the crowd, a step of each in turn. */
+static void live_in_turns(long first, long stride) {
+  Life* lives = calloc((size_t)crowd_size, sizeof *lives);
+  for (long i = first; i < crowd_size; i += stride) begin(&lives[i], i);
+  for (int k = 0; k < STEPS; ++k) {
+    for (long i = first; i < crowd_size; i += stride) step(&lives[i], i, k);
+  }
+  for (long i = first; i < crowd_size; i += stride) {
+    if (lives[i].sum != alone[i]) fail("not as alone", i);
+    end(&lives[i]);
+  }
+  free(lives);
+}
+
+static void crowd(long n) {
+  crowd_size = n;
+  live_alone();
+  live_in_turns(0, 1);
+  printf("crowd %ld\n", n);
+}
+
+static pthread_barrier_t gate;
+static long n_threads;
+
+static void* thread(void* first) {
+  pthread_barrier_wait(&gate);
+  live_in_turns((long)(intptr_t)first, n_threads);
+  return NULL;
+}
+
+static void threads(long n) {
+  pthread_t all[64];
+  if (n > 64 || alone == NULL) exit(2);
+  n_threads = n;
+  pthread_barrier_init(&gate, NULL, (unsigned)n);
+  for (long i = 0; i < n; ++i) {
+    if (pthread_create(&all[i], NULL, thread, (void*)(intptr_t)i) != 0) fail("no thread", i);
+  }
+  for (long i = 0; i < n; ++i) pthread_join(all[i], NULL);
+  pthread_barrier_destroy(&gate);
+  printf("threads %ld\n", n);
+}
+
+static long resident_kB(void) {
+  long all = 0, resident = 0;
+  FILE* file = fopen("/proc/self/statm", "r");
+  if (file == NULL || fscanf(file, "%ld %ld", &all, &resident) != 2) fail("no /proc/self/statm", 0);
+  fclose(file);
+  return resident * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
+static size_t heap_bytes(void) {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+static void cycles(long n) {
+  long resident = resident_kB(); /* once for nothing: reading touches pages too */
+  size_t heap = heap_bytes();
+  for (long i = 0; i < n; ++i) {
+    if (i == n / 10) {
+      resident = resident_kB();
+      heap = heap_bytes();
+    }
+    CALL(fmi2FreeInstance)(initialized(0.5));
+  }
+  printf("cycles %ld, kB resident %ld %ld, bytes of heap %zu %zu\n", n, resident, resident_kB(), heap, heap_bytes());
+}
+
+static int ascending(const void* a, const void* b) {
+  const double x = *(const double*)a, y = *(const double*)b;
+  return (x > y) - (x < y);
+}
+
+static double processor_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void timing(long n) {
+  double* times = calloc((size_t)n, sizeof *times);
+  for (long i = 0; i < n; ++i) {
+    const double start = processor_seconds();
+    fmi2Component c = initialized(0.5);
+    times[i] = processor_seconds() - start;
+    CALL(fmi2FreeInstance)(c);
+  }
+  qsort(times, (size_t)n, sizeof *times, ascending);
+  printf("timing %ld, ms least %.3f median %.3f most %.3f\n", n, 1e3 * times[0], 1e3 * times[n / 2],
+         1e3 * times[n - 1]);
+  free(times);
+}
+
+static void expect(int status, int wanted, const char* what) {
+  if (status != wanted) fail(what, status);
+}
+
+static void wrong_life(void) {
+  const fmi2ValueReference nobody = 4000000000U;
+  const double nan_torque = NAN, big_torque = 1e300, torque = 0.5;
+  double value = 0;
+  if (CALL(fmi2Instantiate)("plant", fmi2CoSimulation, "wrong", resources, &callbacks, fmi2False, fmi2False) != NULL ||
+      CALL(fmi2Instantiate)("plant", fmi2CoSimulation, guid, NULL, &callbacks, fmi2False, fmi2False) != NULL ||
+      CALL(fmi2Instantiate)("plant", fmi2CoSimulation, guid, "file:///nowhere", &callbacks, fmi2False, fmi2False))
+    fail("instantiated", 0);
+  CALL(fmi2FreeInstance)(NULL);
+  expect(CALL(fmi2DoStep)(NULL, 0, size, fmi2True), fmi2Error, "step of nothing");
+  fmi2Component c = instantiate();
+  if (c == NULL) fail("not instantiated", 0);
+  expect(CALL(fmi2DoStep)(c, 0, size, fmi2True), fmi2Error, "step before initialisation");
+  expect(CALL(fmi2ExitInitializationMode)(c), fmi2Error, "the end of initialisation before its beginning");
+  expect(CALL(fmi2GetReal)(c, NULL, 3, &value), fmi2Error, "no references");
+  expect(initialize(c, 0.5), fmi2OK, "initialisation");
+  expect(CALL(fmi2SetReal)(c, &input, 1, &nan_torque), fmi2Error, "NaN");
+  expect(CALL(fmi2SetReal)(c, &nobody, 1, &torque), fmi2Error, "unknown reference");
+  expect(CALL(fmi2GetReal)(c, &nobody, 1, &value), fmi2Error, "unknown reference");
+  expect(CALL(fmi2SetReal)(c, outputs, 1, &torque), fmi2Error, "an output set");
+  expect(CALL(fmi2GetReal)(c, outputs, n_outputs, NULL), fmi2Error, "nowhere to write");
+  expect(CALL(fmi2DoStep)(c, 0, -size, fmi2True), fmi2Error, "negative step");
+  expect(CALL(fmi2DoStep)(c, 0, NAN, fmi2True), fmi2Error, "step that is no number");
+  expect(CALL(fmi2DoStep)(c, 1, size, fmi2True), fmi2Error, "gap in time");
+  expect(CALL(fmi2SetReal)(c, &input, 1, &big_torque), fmi2OK, "a finite torque");
+  expect(CALL(fmi2DoStep)(c, 0, size, fmi2True), fmi2Discard, "step that cannot be made");
+  expect(CALL(fmi2SetReal)(c, &input, 1, &torque), fmi2OK, "torque");
+  expect(CALL(fmi2DoStep)(c, 0, size, fmi2True), fmi2OK, "the next step");
+  expect(CALL(fmi2DoStep)(c, 0, size, fmi2True), fmi2Error, "step back in time");
+  expect(CALL(fmi2Terminate)(c), fmi2OK, "end");
+  expect(CALL(fmi2Terminate)(c), fmi2Error, "second end");
+  expect(CALL(fmi2Reset)(c), fmi2OK, "reset");
+  expect(initialize(c, 0.5), fmi2OK, "initialisation after a reset");
+  CALL(fmi2FreeInstance)(c);
+}
+
+static void wrong(long n) {
+  for (long i = 0; i < n; ++i) wrong_life();
+  printf("wrong %ld, %ld sentences\n", n, (long)sentences);
+}
+
+int main(int argc, char** argv) {
+  static const struct {
+    const char* name;
+    void (*run)(long);
+  } tasks[] = {{"cycles=", cycles}, {"timing=", timing}, {"crowd=", crowd}, {"threads=", threads}, {"wrong=", wrong}};
+  take_arguments(argc, argv);
+  for (int i = 7; i < argc; ++i) {
+    size_t t = 0;
+    while (t < sizeof tasks / sizeof tasks[0] && strncmp(argv[i], tasks[t].name, strlen(tasks[t].name)) != 0) ++t;
+    if (t == sizeof tasks / sizeof tasks[0]) exit(2);
+    tasks[t].run(atol(argv[i] + strlen(tasks[t].name)));
+  }
+  free(alone);
+  return 0;
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * What the hosts written in C share: the library and its functions, the arguments, a logger that looks at sentences.
+ * Arguments: LIBRARY GUID RESOURCES INPUT FIRST_OUTPUT OUTPUTS, then the host's own. */
+#pragma once
+#include <dlfcn.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+
+static void* library;
+static const char *guid, *resources;
+static fmi2ValueReference input, outputs[512];
+static size_t n_outputs;
+static atomic_long sentences;
+
+static void* function(const char* name) {
+  void* found = dlsym(library, name);
+  if (found == NULL) {
+    fprintf(stderr, "no %s\n", name);
+    exit(2);
+  }
+  return found;
+}
+#define CALL(name) ((name##TYPE*)function(#name))
+
+/* The six arguments; ends the process where they are not in order. */
+static void take_arguments(int argc, char** argv) {
+  if (argc < 7) exit(2);
+  guid = argv[2];
+  resources = argv[3];
+  input = (fmi2ValueReference)atoi(argv[4]);
+  n_outputs = (size_t)atoi(argv[6]);
+  if (n_outputs > sizeof outputs / sizeof outputs[0]) exit(2);
+  for (size_t i = 0; i < n_outputs; ++i) outputs[i] = (fmi2ValueReference)(atoi(argv[5]) + (int)i);
+  library = dlopen(argv[1], RTLD_NOW);
+  if (library == NULL) {
+    fprintf(stderr, "%s\n", dlerror());
+    exit(2);
+  }
+}
+
+static void logger(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String text,
+                   ...) {
+  (void)e;
+  if (strcmp(name, "plant") != 0 || status == fmi2OK || category[0] == 0 || text[0] == 0) {
+    fprintf(stderr, "a bad sentence: %s\n", text);
+    exit(3);
+  }
+  ++sentences;
+}
+
+static const fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, NULL};
+
+static fmi2Component instantiate(void) {
+  return CALL(fmi2Instantiate)("plant", fmi2CoSimulation, guid, resources, &callbacks, fmi2False, fmi2False);
+}
+
+static int initialize(fmi2Component c, double torque) {
+  int bad = CALL(fmi2SetupExperiment)(c, fmi2False, 0, 0, fmi2False, 0);
+  bad |= CALL(fmi2EnterInitializationMode)(c);
+  bad |= CALL(fmi2SetReal)(c, &input, 1, &torque);
+  return bad | CALL(fmi2ExitInitializationMode)(c);
+}
