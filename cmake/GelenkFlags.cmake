@@ -25,10 +25,16 @@ target_compile_options(gelenk_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${GELENK_WERROR}>:-Werror>)
 
+# Undefined behaviour goes with the addresses, whose runtime finds it too; races need a runtime of their own.
+set(sanitizers_address address,undefined)
+set(sanitizers_thread thread)
 if(GELENK_SANITIZE)
-  target_compile_options(gelenk_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
-    -fno-omit-frame-pointer)
-  target_link_options(gelenk_flags INTERFACE -fsanitize=address,undefined)
+  if(NOT DEFINED sanitizers_${GELENK_SANITIZE})
+    message(FATAL_ERROR "GELENK_SANITIZE: found '${GELENK_SANITIZE}', expected OFF, address or thread")
+  endif()
+  set(sanitizers -fsanitize=${sanitizers_${GELENK_SANITIZE}})
+  target_compile_options(gelenk_flags INTERFACE ${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(gelenk_flags INTERFACE ${sanitizers})
 endif()
 if(GELENK_COVERAGE)
   target_compile_options(gelenk_flags INTERFACE --coverage -fprofile-update=atomic)
