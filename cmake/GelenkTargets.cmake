@@ -23,24 +23,7 @@ if(GELENK_SUNDIALS_WHEEL)
   set_property(TARGET SUNDIALS::core_static APPEND PROPERTY INTERFACE_LINK_LIBRARIES gelenk_sundials_stubs)
 endif()
 
-# Everything an FMU needs in one file. Nothing of it can be seen from outside but the functions of FMI, and
-# nothing is taken from outside but the C library: two FMUs in one process must not meet.
-file(GLOB fmu_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/*.cpp)
-set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
-if(fmu_sources)
-  add_library(gelenk_fmu MODULE ${fmu_sources})
-  add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
-  target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
-  target_link_options(gelenk_fmu PRIVATE
-    -static-libgcc -static-libstdc++
-    -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
-    -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free  # fmu/memory.h
-    $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>
-    $<$<CONFIG:Release>:-Wl,--strip-all>)
-  set_target_properties(gelenk_fmu PROPERTIES
-    PREFIX "" SUFFIX .so LINK_DEPENDS ${exports_map}
-    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/linux64)
-endif()
+include(GelenkFmu)
 
 set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/export_main.cpp)
 if(EXISTS ${export_source})

@@ -50,6 +50,15 @@ def test_only_the_c_library_is_needed(library: Path) -> None:
     assert needed <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "ld-linux-x86-64.so.2"}
 
 
+def test_the_c_library_may_be_as_old_as_the_documentation_says(library: Path, root: Path) -> None:
+    said = re.search(r"glibc (\d+)\.(\d+) or newer", (root / "docs" / "fmu.md").read_text())
+    assert said
+    needs = re.findall(r"Name: GLIBC_(\S+)", tool("readelf", "-V", str(library)))
+    assert len(needs) > 2
+    versions = [tuple(map(int, version.split("."))) for version in needs]
+    assert max(versions)[:2] <= (int(said[1]), int(said[2])), needs
+
+
 def test_the_library_is_small(library: Path) -> None:
     assert library.stat().st_size < 5e6
 

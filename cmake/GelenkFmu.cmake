@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The FMU runtime: everything an FMU needs in one file. Nothing of it can be seen from outside but the functions of FMI,
+# and nothing is taken from outside but the C library: two FMUs in one process must not meet.
+file(GLOB fmu_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fmu/*.cpp)
+set(exports_map ${CMAKE_CURRENT_LIST_DIR}/fmu_exports.map)
+set(glibc_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/glibc.cpp)
+if(GELENK_SANITIZE)  # whose runtimes stand before the newest symbols
+  list(REMOVE_ITEM fmu_sources ${glibc_source})
+endif()
+
+add_library(gelenk_fmu MODULE ${fmu_sources})
+add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
+target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
+target_link_options(gelenk_fmu PRIVATE
+  -static-libgcc -static-libstdc++
+  -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+  -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free  # fmu/memory.h
+  $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>
+  $<$<CONFIG:Release>:-Wl,--strip-all>)
+include(CheckCXXSymbolExists)
+check_cxx_symbol_exists(__GLIBC__ cstddef GELENK_GLIBC)
+if(GELENK_GLIBC AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT GELENK_SANITIZE)
+  foreach(function IN ITEMS exp exp2 log log2 pow hypot fmod stat fstat64 pthread_once __pthread_key_create)
+    target_link_options(gelenk_fmu PRIVATE -Wl,--wrap=${function})
+  endforeach()
+  # Where the last two are before glibc 2.34; empty since.
+  target_link_libraries(gelenk_fmu PRIVATE -Wl,--push-state,--no-as-needed,-l:libpthread.so.0,--pop-state)
+endif()
+set_target_properties(gelenk_fmu PROPERTIES
+  PREFIX "" SUFFIX .so LINK_DEPENDS ${exports_map}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/linux64)
