@@ -25,18 +25,9 @@ using gelenk::not_offered;
 
 extern "C" {
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference /*unknown*/[], size_t /*nUnknown*/,
-                                        const fmi2ValueReference /*known*/[], size_t /*nKnown*/,
-                                        const fmi2Real /*dvKnown*/[], fmi2Real /*dvUnknown*/[]) {
-  return not_offered(c, "fmi2GetDirectionalDerivative", "providesDirectionalDerivative = false");
-}
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t /*nvr*/,
                                        const fmi2Integer /*order*/[], const fmi2Real /*value*/[]) {
   return not_offered(c, "fmi2SetRealInputDerivatives", "canInterpolateInputs = false");
-}
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t /*nvr*/,
-                                        const fmi2Integer /*order*/[], fmi2Real /*value*/[]) {
-  return not_offered(c, "fmi2GetRealOutputDerivatives", "maxOutputDerivativeOrder = 0");
 }
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) { return model_exchange_only(c, "fmi2EnterEventMode"); }

@@ -21,10 +21,10 @@ inline constexpr std::array<Capability, 8> capabilities = {{
     {"canNotUseMemoryManagementFunctions", true},
     {"canGetAndSetFMUstate", true},
     {"canSerializeFMUstate", true},
-    {"providesDirectionalDerivative", false},
+    {"providesDirectionalDerivative", true},
 }};
 
-inline constexpr int max_output_derivative_order = 0;
+inline constexpr int max_output_derivative_order = 2;
 
 struct LogCategory {
   const char* name;

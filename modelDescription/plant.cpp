@@ -24,6 +24,17 @@ std::size_t inputs_of(const Catalogue& catalogue) {
 PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
     : scene(read_scene_json(scene_json, file)), catalogue(scene), guid(fingerprint(scene_json)) {}
 
+const PlantModel::States& PlantModel::states() const {
+  std::call_once(asked_, [this] {
+    Simulation simulation(scene);
+    simulation.initialize();
+    States found{catalogue, simulation.independent_coordinates()};
+    found.catalogue.declare_states(found.independent_coordinates);
+    states_ = std::move(found);
+  });
+  return *states_;
+}
+
 Plant::Plant(std::shared_ptr<const PlantModel> model)
     : model_(std::move(model)),
       scene_(model_->scene),
@@ -47,6 +58,11 @@ void Plant::assemble() {
   fresh.initialize(start_, by_hand ? 0 : tolerance_);
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
+}
+
+Simulation& Plant::simulation() {
+  assemble();
+  return *simulation_;
 }
 
 double Plant::get(int variable) {

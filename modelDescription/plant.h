@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,18 @@ struct PlantModel {
   Scene scene;
   Catalogue catalogue;
   std::string guid;
+
+  // What modelDescription.xml declares as states: those of the scene as it was exported, whatever parameters are set.
+  // Found when first asked for, by assembling it.
+  struct States {
+    Catalogue catalogue;  // with them
+    std::vector<int> independent_coordinates;
+  };
+  const States& states() const;
+
+ private:
+  mutable std::once_flag asked_;
+  mutable std::optional<States> states_;
 };
 
 class Plant {
@@ -56,6 +69,9 @@ class Plant {
   // of this model; where it was assembled with other settings it is assembled anew. See Simulation::exchange. Throws
   // std::invalid_argument for a record of something else, and SceneError, AssemblyError; it is undefined then.
   void exchange(Record& record);
+
+  // What is behind the outputs, assembled.
+  Simulation& simulation();
 
   // As Simulation's; assembled plants only.
   void step_to(double end) { simulation_->step_to(end); }

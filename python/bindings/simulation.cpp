@@ -138,6 +138,37 @@ Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool ja
   }));
 }
 
+// Numbers column by column.
+Vector flat(const Eigen::MatrixXd& from) {
+  return to_numpy(std::vector<double>(from.data(), from.data() + from.size()));
+}
+
+std::vector<Vector> linearize(Plant& plant) {
+  const gelenk::Linearization l = plant.with([](Simulation& s) { return s.linearize(); });
+  return {flat(l.A), flat(l.B), flat(l.C), flat(l.D), flat(l.xdot)};
+}
+
+std::vector<Vector> slope_along(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
+  const gelenk::Slope slope = plant.with([&](Simulation& s) { return s.slope_along(dx, du); });
+  return {flat(slope.outputs), flat(slope.rates)};
+}
+
+Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const std::vector<double>& uddot) {
+  return flat(plant.with([&](Simulation& s) { return s.output_derivatives(udot, uddot); }));
+}
+
+// Outputs of the states; of their derivatives, -1: no output.
+std::vector<std::vector<int>> states_of(Plant& plant) {
+  return plant.with([](Simulation& s) {
+    std::vector<std::vector<int>> out(2);
+    for (const gelenk::StateVariable& state : s.states()) {
+      out[0].push_back(state.output);
+      out[1].push_back(state.derivative);
+    }
+    return out;
+  });
+}
+
 void bind_signal(nb::module_& m) {
   nb::class_<Signal>(m, "Signal", "Name, unit and meaning of one input, output or diagnostic.")
       .def_ro("name", &Signal::name)
@@ -222,6 +253,11 @@ void gelenk::bind_simulation(nb::module_& m) {
           nb::arg("index"))
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
+      .def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
+      .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
+      .def("_slope_along", slope_along, nb::arg("dx"), nb::arg("du"), "What outputs and states' derivatives differ by.")
+      .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
+           "First, then second time derivatives of all outputs; [] where inputs are constant.")
       .def(
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")

@@ -7,7 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "dynamics/model.h"
+#include "dynamics/extended.h"
+#include "math/dual.h"
 
 namespace gelenk {
 
@@ -33,19 +34,21 @@ struct Point {
   const double* cut_reference;
 };
 
-// A: the algebra over double. Works in memory of its own; allocates when made only.
-template <class A>
+// Works in memory of its own; allocates when made only.
 class Differentiator {
  public:
   // inputs: number of the scene's inputs.
   Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs);
-  ~Differentiator();
 
   void operator()(const Point& at, Slopes& out);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void run(const Point& at);
+  template <class Take>
+  void sweep(const Point& at, std::vector<Dual>& in, Take take);
+
+  std::unique_ptr<Extended<Dual>> equations_;
+  std::vector<Dual> q_, v_, u_, vdot_, lambda_;
 };
 
 }  // namespace gelenk

@@ -9,6 +9,7 @@
 #include "dynamics/load_kernels.h"
 #include "dynamics/output_kernels.h"
 #include "dynamics/visit.h"
+#include "dynamics/with_readings.h"
 
 namespace gelenk {
 namespace {
@@ -53,16 +54,22 @@ std::vector<int> all_links(const Mechanism& mechanism) {
 }
 
 template <class A>
-class DynamicsOf final : public Dynamics {
+class DynamicsOf final : public WithReadings<A, Dynamics> {
+  using Base = WithReadings<A, Dynamics>;
+  using Base::cut_reference_;
+  using Base::loads_;
+  using Base::mechanism_;
+  using Base::model_;
+  using Base::q_;
+  using Base::v_;
+  using Base::ws_;
+
  public:
   DynamicsOf(const Mechanism& mechanism, const Loads& loads, bool everything)
-      : mechanism_(mechanism),
-        loads_(loads),
+      : Base(mechanism, loads),
         everything_(everything),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        model_(mechanism),
-        ws_(model_),
         M_(speed_parents(mechanism)),
         Y_(model_.nv, model_.rows),
         max_rank_(model_.rows),
@@ -70,9 +77,6 @@ class DynamicsOf final : public Dynamics {
         expected_(model_.nv),
         nothing_(model_.nv),
         tau_(model_.nv),
-        v_(model_.nv),
-        q_(model_.nq),
-        cut_reference_(model_.cut_nq),
         shifted_(model_.rows) {}
 
   void set_position(const double* q) override {
@@ -117,7 +121,7 @@ class DynamicsOf final : public Dynamics {
     if (!everything_) return;
     set_root_poses();
     set_acceleration(vdot);
-    energy_ = energy();
+    energy_ = this->energy();
   }
 
   void set_row_shift(const double* shift) override { row_shift_ = shift; }
@@ -168,16 +172,17 @@ class DynamicsOf final : public Dynamics {
   }
 
   void differentiate(const double* u, int inputs, const double* vdot, Slopes& out, const double* lambda) override {
-    if (!differentiator_) differentiator_ = std::make_unique<Differentiator<A>>(mechanism_, loads_, inputs);
+    if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
     (*differentiator_)({q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data()}, out);
   }
 
-  void solve_linear(double* r, const double* c) const override {
+  void solve_linear(double* r, const double* c, double* l) const override {
     M_.solve_transposed(r);
     // What was expected does not depend on what slopes are taken by.
     if (model_.rows > 0) Y_.constrain(r, c, follows_ ? nothing_.data() : nullptr);
+    if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
   }
 
@@ -208,77 +213,16 @@ class DynamicsOf final : public Dynamics {
   void cut_coordinates(int cut, double* q) const override {
     visit_joint<A>(model_.cuts[cut].joint, [&](const auto& joint) { joint.template coordinates<A>(ws_.X_FM[cut], q); });
   }
-  void cut_speeds(int cut, double* v) const override {
-    double q[max_cut_nq] = {};
-    counted_coordinates(cut, q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
-  }
-  void cut_accelerations(int cut, double* a) const override {
-    double q[max_cut_nq] = {};
-    double v[6];
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
-                                        q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
-    kernels::cut_accelerations<A>(model_.cuts[cut], ws_, cut, q, v, a);
-  }
   void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
 
-  Energy energy() const override {
-    Energy sum = kernels::energy(model_, loads_, ws_);
-    for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.reflected_inertia[k] * v_[k] * v_[k] / 2;
-    sum.potential += loads_.tree.energy(q_.data());
-    for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) {
-      if (loads_.cuts[c].stores_nothing()) continue;
-      double q[max_cut_nq] = {};
-      counted_coordinates(c, q);
-      sum.potential += loads_.cuts[c].energy(q);
-    }
-    return sum;
-  }
-
-  Pose3 link_pose(int link) const override { return kernels::pose3(ws_.X_0L[link], height(link)); }
-  Spatial::Motion link_velocity(int link) const override { return kernels::motion3(ws_.V[link]); }
-  Pose3 rod_pose(int cut) const override {
-    const auto& c = model_.cuts[cut];
-    const RodState state = rod_state(cut);
-    const double z = mechanism_.planar ? mechanism_.cuts[cut].X_AF.p.z() : 0;
-    return kernels::pose3(ws_.X_0L[c.link_a] * c.X_AF * state.X_FR, height(c.link_a) + z);
-  }
-  Spatial::Motion rod_velocity(int cut) const override {
-    const auto& c = model_.cuts[cut];
-    const RodState state = rod_state(cut);
-    return kernels::motion3(state.X_FR.to_child(c.X_AF.to_child(ws_.V[c.link_a])) + state.V_FR);
-  }
-  Spatial::Force tree_reaction(int link) const override { return kernels::force3(ws_.F[link]); }
-  Spatial::Force cut_reaction(int cut) const override {
-    return kernels::force3(kernels::cut_reaction(model_, ws_, cut));
-  }
   void set_multipliers(const double* lambda) override {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::constraint_wrenches(model_, ws_);
   }
-  Pose3 cut_pose(int cut) const override { return kernels::pose3(ws_.X_FM[cut], 0); }
+  Pose3 cut_pose(int cut) const override { return kernels::pose3<A>(ws_.X_FM[cut], 0); }
   long evaluations() const override { return evaluations_; }
 
  private:
-  struct RodState {
-    typename A::Pose X_FR;
-    typename A::Motion V_FR;
-  };
-  RodState rod_state(int cut) const {
-    double q[max_cut_nq] = {};
-    double v[max_cut_nv] = {};
-    counted_coordinates(cut, q);
-    kernels::cut_speeds<A>(model_.cuts[cut], ws_, cut, q, v);
-    const Rod& rod = std::get<Rod>(model_.cuts[cut].joint);
-    return {rod.rod_pose<A>(q), rod.rod_velocity<A>(q, v)};
-  }
-
-  void counted_coordinates(int cut, double* q) const {
-    kernels::counted_cut_coordinates<A>(model_.cuts[cut], ws_.X_FM[cut], cut_reference_.data() + model_.cuts[cut].iq,
-                                        q);
-  }
-
   void fill_mass_matrix() {
     kernels::mass_matrix(model_, ws_, M_);
     for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
@@ -300,8 +244,6 @@ class DynamicsOf final : public Dynamics {
     return shifted_.data();
   }
 
-  double height(int link) const { return mechanism_.planar ? mechanism_.heights[link] : 0; }
-
   [[noreturn]] void throw_singular(int k) const {
     for (const Link& link : mechanism_.links) {
       if (k >= link.iv && k < link.iv + link.nv && link.parent >= 0) throw SingularMass(link.name);
@@ -309,19 +251,15 @@ class DynamicsOf final : public Dynamics {
     throw SingularMass("?");
   }
 
-  const Mechanism& mechanism_;
-  const Loads& loads_;
   bool everything_;
   std::vector<int> all_links_, loaded_links_;
-  Model<A> model_;
-  Workspace<A> ws_;
   SparseFactor M_;
   RowFactor Y_;
   int max_rank_;
   bool follows_ = false;  // the last solve() had something expected
-  std::vector<double> w_, expected_, nothing_, tau_, v_, q_, cut_reference_, shifted_;
+  std::vector<double> w_, expected_, nothing_, tau_, shifted_;
   const double* row_shift_ = nullptr;
-  std::unique_ptr<Differentiator<A>> differentiator_;
+  std::unique_ptr<Differentiator> differentiator_;
   Energy energy_;
   long evaluations_ = 0;
 };

@@ -13,13 +13,9 @@
 
 #include "dynamics/derivatives.h"
 #include "dynamics/model.h"
+#include "dynamics/readings.h"
 
 namespace gelenk {
-
-struct Energy {
-  double kinetic = 0;    // J
-  double potential = 0;  // J, of gravity (zero at the world's origin), springs and stops
-};
 
 // Some body moves without inertia: M cannot be factorised. The message names the link.
 class SingularMass : public std::runtime_error {
@@ -28,10 +24,8 @@ class SingularMass : public std::runtime_error {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-class Dynamics {
+class Dynamics : public Readings<double> {
  public:
-  virtual ~Dynamics() = default;
-
   // --- in this order; each uses what the ones before have left ---
   // Poses of links in their parents and the rows' position errors Phi.
   virtual void set_position(const double* q) = 0;
@@ -64,8 +58,8 @@ class Dynamics {
   virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out,
                              const double* lambda = nullptr) = 0;
   // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x. Where the last solve() followed
-  // something expected, x = 0 is followed there.
-  virtual void solve_linear(double* r, const double* c) const = 0;
+  // something expected, x = 0 is followed there. l: of minimum norm, or null.
+  virtual void solve_linear(double* r, const double* c, double* l = nullptr) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
@@ -81,27 +75,12 @@ class Dynamics {
   // dv <- the smallest displacement (mass metric, last factors) that takes the residual of the rows away.
   virtual void correct(const double* residual, double* dv) const = 0;
 
-  // Cut joints: coordinates (angles within half a turn; quaternions near what `q` holds on entry), speeds,
-  // accelerations (after set_acceleration).
+  // Coordinates of a cut joint (angles within half a turn; quaternions near what `q` holds on entry).
   virtual void cut_coordinates(int cut, double* q) const = 0;
-  virtual void cut_speeds(int cut, double* v) const = 0;
-  virtual void cut_accelerations(int cut, double* a) const = 0;
   // Angles of cut joints as last counted, for springs that act on them; cut_nq numbers.
   virtual void set_cut_reference(const double* q) = 0;
 
-  virtual Energy energy() const = 0;  // after set_velocity and set_root_poses
-
-  // Pose of a link in the root frame (the ground link's; after set_root_poses), velocity in the link's frame.
-  virtual Pose3 link_pose(int link) const = 0;
-  virtual Spatial::Motion link_velocity(int link) const = 0;
-  // The same for the frame of a rod that has become a cut.
-  virtual Pose3 rod_pose(int cut) const = 0;
-  virtual Spatial::Motion rod_velocity(int cut) const = 0;
-  // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, at that half's frame, in it;
-  // drives and springs along the joint included. After set_acceleration; spatial algebra only.
-  virtual Spatial::Force tree_reaction(int link) const = 0;
-  virtual Spatial::Force cut_reaction(int cut) const = 0;
-  // Makes both tell the wrenches of these multipliers alone, at rest and without loads.
+  // Makes tree_reaction() and cut_reaction() tell the wrenches of these multipliers alone, at rest and without loads.
   virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 

@@ -60,8 +60,9 @@ struct JointStop {
   }
 };
 // J: stored in a stop at the coordinate q.
-inline double energy_of(const Stop& stop, double q) {
-  const double depth = std::max({q - stop.upper, stop.lower - q, 0.0});
+template <class T>
+T energy_of(const Stop& stop, const T& q) {
+  const T depth = std::max({T(q - stop.upper), T(stop.lower - q), T(0)});
   return stop.stiffness / 2 * depth * depth;
 }
 // Drives, springs and stops along joints: of the whole tree, or of one cut joint (indices from its own first).
@@ -82,8 +83,9 @@ struct JointLoads {
     for (const JointStop& s : stops) tau[s.v] += s.effort(q[s.q], v[s.v]);
   }
   // J, stored in springs and stops.
-  double energy(const double* q) const {
-    double sum = 0;
+  template <class T>
+  T energy(const T* q) const {
+    T sum(0);
     for (const JointSpring& s : springs) {
       if (s.stiffness != 0) sum += s.stiffness / 2 * (q[s.q] - s.reference) * (q[s.q] - s.reference);
     }

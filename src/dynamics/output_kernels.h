@@ -3,8 +3,8 @@
 // algebra of a mechanism to space.
 #pragma once
 
-#include "dynamics/dynamics.h"
 #include "dynamics/kernels.h"
+#include "dynamics/readings.h"
 
 namespace gelenk::kernels {
 
@@ -17,8 +17,8 @@ template <class A>
 void constraint_wrenches(const Model<A>& model, Workspace<A>& ws);
 
 template <class A>
-void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const double* q,
-                       const double* v, double* a);
+void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                       const typename A::Scalar* v, typename A::Scalar* a);
 
 // On M in M: the rows' forces, drives and springs.
 template <class A>
@@ -26,18 +26,37 @@ typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, in
 
 // Gravity's part counts from the world's origin.
 template <class A>
-Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws);
+EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws);
 
-inline Pose3 pose3(const Spatial::Pose& X, double) { return X; }
-inline Pose3 pose3(const Planar::Pose& X, double height) {
-  Pose3 out;
-  out.R << X.c, -X.s, 0, X.s, X.c, 0, 0, 0, 1;
-  out.p << X.px, X.py, height;
-  return out;
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Pose pose3(const typename A::Pose& X, double height) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    typename SpatialAlgebra<T>::Pose out;
+    out.R << X.c, -X.s, T(0), X.s, X.c, T(0), T(0), T(0), T(1);
+    out.p << X.px, X.py, T(height);
+    return out;
+  } else {
+    return X;
+  }
 }
-inline Spatial::Motion motion3(const Spatial::Motion& V) { return V; }
-inline Spatial::Motion motion3(const Planar::Motion& V) { return {{0, 0, V.w}, {V.x, V.y, 0}}; }
-inline Spatial::Force force3(const Spatial::Force& F) { return F; }
-inline Spatial::Force force3(const Planar::Force& F) { return {{0, 0, F.n}, {F.x, F.y, 0}}; }
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Motion motion3(const typename A::Motion& V) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    return {Vector3<T>(T(0), T(0), V.w), Vector3<T>(V.x, V.y, T(0))};
+  } else {
+    return V;
+  }
+}
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Force force3(const typename A::Force& F) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    return {Vector3<T>(T(0), T(0), F.n), Vector3<T>(F.x, F.y, T(0))};
+  } else {
+    return F;
+  }
+}
 
 }  // namespace gelenk::kernels

@@ -10,11 +10,13 @@
 namespace gelenk::kernels {
 inline namespace detail {
 
-inline Eigen::Vector3d first_moment_in_root(const Spatial::Pose& X, const Spatial::Inertia& G) {
-  return G.m * X.p + X.R * G.h;
-}
-inline Eigen::Vector3d first_moment_in_root(const Planar::Pose& X, const Planar::Inertia& G) {
-  return {G.m * X.px + X.c * G.hx - X.s * G.hy, G.m * X.py + X.s * G.hx + X.c * G.hy, 0};
+template <class A>
+Vector3<typename A::Scalar> first_moment_in_root(const typename A::Pose& X, const typename A::Inertia& G) {
+  if constexpr (A::planar) {
+    return {G.m * X.px + X.c * G.hx - X.s * G.hy, G.m * X.py + X.s * G.hx + X.c * G.hy, typename A::Scalar(0)};
+  } else {
+    return G.m * X.p + X.R * G.h;
+  }
 }
 
 // From what each link needs (ws.F) to what its joint transmits: the rows' forces added, all carried inwards.
@@ -78,8 +80,8 @@ typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, in
 
 // In M: the rate of V_FM. Its rate in F about F's origin, moved to M, is also its rate in M, as V x V = 0.
 template <class A>
-void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const double* q,
-                       const double* v, double* a) {
+void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                       const typename A::Scalar* v, typename A::Scalar* a) {
   using Motion = typename A::Motion;
   const auto in_F = [&](const Motion& on_b) { return ws.X_FM[c].to_parent(cut.X_BM.to_child(on_b)); };
   const Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
@@ -91,16 +93,17 @@ void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws
 }
 
 template <class A>
-Energy energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws) {
-  Energy sum;
+EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws) {
+  using T = typename A::Scalar;
+  EnergyOf<T> sum;
   sum.potential = loads.potential_offset;
   for (std::size_t i = 1; i < model.links.size(); ++i) {
     const auto& G = model.links[i].G;
     sum.kinetic += A::dot(ws.V[i], G * ws.V[i]) / 2;
-    sum.potential -= loads.gravity.dot(first_moment_in_root(ws.X_0L[i], G));
+    sum.potential -= loads.gravity.cast<T>().dot(first_moment_in_root<A>(ws.X_0L[i], G));
   }
   for (const PointSpring& spring : loads.springs) {
-    const double stretch = spring_span(spring, ws).norm() - spring.length;
+    const T stretch = spring_span(spring, ws).norm() - spring.length;
     sum.potential += spring.stiffness / 2 * stretch * stretch;
   }
   return sum;

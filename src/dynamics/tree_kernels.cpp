@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The recursions along the tree, for double. Numbers with derivatives are made in dual_kernels.cpp: side by side in one
-// file the two keep each other from being inlined.
+// The recursions along the tree, for double. Numbers with derivatives are made in extended_kernels.cpp: side by side in
+// one file the two keep each other from being inlined.
 #include "dynamics/tree_kernels_impl.h"
 
 namespace gelenk::kernels {

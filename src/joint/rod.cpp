@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "math/dual.h"
+#include "math/series.h"
 
 namespace gelenk {
 namespace {
@@ -287,6 +288,8 @@ GELENK_INSTANTIATE(Planar)
 GELENK_INSTANTIATE(Spatial)
 GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
 GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
+GELENK_INSTANTIATE(PlanarAlgebra<Series>)
+GELENK_INSTANTIATE(SpatialAlgebra<Series>)
 #undef GELENK_INSTANTIATE
 
 namespace {

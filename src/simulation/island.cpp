@@ -103,7 +103,7 @@ void Island::refresh(Outputs::Needs needs) {
   fresh_ = needs;
 }
 
-Reading Island::reading() const { return {*dynamics_, y_.data(), vdot_.data(), equations_->cut_coordinates()}; }
+Reading Island::reading() const { return {*dynamics_, q(), v(), vdot_.data(), cut_coordinates().data()}; }
 
 double Island::position_gap() const { return largest(dynamics_->Phi()); }
 double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }

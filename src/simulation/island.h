@@ -43,7 +43,10 @@ class Island {
   // Brings the equations up to what outputs need.
   void refresh(Outputs::Needs needs);
   Reading reading() const;
+  // Coordinates of the cut joints, turns counted.
+  const std::vector<double>& cut_coordinates() const { return equations_->cut_coordinates(); }
   const Mechanism& mechanism() const { return prepared_.mechanism; }
+  const Loads& loads() const { return loads_; }
   const Structure& structure() const { return prepared_.structure; }
   Dynamics& dynamics() { return *dynamics_; }
   double position_gap() const;  // largest |Phi|, after refresh

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/outputs.h"
+// Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_extended.cpp.
+#include "simulation/outputs_impl.h"
 
 #include <algorithm>
 
 namespace gelenk {
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr int reaction_size = 6;
 constexpr int frame_size = 13;  // r, Q, v, w
 constexpr int energy_size = 3;
-
-// Q[1..4] with the scalar part not negative: one of the two that mean the same.
-double quaternion_component(const Eigen::Matrix3d& R, int i) {
-  Eigen::Quaterniond Q(R);
-  if (Q.w() < 0) Q.coeffs() = -Q.coeffs();
-  return Q.coeffs()[i];
-}
 
 }  // namespace
 
@@ -85,35 +77,6 @@ void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
   for (source.component = 0; source.component < size; ++source.component) sources_.push_back(source);
 }
 
-double Outputs::value(int output, const Reading& reading) const {
-  const Source& s = sources_[output];
-  double joint[max_cut_nv] = {};
-  switch (s.kind) {
-    case Kind::tree: {
-      const Mechanism& mechanism = reduced_.islands[s.island];
-      const int states = mechanism.nq + mechanism.nv;
-      return s.sign * (s.index < states ? reading.y[s.index] : reading.vdot[s.index - states]);
-    }
-    case Kind::cut_q:
-      return s.sign * reading.cut_q[s.index];
-    case Kind::cut_v:
-      reading.dynamics.cut_speeds(s.index, joint);
-      return s.sign * joint[s.component];
-    case Kind::cut_a:
-      reading.dynamics.cut_accelerations(s.index, joint);
-      return s.sign * joint[s.component];
-    case Kind::reaction:
-      return reactions_[s.index].component(s.component, reading.dynamics);
-    case Kind::pose:
-      return pose(frames_[s.index], s.component, reading.dynamics);
-    case Kind::constant:
-    case Kind::standing_pose:
-    case Kind::energy:
-      break;
-  }
-  return 0;
-}
-
 double Outputs::constant(int output) const {
   const Source& s = sources_[output];
   if (s.kind == Kind::constant) return s.sign;
@@ -122,16 +85,6 @@ double Outputs::constant(int output) const {
   return s.component < 7 ? quaternion_component(X_WS.R, s.component - 3) : 0;
 }
 
-double Outputs::pose(const BodyPlace& frame, int component, const Dynamics& dynamics) const {
-  const Pose3& X_LS = frame.X_LB;
-  const Pose3 X_0L = frame.rod >= 0 ? dynamics.rod_pose(frame.rod) : dynamics.link_pose(frame.link);
-  const Pose3& X_W0 = reduced_.islands[frame.island].X_W0;
-  const Eigen::Matrix3d R_WL = X_W0.R * X_0L.R;
-  if (component < 3) return X_W0.point(X_0L.point(X_LS.p))[component];
-  if (component < 7) return quaternion_component(R_WL * X_LS.R, component - 3);
-  const Spatial::Motion V = frame.rod >= 0 ? dynamics.rod_velocity(frame.rod) : dynamics.link_velocity(frame.link);
-  if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];
-  return X_LS.R.col(component - 10).dot(V.w);
-}
+template double Outputs::value(int, const Reading&) const;
 
 }  // namespace gelenk

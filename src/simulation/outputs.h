@@ -10,14 +10,17 @@
 
 namespace gelenk {
 
-// What outputs of an island are computed from: y = (q, v), vdot of the tree; cut_q: coordinates of cut joints, turns
-// counted.
-struct Reading {
-  const Dynamics& dynamics;
-  const double* y;
-  const double* vdot;
-  const std::vector<double>& cut_q;
+// What outputs of an island are computed from: q, v, vdot of the tree; cut_q: coordinates of cut joints, turns counted.
+// T: double, or numbers that carry derivatives.
+template <class T>
+struct ReadingOf {
+  const Readings<T>& dynamics;
+  const T* q;
+  const T* v;
+  const T* vdot;
+  const T* cut_q;
 };
+using Reading = ReadingOf<double>;
 
 class Outputs {
  public:
@@ -35,7 +38,8 @@ class Outputs {
   }
 
   // reading: of the output's island.
-  double value(int output, const Reading& reading) const;
+  template <class T>
+  T value(int output, const ReadingOf<T>& reading) const;
   // Of an output without island.
   double constant(int output) const;
 
@@ -50,7 +54,10 @@ class Outputs {
     double sign = 1;    // constant: the value
   };
   Source joint_source(const Signal& signal) const;
-  double pose(const BodyPlace& frame, int component, const Dynamics& dynamics) const;
+  template <class T>
+  T tree_value(const Source& source, const ReadingOf<T>& reading) const;
+  template <class T>
+  T pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const;
   void add_sensor(const Scene& scene, const Sensor& sensor);
 
   const ReducedScene& reduced_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/reaction.h"
 
-namespace gelenk {
+#include "math/dual.h"
+#include "math/pose_in.h"
+#include "math/series.h"
 
-using Eigen::Vector3d;
+namespace gelenk {
 
 Reaction::Reaction(const Scene& scene, const ReducedScene& reduced, int joint) {
   const JointPlace& place = reduced.joints[joint];
@@ -17,15 +19,21 @@ Reaction::Reaction(const Scene& scene, const ReducedScene& reduced, int joint) {
   frame_F_ = gelenk::place(scene, reduced, place.island, scene.joints[joint].parent);
 }
 
-double Reaction::component(int i, const Dynamics& dynamics) const {
-  const Pose3 X_0J = dynamics.link_pose(at_.link) * at_.X_LB;
-  const Spatial::Force F = cut_ ? dynamics.cut_reaction(index_) : dynamics.tree_reaction(index_);
-  const Pose3 X_0M = dynamics.link_pose(frame_M_.link) * frame_M_.X_LB;
-  const Eigen::Matrix3d R_0F = dynamics.link_pose(frame_F_.link).R * frame_F_.X_LB.R;
-  const Vector3d f = side_ * (X_0J.R * F.f);
+template <class T>
+T Reaction::component(int i, const Readings<T>& dynamics) const {
+  const auto in_numbers = [](const Pose3& X) { return pose_in<SpatialAlgebra<T>>(X); };
+  const auto X_0J = dynamics.link_pose(at_.link) * in_numbers(at_.X_LB);
+  const auto F = cut_ ? dynamics.cut_reaction(index_) : dynamics.tree_reaction(index_);
+  const auto X_0M = dynamics.link_pose(frame_M_.link) * in_numbers(frame_M_.X_LB);
+  const Matrix3<T> R_0F = dynamics.link_pose(frame_F_.link).R * in_numbers(frame_F_.X_LB).R;
+  const Vector3<T> f = T(side_) * (X_0J.R * F.f);
   if (i < 3) return R_0F.col(i).dot(f);
-  const Vector3d n = side_ * (X_0J.R * F.n) + (X_0J.p - X_0M.p).cross(f);
+  const Vector3<T> n = T(side_) * (X_0J.R * F.n) + Vector3<T>(X_0J.p - X_0M.p).cross(f);
   return R_0F.col(i - 3).dot(n);
 }
+
+template double Reaction::component(int, const Readings<double>&) const;
+template Dual Reaction::component(int, const Readings<Dual>&) const;
+template Series Reaction::component(int, const Readings<Series>&) const;
 
 }  // namespace gelenk

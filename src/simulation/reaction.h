@@ -13,7 +13,9 @@ class Reaction {
   Reaction(const Scene& scene, const ReducedScene& reduced, int joint);
 
   // Component 0..2 of the force, 3..5 of the torque. dynamics: of the joint's island, with accelerations set.
-  double component(int i, const Dynamics& dynamics) const;
+  // T: double, or numbers that carry derivatives.
+  template <class T>
+  T component(int i, const Readings<T>& dynamics) const;
 
  private:
   bool cut_;

@@ -106,6 +106,18 @@ std::string describe_lost_inertia(double t, const std::string& link) {
          "come to move without inertia";
 }
 
+std::string describe_undetermined(Undetermined::What what, double t, const std::vector<std::string>& states) {
+  const std::string when = "t = " + text::rounded(t) + " s: ";
+  if (what == Undetermined::What::rows) {
+    return when +
+           "a loop stands in a singular position, where it could go on by another branch: derivatives do not "
+           "exist there";
+  }
+  return when + "the states " + text::list(states) +
+         " do not determine the other coordinates here (a loop stands at a dead centre for them): derivatives by them "
+         "do not exist there";
+}
+
 std::string describe_refusal(const std::string& cause, double good_time) {
   return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
 }

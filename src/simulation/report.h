@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/assembly.h"
+#include "analysis/tangent.h"
 
 namespace gelenk {
 
@@ -23,6 +24,9 @@ std::string describe_massless(const Scene& scene, const std::string& link);
 
 // The same of a link that had inertia at the start; t [s]: of the last good state.
 std::string describe_lost_inertia(double t, const std::string& link);
+
+// No derivatives at t [s]. states: the coordinates by which they were taken.
+std::string describe_undetermined(Undetermined::What what, double t, const std::vector<std::string>& states);
 
 // A step that was refused.
 std::string describe_refusal(const std::string& cause, double good_time);

@@ -54,16 +54,22 @@ struct Simulation::Impl {
   double time = 0;
   bool initialized = false;
   std::vector<int> independent;
+  std::vector<std::vector<int>> independent_by_island;  // speeds
+  std::vector<StateVariable> states;
+  std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
 
   void make_islands();
   void find_independent();
   void advance(double end);
   Energy energy();
+  std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
+  std::vector<int> complete(int island, const std::vector<bool>& wanted) const;
 };
 
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
   std::vector<Loads> loads = make_loads(scene, prepared.reduced);
+  sensitivity.reset();
   islands.clear();
   island_of_input.assign(u.size(), -1);
   size.rows = 0;
@@ -80,6 +86,7 @@ void Simulation::Impl::make_islands() {
 
 void Simulation::Impl::find_independent() {
   independent.clear();
+  independent_by_island.clear();
   std::vector<std::vector<bool>> is_free;  // by island, speed
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Mechanism& mechanism = islands[i]->mechanism();
@@ -88,6 +95,7 @@ void Simulation::Impl::find_independent() {
                            preferred_speeds(scene, prepared.reduced, static_cast<int>(i)));
     is_free.emplace_back(mechanism.nv, false);
     for (const int k : speeds) is_free[i][k] = true;
+    independent_by_island.push_back(speeds);
   }
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
@@ -102,6 +110,7 @@ void Simulation::Impl::find_independent() {
     const std::vector<bool>& of_island = is_free[place.island];
     if (of_island[first] && of_island[last] && of_island[(first + last) / 2]) independent.push_back(i);
   }
+  states = states_behind(scene, outputs, independent);
 }
 
 void Simulation::Impl::advance(double end) {
@@ -120,6 +129,29 @@ void Simulation::Impl::advance(double end) {
   throw StepError(describe_refusal(cause, time));
 }
 
+// These speeds, and what else is independent beside them: turns of a quaternion that is no state as a whole.
+std::vector<int> Simulation::Impl::complete(int island, const std::vector<bool>& wanted) const {
+  const Island& of = *islands[island];
+  const auto dynamics = make_dynamics(of.mechanism(), of.loads());  // the run's own stays as it is
+  const int rank = of.structure().rank;
+  dynamics->limit_rank(rank);
+  std::vector<int> found =
+      independent_speeds(of.mechanism(), *dynamics, prepared.islands[island].start.q, rank, wanted);
+  std::vector<int> out;
+  for (int k = 0; k < of.mechanism().nv; ++k) {
+    if (wanted[k]) out.push_back(k);
+  }
+  return std::ranges::includes(found, out) ? found : out;
+}
+
+std::vector<std::string> Simulation::Impl::names_of_coordinates(int island) const {
+  std::vector<std::string> out;
+  for (const int q : independent) {
+    if (prepared.reduced.joints[outputs[q].joint].island == island) out.push_back(outputs[q].name);
+  }
+  return out;
+}
+
 Energy Simulation::Impl::energy() {
   Energy sum;
   sum.potential = still_energy;
@@ -131,6 +163,16 @@ Energy Simulation::Impl::energy() {
   }
   return sum;
 }
+
+namespace {
+
+void check_size(const char* what, std::size_t found, std::size_t expected) {
+  if (found == expected) return;
+  throw UsageError(std::string(what) + ": found " + std::to_string(found) + " numbers, expected " +
+                   std::to_string(expected));
+}
+
+}  // namespace
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Simulation::~Simulation() = default;
@@ -173,6 +215,7 @@ const std::vector<Signal>& Simulation::inputs() const { return impl_->inputs; }
 const std::vector<Signal>& Simulation::outputs() const { return impl_->outputs; }
 const std::vector<Signal>& Simulation::diagnostics() const { return impl_->diagnostics; }
 const std::vector<int>& Simulation::independent_coordinates() const { return impl_->independent; }
+const std::vector<StateVariable>& Simulation::states() const { return impl_->states; }
 std::string Simulation::assembly_report() const { return impl_->prepared.report; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
@@ -230,6 +273,59 @@ double Simulation::output(int index) {
   Island& island = *s.islands[s.readings->island(index)];
   island.refresh(s.readings->needs(index));
   return s.readings->value(index, island.reading());
+}
+
+void Simulation::take_states(const std::vector<int>& independent_coordinates) {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("states before initialize()");
+  if (s.independent == independent_coordinates) return;
+  for (const int q : independent_coordinates) {
+    const Signal& signal = s.outputs.at(q);
+    const bool of_tree = signal.level == 0 && s.prepared.reduced.joints[signal.joint].role == JointPlace::Role::tree;
+    if (!of_tree) throw UsageError(signal.name + " is no state: its joint closes a loop or cannot move");
+  }
+  s.sensitivity.reset();
+  s.independent = independent_coordinates;
+  s.states = states_behind(s.scene, s.outputs, s.independent);
+  for (int i = 0; i < static_cast<int>(s.islands.size()); ++i) {
+    s.independent_by_island[i] = s.complete(i, speeds_behind(s.prepared.reduced, s.outputs, i, s.states));
+  }
+}
+
+template <class Ask>
+auto Simulation::differentiate(Ask ask) {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("a derivative before initialize()");
+  if (!s.sensitivity) {
+    s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
+                                                  s.independent_by_island, s.u);
+  }
+  try {
+    return ask(*s.sensitivity);
+  } catch (const Undetermined& fault) {
+    throw NotDifferentiable(
+        describe_undetermined(fault.reason(), s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
+  } catch (const SingularMass& fault) {
+    throw NotDifferentiable(describe_lost_inertia(s.time, fault.what()));
+  }
+}
+
+Linearization Simulation::linearize() {
+  return differentiate([](Sensitivity& s) { return s.linearize(); });
+}
+
+Slope Simulation::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
+  check_size("dx", dx.size(), impl_->states.size());
+  check_size("du", du.size(), impl_->u.size());
+  return differentiate([&](Sensitivity& s) { return s.along(dx, du); });
+}
+
+Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot, const std::vector<double>& uddot) {
+  const std::vector<double> constant(impl_->u.size(), 0.0);
+  if (!udot.empty()) check_size("udot", udot.size(), constant.size());
+  if (!uddot.empty()) check_size("uddot", uddot.size(), constant.size());
+  return differentiate(
+      [&](Sensitivity& s) { return s.in_time(udot.empty() ? constant : udot, uddot.empty() ? constant : uddot); });
 }
 
 double Simulation::diagnostic(int index) {

@@ -12,6 +12,7 @@
 #include "math/record.h"
 #include "scene/scene.h"
 #include "simulation/preparation.h"
+#include "simulation/sensitivity.h"
 #include "simulation/signals.h"
 
 namespace gelenk {
@@ -24,6 +25,11 @@ class StepError : public std::runtime_error {
 // A wrong call: an input that is not finite, a step back in time.
 class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+// A derivative that does not exist at the present state: a singular position.
+class NotDifferentiable : public UsageError {
+  using UsageError::UsageError;
 };
 
 // Sizes of the model behind a scene.
@@ -89,6 +95,23 @@ class Simulation {
   // Known after initialize().
   const std::vector<int>& independent_coordinates() const;
 
+  // The states that derivatives are taken by: these coordinates, then their speeds. Known after initialize().
+  const std::vector<StateVariable>& states() const;
+
+  // From now on derivatives are taken by these independent coordinates, of size().freedoms as above, and their speeds.
+  // Throws UsageError for one that is no coordinate of the tree.
+  void take_states(const std::vector<int>& independent_coordinates);
+
+  // Exact derivatives at the present state and inputs, loops included; all throw NotDifferentiable where the states
+  // do not determine the mechanism. After initialize(). They change nothing, and allocate.
+  // - of all outputs and of the states' derivatives, by states and inputs;
+  Linearization linearize();
+  // - along the direction dx (as states()), du (as inputs());
+  Slope slope_along(const std::vector<double>& dx, const std::vector<double>& du);
+  // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
+  //   time derivatives; empty: they are constant.
+  Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
+
   // What assembly found, in words: the branch (start values of every joint) and what it changed.
   std::string assembly_report() const;
 
@@ -107,6 +130,9 @@ class Simulation {
   double evaluation_cost();
 
  private:
+  template <class Ask>
+  auto differentiate(Ask ask);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

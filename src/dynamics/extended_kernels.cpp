@@ -5,6 +5,7 @@
 #include "dynamics/output_kernels_impl.h"
 #include "dynamics/tree_kernels_impl.h"
 #include "math/dual.h"
+#include "math/series.h"
 
 namespace gelenk::kernels {
 
@@ -17,9 +18,17 @@ namespace gelenk::kernels {
   template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);                                   \
   template void link_loads(const Model<A>&, const Loads&, const A::Scalar*, Workspace<A>&);                       \
   template void cut_loads(const Model<A>&, const Loads&, const A::Scalar*, const double*, Workspace<A>&);         \
-  template void accelerations(const Model<A>&, const A::Scalar*, Workspace<A>&);
+  template void counted_cut_coordinates<A>(const Model<A>::Cut&, const A::Pose&, const double*, A::Scalar*);      \
+  template void cut_speeds<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, A::Scalar*);      \
+  template void accelerations(const Model<A>&, const A::Scalar*, Workspace<A>&);                                  \
+  template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                                      \
+  template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*,            \
+                                     const A::Scalar*, A::Scalar*);                                               \
+  template EnergyOf<A::Scalar> energy(const Model<A>&, const Loads&, const Workspace<A>&);
 GELENK_INSTANTIATE(PlanarAlgebra<Dual>)
 GELENK_INSTANTIATE(SpatialAlgebra<Dual>)
+GELENK_INSTANTIATE(PlanarAlgebra<Series>)
+GELENK_INSTANTIATE(SpatialAlgebra<Series>)
 #undef GELENK_INSTANTIATE
 
 }  // namespace gelenk::kernels

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Derivatives of outputs and states, by states and inputs and by time.
+#include "modelDescription/plant_derivatives.h"
+
+#include "fmu/edge.h"
+
+namespace gelenk {
+namespace {
+
+// Throws for a list that is not there.
+void expect(const char* what, size_t count, const void* list) {
+  if (count > 0 && list == nullptr) {
+    throw UsageError(std::string(what) + ": found nothing, expected " + std::to_string(count) + " of them");
+  }
+}
+
+template <class Body>
+fmi2Status differentiate(fmi2Component c, const char* function, unsigned modes, Body&& body) noexcept {
+  return call(c, function, modes, [&](Instance& instance) {
+    try {
+      std::forward<Body>(body)(instance.plant());
+      return fmi2OK;
+    } catch (const NotDifferentiable& fault) {
+      return discard(instance, function, fault.what());
+    }
+  });
+}
+
+constexpr unsigned stepped = between_steps | Mode::terminated;
+
+}  // namespace
+}  // namespace gelenk
+
+using gelenk::Mode;
+using gelenk::Plant;
+
+extern "C" {
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
+                                        const fmi2ValueReference known[], size_t nKnown, const fmi2Real dvKnown[],
+                                        fmi2Real dvUnknown[]) {
+  return gelenk::differentiate(
+      c, "fmi2GetDirectionalDerivative", gelenk::stepped | Mode::initialization, [&](Plant& plant) {
+        gelenk::expect("unknowns", nUnknown, unknown);
+        gelenk::expect("knowns", nKnown, known);
+        gelenk::expect("dvKnown", nKnown, dvKnown);
+        gelenk::expect("dvUnknown", nUnknown, dvUnknown);
+        if (nUnknown == 0) return;
+        gelenk::directional_derivative(plant, {unknown, nUnknown}, {known, nKnown}, dvKnown, dvUnknown);
+      });
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                        const fmi2Integer order[], fmi2Real value[]) {
+  return gelenk::differentiate(c, "fmi2GetRealOutputDerivatives", gelenk::stepped, [&](Plant& plant) {
+    gelenk::expect("value references", nvr, vr);
+    gelenk::expect("orders", nvr, order);
+    gelenk::expect("values", nvr, value);
+    if (nvr > 0) gelenk::output_derivatives(plant, {vr, nvr}, order, value);
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/tangent.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Where the rows, by the dependent speeds, have a pivot below this share of the largest, what is left of the closure's
+// rounding in the derivatives would reach 1e-6 of them.
+constexpr double singular = 1e-8;
+
+template <class Numbers>
+VectorXd slope(const Numbers& from, int k) {
+  VectorXd out(static_cast<Index>(from.size()));
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if constexpr (std::is_same_v<typename Numbers::value_type, Dual>) {
+      out[static_cast<Index>(i)] = from[i].slope()[k];
+    } else {
+      out[static_cast<Index>(i)] = from[i][k];
+    }
+  }
+  return out;
+}
+
+MatrixXd slopes(const std::vector<Dual>& from, Index n) {
+  MatrixXd out(static_cast<Index>(from.size()), n);
+  for (Index k = 0; k < n; ++k) out.col(k) = slope(from, static_cast<int>(k));
+  return out;
+}
+
+void set_slopes(const MatrixXd& from, std::vector<Dual>& to) {
+  for (Index i = 0; i < from.rows(); ++i) {
+    to[i].slope().setZero();
+    for (Index k = 0; k < from.cols(); ++k) to[i].slope()[k] = from(i, k);
+  }
+}
+
+template <class T>
+void set_values(const VectorXd& from, std::vector<T>& to) {
+  for (Index i = 0; i < from.size(); ++i) to[i] = T(from[i]);
+}
+
+}  // namespace
+
+Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, int rank, const std::vector<int>& independent,
+                 int inputs)
+    : mechanism_(mechanism),
+      rank_(rank),
+      inputs_(inputs),
+      independent_(independent),
+      dynamics_(make_dynamics(mechanism, loads)),
+      q_(mechanism.nq),
+      v_(mechanism.nv),
+      u_(inputs),
+      vdot_(mechanism.nv),
+      lambda_(mechanism.rows),
+      x_in_time_(mechanism.nv) {
+  for (int k = 0; k < mechanism.nv; ++k) {
+    if (std::ranges::find(independent_, k) == independent_.end()) dependent_.push_back(k);
+  }
+  dynamics_->limit_rank(rank);
+  moved_.equations = make_extended<Dual>(mechanism, loads);
+  path_.equations = make_extended<Series>(mechanism, loads);
+}
+
+void Tangent::stand(const double* q, const double* v, const double* u, const double* cut_q) {
+  std::copy_n(q, mechanism_.nq, q_.begin());
+  std::copy_n(v, mechanism_.nv, v_.begin());
+  std::copy_n(u, inputs_, u_.begin());
+  cut_q_.assign(cut_q, cut_q + mechanism_.cut_nq);
+  Dynamics& d = *dynamics_;
+  d.set_cut_reference(cut_q);
+  d.set_position(q);
+  d.factorise();
+  d.set_velocity(v);
+  d.solve(u, vdot_.data());
+  d.set_acceleration(vdot_.data());
+  partition_known_ = false;
+  redundant_ = false;
+  if (mechanism_.rows == 0) return;
+  if (d.rank() < rank_ || (rank_ > 0 && d.pivot_ratio() < singular)) throw Undetermined(Undetermined::What::rows);
+  lambda_ = Eigen::Map<const VectorXd>(d.lambda().data(), mechanism_.rows);
+  J_ = d.J();
+  redundant_ = rank_ < mechanism_.rows;
+  if (redundant_) find_idle();
+}
+
+void Tangent::find_idle() {
+  const Eigen::JacobiSVD<MatrixXd> svd(J_, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const MatrixXd U = svd.matrixU().leftCols(rank_);
+  idle_ = MatrixXd::Identity(mechanism_.rows, mechanism_.rows) - U * U.transpose();
+  inverse_ =
+      svd.matrixV().leftCols(rank_) * svd.singularValues().head(rank_).cwiseInverse().asDiagonal() * U.transpose();
+  x_ = inverse_ * lambda_;
+}
+
+// The point itself, without derivatives.
+template <class T>
+void Tangent::begin(Carried<T>& at) {
+  at.q.assign(q_.begin(), q_.end());
+  at.v.assign(v_.begin(), v_.end());
+  at.u.assign(u_.begin(), u_.end());
+  at.vdot.assign(vdot_.begin(), vdot_.end());
+  at.lambda.assign(lambda_.begin(), lambda_.end());
+  at.equations->set_cut_reference(cut_q_.data());
+}
+
+// r <- x with [M J^T; J 0] [x; l] = -[r; c].
+void Tangent::solve(VectorXd& r, const VectorXd& c, VectorXd& l) const {
+  r = -r;
+  const VectorXd target = -c;
+  l.resize(mechanism_.rows);
+  dynamics_->solve_linear(r.data(), target.data(), l.data());
+}
+
+// The dependent speeds that take these rates of the rows away; the others stay 0.
+MatrixXd Tangent::dependent_part(const MatrixXd& rates) const {
+  MatrixXd out = MatrixXd::Zero(mechanism_.nv, rates.cols());
+  if (!dependent_.empty()) out(dependent_, Eigen::all) = -partition_.solve(rates);
+  return out;
+}
+
+// z: speeds times time that move the coordinates so; those of the dependent speeds from the loops.
+MatrixXd Tangent::displacements(const MatrixXd& dq) const {
+  MatrixXd z = MatrixXd::Zero(mechanism_.nv, dq.cols());
+  for (Index k = 0; k < dq.cols(); ++k) {
+    for (const Link& link : mechanism_.links) {
+      if (link.nv == 0) continue;
+      std::visit(
+          [&](const auto& joint) {
+            joint.unrate(q_.data() + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv);
+          },
+          link.joint);
+    }
+  }
+  for (const int k : dependent_) z.row(k).setZero();
+  if (mechanism_.rows > 0) z += dependent_part(J_ * z);
+  return z;
+}
+
+Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
+  if (mechanism_.rows > 0 && !partition_known_) {
+    if (static_cast<int>(dependent_.size()) != rank_) throw Undetermined(Undetermined::What::partition);
+    partition_.compute(J_(Eigen::all, dependent_));
+    const auto pivots = partition_.matrixQR().diagonal().cwiseAbs();
+    if (rank_ > 0 && !(pivots.minCoeff() > singular * pivots.maxCoeff())) {
+      throw Undetermined(Undetermined::What::partition);
+    }
+    partition_known_ = true;
+  }
+  begin(moved_);
+  const MatrixXd z = displacements(dq);
+  MatrixXd moved(mechanism_.nq, dq.cols());
+  for (Index k = 0; k < dq.cols(); ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
+  set_slopes(moved, moved_.q);
+  set_slopes(du, moved_.u);
+  moved_.equations->set_position(moved_.q.data());
+  MatrixXd idle = MatrixXd::Zero(mechanism_.rows, dq.cols());
+  if (redundant_) {
+    // lambda = J x, so what of its change no equation of motion shows is that of dJ x.
+    set_values(x_, moved_.v);
+    moved_.equations->set_velocity(moved_.v.data());
+    idle = idle_ * slopes(moved_.equations->row_rates(), dq.cols());
+    set_values(v_, moved_.v);
+  }
+  move_velocity(dv);
+  move_acceleration(idle);
+  return moved_;
+}
+
+void Tangent::move_velocity(const MatrixXd& dv) {
+  MatrixXd given = dv;
+  for (const int k : dependent_) given.row(k).setZero();
+  set_slopes(given, moved_.v);
+  moved_.equations->set_velocity(moved_.v.data());
+  if (dependent_.empty()) return;
+  given += dependent_part(slopes(moved_.equations->row_rates(), dv.cols()));
+  set_slopes(given, moved_.v);
+  moved_.equations->set_velocity(moved_.v.data());
+}
+
+void Tangent::move_acceleration(const MatrixXd& idle) {
+  Extended<Dual>& e = *moved_.equations;
+  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+  MatrixXd dvdot(mechanism_.nv, idle.cols());
+  MatrixXd dlambda(mechanism_.rows, idle.cols());
+  VectorXd l;
+  for (Index k = 0; k < idle.cols(); ++k) {
+    VectorXd r = slope(e.force_residual(), static_cast<int>(k));
+    solve(r, slope(e.acceleration_residual(), static_cast<int>(k)), l);
+    dvdot.col(k) = r;
+    dlambda.col(k) = l + idle.col(k);
+  }
+  set_slopes(dvdot, moved_.vdot);
+  set_slopes(dlambda, moved_.lambda);
+  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+}
+
+Carried<Series>& Tangent::follow(const double* udot, const double* uddot) {
+  begin(path_);
+  Extended<Series>& e = *path_.equations;
+  for (int i = 0; i < inputs_; ++i) path_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  if (redundant_) set_values(x_, x_in_time_);
+  // With q, v to order k - 1, qdot = N v and vdot tell them to order k, the residuals vdot and lambda there.
+  for (int k = 1; k <= series_order; ++k) {
+    for (int i = 0; i < mechanism_.nv; ++i) path_.v[i][k] = path_.vdot[i][k - 1] / k;
+    e.set_position(path_.q.data());
+    e.set_velocity(path_.v.data());
+    for (int i = 0; i < mechanism_.nq; ++i) path_.q[i][k] = e.qdot()[i][k - 1] / k;
+    e.set_position(path_.q.data());
+    follow_acceleration(k);
+  }
+  e.set_velocity(path_.v.data());
+  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
+  return path_;
+}
+
+// vdot and lambda to order k, q and v being known so far.
+void Tangent::follow_acceleration(int k) {
+  Extended<Series>& e = *path_.equations;
+  VectorXd carried = VectorXd::Zero(mechanism_.rows);
+  if (redundant_) {
+    e.set_velocity(x_in_time_.data());
+    carried = slope(e.row_rates(), k);
+  }
+  e.set_velocity(path_.v.data());
+  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
+  VectorXd r = slope(e.force_residual(), k);
+  VectorXd l;
+  solve(r, slope(e.acceleration_residual(), k), l);
+  if (redundant_) {
+    l += idle_ * carried;
+    const VectorXd x = inverse_ * (l - carried);
+    for (Index i = 0; i < x.size(); ++i) x_in_time_[i][k] = x[i];
+  }
+  for (Index i = 0; i < r.size(); ++i) path_.vdot[i][k] = r[i];
+  for (Index i = 0; i < l.size(); ++i) path_.lambda[i][k] = l[i];
+}
+
+}  // namespace gelenk

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "math/pose_in.h"
+#include "simulation/outputs.h"
+
+namespace gelenk {
+inline namespace detail {
+
+// Q[1..4] with the scalar part not negative: one of the two that mean the same.
+template <class T>
+T quaternion_component(const Matrix3<T>& R, int i) {
+  Eigen::Quaternion<T> Q(R);
+  if (Q.w() < T(0)) Q.coeffs() = -Q.coeffs();
+  return Q.coeffs()[i];
+}
+
+}  // namespace detail
+
+template <class T>
+T Outputs::tree_value(const Source& source, const ReadingOf<T>& reading) const {
+  const Mechanism& mechanism = reduced_.islands[source.island];
+  const int speed = source.index - mechanism.nq;
+  if (speed < 0) return reading.q[source.index];
+  return speed < mechanism.nv ? reading.v[speed] : reading.vdot[speed - mechanism.nv];
+}
+
+template <class T>
+T Outputs::value(int output, const ReadingOf<T>& reading) const {
+  const Source& s = sources_[output];
+  T joint[max_cut_nv] = {};
+  switch (s.kind) {
+    case Kind::tree:
+      return T(s.sign) * tree_value(s, reading);
+    case Kind::cut_q:
+      return T(s.sign) * reading.cut_q[s.index];
+    case Kind::cut_v:
+      reading.dynamics.cut_speeds(s.index, joint);
+      return T(s.sign) * joint[s.component];
+    case Kind::cut_a:
+      reading.dynamics.cut_accelerations(s.index, joint);
+      return T(s.sign) * joint[s.component];
+    case Kind::reaction:
+      return reactions_[s.index].component(s.component, reading.dynamics);
+    case Kind::pose:
+      return pose(frames_[s.index], s.component, reading.dynamics);
+    case Kind::constant:
+    case Kind::standing_pose:
+    case Kind::energy:
+      break;
+  }
+  return T(0);
+}
+
+template <class T>
+T Outputs::pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const {
+  using A = SpatialAlgebra<T>;
+  const auto X_LS = pose_in<A>(frame.X_LB);
+  const auto X_0L = frame.rod >= 0 ? dynamics.rod_pose(frame.rod) : dynamics.link_pose(frame.link);
+  const auto X_W0 = pose_in<A>(reduced_.islands[frame.island].X_W0);
+  const Matrix3<T> R_WL = X_W0.R * X_0L.R;
+  if (component < 3) return X_W0.point(X_0L.point(X_LS.p))[component];
+  if (component < 7) return quaternion_component<T>(R_WL * X_LS.R, component - 3);
+  const auto V = frame.rod >= 0 ? dynamics.rod_velocity(frame.rod) : dynamics.link_velocity(frame.link);
+  if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];
+  return X_LS.R.col(component - 10).dot(V.w);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/sensitivity.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gelenk {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
+                         const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
+                         const std::vector<std::vector<int>>& speeds, const std::vector<double>& u)
+    : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const Island& island = *islands[i];
+    tangents_.push_back(std::make_unique<Tangent>(island.mechanism(), island.loads(), island.structure().rank,
+                                                  speeds[i], static_cast<int>(u.size())));
+  }
+}
+
+const JointPlace& Sensitivity::place_of(const StateVariable& state) const {
+  return reduced_.joints[signals_[state.output].joint];
+}
+
+// Where island and tree keep it: in q or v.
+int Sensitivity::component_of(const StateVariable& state) const {
+  const Signal& s = signals_[state.output];
+  const JointPlace& place = place_of(state);
+  return s.component + (s.level == 0 ? place.iq : place.iv);
+}
+
+Tangent& Sensitivity::stand(int island) {
+  at_ = island;
+  const Island& from = *islands_[island];
+  const double* y = from.state().data();
+  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data());
+  return *tangents_[island];
+}
+
+// Gives take(output, value as T) what is read of the island; of energies the island's part.
+template <class T, class Take>
+void Sensitivity::read(int i, Carried<T>& at, Take take) const {
+  const Extended<T>& e = *at.equations;
+  const ReadingOf<T> reading{e, at.q.data(), at.v.data(), at.vdot.data(), at.equations->cut_coordinates().data()};
+  const EnergyOf<T> energy = e.energy();
+  for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
+    if (const int part = readings_.energy_part(k); part != Outputs::none) {
+      take(k, part == 0 ? energy.kinetic : part == 1 ? energy.potential : energy.kinetic + energy.potential);
+    } else if (readings_.island(k) == i) {
+      take(k, readings_.value(k, reading));
+    }
+  }
+}
+
+void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
+  const Mechanism& mechanism = islands_[i]->mechanism();
+  const Index n = directions.cols();
+  MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
+  MatrixXd dv = MatrixXd::Zero(mechanism.nv, n);
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const JointPlace& place = place_of(states_[s]);
+    if (place.island != i) continue;
+    const Signal& signal = signals_[states_[s].output];
+    const bool coordinate = signal.level == 0;
+    const double sign = (coordinate ? place.q_sign : place.v_sign)[signal.component];
+    (coordinate ? dq : dv).row(component_of(states_[s])) = sign * directions.row(static_cast<Index>(s));
+  }
+  const MatrixXd du = directions.bottomRows(static_cast<Index>(u_.size()));
+  Carried<Dual>& moved = tangents_[i]->move(dq, dv, du);
+  read(i, moved, [&](int k, const Dual& value) { out.outputs.row(k) += value.slope().head(n).matrix().transpose(); });
+  add_rates(i, moved, out);
+}
+
+void Sensitivity::add_rates(int i, const Carried<Dual>& moved, Slope& out) const {
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const StateVariable& state = states_[s];
+    const JointPlace& place = place_of(state);
+    if (place.island != i) continue;
+    const Signal& signal = signals_[state.output];
+    // A coordinate that has a speed stands before it in the same place.
+    const int speed = place.iv + signal.component;
+    const Dual& rate = state.derivative == StateVariable::none ? moved.equations->qdot()[component_of(state)]
+                       : signal.level == 0                     ? moved.v[speed]
+                                                               : moved.vdot[speed];
+    const double sign = (signal.level == 0 ? place.q_sign : place.v_sign)[signal.component];
+    out.xdot[static_cast<Index>(s)] = sign * rate.value();
+    out.rates.row(static_cast<Index>(s)) = sign * rate.slope().head(out.rates.cols()).matrix().transpose();
+  }
+}
+
+namespace {
+
+Slope nothing(std::size_t outputs, std::size_t states, Index columns) {
+  const auto ny = static_cast<Index>(outputs);
+  const auto nx = static_cast<Index>(states);
+  return {MatrixXd::Zero(ny, columns), MatrixXd::Zero(nx, columns), Eigen::VectorXd::Zero(nx)};
+}
+
+}  // namespace
+
+Slope Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
+  Slope out = nothing(signals_.size(), states_.size(), 1);
+  MatrixXd direction(static_cast<Index>(dx.size() + du.size()), 1);
+  std::copy(du.begin(), du.end(), std::copy(dx.begin(), dx.end(), direction.data()));
+  for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
+    stand(i);
+    add(i, direction, out);
+  }
+  return out;
+}
+
+// Those of (states; inputs) that act on an island.
+std::vector<int> Sensitivity::columns_of(int island) const {
+  std::vector<int> out;
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    if (place_of(states_[s]).island == island) out.push_back(static_cast<int>(s));
+  }
+  for (const int input : islands_[island]->inputs()) out.push_back(static_cast<int>(states_.size()) + input);
+  return out;
+}
+
+Linearization Sensitivity::linearize() {
+  const auto nx = static_cast<Index>(states_.size());
+  const auto nu = static_cast<Index>(u_.size());
+  Slope all = nothing(signals_.size(), states_.size(), nx + nu);
+  Linearization out;
+  for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
+    const std::vector<int> columns = columns_of(i);
+    stand(i);
+    for (std::size_t first = 0; first < columns.size(); first += dual_directions) {
+      const std::size_t n = std::min<std::size_t>(dual_directions, columns.size() - first);
+      const auto width = static_cast<Index>(n);
+      MatrixXd directions = MatrixXd::Zero(nx + nu, width);
+      for (std::size_t k = 0; k < n; ++k) directions(columns[first + k], static_cast<Index>(k)) = 1;
+      Slope part = nothing(signals_.size(), states_.size(), width);
+      add(i, directions, part);
+      if (first == 0) all.xdot += part.xdot;
+      for (std::size_t k = 0; k < n; ++k) {
+        all.outputs.col(columns[first + k]) += part.outputs.col(static_cast<Index>(k));
+        all.rates.col(columns[first + k]) += part.rates.col(static_cast<Index>(k));
+      }
+    }
+  }
+  out.xdot = all.xdot;
+  out.A = all.rates.leftCols(nx);
+  out.B = all.rates.rightCols(nu);
+  out.C = all.outputs.leftCols(nx);
+  out.D = all.outputs.rightCols(nu);
+  return out;
+}
+
+Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std::vector<double>& uddot) {
+  Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
+  for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
+    Carried<Series>& path = stand(i).follow(udot.data(), uddot.data());
+    read(i, path, [&](int k, const Series& value) {
+      out(k, 0) += value[1];
+      out(k, 1) += 2 * value[2];
+    });
+  }
+  return out;
+}
+
+}  // namespace gelenk
