@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Functions of FMI 2.0 that this FMU does not offer: its capability flags say so, and so does each call.
+// Functions of FMI 2.0 that belong to model exchange.
 #include "fmu/edge.h"
 
 namespace gelenk {
 namespace {
-
-fmi2Status not_offered(fmi2Component c, const char* function, const char* flag) noexcept {
-  return call(c, function, any_mode, [&](Instance& instance) {
-    return refuse(instance, function, std::string("not offered by this FMU (") + flag + ")");
-  });
-}
 
 fmi2Status model_exchange_only(fmi2Component c, const char* function) noexcept {
   return call(c, function, any_mode, [&](Instance& instance) {
@@ -21,14 +15,8 @@ fmi2Status model_exchange_only(fmi2Component c, const char* function) noexcept {
 }  // namespace gelenk
 
 using gelenk::model_exchange_only;
-using gelenk::not_offered;
 
 extern "C" {
-
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t /*nvr*/,
-                                       const fmi2Integer /*order*/[], const fmi2Real /*value*/[]) {
-  return not_offered(c, "fmi2SetRealInputDerivatives", "canInterpolateInputs = false");
-}
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) { return model_exchange_only(c, "fmi2EnterEventMode"); }
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* /*info*/) {

@@ -85,6 +85,25 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
   });
 }
 
+fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2ValueReference* references, size_t count,
+                           const fmi2Integer* orders, const fmi2Real* values) noexcept {
+  return call(c, function, before_steps | between_steps, [&](Instance& instance) {
+    Plant& plant = instance.plant();
+    const std::string why = fault(plant.catalogue(), ParameterType::real, references, count, values);
+    if (!why.empty()) return refuse(instance, function, why);
+    if (count > 0 && orders == nullptr) {
+      return refuse(instance, function, "orders: found nothing, expected " + std::to_string(count) + " of them");
+    }
+    for (size_t i = 0; i < count; ++i) {
+      plant.check_input_derivative(static_cast<int>(references[i]), orders[i], values[i]);
+    }
+    for (size_t i = 0; i < count; ++i) {
+      plant.set_input_derivative(static_cast<int>(references[i]), orders[i], values[i]);
+    }
+    return fmi2OK;
+  });
+}
+
 // No variable is a String: any reference is wrong.
 fmi2Status strings(fmi2Component c, const char* function, size_t count) noexcept {
   return call(c, function, any_mode, [&](Instance& instance) {
@@ -125,6 +144,11 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[]) {
   return gelenk::set(c, "fmi2SetBoolean", ParameterType::boolean, vr, nvr, value);
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                       const fmi2Integer order[], const fmi2Real value[]) {
+  return gelenk::set_derivatives(c, "fmi2SetRealInputDerivatives", vr, nvr, order, value);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t nvr, const fmi2String /*value*/[]) {

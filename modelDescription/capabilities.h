@@ -15,7 +15,7 @@ struct Capability {
 
 inline constexpr std::array<Capability, 8> capabilities = {{
     {"canHandleVariableCommunicationStepSize", true},
-    {"canInterpolateInputs", false},
+    {"canInterpolateInputs", true},
     {"canRunAsynchronuously", false},
     {"canBeInstantiatedOnlyOncePerProcess", false},
     {"canNotUseMemoryManagementFunctions", true},

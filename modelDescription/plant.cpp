@@ -40,7 +40,7 @@ Plant::Plant(std::shared_ptr<const PlantModel> model)
       scene_(model_->scene),
       settings_(model_->catalogue, scene_),
       assembled_(settings_),
-      inputs_(inputs_of(model_->catalogue), 0.0) {
+      inputs_(inputs_of(model_->catalogue)) {
   for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
 }
 
@@ -54,7 +54,12 @@ void Plant::assemble() {
   if (simulation_) return;
   Simulation fresh(settings_ == Settings(catalogue(), model_->scene) ? scene_ : checked(scene_));
   const bool by_hand = scene_.experiment.tolerance != model_->scene.experiment.tolerance;
-  for (std::size_t i = 0; i < inputs_.size(); ++i) fresh.set_input(static_cast<int>(i), inputs_[i]);
+  for (int i = 0; i < static_cast<int>(inputs_.count()); ++i) {
+    fresh.set_input(i, inputs_.value(i));
+    for (int order = 1; order <= Inputs::highest_order; ++order) {
+      fresh.set_input_derivative(i, order, inputs_.derivative(i, order));
+    }
+  }
   fresh.initialize(start_, by_hand ? 0 : tolerance_);
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
@@ -70,7 +75,7 @@ double Plant::get(int variable) {
   const auto index = static_cast<std::size_t>(v.index);
   switch (v.source) {
     case Source::input:
-      return inputs_[index];
+      return input(v.index);
     case Source::parameter:
       return catalogue().parameters()[index].get(scene_);
     case Source::output:
@@ -107,8 +112,27 @@ void Plant::check(int variable, double value) const {
     throw std::invalid_argument(v.name + " is computed by the plant and cannot be set");
   } else if (!std::isfinite(value)) {
     throw std::invalid_argument(v.name + ": found " + text::number(value) + ", expected a finite number; it stays " +
-                                text::number(inputs_[static_cast<std::size_t>(v.index)]) + " " + v.unit);
+                                text::number(input(v.index)) + " " + v.unit);
   }
+}
+
+void Plant::check_input_derivative(int variable, int order, double value) const {
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  if (v.source != Source::input) throw std::invalid_argument(v.name + ": found no input, expected one");
+  if (order < 1 || order > Inputs::highest_order) {
+    throw std::invalid_argument(v.name + ": found a derivative of order " + std::to_string(order) +
+                                ", expected one of order 1 to " + std::to_string(Inputs::highest_order));
+  }
+  if (std::isfinite(value)) return;
+  throw std::invalid_argument(v.name + ": found " + text::number(value) + " for its derivative of order " +
+                              std::to_string(order) + ", expected a finite number; what was set before stays");
+}
+
+void Plant::set_input_derivative(int variable, int order, double value) {
+  check_input_derivative(variable, order, value);
+  const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
+  inputs_.set_derivative(v.index, order, value);
+  if (simulation_) simulation_->set_input_derivative(v.index, order, value);
 }
 
 void Plant::set(int variable, double value) {
@@ -116,7 +140,7 @@ void Plant::set(int variable, double value) {
   const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
   const auto index = static_cast<std::size_t>(v.index);
   if (v.source == Source::input) {
-    inputs_[index] = value;
+    inputs_.set(v.index, value);
     if (simulation_) simulation_->set_input(v.index, value);
     return;
   }
@@ -147,7 +171,8 @@ void Plant::exchange(Record& record) {
   double tolerance = tolerance_;
   Settings when_assembled = assembled_;
   Settings present = settings_;
-  record.exchange(assembled, start, tolerance, inputs_);
+  record.exchange(assembled, start, tolerance);
+  inputs_.exchange(record);
   when_assembled.exchange(record);
   present.exchange(record);
   if (record.reading()) {

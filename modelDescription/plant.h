@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "formulation/inputs.h"
 #include "joint/registry.h"
 #include "modelDescription/catalogue.h"
 #include "modelDescription/settings.h"
@@ -62,8 +63,13 @@ class Plant {
   // As set(), while running: a tunable parameter then acts from the next step on, and nothing is assembled anew.
   void tune(int variable, double value);
 
+  // The time derivative of an input, of this order and from now on (simulation.h). Throws what the check below does.
+  void set_input_derivative(int variable, int order, double value);
+
   // Whether set() will take the value: throws std::invalid_argument, naming the variable, if not.
   void check(int variable, double value) const;
+  // Likewise whether set_input_derivative() will.
+  void check_input_derivative(int variable, int order, double value) const;
 
   // Everything that decides how the run goes on, settings included, written down or taken from a record of any instance
   // of this model; where it was assembled with other settings it is assembled anew. See Simulation::exchange. Throws
@@ -82,6 +88,7 @@ class Plant {
   std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
 
  private:
+  double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }
   double rate(const Rate& rate);
   void take(const Settings& assembled, const Settings& present);
 
@@ -89,7 +96,7 @@ class Plant {
   Scene scene_;         // with the parameters set so far
   Settings settings_;   // of scene_
   Settings assembled_;  // of simulation_, when it was assembled
-  std::vector<double> inputs_;
+  Inputs inputs_;       // as set before the simulation was assembled
   std::optional<Simulation> simulation_;
   std::vector<AnyJoint> joints_;  // as many as rates need, by joint
   double start_ = 0;

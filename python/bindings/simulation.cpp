@@ -243,6 +243,21 @@ void gelenk::bind_simulation(nb::module_& m) {
             return p.with([&](Simulation& s) { return s.input(index); });
           },
           nb::arg("index"))
+      .def(
+          "set_input_derivative",
+          [](Plant& p, int index, int order, double value) {
+            check_index(index, p.fixed().inputs().size());
+            p.with([&](Simulation& s) { s.set_input_derivative(index, order, value); });
+          },
+          nb::arg("index"), nb::arg("order"), nb::arg("value"),
+          "Time derivative of order 1 to 5 at `time`, which the input follows to the end of the next step.")
+      .def(
+          "input_derivative",
+          [](Plant& p, int index, int order) {
+            check_index(index, p.fixed().inputs().size());
+            return p.with([&](Simulation& s) { return s.input_derivative(index, order); });
+          },
+          nb::arg("index"), nb::arg("order"))
       .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
       .def(
           "diagnostic",

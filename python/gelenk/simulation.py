@@ -96,6 +96,21 @@ class Simulation:
         """The present value of an input. Raises UsageError for an unknown name."""
         return self._core.input(self._index(name, "input", self._input))
 
+    def set_input_derivative(self, name: str, order: int, value: float) -> None:
+        """Sets a time derivative of an input at `time`, of order 1 to 5, in its unit per s^order.
+
+        The next step follows the polynomial of the value and the derivatives, in whichever order they are
+        set. After it the input is held at the value reached, unless new derivatives are set.
+
+        Raises:
+            UsageError: no such input, another order, a value that is not finite.
+        """
+        self._core.set_input_derivative(self._index(name, "input", self._input), order, value)
+
+    def input_derivative(self, name: str, order: int) -> float:
+        """A time derivative of an input as set, at `time`. Raises UsageError: as set_input_derivative."""
+        return self._core.input_derivative(self._index(name, "input", self._input), order)
+
     def output(self, name: str) -> float:
         """The present value of an output. Raises UsageError for an unknown name."""
         return float(self._core.read_outputs([self._index(name, "output", self._output)])[0])

@@ -52,8 +52,8 @@ class AugmentedLagrangian final : public Penalised {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics,
-                                                       const std::vector<double>& u, const FormulationOptions&) {
+std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                       const FormulationOptions&) {
   return std::make_unique<AugmentedLagrangian>(mechanism, dynamics, u);
 }
 

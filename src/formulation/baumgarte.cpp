@@ -13,8 +13,7 @@ constexpr double gain_per_step = 0.1;
 
 class Baumgarte final : public Formulation {
  public:
-  Baumgarte(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
-            const FormulationOptions& options)
+  Baumgarte(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u, const FormulationOptions& options)
       : Formulation(mechanism, dynamics, u),
         alpha_(options.baumgarte_alpha > 0 ? options.baumgarte_alpha : gain_per_step / options.step),
         beta_(options.baumgarte_beta > 0 ? options.baumgarte_beta : alpha_),
@@ -46,8 +45,8 @@ class Baumgarte final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics,
-                                            const std::vector<double>& u, const FormulationOptions& options) {
+std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                            const FormulationOptions& options) {
   return std::make_unique<Baumgarte>(mechanism, dynamics, u, options);
 }
 

@@ -26,10 +26,11 @@ double size_of(const Mechanism& mechanism) {
 
 }  // namespace
 
-Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
     : mechanism_(mechanism),
       dynamics_(dynamics),
-      u_(u),
+      inputs_(u),
+      u_(u.now()),
       nq_(mechanism.nq),
       nv_(mechanism.nv),
       turns_(mechanism, dynamics),
@@ -42,6 +43,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   }
   const double* at = state_for(y);
   if (at == nullptr) return false;
+  inputs_.go_to(t);
   dynamics_.set_position(at);
   if (!accelerate(t, at, ydot + nq_)) return false;
   if (rows() > 0) passages_.seen(t, dynamics_.pivot_ratio());
@@ -116,6 +118,7 @@ void Formulation::switch_values(const double* y, double* g, double* gdot) const 
 
 // Not by refactor(): reading outputs must not change the run.
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
+  inputs_.go_to(t);
   dynamics_.set_position(y);
   dynamics_.factorise();
   judge();

@@ -13,6 +13,7 @@
 
 #include "dynamics/dynamics.h"
 #include "formulation/equations.h"
+#include "formulation/inputs.h"
 #include "formulation/passages.h"
 #include "formulation/turns.h"
 #include "math/record.h"
@@ -27,8 +28,8 @@ struct FormulationOptions {
 
 class Formulation : public Equations {
  public:
-  // u: the inputs, read at every evaluation.
-  Formulation(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+  // u: the inputs, taken at every evaluation to its time.
+  Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u);
 
   int size() const final { return nq_ + nv_; }
   int coordinates() const final { return nq_; }
@@ -93,7 +94,8 @@ class Formulation : public Equations {
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  const std::vector<double>& u_;
+  Inputs& inputs_;
+  const std::vector<double>& u_;  // at the time that was evaluated last
   int nq_, nv_;
   bool factors_ = false;  // refactor() has been called
   Slopes slopes_;
@@ -111,7 +113,7 @@ class Formulation : public Equations {
 struct FormulationKind {
   std::string_view name;
   std::string_view summary;
-  std::unique_ptr<Formulation> (*make)(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+  std::unique_ptr<Formulation> (*make)(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                        const FormulationOptions& options);
 };
 
@@ -120,24 +122,24 @@ std::span<const FormulationKind> formulation_kinds();
 
 // Throws std::out_of_range for an unknown name.
 std::unique_ptr<Formulation> make_formulation(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics,
-                                              const std::vector<double>& u, const FormulationOptions& options);
+                                              Inputs& u, const FormulationOptions& options);
 
 // One per file.
-std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics,
-                                             const std::vector<double>& u, const FormulationOptions& options);
-std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics,
-                                            const std::vector<double>& u, const FormulationOptions& options);
-std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics,
-                                                 const std::vector<double>& u, const FormulationOptions& options);
-std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                             const FormulationOptions& options);
+std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                            const FormulationOptions& options);
+std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                 const FormulationOptions& options);
+std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                           const FormulationOptions& options);
-std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics,
-                                                       const std::vector<double>& u, const FormulationOptions& options);
-std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics,
-                                              const std::vector<double>& u, const FormulationOptions& options);
-std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                       const FormulationOptions& options);
+std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                              const FormulationOptions& options);
+std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                          const FormulationOptions& options);
-std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics,
-                                                    const std::vector<double>& u, const FormulationOptions& options);
+std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                    const FormulationOptions& options);
 
 }  // namespace gelenk

@@ -18,7 +18,7 @@ constexpr double worn = 0.3;
 
 class Independent final : public Formulation {
  public:
-  Independent(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+  Independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
       : Formulation(mechanism, dynamics, u), state_(size()) {}
 
   void start(const std::vector<double>& cut_q, double t, const double* y) override {
@@ -125,8 +125,8 @@ class Independent final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics,
-                                              const std::vector<double>& u, const FormulationOptions&) {
+std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                              const FormulationOptions&) {
   return std::make_unique<Independent>(mechanism, dynamics, u);
 }
 

@@ -11,23 +11,23 @@ namespace {
 
 class Index3 final : public WithMultipliers {
  public:
-  Index3(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+  Index3(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
       : WithMultipliers("index3", mechanism, dynamics, u) {}
 
   int multipliers() const override { return rows(); }
   int index(int i) const override { return rows() == 0 || i < nq_ ? 1 : i < size() ? 2 : 3; }
 
-  bool residual(double, const double* x, const double* xdot, double* out) override {
+  bool residual(double t, const double* x, const double* xdot, double* out) override {
     Vector r(out, unknowns());
-    if (!equations_of_motion(x, xdot, r)) return false;
+    if (!equations_of_motion(t, x, xdot, r)) return false;
     for (int k = 0; k < rows(); ++k) r[size() + k] = dynamics_.Phi()[k];
     return r.allFinite();
   }
 
-  bool residual_slopes(double, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
+  bool residual_slopes(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
-    if (!slopes_of_motion(x, xdot, F_x, F_xdot)) return false;
+    if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
     F_x(first(), Eigen::seqN(0, nq_)) = slopes_.Phi_q;
     return true;
   }
@@ -35,7 +35,7 @@ class Index3 final : public WithMultipliers {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                          const FormulationOptions&) {
   return std::make_unique<Index3>(mechanism, dynamics, u);
 }

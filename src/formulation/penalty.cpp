@@ -38,7 +38,7 @@ class Penalty final : public Penalised {
 
 }  // namespace
 
-Penalised::Penalised(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+Penalised::Penalised(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
     : Formulation(mechanism, dynamics, u),
       M_(mechanism.nv, mechanism.nv),
       f_(mechanism.nv),
@@ -82,7 +82,7 @@ void Penalised::stabilise_slopes() {
   slopes_.c_v += 2 * Omega * mu * J();
 }
 
-std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u,
+std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                           const FormulationOptions&) {
   return std::make_unique<Penalty>(mechanism, dynamics, u);
 }

@@ -35,7 +35,7 @@ class Projection final : public Formulation {
   void judge() override;
   double slack() const override;
   const double* expected(double t) override;
-  void add_jump();
+  void add_jump(double t);
   void remember(double t);
 
   // Accelerations at the last times at which the rows were sound.
@@ -44,10 +44,10 @@ class Projection final : public Formulation {
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
-  std::vector<double> u_seen_;  // inputs of the accelerations remembered
-  double soundest_ = 0;         // largest pivot ratio seen
-  bool sound_ = true;           // the last factors are not near a singular position
-  bool rigorous_ = false;       // weak directions are corrected in full
+  Inputs seen_{0};         // inputs of the accelerations remembered
+  double soundest_ = 0;    // largest pivot ratio seen
+  bool sound_ = true;      // the last factors are not near a singular position
+  bool rigorous_ = false;  // weak directions are corrected in full
 };
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -60,8 +60,7 @@ void Projection::exchange(Record& record) {
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
   if (remembered_ == 0) return;
-  u_seen_.resize(u_.size());
-  record.exchange(u_seen_);
+  seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
     accelerations_[i].resize(nv_);
     record.exchange(times_[i], accelerations_[i]);
@@ -103,27 +102,29 @@ const double* Projection::expected(double t) {
   for (int i = first; i < remembered_; ++i) {
     for (int k = 0; k < nv_; ++k) expected_[k] += weights[i] * accelerations_[i][k];
   }
-  if (u_ != u_seen_) add_jump();
+  if (inputs_ != seen_) add_jump(t);
   return expected_.data();
 }
 
-// The inputs have jumped since: what that changes. Errors of the state, which near a singular position become large in
-// vdot, are the same before and after, and cancel.
-void Projection::add_jump() {
+// The inputs are no longer those functions of time: what that changes. Errors of the state, which near a singular
+// position become large in vdot, are the same before and after, and cancel.
+void Projection::add_jump(double t) {
+  seen_.go_to(t);
   before_.resize(nv_);
   after_.resize(nv_);
-  dynamics_.solve(u_seen_.data(), before_.data());
+  dynamics_.solve(seen_.now().data(), before_.data());
   dynamics_.solve(u_.data(), after_.data());
   for (int k = 0; k < nv_; ++k) expected_[k] += after_[k] - before_[k];
 }
 
 // Where `dynamics` stands: at the state accepted at t.
 void Projection::remember(double t) {
+  inputs_.go_to(t);
   renew_factors();
   if (!sound_) return;
-  if (u_ != u_seen_) {
+  if (inputs_ != seen_) {
     remembered_ = 0;
-    u_seen_ = u_;
+    seen_ = inputs_;
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
   if (remembered_ == memory) {
@@ -156,8 +157,8 @@ void Projection::accepted(double t, const double* y) {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics,
-                                             const std::vector<double>& u, const FormulationOptions&) {
+std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                             const FormulationOptions&) {
   return std::make_unique<Projection>(mechanism, dynamics, u);
 }
 

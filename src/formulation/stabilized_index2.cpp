@@ -11,15 +11,15 @@ namespace {
 
 class StabilizedIndex2 final : public WithMultipliers {
  public:
-  StabilizedIndex2(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u)
+  StabilizedIndex2(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
       : WithMultipliers("stabilized-index2", mechanism, dynamics, u), moved_(nv_), rate_(nq_) {}
 
   int multipliers() const override { return 2 * rows(); }
   int index(int i) const override { return i < size() ? 1 : 2; }
 
-  bool residual(double, const double* x, const double* xdot, double* out) override {
+  bool residual(double t, const double* x, const double* xdot, double* out) override {
     Vector r(out, unknowns());
-    if (!equations_of_motion(x, xdot, r)) return false;
+    if (!equations_of_motion(t, x, xdot, r)) return false;
     if (rows() == 0) return r.allFinite();
     moved_.noalias() = J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + rows(), rows());
     dynamics_.rate(x, moved_.data(), rate_.data());
@@ -32,10 +32,10 @@ class StabilizedIndex2 final : public WithMultipliers {
   }
 
   // Exact where mu = 0; slopes of N J^T by q, times a mu of a step's error, are left out.
-  bool residual_slopes(double, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
+  bool residual_slopes(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
-    if (!slopes_of_motion(x, xdot, F_x, F_xdot)) return false;
+    if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
     if (rows() == 0) return true;
     const auto q = Eigen::seqN(0, nq_);
     F_x(q, second()) = slopes_.qdot_v * J().transpose();
@@ -51,8 +51,8 @@ class StabilizedIndex2 final : public WithMultipliers {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics,
-                                                    const std::vector<double>& u, const FormulationOptions&) {
+std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                    const FormulationOptions&) {
   return std::make_unique<StabilizedIndex2>(mechanism, dynamics, u);
 }
 

@@ -16,8 +16,8 @@ class UdwadiaKalaba final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics,
-                                                 const std::vector<double>& u, const FormulationOptions&) {
+std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
+                                                 const FormulationOptions&) {
   return std::make_unique<UdwadiaKalaba>(mechanism, dynamics, u);
 }
 

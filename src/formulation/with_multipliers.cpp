@@ -11,8 +11,7 @@ constexpr double nearly_singular = 0.1;
 
 }  // namespace
 
-WithMultipliers::WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics,
-                                 const std::vector<double>& u)
+WithMultipliers::WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
     : Formulation(mechanism, dynamics, u), name_(name), M_(mechanism.nv, mechanism.nv), f_(mechanism.nv) {}
 
 bool WithMultipliers::consistent(double t, double* x, double* xdot) {
@@ -45,16 +44,17 @@ void WithMultipliers::exchange(Record& record) {
   record.exchange(soundest_);
 }
 
-bool WithMultipliers::assemble(const double* x) {
+bool WithMultipliers::assemble(double t, const double* x) {
   if (!Eigen::Map<const Eigen::VectorXd>(x, unknowns()).allFinite()) return false;
+  inputs_.go_to(t);
   dynamics_.set_position(x);
   dynamics_.set_velocity(x + nq_);
   dynamics_.assemble(u_.data(), M_.data(), f_.data());
   return f_.allFinite();
 }
 
-bool WithMultipliers::equations_of_motion(const double* x, const double* xdot, Vector& r) {
-  if (!assemble(x)) return false;
+bool WithMultipliers::equations_of_motion(double t, const double* x, const double* xdot, Vector& r) {
+  if (!assemble(t, x)) return false;
   dynamics_.rate(x, x + nq_, r.data());
   for (int i = 0; i < nq_; ++i) r[i] = xdot[i] - r[i];
   const Eigen::Map<const Eigen::VectorXd> vdot(xdot + nq_, nv_);
@@ -66,9 +66,9 @@ bool WithMultipliers::equations_of_motion(const double* x, const double* xdot, V
   return true;
 }
 
-bool WithMultipliers::slopes_of_motion(const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
+bool WithMultipliers::slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
   count_jacobian();
-  if (!assemble(x)) return false;
+  if (!assemble(t, x)) return false;
   dynamics_.differentiate(u_.data(), inputs(), xdot + nq_, slopes_, x + size());
   F_x.setZero();
   F_x.topLeftCorner(nq_, nq_) = -slopes_.qdot_q;

@@ -18,22 +18,22 @@ class WithMultipliers : public Formulation {
   void exchange(Record& record) final;
 
  protected:
-  WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& u);
+  WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, Inputs& u);
 
   using Vector = Eigen::Map<Eigen::VectorXd>;
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
 
   // Writes into r: qdot - N v and M vdot + h + J^T lambda - tau. dynamics_ is then at x, J() included. False: x is not
   // finite.
-  bool equations_of_motion(const double* x, const double* xdot, Vector& r);
+  bool equations_of_motion(double t, const double* x, const double* xdot, Vector& r);
   // Their slopes into F_x and M into F_xdot, the rest zeros; leaves slopes_ at x. False: as above.
-  bool slopes_of_motion(const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
+  bool slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
   // The first and the second `rows` unknowns after y, or equations after those of motion.
   auto first() const { return Eigen::seqN(size(), rows()); }
   auto second() const { return Eigen::seqN(size() + rows(), rows()); }
 
  private:
-  bool assemble(const double* x);
+  bool assemble(double t, const double* x);
 
   std::string name_;
   RowMatrix M_;

@@ -31,7 +31,7 @@ FormulationOptions options_of(const Scene& scene) {
 
 }  // namespace
 
-Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, const std::vector<double>& u, double time)
+Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs& u, double time)
     : scene_(scene),
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),

@@ -16,8 +16,8 @@ namespace gelenk {
 // Not movable: its parts refer to each other.
 class Island {
  public:
-  // u: all inputs of the scene, read at every evaluation. time [s]: of the start.
-  Island(const Scene& scene, PreparedIsland prepared, Loads loads, const std::vector<double>& u, double time);
+  // u: all inputs of the scene, taken at every evaluation to its time. time [s]: of the start.
+  Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs& u, double time);
 
   // tolerance: overrides the scene's when positive.
   void start_integrator(double tolerance);
@@ -29,15 +29,15 @@ class Island {
   // Where it stands and all it carries from one step to the next. Throws std::invalid_argument; it is undefined then.
   void exchange(Record& record);
 
-  void inputs_jumped() {
-    inputs_jumped_ = true;
+  void inputs_changed(bool jump) {
+    inputs_jumped_ = inputs_jumped_ || jump;
     fresh_ = Outputs::Needs::state;
   }
   const std::vector<int>& inputs() const { return loads_.inputs; }
   // loads: of the same scene with other numbers.
   void set_loads(Loads loads) {
     loads_ = std::move(loads);
-    inputs_jumped();
+    inputs_changed(true);
   }
 
   // Brings the equations up to what outputs need.

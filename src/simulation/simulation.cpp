@@ -36,13 +36,13 @@ struct Simulation::Impl {
         inputs(input_signals(scene)),
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
-        u(inputs.size(), 0.0),
+        u(inputs.size()),
         size(size_of(reduced)) {}
 
   Scene scene;
   const ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
-  std::vector<double> u;
+  Inputs u;
   ModelSize size;
 
   // From initialize() on.
@@ -60,6 +60,8 @@ struct Simulation::Impl {
 
   void make_islands();
   void find_independent();
+  int known_input(int index) const;  // throws std::out_of_range
+  void check_inputs(double end) const;
   void advance(double end);
   Energy energy();
   std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
@@ -71,7 +73,7 @@ void Simulation::Impl::make_islands() {
   std::vector<Loads> loads = make_loads(scene, prepared.reduced);
   sensitivity.reset();
   islands.clear();
-  island_of_input.assign(u.size(), -1);
+  island_of_input.assign(u.count(), -1);
   size.rows = 0;
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
@@ -113,12 +115,28 @@ void Simulation::Impl::find_independent() {
   states = states_behind(scene, outputs, independent);
 }
 
+int Simulation::Impl::known_input(int index) const {
+  inputs.at(static_cast<std::size_t>(index));
+  return index;
+}
+
+// Derivatives may be finite and what they lead to not.
+void Simulation::Impl::check_inputs(double end) const {
+  if (!u.moving()) return;
+  for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
+    if (std::isfinite(u.derivative_at(i, 0, end))) continue;
+    throw StepError(
+        describe_refusal(at_time(end) + inputs[i].name + " would be no finite number, by the derivatives set", time));
+  }
+}
+
 void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
   try {
     for (; moved < islands.size(); ++moved) islands[moved]->advance(end);
     time = end;
+    u.finish(end);
     return;
   } catch (const IntegrationError& fault) {
     cause = fault.what();
@@ -183,6 +201,7 @@ void Simulation::initialize(double time, double tolerance) {
   Impl& s = *impl_;
   if (!std::isfinite(time)) throw UsageError("the start time is not a finite number");
   s.time = time;
+  s.u.start(time);
   s.initialized = false;
   s.prepared = prepare(s.scene, s.reduced);
   s.make_islands();
@@ -198,13 +217,16 @@ void Simulation::step_to(double end) {
   if (end < s.time) {
     throw UsageError(at_time(end) + "lies before the plant's time " + std::to_string(s.time) + " s");
   }
-  if (end > s.time) s.advance(end);
+  if (end <= s.time) return;
+  s.check_inputs(end);
+  s.advance(end);
 }
 
 void Simulation::exchange(Record& record) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("a record of a run before initialize()");
-  record.exchange(s.time, s.u);
+  record.exchange(s.time);
+  s.u.exchange(record);
   for (const auto& island : s.islands) island->exchange(record);
 }
 
@@ -245,10 +267,25 @@ void Simulation::set_input(int index, double value) {
   if (!std::isfinite(value))
     throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
                      ", expected a finite number; the former value stays");
-  if (s.u.at(index) == value) return;
-  s.u[index] = value;
-  if (!s.initialized) return;
-  if (const int island = s.island_of_input[index]; island >= 0) s.islands[island]->inputs_jumped();
+  const Inputs::Change change = s.u.set(s.known_input(index), value);
+  if (change == Inputs::Change::none || !s.initialized) return;
+  if (const int island = s.island_of_input[index]; island >= 0) {
+    s.islands[island]->inputs_changed(change == Inputs::Change::jump);
+  }
+}
+
+void Simulation::set_input_derivative(int index, int order, double value) {
+  Impl& s = *impl_;
+  const std::string& name = s.inputs.at(index).name;
+  if (order < 1 || order > Inputs::highest_order) {
+    throw UsageError(name + ": found a derivative of order " + std::to_string(order) + ", expected one of order 1 to " +
+                     std::to_string(Inputs::highest_order));
+  }
+  if (!std::isfinite(value)) {
+    throw UsageError(name + ": found " + std::to_string(value) + " for its derivative of order " +
+                     std::to_string(order) + ", expected a finite number; the former value stays");
+  }
+  s.u.set_derivative(index, order, value);
 }
 
 void Simulation::tune(const Scene& scene) {
@@ -260,7 +297,12 @@ void Simulation::tune(const Scene& scene) {
   s.still_energy = standing_energy(s.scene, s.prepared.reduced);
 }
 
-double Simulation::input(int index) const { return impl_->u.at(index); }
+double Simulation::input(int index) const { return impl_->u.value(impl_->known_input(index)); }
+
+double Simulation::input_derivative(int index, int order) const {
+  if (order < 1 || order > Inputs::highest_order) throw UsageError("a derivative is of order 1 to 5");
+  return impl_->u.derivative(impl_->known_input(index), order);
+}
 
 double Simulation::output(int index) {
   Impl& s = *impl_;

@@ -61,7 +61,8 @@ class Simulation {
   // tolerance: overrides the scene's when positive. Throws AssemblyError.
   void initialize(double time = 0, double tolerance = 0);
 
-  // Advances to `end` [s] under the inputs set now. Inputs may differ from those of the step before.
+  // Advances to `end` [s] under the inputs set now, which follow the derivatives set with them. Inputs may differ from
+  // those of the step before.
   // Throws StepError (state unchanged since time()), UsageError when end < time() or is not finite.
   void step_to(double end);
 
@@ -84,6 +85,12 @@ class Simulation {
   // Throws UsageError for a value that is not finite, naming the input; the former value stays.
   void set_input(int index, double value);
   double input(int index) const;
+  // The time derivative of this order, 1 to 5, [unit/s^order] at time(): from there to the end of the next step the
+  // input is the polynomial of its value and its derivatives, in whichever order they are set. After it the input is
+  // held at the value reached, unless new derivatives are set. Throws UsageError for another order, or a value that is
+  // not finite.
+  void set_input_derivative(int index, int order, double value);
+  double input_derivative(int index, int order) const;  // as set, at time()
   // Takes what may change during a run (Parameter::tunable) from `scene`, otherwise the one this was made of; as an
   // input that jumps. After initialize(). Allocates.
   void tune(const Scene& scene);

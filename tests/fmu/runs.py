@@ -53,6 +53,53 @@ def a_refused_step_leaves_the_plant_where_it_was(fmu: Fmu) -> None:
     assert wish.value == 0
 
 
+def push(s: Slave, *derivatives: float) -> int:
+    """Sets the drive's torque's derivatives of order 1, 2, ..."""
+    n = len(derivatives)
+    orders, values = (c_int * n)(*range(1, n + 1)), (c_double * n)(*derivatives)
+    return s.call("fmi2SetRealInputDerivatives", s.references(["drive.tau"] * n), c_size_t(n), orders, values)
+
+
+def torques_follow_their_derivatives(fmu: Fmu) -> None:
+    """One step of 0.1 s, and ten with the polynomial taken anew at each, within the tolerance of 1e-6."""
+    whole, parts, held = (Slave(fmu).start() for _ in range(3))
+    for s in (whole, held):
+        s.set_real(drive__tau=1.0)
+    assert push(whole, 40.0, -300.0) == OK
+    assert whole.step(0.0, 0.1) == OK
+    assert held.step(0.0, 0.1) == OK
+    for k in range(10):
+        t = 0.01 * k
+        assert push(parts, 40.0 - 300.0 * t, -300.0) == OK  # before the value or after: it is all one
+        parts.set_real(drive__tau=1.0 + 40.0 * t - 150.0 * t * t)
+        assert parts.step(t, 0.01) == OK
+    for s in (whole, parts):
+        assert abs(s.get("drive.tau") - 3.5) < 1e-14
+    difference = max(abs(a - b) for a, b in zip(whole.outputs(), parts.outputs(), strict=True))
+    assert difference < 1e-4  # of accelerations, 100 times the tolerance
+    assert abs(whole.get("A.phi") - held.get("A.phi")) > 1e-3
+    assert whole.step(0.1, 0.1) == OK  # over which it is held
+    assert abs(whole.get("drive.tau") - 3.5) < 1e-14
+
+
+def torques_follow_derivatives_set_before_the_run(fmu: Fmu) -> None:
+    """As fmi2SetReal: from instantiation on, kept when a parameter changes what is assembled."""
+    ends = []
+    for moment in range(3):
+        s = Slave(fmu)
+        for k, act in enumerate((s.setup, s.enter, s.leave)):
+            if k == moment:
+                assert push(s, 5.0, 60.0) == OK
+            assert act() == OK
+            if k == 1:
+                s.get("A.a")  # assembles
+                assert s.set({"crank.m": 1.3}) == OK
+        assert s.step(0.0, 0.1) == OK
+        assert abs(s.get("drive.tau") - 0.8) < 1e-15
+        ends.append(s.outputs())
+    assert ends[1:] == ends[:1] * 2
+
+
 def start_values_that_cannot_be_assembled_can_be_mended(fmu: Fmu) -> None:
     s = Slave(fmu)
     assert s.setup() == OK

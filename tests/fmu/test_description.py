@@ -84,6 +84,7 @@ def test_capabilities_are_those_that_work(description: Any) -> None:
     c = description.coSimulation
     assert c.canHandleVariableCommunicationStepSize
     assert c.canNotUseMemoryManagementFunctions
+    assert c.canInterpolateInputs
     assert not c.canBeInstantiatedOnlyOncePerProcess
     assert not c.canRunAsynchronuously
 

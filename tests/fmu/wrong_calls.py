@@ -161,6 +161,38 @@ def experiments_that_cannot_be_are_refused(fmu: Fmu) -> None:
     assert abs(time.value - 3.1) < 1e-15
 
 
+def impossible_input_derivatives_are_refused(fmu: Fmu) -> None:
+    s = Slave(fmu).start()
+    function, one, tau = "fmi2SetRealInputDerivatives", c_size_t(1), s.references(["drive.tau"])
+
+    def refused(words: str, references: Any, order: int | None, value: float | None) -> None:
+        orders = None if order is None else (c_int * 1)(order)
+        values = None if value is None else (c_double * 1)(value)
+        expect(s, s.call(function, references, one, orders, values), ERROR, f"{function}: {words}")
+
+    refused("value references: found nothing, expected 1", None, 1, 1.0)
+    refused("orders: found nothing, expected 1", tau, None, 1.0)
+    refused("values: found nothing, expected 1", tau, 1, None)
+    refused("value reference: found 4000000000", (c_uint * 1)(4000000000), 1, 1.0)
+    refused("A.phi: found no input, expected one", s.references(["A.phi"]), 1, 1.0)
+    refused("crank.m: found no input", s.references(["crank.m"]), 1, 1.0)
+    refused("A.fixed is of type Boolean", s.references(["A.fixed"]), 1, 1.0)
+    for order in (0, 6, -1):
+        refused(
+            f"drive.tau: found a derivative of order {order}, expected one of order 1 to 5", tau, order, 1.0
+        )
+    for bad in (math.nan, math.inf, -math.inf):
+        refused("drive.tau: found ", tau, 1, bad)
+    both = (c_double * 2)(3.0, math.nan)  # a call counts as a whole
+    status = s.call(function, s.references(["drive.tau"] * 2), c_size_t(2), (c_int * 2)(1, 2), both)
+    expect(s, status, ERROR, "drive.tau: found NaN for its derivative of order 2, expected a finite number")
+    assert s.call(function, None, c_size_t(0), None, None) == OK
+    s.run(1)
+    assert s.get("drive.tau") == 0.0
+    assert s.call("fmi2Terminate") == OK
+    expect(s, s.call(function, tau, one, (c_int * 1)(1), (c_double * 1)(1.0)), ERROR, "after fmi2Terminate")
+
+
 def functions_not_offered_say_so(fmu: Fmu) -> None:
     s = Slave(fmu).start()
     some = s.references(["drive.tau"])
@@ -169,7 +201,6 @@ def functions_not_offered_say_so(fmu: Fmu) -> None:
         "providesDirectionalDerivative": (
             ("fmi2GetDirectionalDerivative", some, one, some, one, real, real),
         ),
-        "canInterpolateInputs": (("fmi2SetRealInputDerivatives", some, one, order, real),),
         "maxOutputDerivativeOrder": (("fmi2GetRealOutputDerivatives", some, one, order, real),),
         "model exchange": (
             ("fmi2EnterEventMode",),

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/inputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// A value that is set this near to the one reached by derivatives is the same with another rounding: relative to the
+// value, and to what it has changed by in the step, which the rounding of the times is magnified to.
+constexpr double same = 1e-10;
+
+}  // namespace
+
+Inputs::Inputs(std::size_t count) : taylor_(count * orders), now_(count), change_(count) {}
+
+double Inputs::derivative_at(int i, int order, double t) const {
+  const double s = t - start_;
+  double sum = 0;
+  for (int k = orders - 1; k > order; --k) sum = (sum + at(i, k)) * s / (k - order);
+  return at(i, order) + sum;
+}
+
+void Inputs::evaluate(double t) {
+  for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = derivative_at(static_cast<int>(i), 0, t);
+  now_time_ = t;
+}
+
+Inputs::Change Inputs::set(int i, double value) {
+  const double before = at(i, 0);
+  if (value == before) return Change::none;
+  at(i, 0) = value;
+  if (now_time_ != start_) evaluate(start_);
+  now_[i] = value;
+  const double change = change_[i];
+  return change > 0 && std::abs(value - before) <= same * (std::abs(before) + change) ? Change::smooth : Change::jump;
+}
+
+void Inputs::set_derivative(int i, int order, double value) {
+  at(i, order) = value;
+  note_motion();
+  if (now_time_ != start_) evaluate(start_);
+}
+
+void Inputs::note_motion() {
+  moving_ = false;
+  for (std::size_t k = 0; k < taylor_.size(); ++k) moving_ = moving_ || (k % orders != 0 && taylor_[k] != 0);
+}
+
+void Inputs::start(double t) {
+  start_ = now_time_ = t;
+  std::ranges::fill(change_, 0.0);
+  changed_ = false;
+  for (int i = 0; i < static_cast<int>(count()); ++i) now_[i] = at(i, 0);
+}
+
+void Inputs::finish(double t) {
+  interrupt(t);
+  if (!moving_) return;
+  for (std::size_t k = 0; k < taylor_.size(); ++k) {
+    if (k % orders != 0) taylor_[k] = 0;
+  }
+  moving_ = false;
+}
+
+void Inputs::interrupt(double t) {
+  if (moving_) {
+    for (int i = 0; i < static_cast<int>(count()); ++i) {
+      move_base(i, t);
+      now_[i] = at(i, 0);
+    }
+  } else if (changed_) {
+    std::ranges::fill(change_, 0.0);
+  }
+  changed_ = moving_;
+  start_ = now_time_ = t;
+}
+
+void Inputs::move_base(int i, double t) {
+  const double s = std::abs(t - start_);
+  double most = 0;
+  for (int k = orders - 1; k > 0; --k) most = (most + std::abs(at(i, k))) * s / k;
+  change_[i] = most;
+  for (int k = 0; k < orders; ++k) at(i, k) = derivative_at(i, k, t);  // of orders above k, which are moved later
+}
+
+bool operator==(const Inputs& a, const Inputs& b) {
+  return a.taylor_ == b.taylor_ && (!a.moving_ || a.start_ == b.start_);
+}
+
+}  // namespace gelenk

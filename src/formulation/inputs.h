@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The inputs as functions of time. From where the run stands, t0, to the end of the next step each is
+//   u(t) = u0 + d1 (t - t0) + d2 (t - t0)^2 / 2! + ... + d5 (t - t0)^5 / 5!
+// of the value and the derivatives that were set, in either order; a derivative that was not set is zero. After the
+// step the value is the one reached, and the derivatives are gone.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "math/record.h"
+
+namespace gelenk {
+
+// A plain value: a copy holds all that the run will need of it.
+class Inputs {
+ public:
+  static constexpr int highest_order = 5;
+
+  // All zero, at t = 0.
+  explicit Inputs(std::size_t count);
+
+  // At the time of the last go_to(); the reference stays good.
+  const std::vector<double>& now() const { return now_; }
+  void go_to(double t) {
+    if (moving_ && t != now_time_) evaluate(t);
+  }
+
+  std::size_t count() const { return now_.size(); }
+  bool moving() const { return moving_; }  // some derivative is not zero
+  // u0, or d^order u / dt^order at t0.
+  double value(int i) const { return at(i, 0); }
+  double derivative(int i, int order) const { return at(i, order); }
+  // u or one of its derivatives at t.
+  double derivative_at(int i, int order, double t) const;
+
+  // From t0 on; now() is that of t0 then.
+  enum class Change { none, smooth, jump };
+  // smooth: within rounding the value that u has reached by its derivatives.
+  Change set(int i, double value);
+  void set_derivative(int i, int order, double value);  // order 1 to highest_order
+
+  // The run begins at t: what is set holds from there.
+  void start(double t);
+  // A step has ended at t.
+  void finish(double t);
+  // A step was cut short at t: u goes on from there.
+  void interrupt(double t);
+
+  void exchange(Record& record) { record.exchange(taylor_, now_, change_, start_, now_time_, moving_, changed_); }
+
+  // Whether both are the same functions of time.
+  friend bool operator==(const Inputs& a, const Inputs& b);
+
+ private:
+  static constexpr int orders = highest_order + 1;
+  double at(int i, int order) const { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
+  double& at(int i, int order) { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
+  void evaluate(double t);
+  void note_motion();
+  void move_base(int i, double t);
+
+  std::vector<double> taylor_;  // u0, d1, ..., d5 of each
+  std::vector<double> now_;
+  std::vector<double> change_;  // of each in the last step, at most; 0: it was held
+  double start_ = 0;            // t0, s
+  double now_time_ = 0;         // s
+  bool moving_ = false;
+  bool changed_ = false;  // some change_ is not zero
+};
+
+}  // namespace gelenk
