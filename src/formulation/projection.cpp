@@ -60,6 +60,7 @@ void Projection::exchange(Record& record) {
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
   if (remembered_ == 0) return;
+  if (record.reading()) seen_ = inputs_;  // as many
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
     accelerations_[i].resize(nv_);

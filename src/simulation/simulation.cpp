@@ -340,9 +340,10 @@ auto Simulation::differentiate(Ask ask) {
   if (!s.initialized) throw UsageError("a derivative before initialize()");
   if (!s.sensitivity) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
-                                                  s.independent_by_island, s.u);
+                                                  s.independent_by_island, s.u.now());
   }
   try {
+    s.u.go_to(s.time);
     return ask(*s.sensitivity);
   } catch (const Undetermined& fault) {
     throw NotDifferentiable(
@@ -358,16 +359,23 @@ Linearization Simulation::linearize() {
 
 Slope Simulation::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
   check_size("dx", dx.size(), impl_->states.size());
-  check_size("du", du.size(), impl_->u.size());
+  check_size("du", du.size(), impl_->u.count());
   return differentiate([&](Sensitivity& s) { return s.along(dx, du); });
 }
 
 Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot, const std::vector<double>& uddot) {
-  const std::vector<double> constant(impl_->u.size(), 0.0);
-  if (!udot.empty()) check_size("udot", udot.size(), constant.size());
-  if (!uddot.empty()) check_size("uddot", uddot.size(), constant.size());
-  return differentiate(
-      [&](Sensitivity& s) { return s.in_time(udot.empty() ? constant : udot, uddot.empty() ? constant : uddot); });
+  const Inputs& u = impl_->u;
+  const auto known = [&](const char* name, const std::vector<double>& given, int order) {
+    if (!given.empty()) check_size(name, given.size(), u.count());
+    std::vector<double> rates(given);
+    for (auto i = static_cast<int>(given.size()); i < static_cast<int>(u.count()); ++i) {
+      rates.push_back(u.derivative_at(i, order, impl_->time));
+    }
+    return rates;
+  };
+  const std::vector<double> first = known("udot", udot, 1);
+  const std::vector<double> second = known("uddot", uddot, 2);
+  return differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
 }
 
 double Simulation::diagnostic(int index) {

@@ -116,7 +116,7 @@ class Simulation {
   // - along the direction dx (as states()), du (as inputs());
   Slope slope_along(const std::vector<double>& dx, const std::vector<double>& du);
   // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
-  //   time derivatives; empty: they are constant.
+  //   time derivatives; empty: those set for the next step.
   Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
 
   // What assembly found, in words: the branch (start values of every joint) and what it changed.

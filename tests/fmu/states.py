@@ -58,16 +58,16 @@ def drive(s: Slave, first: int, steps: int, size: float = 2e-2) -> list[list[flo
     return rows
 
 
-def choice(fmu: Fmu, name: str) -> dict[str, int]:
+def choice(of: Fmu, name: str) -> dict[str, int]:
     """Items of an enumeration with their numbers."""
-    (variable,) = (v for v in fmu.description.modelVariables if v.name == name)
+    (variable,) = (v for v in of.description.modelVariables if v.name == name)
     assert variable.declaredType is not None
     return {item.name: int(item.value) for item in variable.declaredType.items}
 
 
-def with_methods(fmu: Fmu, formulation: int, integrator: int) -> Slave | None:
+def with_methods(of: Fmu, formulation: int, integrator: int) -> Slave | None:
     """A slave at t = 0; none where the two do not go together."""
-    s = Slave(fmu)
+    s = Slave(of)
     methods: dict[str, float] = {"solver.formulation": formulation, "solver.integrator": integrator}
     assert s.set(methods, "fmi2SetInteger", c_int) == OK, s.said
     assert s.setup() == OK

@@ -195,13 +195,8 @@ def impossible_input_derivatives_are_refused(fmu: Fmu) -> None:
 
 def functions_not_offered_say_so(fmu: Fmu) -> None:
     s = Slave(fmu).start()
-    some = s.references(["drive.tau"])
-    real, order, one = (c_double * 1)(), (c_int * 1)(1), c_size_t(1)
+    real, one = (c_double * 1)(), c_size_t(1)
     calls: dict[str, tuple[tuple[Any, ...], ...]] = {
-        "providesDirectionalDerivative": (
-            ("fmi2GetDirectionalDerivative", some, one, some, one, real, real),
-        ),
-        "maxOutputDerivativeOrder": (("fmi2GetRealOutputDerivatives", some, one, order, real),),
         "model exchange": (
             ("fmi2EnterEventMode",),
             ("fmi2EnterContinuousTimeMode",),
