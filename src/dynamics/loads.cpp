@@ -18,28 +18,47 @@ Stop in_sign(double sign, Stop stop) {
   return stop;
 }
 
-struct LoadMaker {
+// What is there is forgotten, its room kept.
+void empty(JointLoads& loads) {
+  loads.springs.clear();
+  loads.actuations.clear();
+  loads.stops.clear();
+}
+
+void empty(Loads& loads) {
+  empty(loads.tree);
+  for (JointLoads& cut : loads.cuts) empty(cut);
+  loads.springs.clear();
+  loads.wrenches.clear();
+  loads.inputs.clear();
+  loads.potential_offset = 0;
+}
+
+// Adds the loads of one scene to `out`, an island each, which are empty().
+struct LoadAdder {
   const Scene& scene;
   const ReducedScene& reduced;
-  std::vector<Loads> out{};
-  std::unordered_map<std::string_view, int> body_number{}, joint_number{};
+  const std::unordered_map<std::string_view, int>&body_number, &joint_number;
+  std::vector<Loads>& out;
   int inputs = 0;
 
   void prepare() {
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number[scene.bodies[b].name] = static_cast<int>(b);
-    for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number[scene.joints[j].name] = static_cast<int>(j);
     out.resize(reduced.islands.size());
     for (std::size_t i = 0; i < out.size(); ++i) prepare(reduced.islands[i], out[i]);
   }
 
   void prepare(const Mechanism& mechanism, Loads& loads) const {
+    empty(loads);
     loads.gravity = mechanism.X_W0.R.transpose() * scene.gravity;
     for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
       const Spatial::Inertia& G = mechanism.links[i].G;
       loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
       if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
     }
+    // Springs of no stiffness and damping are left out, and may be asked for later.
+    loads.tree.springs.reserve(mechanism.nv);
     loads.cuts.resize(mechanism.cuts.size());
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) loads.cuts[c].springs.reserve(mechanism.cuts[c].nv);
     loads.reflected_inertia.assign(mechanism.nv, 0);
   }
 
@@ -124,13 +143,23 @@ struct LoadMaker {
 
 }  // namespace
 
+LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced) : scene_(scene), reduced_(reduced) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
+}
+
+void LoadMaker::fill(std::vector<Loads>& loads) const {
+  LoadAdder adder{scene_, reduced_, body_number_, joint_number_, loads};
+  adder.prepare();
+  for (const Motor& motor : scene_.motors) adder.motor(motor);
+  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) adder.joint(j);
+  for (const Force& force : scene_.forces) adder.force(force);
+}
+
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
-  LoadMaker maker{.scene = scene, .reduced = reduced};
-  maker.prepare();
-  for (const Motor& motor : scene.motors) maker.motor(motor);
-  for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) maker.joint(j);
-  for (const Force& force : scene.forces) maker.force(force);
-  return std::move(maker.out);
+  std::vector<Loads> loads;
+  LoadMaker(scene, reduced).fill(loads);
+  return loads;
 }
 
 double standing_energy(const Scene& scene, const ReducedScene& reduced) {

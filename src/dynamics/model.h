@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "math/pose_in.h"
@@ -109,6 +111,18 @@ struct Loads {
 
 // Signs and places of the scene's loads, by island. Inputs are numbered as in simulation/signals.h.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
+
+// Likewise, but over loads of the same scene with other numbers, which costs nothing of the heap then. Keeps to both.
+class LoadMaker {
+ public:
+  LoadMaker(const Scene& scene, const ReducedScene& reduced);
+  void fill(std::vector<Loads>& loads) const;
+
+ private:
+  const Scene& scene_;
+  const ReducedScene& reduced_;
+  std::unordered_map<std::string_view, int> body_number_, joint_number_;
+};
 
 // J: potential energy of what stands still, bodies, springs and stops, zero at the world's origin.
 double standing_energy(const Scene& scene, const ReducedScene& reduced);

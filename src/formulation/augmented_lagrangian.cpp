@@ -15,7 +15,8 @@ constexpr int most = 50;          // each gains some digits; near positions that
 
 class AugmentedLagrangian final : public Penalised {
  public:
-  using Penalised::Penalised;
+  AugmentedLagrangian(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs)
+      : Penalised(mechanism, dynamics, inputs), more_(rows()), sum_(rows()), change_(nv_) {}
 
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
@@ -27,9 +28,13 @@ class AugmentedLagrangian final : public Penalised {
     lambda_.setZero();
     double before = INFINITY;
     for (int i = 0; i < most; ++i) {
-      const Eigen::VectorXd more = a_ * (J() * x - wish_);
-      lambda_ += more;
-      change_ = f_ - M_ * x - J().transpose() * (lambda_ + more);
+      more_ = -a_ * wish_;
+      more_.noalias() += a_ * J() * x;
+      lambda_ += more_;
+      sum_ = lambda_ + more_;
+      change_ = f_;
+      change_.noalias() -= M_ * x;
+      change_.noalias() -= J().transpose() * sum_;
       factor_.solveInPlace(change_);
       x += change_;
       const double size = change_.norm() / (1 + x.norm());
@@ -47,7 +52,7 @@ class AugmentedLagrangian final : public Penalised {
     solve_slopes(out);
   }
 
-  Eigen::VectorXd change_;
+  Eigen::VectorXd more_, sum_, change_;
 };
 
 }  // namespace

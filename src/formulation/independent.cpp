@@ -4,6 +4,7 @@
 // the independent ones (Newton's method along the dependent speeds, from the state given), and f is that of the state
 // found: it does not depend on the dependent part of y. After a step the same puts the dependent part of y right. The
 // full state is kept, so another partition goes on from the same point.
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,15 @@ constexpr double worn = 0.3;
 class Independent final : public Formulation {
  public:
   Independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-      : Formulation(mechanism, dynamics, u), state_(size()) {}
+      : Formulation(mechanism, dynamics, u),
+        state_(size()),
+        all_(mechanism.rows, mechanism.nv),
+        right_(std::min(mechanism.rows, mechanism.nv)),
+        dv_dq_(mechanism.nv, mechanism.nq),
+        carried_(mechanism.nv) {
+    needed_.reserve(right_.size());
+    dependent_.reserve(right_.size());
+  }
 
   void start(const std::vector<double>& cut_q, double t, const double* y) override {
     Formulation::start(cut_q, t, y);
@@ -48,15 +57,15 @@ class Independent final : public Formulation {
   // At the position of dynamics_.
   void choose() {
     dynamics_.factorise();
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu(J());
+    all_.compute(J());
     // Where the rank is low for a moment, the former partition is as good as any.
     if (!needed_.empty() && dynamics_.rank() < static_cast<int>(needed_.size())) return;
     const int rank = dynamics_.rank();
-    const auto& columns = lu.permutationQ().indices();
+    const auto& columns = all_.permutationQ().indices();
     dependent_.assign(columns.begin(), columns.begin() + rank);
     needed_.clear();
     for (int r = 0; r < rows(); ++r) {
-      if (lu.permutationP().indices()[r] < rank) needed_.push_back(r);
+      if (all_.permutationP().indices()[r] < rank) needed_.push_back(r);
     }
     factorise_dependent();
     chosen_ = smallest_;
@@ -64,7 +73,12 @@ class Independent final : public Formulation {
   }
 
   void factorise_dependent() {
-    lu_.compute(J()(needed_, dependent_));
+    const auto rank = static_cast<Eigen::Index>(needed_.size());
+    J_d_.resize(rank, rank);
+    for (Eigen::Index k = 0; k < rank; ++k) {
+      for (Eigen::Index r = 0; r < rank; ++r) J_d_(r, k) = J()(needed_[r], dependent_[k]);
+    }
+    lu_.compute(J_d_);
     smallest_ = lu_.matrixLU().diagonal().cwiseAbs().minCoeff();
   }
 
@@ -74,11 +88,14 @@ class Independent final : public Formulation {
   }
 
   void correction(const double* residual, double* dv) override {
-    Eigen::VectorXd error(needed_.size());
-    for (std::size_t k = 0; k < needed_.size(); ++k) error[k] = residual[needed_[k]];
-    const Eigen::VectorXd x = lu_.solve(error);
+    // lu_.solve() would ask for memory.
+    const auto rank = static_cast<Eigen::Index>(needed_.size());
+    auto x = right_.head(rank);
+    for (Eigen::Index k = 0; k < rank; ++k) x[lu_.permutationP().indices()[k]] = residual[needed_[k]];
+    lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(x);
+    lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(x);
     std::fill_n(dv, nv_, 0.0);
-    for (std::size_t k = 0; k < dependent_.size(); ++k) dv[dependent_[k]] = -x[k];
+    for (Eigen::Index k = 0; k < rank; ++k) dv[dependent_[lu_.permutationQ().indices()[k]]] = -x[k];
   }
 
   const double* state_for(const double* y) override {
@@ -98,29 +115,38 @@ class Independent final : public Formulation {
   // length away, as normalising it does.
   void chain(Eigen::Map<Eigen::MatrixXd>& out) override {
     const Eigen::MatrixXd& N = slopes_.qdot_v;
-    Eigen::MatrixXd T = Eigen::MatrixXd::Identity(nv_, nv_);
-    for (const int k : dependent_) T(k, k) = 0;
-    Eigen::MatrixXd dv_dq = Eigen::MatrixXd::Zero(nv_, nq_);
-    const Eigen::MatrixXd to_speeds = (N.transpose() * N).ldlt().solve(N.transpose());
-    if (!needed_.empty()) {
-      const Eigen::MatrixXd carried = lu_.solve((J() * T)(needed_, Eigen::all).eval());
-      T(dependent_, Eigen::all) = -carried;
+    T_.setIdentity(nv_, nv_);
+    for (const int k : dependent_) T_(k, k) = 0;
+    JT_.noalias() = J() * T_;
+    for (int k = 0; k < nv_; ++k) {
+      correction(JT_.col(k).data(), carried_.data());
+      for (const int dependent : dependent_) T_(dependent, k) = carried_[dependent];
     }
-    const Eigen::MatrixXd dq = N * T * to_speeds;
-    if (!needed_.empty()) {
-      const Eigen::MatrixXd rates = (slopes_.rate_q * dq)(needed_, Eigen::all);
-      dv_dq(dependent_, Eigen::all) = -lu_.solve(rates);
-    }
-    const Eigen::MatrixXd by_q = out.leftCols(nq_);
-    const Eigen::MatrixXd by_v = out.rightCols(nv_);
-    out.leftCols(nq_) = by_q * dq + by_v * dv_dq;
-    out.rightCols(nv_) = by_v * T;
+    square_.noalias() = N.transpose() * N;
+    square_factor_.compute(square_);
+    to_speeds_ = N.transpose();
+    square_factor_.solveInPlace(to_speeds_);
+    T_to_speeds_.noalias() = T_ * to_speeds_;
+    dq_.noalias() = N * T_to_speeds_;
+    rates_.noalias() = slopes_.rate_q * dq_;
+    for (int k = 0; k < nq_; ++k) correction(rates_.col(k).data(), dv_dq_.col(k).data());
+    f_ = out;
+    out.leftCols(nq_).noalias() = f_.leftCols(nq_) * dq_;
+    out.leftCols(nq_).noalias() += f_.rightCols(nv_) * dv_dq_;
+    out.rightCols(nv_).noalias() = f_.rightCols(nv_) * T_;
   }
 
   std::vector<double> state_;
-  std::vector<int> needed_, dependent_;      // rows, and the speeds they determine
-  Eigen::FullPivLU<Eigen::MatrixXd> lu_;     // of J there
+  std::vector<int> needed_, dependent_;    // rows, and the speeds they determine
+  Eigen::MatrixXd J_d_;                    // J there
+  Eigen::FullPivLU<Eigen::MatrixXd> lu_;   // of it
+  Eigen::FullPivLU<Eigen::MatrixXd> all_;  // of J, when they were chosen
+  Eigen::VectorXd right_;
   double smallest_ = INFINITY, chosen_ = 0;  // its smallest pivot; when chosen
+  // Of chain().
+  Eigen::MatrixXd T_, JT_, square_, to_speeds_, T_to_speeds_, dq_, rates_, dv_dq_, f_;
+  Eigen::VectorXd carried_;
+  Eigen::LLT<Eigen::MatrixXd> square_factor_;
 };
 
 }  // namespace

@@ -18,7 +18,9 @@ class Penalty final : public Penalised {
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
     if (!Penalised::accelerate(t, y, vdot)) return false;
-    if (rows() > 0) lambda_ = a_ * (J() * Eigen::Map<const Eigen::VectorXd>(vdot, nv_) - wish_);
+    if (rows() == 0) return true;
+    lambda_ = -a_ * wish_;
+    lambda_.noalias() += a_ * J() * Eigen::Map<const Eigen::VectorXd>(vdot, nv_);
     return true;
   }
 
@@ -26,13 +28,16 @@ class Penalty final : public Penalised {
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
     stabilise_slopes();
-    Eigen::MatrixXd slopes(nv_, size());
-    slopes << -slopes_.r_q, -slopes_.r_v;
+    auto by_q = out.bottomLeftCorner(nv_, nq_);
+    auto by_v = out.bottomRightCorner(nv_, nv_);
+    by_q = -slopes_.r_q;
+    by_v = -slopes_.r_v;
     if (rows() > 0) {
-      slopes.leftCols(nq_) -= a_ * J().transpose() * slopes_.c_q;
-      slopes.rightCols(nv_) -= a_ * J().transpose() * slopes_.c_v;
+      by_q.noalias() -= a_ * J().transpose() * slopes_.c_q;
+      by_v.noalias() -= a_ * J().transpose() * slopes_.c_v;
     }
-    out.bottomRows(nv_) = factor_.solve(slopes);
+    auto slopes = out.bottomRows(nv_);
+    factor_.solveInPlace(slopes);
   }
 };
 
@@ -44,6 +49,7 @@ Penalised::Penalised(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
       f_(mechanism.nv),
       wish_(mechanism.rows),
       lambda_(Eigen::VectorXd::Zero(mechanism.rows)),
+      penalised_(mechanism.nv, mechanism.nv),
       factor_(mechanism.nv) {}
 
 void Penalised::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -57,7 +63,7 @@ bool Penalised::accelerate(double, const double* y, double* vdot) {
   if (!assemble(y + nq_)) return false;
   Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
   x = f_;
-  if (rows() > 0) x.noalias() += a_ * (J().transpose() * wish_);
+  if (rows() > 0) x.noalias() += a_ * J().transpose() * wish_;
   factor_.solveInPlace(x);
   return true;
 }
@@ -72,7 +78,9 @@ bool Penalised::assemble(const double* v) {
   for (int r = 0; r < rows(); ++r) {
     wish_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
   }
-  factor_.compute(M_ + a_ * J().transpose() * J());
+  penalised_ = M_;
+  penalised_.noalias() += a_ * J().transpose() * J();
+  factor_.compute(penalised_);
   return factor_.info() == Eigen::Success;
 }
 

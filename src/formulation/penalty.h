@@ -28,6 +28,7 @@ class Penalised : public Formulation {
   Eigen::MatrixXd M_;
   Eigen::VectorXd f_, wish_;  // tau - h; what J vdot should be
   Eigen::VectorXd lambda_;
+  Eigen::MatrixXd penalised_;  // M + a J^T J
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

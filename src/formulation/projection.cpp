@@ -24,7 +24,10 @@ constexpr double most_magnified = 1e4;
 
 class Projection final : public Formulation {
  public:
-  using Formulation::Formulation;
+  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs)
+      : Formulation(mechanism, dynamics, inputs), expected_(nv_), before_(nv_), after_(nv_), seen_(inputs) {
+    for (auto& acceleration : accelerations_) acceleration.resize(nv_);
+  }
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
@@ -44,7 +47,7 @@ class Projection final : public Formulation {
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
-  Inputs seen_{0};         // inputs of the accelerations remembered
+  Inputs seen_;            // inputs of the accelerations remembered
   double soundest_ = 0;    // largest pivot ratio seen
   bool sound_ = true;      // the last factors are not near a singular position
   bool rigorous_ = false;  // weak directions are corrected in full
@@ -60,10 +63,8 @@ void Projection::exchange(Record& record) {
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
   if (remembered_ == 0) return;
-  if (record.reading()) seen_ = inputs_;  // as many
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
-    accelerations_[i].resize(nv_);
     record.exchange(times_[i], accelerations_[i]);
   }
 }
@@ -99,7 +100,7 @@ const double* Projection::expected(double t) {
     }
     if (sum <= most_magnified) break;  // true for one alone
   }
-  expected_.assign(nv_, 0);
+  std::ranges::fill(expected_, 0.0);
   for (int i = first; i < remembered_; ++i) {
     for (int k = 0; k < nv_; ++k) expected_[k] += weights[i] * accelerations_[i][k];
   }
@@ -111,8 +112,6 @@ const double* Projection::expected(double t) {
 // position become large in vdot, are the same before and after, and cancel.
 void Projection::add_jump(double t) {
   seen_.go_to(t);
-  before_.resize(nv_);
-  after_.resize(nv_);
   dynamics_.solve(seen_.now().data(), before_.data());
   dynamics_.solve(u_.data(), after_.data());
   for (int k = 0; k < nv_; ++k) expected_[k] += after_[k] - before_[k];
@@ -134,7 +133,6 @@ void Projection::remember(double t) {
     --remembered_;
   }
   times_[remembered_] = t;
-  accelerations_[remembered_].resize(nv_);
   dynamics_.solve(u_.data(), accelerations_[remembered_].data());
   ++remembered_;
 }

@@ -38,7 +38,7 @@ class StabilizedIndex2 final : public WithMultipliers {
     if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
     if (rows() == 0) return true;
     const auto q = Eigen::seqN(0, nq_);
-    F_x(q, second()) = slopes_.qdot_v * J().transpose();
+    F_x.block(0, size() + rows(), nq_, rows()).noalias() = slopes_.qdot_v * J().transpose();
     F_x(first(), q) = slopes_.rate_q;
     F_x(first(), Eigen::seqN(nq_, nv_)) = J();
     F_x(second(), q) = slopes_.Phi_q;

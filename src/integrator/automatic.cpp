@@ -80,6 +80,13 @@ class Automatic final : public Integrator {
 
   void inputs_changed() override { methods_[current_]->inputs_changed(); }
 
+  void warm_up(double end, double* y) override {
+    for (const auto& method : methods_) {
+      method->restart(t_, y_.data());
+      method->warm_up(end, y);
+    }
+  }
+
   void exchange(Record& record) override {
     Integrator::exchange(record);
     record.within(current_, 0, 1);

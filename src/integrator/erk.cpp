@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "integrator/arkode_integrator.h"
 #include "integrator/step_controller.h"
@@ -52,6 +53,16 @@ class Erk final : public ArkodeIntegrator {
       ARKodeSetSafetyFactor(memory_, safety);
       controllers_[i] = sundials::make_step_controller(context_);
       ARKodeSetAdaptController(memory_, controllers_[i].get());
+    }
+  }
+
+  void warm_up(double end, double* y) override {
+    const double start = t_;
+    const std::vector<double> from(y, y + n_);
+    for (int i = 0; i <= top_; ++i) {
+      go(i, end - start);
+      restart(start, from.data());
+      advance_some(end, y, 1);
     }
   }
 

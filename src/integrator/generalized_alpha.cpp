@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "integrator/fixed_step.h"
+#include "integrator/pivots.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -33,8 +34,8 @@ constexpr double enough = 1e-9;  // where rounding ends the progress earlier; of
 constexpr double slow = 0.1;
 constexpr double hopeless = 0.9;  // contraction that leads nowhere
 constexpr int most_iterations = 25;
-constexpr double same_step = 0.05;  // relative, for a matrix to serve again
-constexpr double least_condition = 1e-16;
+constexpr double same_step = 0.05;     // relative, for a matrix to serve again
+constexpr double least_ratio = 1e-16;  // of pivots
 
 class GeneralizedAlpha final : public FixedStep {
  public:
@@ -197,7 +198,7 @@ class GeneralizedAlpha final : public FixedStep {
     A_.bottomRightCorner(m_, m_).setZero();
     lu_.compute(A_);
     matrix_made_for_ = s.speed * h;
-    return lu_.rcond() > least_condition;
+    return pivot_ratio(lu_) > least_ratio;
   }
 
   Coefficients c_;

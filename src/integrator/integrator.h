@@ -43,6 +43,9 @@ class Integrator {
     return end;
   }
 
+  // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
+  // advance(). Where it stands afterwards is not said.
+  virtual void warm_up(double end, double* y) { advance_some(end, y, 2); }
   // What it carries from one communication point to the next besides (t, y), after restart() there when reading.
   // Methods with a history that cannot be written down begin anew: in the run that wrote the record as in the one that
   // reads it.

@@ -5,11 +5,13 @@
 
 #include <cmath>
 
+#include "integrator/pivots.h"
+
 namespace gelenk::sundials {
 namespace {
 
-// Below this the factors are rounding: rows that repeat others.
-constexpr double least_condition = 1e-16;
+// Of pivots: below this the factors are rounding, of rows that repeat others.
+constexpr double least_ratio = 1e-16;
 
 ScaledSolver& of(SUNLinearSolver solver) { return *static_cast<ScaledSolver*>(solver->content); }
 
@@ -22,6 +24,7 @@ ScaledSolver::ScaledSolver(const Equations& system, void* ida_memory, SUNContext
       row_scale_(system.unknowns()),
       column_scale_(system.unknowns()),
       right_(system.unknowns()),
+      scaled_(system.unknowns(), system.unknowns()),
       lu_(system.unknowns()) {
   solver_->content = this;
   solver_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
@@ -52,8 +55,9 @@ int ScaledSolver::setup(SUNLinearSolver solver, SUNMatrix A) {
   const Eigen::Index n = self.row_scale_.size();
   const Eigen::Map<const Eigen::MatrixXd> J(SUNDenseMatrix_Data(A), n, n);
   self.find_scales();
-  self.lu_.compute(self.row_scale_.asDiagonal() * J * self.column_scale_.asDiagonal());
-  return self.lu_.rcond() > least_condition ? 0 : 1;
+  self.scaled_ = self.row_scale_.asDiagonal() * J * self.column_scale_.asDiagonal();
+  self.lu_.compute(self.scaled_);
+  return pivot_ratio(self.lu_) > least_ratio ? 0 : 1;
 }
 
 // The scales are those of the present cj, not of the factors'.

@@ -33,6 +33,7 @@ class ScaledSolver {
   LinearSolver solver_;
   std::vector<int> row_power_, column_power_;
   Eigen::VectorXd row_scale_, column_scale_, right_;
+  Eigen::MatrixXd scaled_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
 };
 

@@ -56,6 +56,22 @@ void Island::start_integrator(double tolerance) {
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
+  warm_up(options.step);
+}
+
+// So that steps find on the heap what they need: some are made, and undone.
+void Island::warm_up(double step) {
+  Record start;
+  exchange(start);
+  std::vector<double> y = y_;
+  try {
+    integrator_->warm_up(time_ + step, y.data());
+  } catch (const IntegrationError&) {
+    // It will be told when the step is asked for.
+  } catch (const SingularMass&) {
+  }
+  start.read_anew();
+  exchange(start);
 }
 
 void Island::advance(double end) {

@@ -34,9 +34,9 @@ class Island {
     fresh_ = Outputs::Needs::state;
   }
   const std::vector<int>& inputs() const { return loads_.inputs; }
-  // loads: of the same scene with other numbers.
-  void set_loads(Loads loads) {
-    loads_ = std::move(loads);
+  // loads: of the same scene with other numbers; in exchange, those so far.
+  void swap_loads(Loads& loads) {
+    std::swap(loads_, loads);
     inputs_changed(true);
   }
 
@@ -68,6 +68,7 @@ class Island {
   double evaluation_cost(double budget);
 
  private:
+  void warm_up(double step);
   const double* q() const { return y_.data(); }
   const double* v() const { return y_.data() + mechanism().nq; }
 

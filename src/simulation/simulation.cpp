@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "integrator/integrator.h"
@@ -50,7 +51,9 @@ struct Simulation::Impl {
   std::vector<std::unique_ptr<Island>> islands;
   std::vector<int> island_of_input;
   std::unique_ptr<Outputs> readings;
-  double still_energy = 0;  // J, potential, of what stands still
+  std::optional<LoadMaker> load_maker;
+  std::vector<Loads> other_loads;  // by island: to be filled in when tuned
+  double still_energy = 0;         // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
   std::vector<int> independent;
@@ -70,6 +73,8 @@ struct Simulation::Impl {
 
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
+  load_maker.emplace(scene, prepared.reduced);
+  load_maker->fill(other_loads);
   std::vector<Loads> loads = make_loads(scene, prepared.reduced);
   sensitivity.reset();
   islands.clear();
@@ -292,8 +297,8 @@ void Simulation::tune(const Scene& scene) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("tuning before initialize()");
   take_tunables(s.scene, scene);
-  std::vector<Loads> loads = make_loads(s.scene, s.prepared.reduced);
-  for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->set_loads(std::move(loads[i]));
+  s.load_maker->fill(s.other_loads);
+  for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->swap_loads(s.other_loads[i]);
   s.still_energy = standing_energy(s.scene, s.prepared.reduced);
 }
 

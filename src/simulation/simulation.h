@@ -92,7 +92,7 @@ class Simulation {
   void set_input_derivative(int index, int order, double value);
   double input_derivative(int index, int order) const;  // as set, at time()
   // Takes what may change during a run (Parameter::tunable) from `scene`, otherwise the one this was made of; as an
-  // input that jumps. After initialize(). Allocates.
+  // input that jumps. After initialize().
   void tune(const Scene& scene);
   double output(int index);      // computed when first read after a change
   double diagnostic(int index);  // likewise

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a controller's loop asks of a plant: nothing of the heap."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import fmpy
+import pytest
+
+import gelenk
+
+from .c_hosts import compiled, extracted
+from .host import Fmu
+from .plants import crank_rocker
+from .states import choice
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = compiled("quiet_host", tmp_path_factory.mktemp("host"))
+    if found is None:
+        pytest.skip("no C compiler")
+    return found
+
+
+def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str) -> dict[str, int]:
+    arguments = extracted(fmu, folder)
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    (reference,) = (v.valueReference for v in variables if v.name == tunable)
+    run = subprocess.run(
+        [str(host), *arguments, str(reference)], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 0, (run.returncode, run.stdout, run.stderr)
+    return dict(zip(("set", "step", "get", "tune"), map(int, run.stdout.split()), strict=True))
+
+
+def test_running_asks_nothing_of_the_heap(host: Path, tmp_path: Path) -> None:
+    """With every pair of methods."""
+    source = crank_rocker()
+    fmu = gelenk.export_fmu(source, tmp_path / "any.fmu")
+    table = Fmu(fmpy.extract(str(fmu), str(tmp_path / "any")))
+    found = {}
+    for formulation in choice(table, "solver.formulation"):
+        for integrator in choice(table, "solver.integrator"):
+            source["solver"] = {"formulation": formulation, "integrator": integrator}
+            try:
+                fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
+            except gelenk.SceneError:
+                continue  # do not go together
+            name = f"{formulation} {integrator}"
+            found[name] = heap_calls(host, fmu, tmp_path / name, "A.damping")
+    assert len(found) > 40
+    noisy = {name: calls for name, calls in found.items() if any(calls.values())}
+    assert not noisy, "\n".join(f"{name}: {calls}" for name, calls in noisy.items())
