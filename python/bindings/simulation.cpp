@@ -269,6 +269,13 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
       .def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
+      .def(
+          "_take_states",
+          [](Plant& p, const std::vector<int>& coordinates) {
+            for (const int q : coordinates) check_index(q, p.fixed().outputs().size());
+            p.with([&](Simulation& s) { s.take_states(coordinates); });
+          },
+          nb::arg("coordinates"), "Derivatives are by these independent coordinates from now on.")
       .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
       .def("_slope_along", slope_along, nb::arg("dx"), nb::arg("du"), "What outputs and states' derivatives differ by.")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),

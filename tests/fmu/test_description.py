@@ -87,6 +87,8 @@ def test_capabilities_are_those_that_work(description: Any) -> None:
     assert c.canInterpolateInputs
     assert not c.canBeInstantiatedOnlyOncePerProcess
     assert not c.canRunAsynchronuously
+    assert c.providesDirectionalDerivative
+    assert c.maxOutputDerivativeOrder == 2
 
 
 def states(description: Any) -> dict[str, str]:
