@@ -36,7 +36,7 @@ enum class Category : unsigned { events, warning, discard, error };
 inline constexpr std::array<LogCategory, 4> log_categories = {{
     {"logEvents", "what assembly found, changes of the instance's mode"},
     {"logStatusWarning", "singular positions passed, where loops could go on by another branch"},
-    {"logStatusDiscard", "steps that could not be made"},
+    {"logStatusDiscard", "steps that could not be made, derivatives that do not exist"},
     {"logStatusError", "wrong calls and why they were refused"},
 }};
 inline constexpr std::string_view log_all = "logAll";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "joint/registry.h"
 #include "mechanism/sets.h"
 
 namespace gelenk {
@@ -133,10 +134,19 @@ class Finder {
     const JointPlace& place = reduced_.joints[j];
     const bool moves = place.role != JointPlace::Role::merged;
     const Part& p = part(moves ? place.island : -1);
-    if (p.states.contains(variable)) return {variable};
+    if (p.states.contains(variable)) return of_state(signal, variable);
     if (!known_) return all_;
     if (signal.level == 2) return moves ? of_accelerations(scene_.joints[j], p) : std::set<int>();
     return signal.level == 0 ? p.positions : p.states;
+  }
+
+  // Itself; a quaternion's component through the length that is kept all four.
+  std::set<int> of_state(const Signal& signal, int variable) const {
+    const JointKind& kind = *find_joint_kind(scene_.joints[static_cast<std::size_t>(signal.joint)].type);
+    const int component = signal.component - (kind.nq - 4);
+    if (signal.level != 0 || !kind.has_quaternion() || component < 0) return {variable};
+    const int first = variable - component;
+    return {first, first + 1, first + 2, first + 3};
   }
 
   // Of a quaternion's component: by the states of its joint.

@@ -67,8 +67,8 @@ struct Simulation::Impl {
   void check_inputs(double end) const;
   void advance(double end);
   Energy energy();
-  std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
-  std::vector<int> complete(int island, const std::vector<bool>& wanted) const;
+  std::vector<std::string> names_of_coordinates(int island) const;                     // independent ones
+  std::vector<int> independent_of(int island, const std::vector<bool>& prefer) const;  // speeds
 };
 
 void Simulation::Impl::make_islands() {
@@ -98,8 +98,7 @@ void Simulation::Impl::find_independent() {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Mechanism& mechanism = islands[i]->mechanism();
     const auto speeds =
-        independent_speeds(mechanism, islands[i]->dynamics(), prepared.islands[i].start.q, islands[i]->structure().rank,
-                           preferred_speeds(scene, prepared.reduced, static_cast<int>(i)));
+        independent_of(static_cast<int>(i), preferred_speeds(scene, prepared.reduced, static_cast<int>(i)));
     is_free.emplace_back(mechanism.nv, false);
     for (const int k : speeds) is_free[i][k] = true;
     independent_by_island.push_back(speeds);
@@ -152,19 +151,16 @@ void Simulation::Impl::advance(double end) {
   throw StepError(describe_refusal(cause, time));
 }
 
-// These speeds, and what else is independent beside them: turns of a quaternion that is no state as a whole.
-std::vector<int> Simulation::Impl::complete(int island, const std::vector<bool>& wanted) const {
+// prefer: by speed of the island, those wanted among them.
+std::vector<int> Simulation::Impl::independent_of(int island, const std::vector<bool>& prefer) const {
   const Island& of = *islands[island];
+  const Structure& structure = of.structure();
   const auto dynamics = make_dynamics(of.mechanism(), of.loads());  // the run's own stays as it is
-  const int rank = of.structure().rank;
-  dynamics->limit_rank(rank);
-  std::vector<int> found =
-      independent_speeds(of.mechanism(), *dynamics, prepared.islands[island].start.q, rank, wanted);
-  std::vector<int> out;
-  for (int k = 0; k < of.mechanism().nv; ++k) {
-    if (wanted[k]) out.push_back(k);
-  }
-  return std::ranges::includes(found, out) ? found : out;
+  dynamics->limit_rank(structure.rank);
+  // A singular start tells too little of what depends on what.
+  const bool singular = structure.rank_start < structure.rank && !structure.idle_q.empty();
+  const std::vector<double>& q = singular ? structure.idle_q : prepared.islands[island].start.q;
+  return independent_speeds(of.mechanism(), *dynamics, q, structure.rank, prefer);
 }
 
 std::vector<std::string> Simulation::Impl::names_of_coordinates(int island) const {
@@ -335,7 +331,14 @@ void Simulation::take_states(const std::vector<int>& independent_coordinates) {
   s.independent = independent_coordinates;
   s.states = states_behind(s.scene, s.outputs, s.independent);
   for (int i = 0; i < static_cast<int>(s.islands.size()); ++i) {
-    s.independent_by_island[i] = s.complete(i, speeds_behind(s.prepared.reduced, s.outputs, i, s.states));
+    const std::vector<bool> wanted = speeds_behind(s.prepared.reduced, s.outputs, i, s.states);
+    std::vector<int> all;
+    for (int k = 0; k < static_cast<int>(wanted.size()); ++k) {
+      if (wanted[k]) all.push_back(k);
+    }
+    // Beside them may stand turns of a quaternion that is no state as a whole.
+    const std::vector<int> found = s.independent_of(i, wanted);
+    s.independent_by_island[i] = std::ranges::includes(found, all) ? found : all;
   }
 }
 
