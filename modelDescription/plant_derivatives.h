@@ -14,8 +14,8 @@ using References = std::span<const unsigned>;
 // derivatives of states; knowns: inputs and states. Throws UsageError naming what is neither, NotDifferentiable.
 void directional_derivative(Plant& plant, References unknown, References known, const double* seed, double* out);
 
-// out[i]: time derivative of this order (1 to max_output_derivative_order) of an output, along the motion under
-// constant inputs. Throws likewise.
+// out[i]: time derivative of this order (1 to max_output_derivative_order) of an output, along the motion, with the
+// inputs' own derivatives. Throws likewise.
 void output_derivatives(Plant& plant, References outputs, const int* orders, double* out);
 
 }  // namespace gelenk

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from ctypes import c_double, c_int, c_size_t, c_uint
 
 from fmu.host import DISCARD, ERROR, OK, Fmu, Slave, expect
+from fmu.runs import push
 
 SIZE = 1e-2  # s, of a step
 DIRECTIONAL, IN_TIME = "fmi2GetDirectionalDerivative", "fmi2GetRealOutputDerivatives"
@@ -136,22 +137,49 @@ def speeds_and_accelerations_are_time_derivatives(fmu: Fmu) -> None:
 
 def time_derivatives_are_those_of_a_tight_run(fmu: Fmu) -> None:
     """Central differences of eighth order over steps of 2 ms, at 1e-13: error 1e-13 / h^2 at the most."""
-    names = outputs_of(fmu)
+    compare_with_a_tight_run(fmu, ())
+
+
+def time_derivatives_follow_the_inputs(fmu: Fmu) -> None:
+    """A torque that rises as a cubic, its derivatives set anew at each step."""
+    compare_with_a_tight_run(fmu, (30.0, -200.0, 5e3))
+
+
+def compare_with_a_tight_run(plant: Fmu, torque: Sequence[float]) -> None:
+    """torque: its derivatives of order 1, 2, ... at t = 0."""
+    names = outputs_of(plant)
     h = 2e-3
-    s = Slave(fmu)
+    s = Slave(plant)
     assert s.setup(tolerance=1e-13) == OK
     assert s.enter() == OK
     s.set_real(drive__tau=2.0)
     assert s.leave() == OK
-    s.run(100, h)
-    rows = s.run(5, h, first=100)  # the last one's time is in the middle of all nine
+
+    def run(steps: range) -> list[list[float]]:
+        rows = []
+        for k in steps:
+            if torque:
+                assert push(s, *at_time(torque, k * h)) == OK
+            rows += s.run(1, h, first=k)
+        return rows
+
+    run(range(100))
+    rows = run(range(100, 105))  # the last one's time is in the middle of all nine
+    if torque:
+        assert push(s, *at_time(torque, 105 * h)) == OK
     found = [in_time(s, names, order) for order in (1, 2)]
-    around = list(zip(*rows, *s.run(4, h, first=105), strict=True))
+    around = list(zip(*rows, *run(range(105, 109)), strict=True))
     first = (1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280)
     second = (-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560)
     for order, weights in enumerate((first, second), 1):
         expected = [sum(w * x for w, x in zip(weights, c, strict=True)) / h**order for c in around]
         assert_close(found[order - 1], expected, 1e-7)
+
+
+def at_time(derivatives: Sequence[float], t: float) -> list[float]:
+    """Of a polynomial, from those at t = 0."""
+    n = len(derivatives)
+    return [sum(derivatives[j] * t ** (j - i) / math.factorial(j - i) for j in range(i, n)) for i in range(n)]
 
 
 def asking_changes_no_bit(fmu: Fmu) -> None:

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What stands behind a Simulation; for simulation.cpp and simulation_derivatives.cpp alone.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "simulation/island.h"
+#include "simulation/simulation.h"
+
+namespace gelenk {
+
+struct Simulation::Impl {
+  explicit Impl(Scene given)
+      : scene(std::move(given)),
+        reduced(reduce(scene)),
+        inputs(input_signals(scene)),
+        outputs(output_signals(scene)),
+        diagnostics(diagnostic_signals()),
+        u(inputs.size()),
+        size(size_of(reduced)) {}
+
+  Scene scene;
+  const ReducedScene reduced;  // before the start values are known
+  std::vector<Signal> inputs, outputs, diagnostics;
+  Inputs u;
+  ModelSize size;
+
+  // From initialize() on.
+  PreparedScene prepared;
+  std::vector<std::unique_ptr<Island>> islands;
+  std::vector<int> island_of_input;
+  std::unique_ptr<Outputs> readings;
+  std::optional<LoadMaker> load_maker;
+  std::vector<Loads> other_loads;  // by island: to be filled in when tuned
+  double still_energy = 0;         // J, potential, of what stands still
+  double time = 0;
+  bool initialized = false;
+  std::vector<int> independent;
+  std::vector<std::vector<int>> independent_by_island;  // speeds
+  std::vector<StateVariable> states;
+  std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
+
+  void make_islands();
+  void find_independent();
+  int known_input(int index) const;  // throws std::out_of_range
+  void check_inputs(double end) const;
+  void advance(double end);
+  Energy energy();
+  std::vector<std::string> names_of_coordinates(int island) const;                     // independent ones
+  std::vector<int> independent_of(int island, const std::vector<bool>& prefer) const;  // speeds
+};
+
+}  // namespace gelenk
