@@ -193,42 +193,8 @@ void bind_size(nb::module_& m) {
       .def_ro("planar", &ModelSize::planar, "Whether all of them are computed in their plane.");
 }
 
-}  // namespace
-
-void gelenk::bind_simulation(nb::module_& m) {
-  bind_signal(m);
-  bind_size(m);
-  nb::class_<Plant>(m, "Simulation", "One running instance of a scene.")
-      .def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
-      .def(
-          "initialize",
-          [](Plant& p, double time, double tolerance) {
-            p.with([&](Simulation& s) { s.initialize(time, tolerance); });
-          },
-          nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
-          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
-      .def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
-      .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
-           "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
-      .def("_consistent", consistent_at, nb::arg("island"),
-           "Unknowns x, multipliers behind (q, v), and xdot at the present state, one after the other; for checks.")
-      .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("slopes"),
-           "The island's residual F(x, xdot), or dF/dx and dF/dxdot column by column; for checks.")
-      .def(
-          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
-          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
-      .def("save", save,
-           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
-           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
-      .def("restore", restore, nb::arg("saved"),
-           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
-           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
-      .def_prop_ro(
-          "time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].")
-      .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
-      .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
-      .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
-      .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
+void bind_inputs(nb::class_<Plant>& simulation) {
+  simulation
       .def(
           "set_input",
           [](Plant& p, int index, double value) {
@@ -257,18 +223,21 @@ void gelenk::bind_simulation(nb::module_& m) {
             check_index(index, p.fixed().inputs().size());
             return p.with([&](Simulation& s) { return s.input_derivative(index, order); });
           },
-          nb::arg("index"), nb::arg("order"))
-      .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
-      .def(
-          "diagnostic",
-          [](Plant& p, int index) {
-            check_index(index, p.fixed().diagnostics().size());
-            return p.with([&](Simulation& s) { return s.diagnostic(index); });
-          },
-          nb::arg("index"))
-      .def_prop_ro("independent_coordinates",
-                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
-      .def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
+          nb::arg("index"), nb::arg("order"));
+}
+
+void bind_checks(nb::class_<Plant>& simulation) {
+  simulation.def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
+      .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
+           "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
+      .def("_consistent", consistent_at, nb::arg("island"),
+           "Unknowns x, multipliers behind (q, v), and xdot at the present state, one after the other; for checks.")
+      .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("slopes"),
+           "The island's residual F(x, xdot), or dF/dx and dF/dxdot column by column; for checks.");
+}
+
+void bind_derivatives(nb::class_<Plant>& simulation) {
+  simulation.def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
       .def(
           "_take_states",
           [](Plant& p, const std::vector<int>& coordinates) {
@@ -279,7 +248,51 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
       .def("_slope_along", slope_along, nb::arg("dx"), nb::arg("du"), "What outputs and states' derivatives differ by.")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
-           "First, then second time derivatives of all outputs; [] where inputs are constant.")
+           "First, then second time derivatives of all outputs; [] where inputs are constant.");
+}
+
+}  // namespace
+
+void gelenk::bind_simulation(nb::module_& m) {
+  bind_signal(m);
+  bind_size(m);
+  nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");
+  bind_inputs(simulation);
+  bind_checks(simulation);
+  bind_derivatives(simulation);
+  simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
+      .def(
+          "initialize",
+          [](Plant& p, double time, double tolerance) {
+            p.with([&](Simulation& s) { s.initialize(time, tolerance); });
+          },
+          nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
+          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
+      .def(
+          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
+          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+      .def("save", save,
+           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
+           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
+      .def("restore", restore, nb::arg("saved"),
+           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
+           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
+      .def_prop_ro(
+          "time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].")
+      .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
+      .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
+      .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
+      .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
+      .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
+      .def(
+          "diagnostic",
+          [](Plant& p, int index) {
+            check_index(index, p.fixed().diagnostics().size());
+            return p.with([&](Simulation& s) { return s.diagnostic(index); });
+          },
+          nb::arg("index"))
+      .def_prop_ro("independent_coordinates",
+                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
       .def(
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
