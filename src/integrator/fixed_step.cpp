@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gelenk {
 
@@ -15,10 +16,15 @@ void FixedStep::restart(double t, const double* y) {
 }
 
 void FixedStep::advance(double end, double* y) {
-  // As many equal steps as are needed, none longer than the step; 1e-9 of a step is rounding of the times.
+  // As many equal steps as are needed, none longer than the step. Ends come rounded, the later the coarser: where whole
+  // steps fit up to that, all have the size asked for, so that the same grid gives the same bits however it is cut.
   const double start = t_;
-  const long count = std::max(1L, static_cast<long>(std::ceil((end - start) / step_ - 1e-9)));
-  const double h = (end - start) / static_cast<double>(count);
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(end));
+  const double span = end - start;
+  const long count = std::max(1L, static_cast<long>(std::ceil((span - rounding) / step_ - 1e-9)));
+  const double whole = static_cast<double>(count) * step_;
+  const bool fits = std::abs(whole - span) <= rounding + 1e-12 * span;
+  const double h = fits ? step_ : span / static_cast<double>(count);
   for (long i = 0; i < count; ++i) {
     make_step(start + static_cast<double>(i) * h, h);
     t_ = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
