@@ -33,6 +33,19 @@ std::string read_file(const fs::path& path, const std::string& what) {
   return content;
 }
 
+struct Binary {
+  std::string platform, ending, content;
+};
+
+Binary binary_of(const fs::path& runtime) {
+  const std::string ending = runtime.extension().string();
+  if (ending != ".so" && ending != ".dll") {
+    throw ExportError(runtime.string() + ": the FMU runtime: found the ending '" + ending +
+                      "', expected .so (linux64) or .dll (win64)");
+  }
+  return {ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
+}
+
 // Names of the files in a directory, sorted: directory order differs between machines. Not of those in folders below:
 // these hold the licences of what an FMU does not carry.
 std::vector<fs::path> files_in(const fs::path& directory) {
@@ -81,8 +94,10 @@ class DraftFile {
 
 }  // namespace
 
-void export_fmu(const Scene& scene, const fs::path& runtime, const fs::path& out, const fs::path& licenses) {
-  const std::string library = read_file(runtime, "the FMU runtime");
+void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const fs::path& out,
+                const fs::path& licenses) {
+  std::vector<Binary> binaries;
+  for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
   const std::string json = write_scene_json(scene);
   const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
   Catalogue catalogue(carried);
@@ -96,7 +111,9 @@ void export_fmu(const Scene& scene, const fs::path& runtime, const fs::path& out
   zip.add("modelDescription.xml",
           write_model_description(carried, catalogue, dependencies_of(simulation, catalogue), facts));
   zip.add("model.png", write_png(picture));
-  zip.add("binaries/linux64/" + facts.model_identifier + ".so", library, true);
+  for (const Binary& binary : binaries) {
+    zip.add("binaries/" + binary.platform + "/" + facts.model_identifier + binary.ending, binary.content, true);
+  }
   zip.add("resources/scene.json", json);
   zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture));
   if (!licenses.empty()) {

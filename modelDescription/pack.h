@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -16,10 +17,10 @@ class ExportError : public std::runtime_error {
 };
 
 // Writes the FMU to `out`, as a whole or not at all; the same arguments give the same bytes.
-//   runtime   the library with the FMI functions, for linux64
+//   runtimes  libraries with the FMI functions, whose endings tell the platform: .so linux64, .dll win64
 //   licenses  directory whose files go into documentation/licenses; empty: none
 // Throws ExportError, SceneError, and AssemblyError when the start values cannot be assembled.
-void export_fmu(const Scene& scene, const std::filesystem::path& runtime, const std::filesystem::path& out,
-                const std::filesystem::path& licenses = {});
+void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
+                const std::filesystem::path& out, const std::filesystem::path& licenses = {});
 
 }  // namespace gelenk

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-export SCENE OUT.fmu --runtime FILE [--licenses DIR]: exporting without Python, for CMake.
+// gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]: exporting without Python, for CMake.
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -14,19 +15,20 @@
 namespace {
 
 constexpr const char* usage =
-    "usage: gelenk-export SCENE OUT.fmu --runtime FILE [--licenses DIR]\n"
+    "usage: gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]\n"
     "  SCENE    scene file, JSON"
 #ifdef GELENK_WITH_YAML
     " or YAML"
 #endif
     "\n"
     "  OUT.fmu  the FMU to write\n"
-    "  FILE     the library with the FMI functions that comes with Gelenk\n"
+    "  FILE     the library with the FMI functions that comes with Gelenk; one for each platform\n"
     "  DIR      directory with the licences to pack\n";
 
 struct Options {
   std::vector<std::string> files;
-  std::string runtime, licenses;
+  std::vector<std::filesystem::path> runtimes;
+  std::string licenses;
 };
 
 bool parse(int argc, char** argv, Options& options) {
@@ -34,14 +36,15 @@ bool parse(int argc, char** argv, Options& options) {
     const std::string_view word = argv[i];
     if (word == "--runtime" || word == "--licenses") {
       if (++i == argc) return false;
-      (word == "--runtime" ? options.runtime : options.licenses) = argv[i];
+      if (word == "--runtime") options.runtimes.emplace_back(argv[i]);
+      if (word == "--licenses") options.licenses = argv[i];
     } else if (word.starts_with("--")) {
       return false;
     } else {
       options.files.emplace_back(word);
     }
   }
-  return options.files.size() == 2 && !options.runtime.empty();
+  return options.files.size() == 2 && !options.runtimes.empty();
 }
 
 gelenk::Scene read_scene(const std::string& path) {
@@ -63,7 +66,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    gelenk::export_fmu(read_scene(options.files[0]), options.runtime, options.files[1], options.licenses);
+    gelenk::export_fmu(read_scene(options.files[0]), options.runtimes, options.files[1], options.licenses);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

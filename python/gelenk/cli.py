@@ -13,6 +13,7 @@ import typer
 import gelenk
 from gelenk.chart.cli import app as chart_app
 from gelenk.errors import StepError, UsageError
+from gelenk.export import missing_platforms
 from gelenk.progress import progress_bar
 from gelenk.result import Result
 from gelenk.told import told
@@ -56,10 +57,19 @@ def export(
         Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu.")
     ] = None,
     without: Without = None,
+    platforms: Annotated[
+        str, typer.Option(metavar="LIST", help="For whom: linux64, win64 or both, with a comma between.")
+    ] = "linux64",
 ) -> None:
-    """Export a scene as an FMU (FMI 2.0 co-simulation)."""
+    """Export a scene as an FMU (FMI 2.0 co-simulation); platforms that are missing are told on stderr."""
+    wanted = [name.strip() for name in platforms.split(",")]
+    missing = missing_platforms(wanted)
+    there = [name for name in wanted if name not in missing]
     loaded = gelenk.load(Path(scene)).without(without or [])
-    out = gelenk.export_fmu(loaded, output or Path(f"{loaded.name}.fmu"))
+    # With none left, the export says why.
+    out = gelenk.export_fmu(loaded, output or Path(f"{loaded.name}.fmu"), there or wanted)
+    for sentence in missing.values():
+        print(sentence, file=sys.stderr)
     print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import resources
 from os import PathLike
 from pathlib import Path
@@ -11,13 +12,16 @@ from gelenk import _core
 from gelenk.errors import ExportError
 from gelenk.scene import Source, load
 
+RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so", "win64": "runtime/win64/gelenk_fmu.dll"}
 
-def export_fmu(scene: Source, out: str | PathLike[str]) -> Path:
+
+def export_fmu(scene: Source, out: str | PathLike[str], platforms: Sequence[str] = ("linux64",)) -> Path:
     """Writes an FMI 2.0 co-simulation FMU, as a whole or not at all.
 
     Args:
         scene: anything `gelenk.load` takes.
         out: the .fmu file; one that exists is replaced.
+        platforms: for whom, `linux64` or `win64`; what is missing is an error (see `missing_platforms`).
 
     Returns:
         Path: the file written.
@@ -25,19 +29,42 @@ def export_fmu(scene: Source, out: str | PathLike[str]) -> Path:
     Raises:
         SceneError: the scene is wrong.
         AssemblyError: its loops cannot be closed with the start values.
-        ExportError: the file cannot be written.
+        ExportError: the file cannot be written, or a platform is unknown or missing.
         OSError: the scene cannot be read.
     """
     target = Path(out)
     if target.suffix.lower() != ".fmu":
         raise ExportError(f"{target}: found the ending {target.suffix or 'none'}, expected .fmu")
-    _core.export_fmu(load(scene)._core, runtime_library(), target, licenses())
+    if not platforms:
+        raise ExportError(f"platforms: found none, expected {' or '.join(RUNTIMES)}")
+    for sentence in missing_platforms(platforms).values():
+        raise ExportError(sentence)
+    runtimes = [runtime_library(platform) for platform in dict.fromkeys(platforms)]
+    _core.export_fmu(load(scene)._core, runtimes, target, licenses())
     return target
 
 
-def runtime_library() -> Path:
-    """The library that every FMU carries (Linux, x86-64)."""
-    return _part("runtime/linux64/gelenk_fmu.so")
+def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:
+    """Of the platforms those for which this installation has no library, each with the reason as a sentence.
+
+    Raises:
+        ExportError: a platform is unknown.
+    """
+    missing = {}
+    for platform in platforms:
+        if platform not in RUNTIMES:
+            raise ExportError(f"platforms: found {platform!r}, expected {' or '.join(RUNTIMES)}")
+        path = _place(RUNTIMES[platform])
+        if path.exists():
+            continue
+        how = "`make win64` in Gelenk's source builds it" if platform == "win64" else "install gelenk anew"
+        missing[platform] = f"{platform}: this installation of gelenk has no {path.name} ({path}); {how}"
+    return missing
+
+
+def runtime_library(platform: str = "linux64") -> Path:
+    """The library that an FMU carries for a platform (x86-64)."""
+    return _part(RUNTIMES[platform])
 
 
 def licenses() -> Path:
@@ -50,8 +77,12 @@ def schema() -> str:
     return _core.scene_schema()
 
 
+def _place(name: str) -> Path:
+    return Path(str(resources.files("gelenk") / name))
+
+
 def _part(name: str) -> Path:
-    path = Path(str(resources.files("gelenk") / name))
+    path = _place(name)
     if not path.exists():
         raise ExportError(f"{path}: missing from this installation of gelenk")
     return path
