@@ -96,9 +96,11 @@ void Instance::step(double current, double h) {
   const long passages = plant_.singular_positions();
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
+  } catch (const StepBudgetError&) {
+    left_at_plant_time(false);
+    throw;
   } catch (const StepError&) {
-    clock_.start(plant_.time());
-    mode_ = Mode::step_failed;
+    left_at_plant_time(true);
     throw;
   }
   clock_ = next;
@@ -154,10 +156,16 @@ void Instance::exchange(Record& record) {
   auto mode = static_cast<int>(mode_);
   record.within(mode, 1, static_cast<int>(Mode::terminated));
   if ((mode & (mode - 1)) != 0) throw std::invalid_argument("it is not of this plant, or damaged");
-  record.exchange(stop_);
+  record.exchange(stuck_, stop_);
   clock_.exchange(record);
   plant_.exchange(record);
   mode_ = static_cast<Mode>(mode);
+}
+
+void Instance::left_at_plant_time(bool stuck) {
+  clock_.start(plant_.time());
+  mode_ = Mode::step_failed;
+  stuck_ = stuck;
 }
 
 void Instance::enter(Mode mode) {

@@ -20,7 +20,7 @@ enum class Mode : unsigned {
   instantiated = 1,
   initialization = 2,
   step_complete = 4,
-  step_failed = 8,  // a step was discarded: the plant stands at its last good time and can go on from there
+  step_failed = 8,  // a step was discarded: the plant stands at the time reached and can go on from there
   terminated = 16,
   error = 32,  // a fault of our own: only reset and free are left
 };
@@ -48,6 +48,8 @@ class Instance {
 
   // Advances by h > 0 from the master's time. Throws StepError (then in step_failed) and UsageError (no change).
   void step(double current, double h);
+  // Whether the last step failed where trying again helps only with other inputs.
+  bool stuck() const { return mode_ == Mode::step_failed && stuck_; }
 
   // FMU states belong to the instance that made them, and are gone with it.
   SavedState* save();
@@ -63,6 +65,7 @@ class Instance {
   void write(Record& record);
   void read(Record& record);
   void exchange(Record& record);
+  void left_at_plant_time(bool stuck);
   void enter(Mode mode);
 
   std::shared_ptr<const PlantModel> model_;
@@ -70,7 +73,8 @@ class Instance {
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  double stop_;  // s; infinite: none given
+  bool stuck_ = false;  // of step_failed: see stuck()
+  double stop_;         // s; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;
 };
 

@@ -61,12 +61,12 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, 
   return gelenk::nothing_pending(c, "fmi2GetIntegerStatus");
 }
 
-// After a discarded step the wish to end is true: a master that changes nothing would try the same step for ever.
-// One that sets other inputs may go on from the last successful time all the same.
+// After a step that could not be made the wish to end is true: a master that changes nothing would try the same step
+// for ever. One that sets other inputs may go on from the last successful time all the same. A step cut short is no
+// reason to end: there is a way on, and each call goes part of it.
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean* value) {
-  return gelenk::tell(c, "fmi2GetBooleanStatus", kind, fmi2Terminated, value, [](Instance& instance) {
-    return instance.mode() == gelenk::Mode::step_failed ? fmi2True : fmi2False;
-  });
+  return gelenk::tell(c, "fmi2GetBooleanStatus", kind, fmi2Terminated, value,
+                      [](Instance& instance) { return instance.stuck() ? fmi2True : fmi2False; });
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2String* /*value*/) {

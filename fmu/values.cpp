@@ -15,6 +15,8 @@ const char* fmi_name(ParameterType type) {
       return "Real";
     case ParameterType::boolean:
       return "Boolean";
+    case ParameterType::integer:
+      return "Integer";
     case ParameterType::enumeration:
       break;
   }
@@ -35,7 +37,8 @@ std::string fault(const Catalogue& catalogue, ParameterType type, const fmi2Valu
       return "value reference: found " + std::to_string(references[i]) + ", expected less than " +
              std::to_string(catalogue.variables().size());
     }
-    if (v->type != type) return v->name + " is of type " + fmi_name(v->type);
+    if (v->type != type && !(type == ParameterType::integer && v->type == ParameterType::enumeration))
+      return v->name + " is of type " + fmi_name(v->type);
   }
   return {};
 }
@@ -123,7 +126,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 }
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
-  return gelenk::get(c, "fmi2GetInteger", ParameterType::enumeration, vr, nvr, value);
+  return gelenk::get(c, "fmi2GetInteger", ParameterType::integer, vr, nvr, value);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[]) {
@@ -139,7 +142,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 }
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
-  return gelenk::set(c, "fmi2SetInteger", ParameterType::enumeration, vr, nvr, value);
+  return gelenk::set(c, "fmi2SetInteger", ParameterType::integer, vr, nvr, value);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[]) {

@@ -19,7 +19,7 @@ constexpr const char* style =
 std::string start_text(const Variable& v, const Catalogue& catalogue) {
   if (!v.start) return {};
   if (v.type == ParameterType::boolean) return *v.start != 0 ? "true" : "false";
-  if (v.type == ParameterType::real) return text::number(*v.start);
+  if (v.type != ParameterType::enumeration) return text::number(*v.start);
   const auto& items = catalogue.parameters()[static_cast<std::size_t>(v.index)].items;
   const auto item = static_cast<std::size_t>(*v.start) - 1;
   return item < items.size() ? items[item] : std::string();

@@ -154,6 +154,10 @@ void write_type(Writer& w, const Variable& v) {
     case ParameterType::boolean:
       w.open(3, "Boolean").attribute("start", v.start == 1.0);
       break;
+    case ParameterType::integer:
+      w.open(3, "Integer").attribute("min", static_cast<int>(v.min)).attribute("max", static_cast<int>(v.max));
+      w.attribute("start", static_cast<int>(v.start.value_or(0)));
+      break;
     case ParameterType::enumeration:
       w.open(3, "Enumeration").attribute("declaredType", v.type_name);
       w.attribute("start", static_cast<int>(v.start.value_or(1)));

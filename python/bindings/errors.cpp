@@ -29,6 +29,8 @@ void translate(const std::exception_ptr& thrown, void*) {
     raise("SceneError", e.lines());
   } catch (const gelenk::AssemblyError& e) {
     raise("AssemblyError", std::string(e.what()));
+  } catch (const gelenk::StepBudgetError& e) {
+    raise("StepBudgetError", std::string(e.what()));
   } catch (const gelenk::StepError& e) {
     raise("StepError", std::string(e.what()));
   } catch (const gelenk::UsageError& e) {

@@ -25,6 +25,8 @@ const char* type_name(const Parameter& p) {
       return "boolean";
     case gelenk::ParameterType::enumeration:
       return "enumeration";
+    case gelenk::ParameterType::integer:
+      return "integer";
     default:
       return "real";
   }
@@ -53,7 +55,7 @@ void gelenk::bind_parameters(nb::module_& m) {
       .def_ro("name", &Parameter::name)
       .def_ro("unit", &Parameter::unit)
       .def_ro("description", &Parameter::description)
-      .def_prop_ro("type", &type_name, "real, boolean (0 or 1) or enumeration (number of the item, from 1).")
+      .def_prop_ro("type", &type_name, "real, integer, boolean (0 or 1) or enumeration (number of the item, from 1).")
       .def_ro("items", &Parameter::items, "Names of an enumeration's values.")
       .def_ro("min", &Parameter::min)
       .def_ro("max", &Parameter::max)

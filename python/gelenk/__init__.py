@@ -12,7 +12,15 @@ from __future__ import annotations
 from importlib.metadata import version
 from os import PathLike
 
-from gelenk.errors import AssemblyError, ExportError, GelenkError, SceneError, StepError, UsageError
+from gelenk.errors import (
+    AssemblyError,
+    ExportError,
+    GelenkError,
+    SceneError,
+    StepBudgetError,
+    StepError,
+    UsageError,
+)
 from gelenk.export import export_fmu
 from gelenk.inspection import Inspection, inspect
 from gelenk.result import Result
@@ -31,6 +39,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Simulation",
+    "StepBudgetError",
     "StepError",
     "UsageError",
     "__version__",

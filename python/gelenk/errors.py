@@ -43,6 +43,13 @@ class StepError(GelenkError):
     result: Result | None = None
 
 
+class StepBudgetError(StepError):
+    """A step has used up its evaluations (`solver.max_evaluations`) and ended early, at the plant's `time`.
+
+    Another step takes it on from there.
+    """
+
+
 class UsageError(GelenkError):
     """A wrong call: a name that does not exist, a value that is not finite, a step back in time."""
 

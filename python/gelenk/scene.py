@@ -244,4 +244,6 @@ def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> flo
 def _shown(parameter: _core.Parameter, value: float) -> Value:
     if parameter.type == "boolean":
         return bool(value)
+    if parameter.type == "integer":
+        return round(value)
     return parameter.items[round(value) - 1] if parameter.type == "enumeration" else value

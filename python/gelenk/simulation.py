@@ -74,6 +74,8 @@ class Simulation:
 
         Raises:
             StepError: the step cannot be made; the plant still stands at `time`.
+            StepBudgetError: it has used up `solver.max_evaluations`; the plant stands at `time`, part of
+                the way, and another step takes it on.
             UsageError: `end` lies before `time` or is not finite.
         """
         self._core.step_to(end)
@@ -108,7 +110,11 @@ class Simulation:
         self._core.set_input_derivative(self._index(name, "input", self._input), order, value)
 
     def input_derivative(self, name: str, order: int) -> float:
-        """A time derivative of an input as set, at `time`. Raises UsageError: as set_input_derivative."""
+        """A time derivative of this order of an input, as set, at `time`.
+
+        Raises:
+            UsageError: no such input, an order other than 1 to 5.
+        """
         return self._core.input_derivative(self._index(name, "input", self._input), order)
 
     def output(self, name: str) -> float:

@@ -24,6 +24,8 @@ class Equations {
   virtual void displace(double* q, const double* dv) const = 0;
   // A step has been accepted; y is on the constraints.
   virtual void accepted(double t, const double* y) = 0;
+  // Whether the evaluations allowed are used up: an advance then ends after the step it is in.
+  virtual bool spent() const { return false; }
   // Where f has kinks: at zeros of so many functions of y. g, gdot (per s): their values and rates; a rate that is not
   // known is no number.
   virtual int switches() const { return 0; }

@@ -51,6 +51,11 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
 
+void Formulation::allow(long evaluations) {
+  const long now = dynamics_.evaluations();
+  last_evaluation_ = evaluations < LONG_MAX - now ? now + evaluations : LONG_MAX;
+}
+
 void Formulation::renew_factors() {
   refactor();
   factors_ = true;

@@ -6,6 +6,7 @@
 // whatever the formulation.
 #pragma once
 
+#include <climits>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -42,6 +43,10 @@ class Formulation : public Equations {
   // Two for each stop of a tree joint, at its upper and its lower bound: positive where it pushes.
   int switches() const final { return 2 * static_cast<int>(dynamics_.stops().size()); }
   void switch_values(const double* y, double* g, double* gdot) const final;
+
+  // From now on: calls of solve and assemble until spent(); LONG_MAX: without end.
+  void allow(long evaluations);
+  bool spent() const final { return dynamics_.evaluations() >= last_evaluation_; }
 
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   void output_accelerations(double t, const double* y, double* vdot);
@@ -106,6 +111,7 @@ class Formulation : public Equations {
   TurnCounter turns_;
   Passages passages_;
   long jacobians_ = 0;
+  long last_evaluation_ = LONG_MAX;
   double length_;  // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };

@@ -46,6 +46,7 @@ class Counted final : public Equations {
   bool project(double t, double* y) override { return counted_.project(t, y); }
   void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
   void accepted(double t, const double* y) override { counted_.accepted(t, y); }
+  bool spent() const override { return counted_.spent(); }
   int switches() const override { return counted_.switches(); }
   void switch_values(const double* y, double* g, double* gdot) const override { counted_.switch_values(y, g, gdot); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }
@@ -96,13 +97,14 @@ class Automatic final : public Integrator {
     trials_.exchange(record);
   }
 
-  void advance(double end, double* y) override {
-    while (t_ < end) {
+  double advance(double end, double* y) override {
+    do {
       go_on(end);
       if (stretch_.steps >= stretch_steps) review();
-    }
+    } while (t_ < end && !counted_.spent());
     count();
     std::ranges::copy(y_, y);
+    return t_;
   }
 
  private:

@@ -15,17 +15,18 @@ void FixedStep::restart(double t, const double* y) {
   std::copy(y, y + n_, y_.begin());
 }
 
-void FixedStep::advance(double end, double* y) {
+double FixedStep::advance(double end, double* y) {
   // As many equal steps as are needed, none longer than the step. Ends come rounded, the later the coarser: where whole
   // steps fit up to that, all have the size asked for, so that the same grid gives the same bits however it is cut.
   const double start = t_;
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(end));
   const double span = end - start;
-  const long count = std::max(1L, static_cast<long>(std::ceil((span - rounding) / step_ - 1e-9)));
-  const double whole = static_cast<double>(count) * step_;
+  const double needed = std::clamp(std::ceil((span - rounding) / step_ - 1e-9), 1.0, 1e15);
+  const long count = static_cast<long>(needed);
+  const double whole = needed * step_;
   const bool fits = std::abs(whole - span) <= rounding + 1e-12 * span;
-  const double h = fits ? step_ : span / static_cast<double>(count);
-  for (long i = 0; i < count; ++i) {
+  const double h = fits ? step_ : span / needed;
+  for (long i = 0; i < count && (i == 0 || !system_.spent()); ++i) {
     make_step(start + static_cast<double>(i) * h, h);
     t_ = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
     if (!system_.project(t_, y_.data())) throw IntegrationError(at_time(t_) + "the loops could not be closed again");
@@ -33,6 +34,7 @@ void FixedStep::advance(double end, double* y) {
     ++steps_;
   }
   std::ranges::copy(y_, y);
+  return t_;
 }
 
 void FixedStep::evaluate(double t, const double* y) {

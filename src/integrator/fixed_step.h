@@ -11,7 +11,7 @@ namespace gelenk {
 class FixedStep : public Integrator {
  public:
   void restart(double t, const double* y) override;
-  void advance(double end, double* y) final;
+  double advance(double end, double* y) final;
 
  protected:
   FixedStep(Equations& system, const IntegratorOptions& options);

@@ -33,15 +33,13 @@ class Integrator {
   virtual void restart(double t, const double* y) = 0;
   // The inputs have jumped since the last advance.
   virtual void inputs_changed() {}
-  // Advances to `end` > t exactly and writes the state there to y. Throws IntegrationError and leaves y alone;
-  // restart() is due then.
-  virtual void advance(double end, double* y) = 0;
+  // Advances to `end` > t exactly, or to the end of the first step after which the system's evaluations are spent();
+  // writes the state there to y and returns the time. Throws IntegrationError and leaves y alone; restart() is due
+  // then.
+  virtual double advance(double end, double* y) = 0;
   // Likewise, but for at least one step and no more than `most`, where the method can stop between: returns the time
   // reached, of which y is the state.
-  virtual double advance_some(double end, double* y, long /*most*/) {
-    advance(end, y);
-    return end;
-  }
+  virtual double advance_some(double end, double* y, long /*most*/) { return advance(end, y); }
 
   // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
   // advance(). Where it stands afterwards is not said.

@@ -47,9 +47,9 @@ void SundialsIntegrator::add_kept_counts() {
   rejected_ += kept_rejected_;
 }
 
-void SundialsIntegrator::advance(double end, double* y) {
+double SundialsIntegrator::advance(double end, double* y) {
   patience_end_ = t_;  // no advance ends where it begins
-  advance_some(end, y, std::numeric_limits<long>::max());
+  return advance_some(end, y, std::numeric_limits<long>::max());
 }
 
 void SundialsIntegrator::keep_start() {
@@ -120,6 +120,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     }
     system_.accepted(t_, sundials::data(y_.get()));
     patience_.step_to(t_);
+    if (system_.spent()) break;
   }
   count();
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);

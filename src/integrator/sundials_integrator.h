@@ -13,7 +13,7 @@ class SundialsIntegrator : public Integrator {
  public:
   void restart(double t, const double* y) final;
   void inputs_changed() final { jumped_ = true; }
-  void advance(double end, double* y) final;
+  double advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
   void exchange(Record& record) override;
 

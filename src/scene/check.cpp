@@ -80,6 +80,9 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }
+  if (scene.solver.max_evaluations < 1) {
+    faults.add("solver.max_evaluations", std::to_string(scene.solver.max_evaluations), "a whole number from 1 on");
+  }
   check_gain(scene.solver.baumgarte_alpha, "solver.baumgarte_alpha", scene.solver, faults);
   check_gain(scene.solver.baumgarte_beta, "solver.baumgarte_beta", scene.solver, faults);
 }

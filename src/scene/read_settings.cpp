@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters, experiment, solver.
+#include <cmath>
+#include <limits>
+
 #include "scene/reader.h"
+#include "scene/text.h"
 #include "scene/words.h"
 
 namespace gelenk {
@@ -36,6 +40,17 @@ void read_reductions(const Json& section, Solver& solver, Faults& faults) {
   fields.done();
 }
 
+// A whole number from 1 on that an Integer of FMI holds.
+void read_count(const Json& value, const std::string& path, int& count, Faults& faults) {
+  constexpr double most = std::numeric_limits<int>::max();
+  const double x = value.is_number() ? value.get<double>() : 0;
+  if (x >= 1 && x <= most && x == std::floor(x)) {
+    count = static_cast<int>(x);
+  } else {
+    faults.add(path, shown(value), "a whole number from 1 to " + text::number(most));
+  }
+}
+
 }  // namespace
 
 void read_solver(const Json& section, Reader& reader) {
@@ -44,6 +59,8 @@ void read_solver(const Json& section, Reader& reader) {
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
+  if (const Json* most = fields.find("max_evaluations"))
+    read_count(*most, fields.path("max_evaluations"), solver.max_evaluations, reader.faults);
   solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Allowed::not_negative);
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Allowed::not_negative);
   solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Allowed::not_negative);

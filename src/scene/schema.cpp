@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The JSON Schema says what a schema can: fields, types, sizes, signs. Names that must exist, inertias, and
 // whatever else needs arithmetic are left to the reader.
+#include <limits>
+
 #include "joint/registry.h"
 #include "scene/read.h"
 #include "scene/schema_parts.h"
@@ -198,6 +200,13 @@ Json settings() {
       {{"formulation", {{"enum", words::formulations}}},
        {"integrator", {{"enum", words::integrators}}},
        {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
+       {"max_evaluations",
+        {{"type", "integer"},
+         {"minimum", 1},
+         {"maximum", std::numeric_limits<int>::max()},
+         {"description",
+          "Evaluations of the equations of motion, of each island, after which a communication step ends early; "
+          "10000000 if not given"}}},
        {"rho_inf",
         {{"type", "number"},
          {"minimum", 0},

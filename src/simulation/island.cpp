@@ -74,16 +74,18 @@ void Island::warm_up(double step) {
   exchange(start);
 }
 
-void Island::advance(double end) {
+double Island::advance(double end, long most_evaluations) {
   backup_ = y_;
   backup_time_ = time_;
   fresh_ = Outputs::Needs::state;
   if (integrator_) {
     if (inputs_jumped_) integrator_->inputs_changed();
     inputs_jumped_ = false;
-    integrator_->advance(end, y_.data());
+    equations_->allow(most_evaluations);
+    end = integrator_->advance(end, y_.data());
   }
   time_ = end;
+  return end;
 }
 
 void Island::roll_back() {

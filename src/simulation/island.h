@@ -21,14 +21,16 @@ class Island {
 
   // tolerance: overrides the scene's when positive.
   void start_integrator(double tolerance);
+  // To `end`, or to the end of the first of its steps by which so many evaluations are spent; returns the time reached.
   // Throws IntegrationError, SingularMass; roll_back() is due then.
-  void advance(double end);
+  double advance(double end, long most_evaluations);
   // Back to before the last advance().
   void roll_back();
 
   // Where it stands and all it carries from one step to the next. Throws std::invalid_argument; it is undefined then.
   void exchange(Record& record);
 
+  double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
     fresh_ = Outputs::Needs::state;

@@ -163,6 +163,17 @@ void add_solver(std::vector<Parameter>& table) {
   rho_inf.min = 0;
   rho_inf.max = 1;
   table.push_back(std::move(rho_inf));
+  Parameter most;
+  most.name = "solver.max_evaluations";
+  most.description =
+      "evaluations of the equations of motion, of each island, after which a communication step ends "
+      "early (fmi2Discard at the time reached)";
+  most.type = ParameterType::integer;
+  most.min = 1;
+  most.max = std::numeric_limits<int>::max();
+  most.get = [](const Scene& scene) { return static_cast<double>(scene.solver.max_evaluations); };
+  most.put = [](Scene& scene, double value) { scene.solver.max_evaluations = static_cast<int>(value); };
+  table.push_back(std::move(most));
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {
@@ -187,6 +198,9 @@ std::string allowed(const Parameter& p) {
       text += (i > 0 ? ", " : "") + std::to_string(i + 1) + " (" + p.items[i] + ")";
     }
     return p.items.size() == 1 ? text : "one of " + text;
+  }
+  if (p.type == ParameterType::integer) {
+    return "a whole number from " + text::number(p.min) + " to " + text::number(p.max);
   }
   const std::string unit = p.unit.empty() || p.unit == "1" ? "" : " " + p.unit;
   if (std::isinf(p.min) && std::isinf(p.max)) return "a finite number";

@@ -16,7 +16,7 @@
 
 namespace gelenk {
 
-enum class ParameterType { real, boolean, enumeration };
+enum class ParameterType { real, boolean, enumeration, integer };
 
 struct Parameter {
   std::string name;         // "A.phi_start", "crank.m", "crank.com[1]"

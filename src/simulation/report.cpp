@@ -118,6 +118,14 @@ std::string describe_undetermined(Undetermined::What what, double t, const std::
          "do not exist there";
 }
 
+std::string describe_cut_short(double t, double end, long evaluations) {
+  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s was left here, with " +
+         std::to_string(evaluations) +
+         " evaluations (solver.max_evaluations). The plant stands at t = " + text::number(t) +
+         " s and can go on from there. Allow more evaluations, or ask for shorter steps, a looser "
+         "solver.tolerance or another solver.integrator.";
+}
+
 std::string describe_refusal(const std::string& cause, double good_time) {
   return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
 }

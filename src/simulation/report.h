@@ -29,6 +29,9 @@ std::string describe_lost_inertia(double t, const std::string& link);
 std::string describe_undetermined(Undetermined::What what, double t, const std::vector<std::string>& states);
 
 // A step that was refused.
+// The step to `end` was left at t, its evaluations spent.
+std::string describe_cut_short(double t, double end, long evaluations);
+
 std::string describe_refusal(const std::string& cause, double good_time);
 
 // A singular position that was passed about t [s].

@@ -2,6 +2,7 @@
 #include "simulation/simulation_impl.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -62,20 +63,37 @@ void Simulation::Impl::check_inputs(double end) const {
   }
 }
 
+// To `end`, or where an island's evaluations are spent, there all of them; returns the time. moved: how many islands
+// are not, or may be not, where the step began.
+double Simulation::Impl::advance_islands(double end, std::size_t& moved) {
+  for (const auto& island : islands) {
+    ++moved;
+    end = island->advance(end, scene.solver.max_evaluations);
+  }
+  // Those that were ahead have been further within their evaluations.
+  for (const auto& island : islands) {
+    if (island->time() == end) continue;
+    island->roll_back();
+    island->advance(end, LONG_MAX);
+  }
+  return end;
+}
+
 void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
   try {
-    for (; moved < islands.size(); ++moved) islands[moved]->advance(end);
-    time = end;
-    u.finish(end);
-    return;
+    const double reached = advance_islands(end, moved);
+    time = reached;
+    if (reached == end) return u.finish(end);
+    u.interrupt(reached);
+    throw StepBudgetError(describe_cut_short(reached, end, scene.solver.max_evaluations));
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {
     cause = describe_lost_inertia(time, fault.what());
   }
-  for (std::size_t i = 0; i <= moved; ++i) islands[i]->roll_back();
+  for (std::size_t i = 0; i < moved; ++i) islands[i]->roll_back();
   throw StepError(describe_refusal(cause, time));
 }
 

@@ -22,6 +22,12 @@ class StepError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A step has used up its evaluations (solver.max_evaluations) and ended early: time() tells where. What is left of it
+// can be asked for in another step.
+class StepBudgetError : public StepError {
+  using StepError::StepError;
+};
+
 // A wrong call: an input that is not finite, a step back in time.
 class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -63,7 +69,8 @@ class Simulation {
 
   // Advances to `end` [s] under the inputs set now, which follow the derivatives set with them. Inputs may differ from
   // those of the step before.
-  // Throws StepError (state unchanged since time()), UsageError when end < time() or is not finite.
+  // Throws StepError (state unchanged since time()); StepBudgetError, of which inputs then go on by their derivatives;
+  // UsageError when end < time() or is not finite.
   void step_to(double end);
 
   // Writes down, or takes from a record, everything that decides how the run goes on: time, state, inputs, what methods

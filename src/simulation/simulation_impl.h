@@ -49,6 +49,7 @@ struct Simulation::Impl {
   int known_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);
+  double advance_islands(double end, std::size_t& moved);
   Energy energy();
   std::vector<std::string> names_of_coordinates(int island) const;                     // independent ones
   std::vector<int> independent_of(int island, const std::vector<bool>& prefer) const;  // speeds

@@ -100,6 +100,60 @@ def torques_follow_derivatives_set_before_the_run(fmu: Fmu) -> None:
     assert ends[1:] == ends[:1] * 2
 
 
+def status_of_step(s: Slave) -> tuple[float, bool]:
+    """The last successful time [s], and whether the plant wishes to end."""
+    time, wish = c_double(), c_int()
+    assert s.call("fmi2GetRealStatus", c_int(LAST_SUCCESSFUL_TIME), ctypes.byref(time)) == OK
+    assert s.call("fmi2GetBooleanStatus", c_int(TERMINATED), ctypes.byref(wish)) == OK
+    return time.value, bool(wish.value)
+
+
+def steps_that_take_too_much_are_cut_short(fmu: Fmu) -> None:
+    whole = Slave(fmu).start()
+    assert whole.step(0.0, 0.8) == OK
+    s = Slave(fmu)
+    assert s.get("solver.max_evaluations", "fmi2GetInteger", c_int) == 10_000_000
+    assert s.set({"solver.max_evaluations": 50}, "fmi2SetInteger", c_int) == OK
+    s.start()
+    count, t = 0, 0.0
+    while (status := s.step(t, 0.8 - t)) != OK:
+        words = (
+            "fmi2DoStep: t = ",
+            "the step to 0.8 s was left here",
+            "50 evaluations",
+            "can go on from there",
+        )
+        expect(s, status, DISCARD, *words)
+        reached, wish = status_of_step(s)
+        assert t < reached < 0.8
+        assert not wish
+        assert all(map(math.isfinite, s.outputs()))
+        assert s.get("constraints.position") < 1e-12
+        expect(s, s.step(t, 0.8 - t), ERROR, "stands at t = ", "cannot go back")
+        count, t = count + 1, reached
+    assert count > 1, s.get("solver.evaluations")
+    time, wish = status_of_step(s)
+    assert abs(time - 0.8) < 1e-15
+    assert not wish
+    difference = max(abs(a - b) for a, b in zip(s.outputs(), whole.outputs(), strict=True))
+    assert difference < 1e-9  # the same steps; t + (0.8 - t) may be another 0.8
+    s.run(1, 0.01, first=80)
+
+
+def shortened_steps_keep_the_torque_moving(fmu: Fmu) -> None:
+    s = Slave(fmu)
+    assert s.set({"solver.max_evaluations": 60}, "fmi2SetInteger", c_int) == OK
+    s.start()
+    assert push(s, 4.0, 10.0) == OK
+    assert s.step(0.0, 0.5) == DISCARD
+    t, _ = status_of_step(s)
+    assert 0.0 < t < 0.5
+    assert abs(s.get("drive.tau") - (4.0 * t + 5.0 * t * t)) < 1e-14
+    while s.step(t, 0.5 - t) == DISCARD:
+        t, _ = status_of_step(s)
+    assert abs(s.get("drive.tau") - 3.25) < 1e-14
+
+
 def start_values_that_cannot_be_assembled_can_be_mended(fmu: Fmu) -> None:
     s = Slave(fmu)
     assert s.setup() == OK

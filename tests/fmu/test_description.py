@@ -263,6 +263,8 @@ def another(variable: Any) -> float:
     """A value that differs from the start value."""
     if variable.type == "Boolean":
         return float(variable.start != "true")
+    if variable.type == "Integer":
+        return float(int(variable.start) + 1)
     if variable.type == "Real":
         return 1.013 * float(variable.start) + 0.011
     return 1 + int(variable.start) % len(variable.declaredType.items)

@@ -96,6 +96,12 @@ def impossible_parameters_are_named(fmu: Fmu) -> None:
     expect(s, s.set({"solver.tolerance": 0.0}), ERROR, "solver.tolerance: found 0, expected between")
     integer = ("fmi2SetInteger", c_int)
     expect(s, s.set({"solver.integrator": 99}, *integer), ERROR, "solver.integrator: found 99", "(ida)")
+    for count in (0, -1):
+        status = s.set({"solver.max_evaluations": count}, *integer)
+        expect(
+            s, status, ERROR, f"solver.max_evaluations: found {count}, expected a whole number from 1 to 2147"
+        )
+    expect(s, s.set({"solver.max_evaluations": 9.0}), ERROR, "solver.max_evaluations is of type Integer")
     boolean = ("fmi2SetBoolean", c_int)
     expect(s, s.set({"A.fixed": 7}, *boolean), ERROR, "A.fixed: found 7, expected false (0) or true (1)")
     s.start()
