@@ -184,9 +184,9 @@ def gigantic_steps_come_back(fmu: Fmu) -> None:
         s.set_real(drive__tau=0.5)
         s.run(2, SIZE)
         before = s.outputs()
-        begin = time.monotonic()
+        begin = time.process_time()
         status = s.step(2 * SIZE, size)
-        assert time.monotonic() - begin < 10
+        assert time.process_time() - begin < 10
         if status == OK:
             assert size < 1e5
             assert all(map(math.isfinite, s.outputs()))
