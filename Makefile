@@ -6,6 +6,9 @@
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
+# make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
+# make fuzz     the scene reader under libFuzzer, SECONDS_EACH (600); needs clang
+# make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
 # make clean    remove what was built
 # A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
 SHELL := /bin/bash
@@ -27,9 +30,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts clean
+.PHONY: help demo test lint style tidy format pytest reductions charts sanitize fuzz win64 clean
 help:
-	@sed -n '2,11s/^# //p' Makefile
+	@sed -n '2,14s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -60,6 +63,46 @@ reductions: $(VENV)/gelenk.stamp
 # Half an hour: one run at a time, for times to be comparable.
 charts: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/charts.py
+
+# Two native builds, and some ten minutes.
+sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset debug -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset debug -j $(JOBS) --target gelenk_fmu
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset thread -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset thread -j $(JOBS) --target gelenk_fmu
+	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers address build/debug/runtime/linux64/gelenk_fmu.so
+	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers thread build/thread/runtime/linux64/gelenk_fmu.so
+	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers memcheck
+	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers helgrind
+
+# What is found new stays in build/fuzz/corpus; bytes that break something in build/fuzz.
+SECONDS_EACH ?= 600
+CLANGXX ?= clang++
+fuzz: $(VENV)/tools.stamp
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset fuzz -DPython_EXECUTABLE=$(abspath $(BIN))/python \
+	  -DCMAKE_CXX_COMPILER=$(CLANGXX)
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset fuzz -j $(JOBS)
+	@for fuzzer in build/fuzz/tests/fuzz/fuzz_*; do \
+	  name=$${fuzzer##*/fuzz_}; mkdir -p build/fuzz/corpus/$$name; \
+	  $$fuzzer -max_total_time=$(SECONDS_EACH) -timeout=10 -max_len=8192 -dict=tests/fuzz/scene.dict \
+	    -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name tests/fuzz/corpus/$$name; \
+	done
+
+# The library goes into the package in .venv, where `gelenk export --platforms linux64,win64` finds it.
+WIN64 := $(abspath build/sundials-win64)
+win64: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	@test -f "$(SUNDIALS_SOURCE)/CMakeLists.txt" || \
+	  { echo "make win64 SUNDIALS_SOURCE=...: expected the source of SUNDIALS >= 7.1, found '$(SUNDIALS_SOURCE)'" >&2; exit 1; }
+	PATH="$(abspath $(BIN)):$$PATH" cmake -G Ninja -S $(SUNDIALS_SOURCE) -B $(WIN64) -DCMAKE_BUILD_TYPE=Release \
+	  -DCMAKE_TOOLCHAIN_FILE=$(abspath cmake/mingw-w64.cmake) -DCMAKE_INSTALL_PREFIX=$(WIN64)/install \
+	  -DBUILD_SHARED_LIBS=OFF -DBUILD_CVODE=OFF -DBUILD_IDA=OFF -DBUILD_KINSOL=OFF -DEXAMPLES_ENABLE_C=OFF \
+	  -DEXAMPLES_INSTALL=OFF -DSUNDIALS_LOGGING_LEVEL=0
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build $(WIN64) -j $(JOBS) --target install
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset win64 -DPython_EXECUTABLE=$(abspath $(BIN))/python \
+	  -DSUNDIALS_DIR=$(WIN64)/install/lib/cmake/sundials
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset win64 -j $(JOBS)
+	install -D build/win64/runtime/win64/gelenk_fmu.dll \
+	  "$$($(BIN)/python -P -c 'from gelenk import export; print(export._place(export.RUNTIMES["win64"]))')"
 
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)

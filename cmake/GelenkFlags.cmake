@@ -28,13 +28,17 @@ target_compile_options(gelenk_flags INTERFACE
 # Undefined behaviour goes with the addresses, whose runtime finds it too; races need a runtime of their own.
 set(sanitizers_address address,undefined)
 set(sanitizers_thread thread)
+set(sanitizers_fuzzer fuzzer-no-link,address,undefined)  # libFuzzer and what it finds; tests/fuzz
 if(GELENK_SANITIZE)
   if(NOT DEFINED sanitizers_${GELENK_SANITIZE})
-    message(FATAL_ERROR "GELENK_SANITIZE: found '${GELENK_SANITIZE}', expected OFF, address or thread")
+    message(FATAL_ERROR "GELENK_SANITIZE: found '${GELENK_SANITIZE}', expected OFF, address, thread or fuzzer")
   endif()
   set(sanitizers -fsanitize=${sanitizers_${GELENK_SANITIZE}})
   target_compile_options(gelenk_flags INTERFACE ${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(gelenk_flags INTERFACE ${sanitizers})
+endif()
+if(WIN32)
+  target_compile_definitions(gelenk_flags INTERFACE _USE_MATH_DEFINES)  # M_PI
 endif()
 if(GELENK_COVERAGE)
   target_compile_options(gelenk_flags INTERFACE --coverage -fprofile-update=atomic)

@@ -12,11 +12,24 @@ add_library(gelenk_fmu MODULE ${fmu_sources})
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
 target_link_options(gelenk_fmu PRIVATE
-  -static-libgcc -static-libstdc++
-  -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+  -static-libgcc -static-libstdc++ -Wl,--gc-sections
   -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free  # fmu/memory.h
-  $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>
   $<$<CONFIG:Release>:-Wl,--strip-all>)
+
+if(WIN32)  # FMI's headers say which functions are seen
+  # Else the reserve's 16 MB of nothing would be bytes of the file.
+  set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/fmu/memory.cpp PROPERTIES COMPILE_OPTIONS -fno-data-sections)
+  set(runtime_platform win64)
+  set(runtime_suffix .dll)
+  target_link_options(gelenk_fmu PRIVATE -static)
+else()
+  set(runtime_platform linux64)
+  set(runtime_suffix .so)
+  target_link_options(gelenk_fmu PRIVATE
+    -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
+    $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>)
+endif()
+
 include(CheckCXXSymbolExists)
 check_cxx_symbol_exists(__GLIBC__ cstddef GELENK_GLIBC)
 if(GELENK_GLIBC AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT GELENK_SANITIZE)
@@ -27,5 +40,5 @@ if(GELENK_GLIBC AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT GELENK_SANI
   target_link_libraries(gelenk_fmu PRIVATE -Wl,--push-state,--no-as-needed,-l:libpthread.so.0,--pop-state)
 endif()
 set_target_properties(gelenk_fmu PROPERTIES
-  PREFIX "" SUFFIX .so LINK_DEPENDS ${exports_map}
-  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/linux64)
+  PREFIX "" SUFFIX ${runtime_suffix} LINK_DEPENDS ${exports_map}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/${runtime_platform})

@@ -20,6 +20,7 @@ if(TARGET gelenk-export AND TARGET gelenk_fmu)
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/linux64 COMPONENT native)
   install(EXPORT gelenk NAMESPACE gelenk:: FILE gelenkTargets.cmake DESTINATION ${package_dir} COMPONENT native)
   install(FILES ${GELENK_LICENSES} DESTINATION ${licenses_dir} COMPONENT native)
+  install(DIRECTORY licenses/win64 DESTINATION ${licenses_dir} COMPONENT native)
   configure_package_config_file(cmake/gelenkConfig.cmake.in ${PROJECT_BINARY_DIR}/gelenkConfig.cmake
     INSTALL_DESTINATION ${package_dir} PATH_VARS licenses_dir)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/gelenkConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -22,3 +22,4 @@ file(GLOB scene_files CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.json ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.yaml)
 install(FILES ${scene_files} DESTINATION gelenk/scenes COMPONENT python)
 install(FILES ${GELENK_LICENSES} DESTINATION gelenk/licenses COMPONENT python)
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/licenses/win64 DESTINATION gelenk/licenses COMPONENT python)

@@ -52,5 +52,5 @@ endif()
 # Licences of what an FMU carries; the texts stand beside the runtime as they do in the installed package.
 file(GLOB GELENK_LICENSES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/licenses/*.txt)
 list(APPEND GELENK_LICENSES ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
-file(COPY ${GELENK_LICENSES} DESTINATION ${PROJECT_BINARY_DIR}/licenses)
+file(COPY ${GELENK_LICENSES} ${CMAKE_CURRENT_SOURCE_DIR}/licenses/win64 DESTINATION ${PROJECT_BINARY_DIR}/licenses)
 set_property(GLOBAL PROPERTY GELENK_LICENSE_DIR ${PROJECT_BINARY_DIR}/licenses)

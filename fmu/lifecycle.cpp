@@ -14,6 +14,12 @@
 namespace gelenk {
 namespace {
 
+// In UTF-8, on every system.
+std::string text_of(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
 std::string read_file(const std::filesystem::path& path) {
   std::error_code none;
   errno = std::filesystem::is_directory(path, none) ? EISDIR : 0;
@@ -23,7 +29,7 @@ std::string read_file(const std::filesystem::path& path) {
     const std::string content{std::istreambuf_iterator<char>(file), {}};
     if (file) return content;
   }
-  throw UsageError("the scene " + path.string() +
+  throw UsageError("the scene " + text_of(path) +
                    " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));
 }
 
@@ -31,7 +37,7 @@ std::shared_ptr<const PlantModel> load(const char* location, const std::string& 
   if (location == nullptr) throw UsageError("resource location: found nothing, expected the FMU's resources directory");
   const std::filesystem::path path = directory_of_uri(location) / "scene.json";
   const std::string json = read_file(path);
-  auto model = std::make_shared<const PlantModel>(json, path.string());
+  auto model = std::make_shared<const PlantModel>(json, text_of(path));
   if (guid != model->guid) {
     throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
                      "'; modelDescription.xml, resources/scene.json and the binary are not of one export");

@@ -3,14 +3,28 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <thread>
 
 namespace gelenk {
 namespace {
+
+// std::mutex is no constant on every system, and malloc is called before there are constructors.
+class SpinLock {
+ public:
+  void lock() noexcept {
+    while (flag_.test_and_set(std::memory_order_acquire)) std::this_thread::yield();
+  }
+  void unlock() noexcept { flag_.clear(std::memory_order_release); }
+
+ private:
+  std::atomic_flag flag_;
+};
 
 // Blocks one behind the other; room comes back from the last one, and when none is left.
 class Store {
@@ -18,7 +32,7 @@ class Store {
   void* take(std::size_t n) noexcept {
     constexpr std::size_t grain = alignof(std::max_align_t);
     const std::size_t size = (std::max<std::size_t>(n, 1) + grain - 1) / grain * grain;
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(lock_);
     if (size < n || size > bytes_.size() - used_) return nullptr;
     last_ = used_;
     used_ += size;
@@ -28,16 +42,17 @@ class Store {
 
   // Bytes from a block of ours to the end of what is taken; 0: not from here.
   std::size_t room_of(const void* block) noexcept {
-    const std::scoped_lock lock(mutex_);
     const auto* at = static_cast<const std::byte*>(block);
-    return is_mine(at) ? static_cast<std::size_t>(bytes_.data() + used_ - at) : 0;
+    if (!is_mine(at)) return 0;
+    const std::scoped_lock lock(lock_);
+    return static_cast<std::size_t>(bytes_.data() + used_ - at);
   }
 
   // False: not from here.
   bool give_back(const void* block) noexcept {
     const auto* at = static_cast<const std::byte*>(block);
     if (!is_mine(at)) return false;
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(lock_);
     if (at == bytes_.data() + last_) used_ = last_;
     if (--blocks_ == 0) used_ = last_ = 0;
     return true;
@@ -51,7 +66,7 @@ class Store {
   // Pages that nobody touches cost nothing.
   alignas(std::max_align_t) std::array<std::byte, std::size_t{16} << 20U> bytes_{};
   std::size_t used_ = 0, last_ = 0, blocks_ = 0;
-  std::mutex mutex_;
+  SpinLock lock_;
 };
 
 constinit Store store;

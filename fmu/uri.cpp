@@ -54,11 +54,14 @@ bool is_file_scheme(std::string_view scheme) {
                             [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
+// FMI's strings are UTF-8 on every system.
+std::filesystem::path path_of(const std::string& utf8) { return {std::u8string(utf8.begin(), utf8.end())}; }
+
 }  // namespace
 
 std::filesystem::path directory_of_uri(std::string_view location) {
   const std::size_t scheme = scheme_length(location);
-  if (scheme == 0) return std::filesystem::path(std::string(location));
+  if (scheme == 0) return path_of(std::string(location));
   if (!is_file_scheme(location.substr(0, scheme))) refuse(location, "expected a path or a file: URI");
   std::string_view rest = location.substr(scheme);
   if (rest.starts_with("//") && !rest.starts_with("///")) {
@@ -71,7 +74,7 @@ std::filesystem::path directory_of_uri(std::string_view location) {
   while (rest.starts_with("//")) rest.remove_prefix(1);
   std::string path = unescaped(rest, location);
   if (path.size() >= 3 && path[0] == '/' && is_letter(path[1]) && path[2] == ':') path.erase(0, 1);
-  return std::filesystem::path(path);
+  return path_of(path);
 }
 
 }  // namespace gelenk

@@ -60,6 +60,12 @@ std::vector<fs::path> files_in(const fs::path& directory) {
   return files;
 }
 
+void add_licenses(Zip& zip, const fs::path& directory) {
+  for (const fs::path& file : files_in(directory)) {
+    zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a licence"));
+  }
+}
+
 // A file beside its final place that vanishes unless it is moved there.
 class DraftFile {
  public:
@@ -117,8 +123,10 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   zip.add("resources/scene.json", json);
   zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture));
   if (!licenses.empty()) {
-    for (const fs::path& file : files_in(licenses)) {
-      zip.add("documentation/licenses/" + file.generic_string(), read_file(licenses / file, "a licence"));
+    add_licenses(zip, licenses);
+    std::error_code none;
+    for (const Binary& binary : binaries) {
+      if (fs::is_directory(licenses / binary.platform, none)) add_licenses(zip, licenses / binary.platform);
     }
   }
   DraftFile draft(out);

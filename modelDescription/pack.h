@@ -18,7 +18,8 @@ class ExportError : public std::runtime_error {
 
 // Writes the FMU to `out`, as a whole or not at all; the same arguments give the same bytes.
 //   runtimes  libraries with the FMI functions, whose endings tell the platform: .so linux64, .dll win64
-//   licenses  directory whose files go into documentation/licenses; empty: none
+//   licenses  directory whose files go into documentation/licenses, and those of its directory named as a platform of
+//             the FMU's; empty: none
 // Throws ExportError, SceneError, and AssemblyError when the start values cannot be assembled.
 void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
                 const std::filesystem::path& out, const std::filesystem::path& licenses = {});

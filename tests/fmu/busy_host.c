@@ -4,15 +4,17 @@
  *   timing=N   as that, telling the median of the processor's time to the end of initialisation
  *   crowd=N    N instances step by step in turns, each of which must give the bits that it gave alone
  *   threads=N  the same instances dealt out to N threads, which live at the same time
+ *   run=N      N steps of one instance, whose outputs are told, one a line
  *   wrong=N    N times a life of wrong calls; each must give the status that it deserves
  * Ends with 0 and a line for each task. */
 #define _GNU_SOURCE
-#include <malloc.h>
 #include <math.h>
 #include <pthread.h>
-#include <stdint.h>
 #include <time.h>
+#ifndef _WIN32
+#include <malloc.h>
 #include <unistd.h>
+#endif
 
 #include "c_host.h"
 
@@ -118,6 +120,12 @@ static void threads(long n) {
   printf("threads %ld\n", n);
 }
 
+#ifdef _WIN32
+static void cycles(long n) {
+  (void)n;
+  fail("cycles: memory is counted by glibc only", 0);
+}
+#else
 static long resident_kB(void) {
   long all = 0, resident = 0;
   FILE* file = fopen("/proc/self/statm", "r");
@@ -142,6 +150,17 @@ static void cycles(long n) {
     CALL(fmi2FreeInstance)(initialized(0.5));
   }
   printf("cycles %ld, kB resident %ld %ld, bytes of heap %zu %zu\n", n, resident, resident_kB(), heap, heap_bytes());
+}
+#endif
+
+static void run(long n) {
+  double values[sizeof outputs / sizeof outputs[0]];
+  Life life;
+  begin(&life, 0);
+  for (long k = 0; k < n; ++k) step(&life, 0, (int)k);
+  if (CALL(fmi2GetReal)(life.c, outputs, n_outputs, values) != fmi2OK) fail("no outputs", 0);
+  for (size_t i = 0; i < n_outputs; ++i) printf("%.17g\n", values[i]);
+  end(&life);
 }
 
 static int ascending(const void* a, const void* b) {
@@ -218,7 +237,8 @@ int main(int argc, char** argv) {
   static const struct {
     const char* name;
     void (*run)(long);
-  } tasks[] = {{"cycles=", cycles}, {"timing=", timing}, {"crowd=", crowd}, {"threads=", threads}, {"wrong=", wrong}};
+  } tasks[] = {{"cycles=", cycles},   {"timing=", timing}, {"crowd=", crowd},
+               {"threads=", threads}, {"run=", run},       {"wrong=", wrong}};
   take_arguments(argc, argv);
   for (int i = 7; i < argc; ++i) {
     size_t t = 0;

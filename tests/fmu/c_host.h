@@ -2,22 +2,39 @@
  * What the hosts written in C share: the library and its functions, the arguments, a logger that looks at sentences.
  * Arguments: LIBRARY GUID RESOURCES INPUT FIRST_OUTPUT OUTPUTS, then the host's own. */
 #pragma once
-#include <dlfcn.h>
 #include <stdatomic.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
 #include "fmi2Functions.h"
 
+#ifdef _WIN32
+static HMODULE library;
+static void* open_library(const char* path) { return library = LoadLibraryA(path); }
+static void* symbol(const char* name) { return (void*)(intptr_t)GetProcAddress(library, name); }
+static const char* why_not(void) { return "LoadLibrary failed"; }
+#else
 static void* library;
+static void* open_library(const char* path) { return library = dlopen(path, RTLD_NOW); }
+static void* symbol(const char* name) { return dlsym(library, name); }
+static const char* why_not(void) { return dlerror(); }
+#endif
+
 static const char *guid, *resources;
 static fmi2ValueReference input, outputs[512];
 static size_t n_outputs;
 static atomic_long sentences;
 
 static void* function(const char* name) {
-  void* found = dlsym(library, name);
+  void* found = symbol(name);
   if (found == NULL) {
     fprintf(stderr, "no %s\n", name);
     exit(2);
@@ -35,9 +52,8 @@ static void take_arguments(int argc, char** argv) {
   n_outputs = (size_t)atoi(argv[6]);
   if (n_outputs > sizeof outputs / sizeof outputs[0]) exit(2);
   for (size_t i = 0; i < n_outputs; ++i) outputs[i] = (fmi2ValueReference)(atoi(argv[5]) + (int)i);
-  library = dlopen(argv[1], RTLD_NOW);
-  if (library == NULL) {
-    fprintf(stderr, "%s\n", dlerror());
+  if (open_library(argv[1]) == NULL) {
+    fprintf(stderr, "%s\n", why_not());
     exit(2);
   }
 }
