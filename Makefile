@@ -7,7 +7,7 @@
 # make reductions  measure what each reduction gains, for docs/reductions.md
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
-# make fuzz     the scene reader under libFuzzer, SECONDS_EACH (600); needs clang
+# make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
 # make clean    remove what was built
 # A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.

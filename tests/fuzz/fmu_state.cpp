@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reader of FMU states: words of any kind behind a head and a checksum that are right. Such a state is refused or
+// taken; either way the calls come back, and the instance can go back to a state of its own and gives that state's run.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fmu/instance.h"
+#include "fmu/saved_state.h"
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+
+namespace {
+
+using namespace gelenk;
+
+constexpr std::array integrators = {"auto", "rk4", "ida", "cvode", "dirk", "generalized-alpha"};
+constexpr double size_of_step = 1e-3;  // s
+
+// A four-bar with a spring, a stop and a motor.
+std::string scene(const char* integrator) {
+  return std::string(R"({"gelenk":1,"name":"Fuzzed","gravity":[0,0,-9.81],"bodies":{
+    "crank":{"mass":1,"com":[0.25,0,0],"inertia":[0,0.02,0.02]},
+    "coupler":{"mass":2,"com":[0.6,0,0],"inertia":[0,0.24,0.24]},
+    "rocker":{"mass":1.5,"com":[0.5,0,0],"inertia":[0,0.12,0.12]}},"joints":{
+    "A":{"type":"revolute","axis":[0,-1,0],"parent":"ground","child":"crank","start":{"phi":1.5,"fixed":true},
+         "stiffness":0.3,"damping":0.1},
+    "B":{"type":"revolute","axis":[0,-1,0],"parent":{"body":"crank","position":[0.5,0,0]},"child":"coupler",
+         "start":{"phi":-1}},
+    "C":{"type":"revolute","axis":[0,-1,0],"parent":{"body":"coupler","position":[1.2,0,0]},
+         "child":{"body":"rocker","position":[1,0,0]}},
+    "D":{"type":"revolute","axis":[0,-1,0],"parent":{"body":"ground","position":[1.3,0,0]},"child":"rocker",
+         "start":{"phi":1.9}}},
+    "motors":{"drive":{"joint":"A"}},"parameters":["crank.mass"],"solver":{"integrator":")") +
+         integrator + "\"}}";
+}
+
+void demand(bool holds, const char* what) {
+  if (holds) return;
+  std::cerr << what << '\n';
+  std::abort();
+}
+
+// An instance that has made some steps, with a state of its own to go back to and the outputs of the step after it.
+struct Host {
+  explicit Host(const char* integrator)
+      : model(std::make_shared<const PlantModel>(scene(integrator), "fuzzed.json")),
+        instance(model, Log(nullptr, "plant", false)) {
+    for (int i = 0; i < static_cast<int>(model->catalogue.variables().size()); ++i) {
+      if (model->catalogue.variables()[i].source == Source::output) outputs.push_back(i);
+    }
+    const double torque = 0.5;
+    const auto input = std::ranges::find(model->catalogue.variables(), Source::input, &Variable::source);
+    const auto reference = static_cast<fmi2ValueReference>(input - model->catalogue.variables().begin());
+    bool fine = fmi2SetupExperiment(&instance, fmi2False, 0, 0, fmi2False, 0) == fmi2OK;
+    fine = fine && fmi2EnterInitializationMode(&instance) == fmi2OK;
+    fine = fine && fmi2SetReal(&instance, &reference, 1, &torque) == fmi2OK;
+    fine = fine && fmi2ExitInitializationMode(&instance) == fmi2OK;
+    for (int k = 0; k < 5; ++k) fine = fine && step() == fmi2OK;
+    demand(fine && fmi2GetFMUstate(&instance, &home) == fmi2OK, "no run to begin with");
+    expected = go_home();
+  }
+
+  fmi2Status step() { return fmi2DoStep(&instance, instance.plant().time(), size_of_step, fmi2False); }
+
+  std::vector<double> go_home() {
+    demand(fmi2SetFMUstate(&instance, home) == fmi2OK, "its own state is refused");
+    demand(step() == fmi2OK, "the step after its own state fails");
+    std::vector<double> values;
+    for (const int i : outputs) values.push_back(instance.plant().get(i));
+    return values;
+  }
+
+  std::shared_ptr<const PlantModel> model;
+  Instance instance;
+  std::vector<int> outputs;
+  fmi2FMUstate home = nullptr;
+  std::vector<double> expected;
+};
+
+Host& host_of(std::uint8_t which) {
+  static std::array<std::unique_ptr<Host>, integrators.size()> hosts;
+  std::unique_ptr<Host>& host = hosts[which % integrators.size()];
+  if (!host) host = std::make_unique<Host>(integrators[which % integrators.size()]);
+  return *host;
+}
+
+}  // namespace
+
+// First byte: the host; the others: words of the record.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  Host& host = host_of(data[0]);
+  const char* rest = reinterpret_cast<const char*>(data) + 1;
+  fmi2FMUstate state = nullptr;
+  if (fmi2DeSerializeFMUstate(&host.instance, rest, size - 1, &state) == fmi2OK) {  // a whole one, by chance
+    fmi2FreeFMUstate(&host.instance, &state);
+  }
+  std::vector<std::uint64_t> words((size - 1) / sizeof(std::uint64_t));
+  std::memcpy(words.data(), rest, words.size() * sizeof(std::uint64_t));
+  const SavedState given{Record(std::move(words)), false};
+  std::vector<char> bytes(serialized_size(given));
+  serialize(given, host.model->guid, bytes);
+  demand(fmi2DeSerializeFMUstate(&host.instance, bytes.data(), bytes.size(), &state) == fmi2OK,
+         "a right head is refused");
+  if (fmi2SetFMUstate(&host.instance, state) == fmi2OK) {
+    for (int k = 0; k < 2; ++k) host.step();
+    for (const int i : host.outputs) {
+      const auto reference = static_cast<fmi2ValueReference>(i);
+      double value = 0;
+      fmi2GetReal(&host.instance, &reference, 1, &value);
+    }
+  }
+  fmi2FreeFMUstate(&host.instance, &state);
+  const std::vector<double> found = host.go_home();
+  const auto same = [](double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  };
+  demand(std::ranges::equal(found, host.expected, same), "another run after a state from outside");
+  return 0;
+}
+
+// Nearly all words of chance are refused by the first few: many an input begins as a state that is one.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  if (size < 16 || seed % 16 == 0) {
+    Host& host = host_of(static_cast<std::uint8_t>(seed / 16));
+    const std::vector<std::uint64_t>& words = static_cast<SavedState*>(host.home)->record.words();
+    const std::size_t length = words.size() * sizeof(std::uint64_t);
+    if (length + 1 > max_size) return LLVMFuzzerMutate(data, size, max_size);
+    data[0] = static_cast<std::uint8_t>(seed / 16);
+    std::memcpy(data + 1, words.data(), length);
+    size = length + 1;
+  }
+  return LLVMFuzzerMutate(data, size, max_size);
+}
