@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,44 @@ def test_about_a_change_point(before: int) -> None:
     """Before it, in it and after it: bars in line at about 0.7 s."""
     plant = goes_on_to_the_bit(windows(2, 0.0, 1.0), before, 40, 1e-2)
     assert plant.diagnostics["solver.singular_positions"] > 0
+
+
+@pytest.mark.parametrize("before", range(60, 80, 4))
+def test_about_a_change_point_under_a_torque(before: int) -> None:
+    source = windows(2, 0.0, 1.0)
+    source["motors"] = {"drive": {"joint": "A0"}}
+    plant = goes_on_to_the_bit(source, before, 40, 1e-2)
+    assert plant.diagnostics["solver.singular_positions"] > 0
+
+
+@pytest.mark.parametrize("integrator", ["auto", "ida", "cvode-adams", "rk4"])
+def test_within_a_step_cut_short_while_the_torque_moves(integrator: str) -> None:
+    source = four_bar() | {"solver": {"integrator": integrator, "max_evaluations": 60}}
+
+    def go_on(plant: gelenk.Simulation) -> list[tuple[float, ...]]:
+        rows = []
+        while plant.time < 0.4:
+            with contextlib.suppress(gelenk.StepBudgetError):
+                plant.step_to(0.4)
+            rows.append((plant.time, plant.input("drive.tau"), *plant.values()))
+        plant.set_input("drive.tau", math.nextafter(plant.input("drive.tau"), 9.0))  # rounding is no jump
+        with contextlib.suppress(gelenk.StepBudgetError):
+            plant.step_to(0.5)
+        return [*rows, (plant.time, *plant.values())]
+
+    plant, other = gelenk.Simulation(source), gelenk.Simulation(source)
+    for p in (plant, other):
+        p.initialize()
+    plant.set_input_derivative("drive.tau", 1, 9.0)
+    plant.set_input_derivative("drive.tau", 3, -70.0)
+    with pytest.raises(gelenk.StepBudgetError):
+        plant.step_to(0.4)
+    saved = plant.save()
+    expected = go_on(plant)
+    assert len(expected) > 3
+    for again in (plant, other):
+        again.restore(saved)
+        assert go_on(again) == expected
 
 
 def test_in_contact_with_a_stop() -> None:
