@@ -13,7 +13,7 @@ constexpr double same = 1e-10;
 
 }  // namespace
 
-Inputs::Inputs(std::size_t count) : taylor_(count * orders), now_(count), change_(count) {}
+Inputs::Inputs(std::size_t count) : taylor_(count * orders), now_(count), rates_(2 * count), change_(count) {}
 
 double Inputs::derivative_at(int i, int order, double t) const {
   const double s = t - start_;
@@ -34,11 +34,18 @@ Inputs::Change Inputs::set(int i, double value) {
   if (now_time_ != start_) evaluate(start_);
   now_[i] = value;
   const double change = change_[i];
-  return change > 0 && std::abs(value - before) <= same * (std::abs(before) + change) ? Change::smooth : Change::jump;
+  if (change > 0 && std::abs(value - before) <= same * (std::abs(before) + change)) return Change::smooth;
+  take_rates(i);
+  return Change::jump;
+}
+
+void Inputs::take_rates(int i) {
+  for (int order : {1, 2}) rates_[static_cast<std::size_t>(i) * 2 + order - 1] = at(i, order);
 }
 
 void Inputs::set_derivative(int i, int order, double value) {
   at(i, order) = value;
+  take_rates(i);
   note_motion();
   if (now_time_ != start_) evaluate(start_);
 }
@@ -69,9 +76,11 @@ void Inputs::interrupt(double t) {
     for (int i = 0; i < static_cast<int>(count()); ++i) {
       move_base(i, t);
       now_[i] = at(i, 0);
+      take_rates(i);
     }
   } else if (changed_) {
     std::ranges::fill(change_, 0.0);
+    std::ranges::fill(rates_, 0.0);
   }
   changed_ = moving_;
   start_ = now_time_ = t;

@@ -123,7 +123,8 @@ class Simulation {
   // - along the direction dx (as states()), du (as inputs());
   Slope slope_along(const std::vector<double>& dx, const std::vector<double>& du);
   // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
-  //   time derivatives; empty: those set for the next step.
+  //   time derivatives; empty: those set for the step to come, or, where nothing was set since the last step, those
+  //   with which the inputs have arrived.
   Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
 
   // What assembly found, in words: the branch (start values of every joint) and what it changed.

@@ -128,7 +128,7 @@ Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot,
     if (!given.empty()) check_size(name, given.size(), u.count());
     std::vector<double> rates(given);
     for (auto i = static_cast<int>(given.size()); i < static_cast<int>(u.count()); ++i) {
-      rates.push_back(u.derivative_at(i, order, impl_->time));
+      rates.push_back(u.rate(i, order));
     }
     return rates;
   };

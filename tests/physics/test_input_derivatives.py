@@ -218,3 +218,26 @@ def test_wrong_derivatives_are_refused_and_the_former_ones_stay() -> None:
     with pytest.raises(StepError, match=r"push\.f would be no finite number"):
         plant.step_to(1e3)
     assert plant.time == 0.0
+
+
+def test_output_derivatives_take_part_in_the_inputs_motion() -> None:
+    """Where an input has arrived by its derivatives, as it arrived; from the next setting on, as it is to go on."""
+    plant = start(sled())
+
+    def jerk_and_more() -> list[float]:
+        a = [s.name for s in plant.outputs].index("S.a")
+        first, second = np.reshape(plant._core._output_derivatives([], []), (2, -1))
+        return [float(first[a]), float(second[a])]
+
+    plant.set_input_derivative("push.f", 1, 6.0)
+    plant.set_input_derivative("push.f", 3, 12.0)
+    assert jerk_and_more() == pytest.approx([3.0, 0.0], abs=1e-14)
+    plant.step_to(0.5)
+    assert jerk_and_more() == pytest.approx([(6.0 + 6.0 * 0.5**2) / 2, 12.0 * 0.5 / 2], rel=1e-12)
+    plant.set_input_derivative("push.f", 2, 5.0)
+    assert jerk_and_more() == pytest.approx([0.0, 2.5], abs=1e-14)
+    plant.step_to(0.6)
+    plant.set_input("push.f", 1.0)
+    assert jerk_and_more() == pytest.approx([0.0, 0.0], abs=1e-14)
+    plant.step_to(0.7)
+    assert jerk_and_more() == pytest.approx([0.0, 0.0], abs=1e-14)
