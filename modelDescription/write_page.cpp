@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "formulation/inputs.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/write_xml.h"
 #include "scene/text.h"
@@ -106,6 +107,11 @@ std::string write_documentation(Simulation& simulation, const Catalogue& catalog
           " s is the one proposed. Parameters can be set until initialisation ends, tunable ones also between steps. "
           "SI units, angles in radians; they "
           "count turns.</p>\n";
+  page += "<p>Within a step an input is held, or follows the derivatives, of order 1 to " +
+          std::to_string(Inputs::highest_order) +
+          ", that fmi2SetRealInputDerivatives gave it for the step; afterwards it stays at the value reached. A step "
+          "that takes more than solver.max_evaluations ends early with fmi2Discard: fmi2GetRealStatus tells where, and "
+          "the next step goes on from there.</p>\n";
   page +=
       "<figure>\n" + write_svg(picture) + "<figcaption>At the start. Red joints are driven.</figcaption>\n</figure>\n";
   add_table(page, "Inputs", Causality::input, catalogue);

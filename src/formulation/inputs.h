@@ -31,8 +31,8 @@ class Inputs {
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }
   double derivative(int i, int order) const { return at(i, order); }
-  // du/dt or d2u/dt2 (order 1, 2) at t0, as outputs see them that are read there: of the motion to come once a derivative
-  // or another value was set for it, until then of the motion that has led there.
+  // du/dt or d2u/dt2 (order 1, 2) at t0, as outputs see them that are read there: of the motion to come once a
+  // derivative or another value was set for it, until then of the motion that has led there.
   double rate(int i, int order) const { return rates_[static_cast<std::size_t>(i) * 2 + order - 1]; }
   // u or one of its derivatives at t.
   double derivative_at(int i, int order, double t) const;
@@ -50,7 +50,9 @@ class Inputs {
   // A step was cut short at t: u goes on from there.
   void interrupt(double t);
 
-  void exchange(Record& record) { record.exchange(taylor_, now_, rates_, change_, start_, now_time_, moving_, changed_); }
+  void exchange(Record& record) {
+    record.exchange(taylor_, now_, rates_, change_, start_, now_time_, moving_, changed_);
+  }
 
   // Whether both are the same functions of time.
   friend bool operator==(const Inputs& a, const Inputs& b);

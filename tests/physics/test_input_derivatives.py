@@ -221,7 +221,7 @@ def test_wrong_derivatives_are_refused_and_the_former_ones_stay() -> None:
 
 
 def test_output_derivatives_take_part_in_the_inputs_motion() -> None:
-    """Where an input has arrived by its derivatives, as it arrived; from the next setting on, as it is to go on."""
+    """As it has arrived by its derivatives; from the next setting on, as it is to go on."""
     plant = start(sled())
 
     def jerk_and_more() -> list[float]:
