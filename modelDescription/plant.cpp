@@ -119,13 +119,8 @@ void Plant::check(int variable, double value) const {
 void Plant::check_input_derivative(int variable, int order, double value) const {
   const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];
   if (v.source != Source::input) throw std::invalid_argument(v.name + ": found no input, expected one");
-  if (order < 1 || order > Inputs::highest_order) {
-    throw std::invalid_argument(v.name + ": found a derivative of order " + std::to_string(order) +
-                                ", expected one of order 1 to " + std::to_string(Inputs::highest_order));
-  }
-  if (std::isfinite(value)) return;
-  throw std::invalid_argument(v.name + ": found " + text::number(value) + " for its derivative of order " +
-                              std::to_string(order) + ", expected a finite number; what was set before stays");
+  const std::string fault = Inputs::fault(order, value);
+  if (!fault.empty()) throw std::invalid_argument(v.name + ": " + fault);
 }
 
 void Plant::set_input_derivative(int variable, int order, double value) {

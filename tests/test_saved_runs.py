@@ -68,7 +68,7 @@ def test_about_a_change_point_under_a_torque(before: int) -> None:
 
 @pytest.mark.parametrize("integrator", ["auto", "ida", "cvode-adams", "rk4"])
 def test_within_a_step_cut_short_while_the_torque_moves(integrator: str) -> None:
-    source = four_bar() | {"solver": {"integrator": integrator, "max_evaluations": 60}}
+    source = four_bar() | {"solver": {"integrator": integrator, "max_evaluations": 30}}
 
     def go_on(plant: gelenk.Simulation) -> list[tuple[float, ...]]:
         rows = []

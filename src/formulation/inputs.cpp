@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/text.h"
+
 namespace gelenk {
 namespace {
 
@@ -48,6 +50,16 @@ void Inputs::set_derivative(int i, int order, double value) {
   take_rates(i);
   note_motion();
   if (now_time_ != start_) evaluate(start_);
+}
+
+std::string Inputs::fault(int order, double value) {
+  if (order < 1 || order > highest_order) {
+    return "found a derivative of order " + std::to_string(order) + ", expected one of order 1 to " +
+           std::to_string(highest_order);
+  }
+  if (std::isfinite(value)) return {};
+  return "found " + text::number(value) + " for the derivative of order " + std::to_string(order) +
+         ", expected a finite number; what was set before stays";
 }
 
 void Inputs::note_motion() {

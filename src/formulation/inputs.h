@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "math/record.h"
@@ -42,6 +43,8 @@ class Inputs {
   // smooth: within rounding the value that u has reached by its derivatives.
   Change set(int i, double value);
   void set_derivative(int i, int order, double value);  // order 1 to highest_order
+  // "found ..., expected ...": why there is no such derivative; empty: there is.
+  static std::string fault(int order, double value);
 
   // The run begins at t: what is set holds from there.
   void start(double t);

@@ -190,17 +190,9 @@ void Simulation::set_input(int index, double value) {
 }
 
 void Simulation::set_input_derivative(int index, int order, double value) {
-  Impl& s = *impl_;
-  const std::string& name = s.inputs.at(index).name;
-  if (order < 1 || order > Inputs::highest_order) {
-    throw UsageError(name + ": found a derivative of order " + std::to_string(order) + ", expected one of order 1 to " +
-                     std::to_string(Inputs::highest_order));
-  }
-  if (!std::isfinite(value)) {
-    throw UsageError(name + ": found " + std::to_string(value) + " for its derivative of order " +
-                     std::to_string(order) + ", expected a finite number; the former value stays");
-  }
-  s.u.set_derivative(index, order, value);
+  const std::string fault = Inputs::fault(order, value);
+  if (!fault.empty()) throw UsageError(impl_->inputs.at(index).name + ": " + fault);
+  impl_->u.set_derivative(impl_->known_input(index), order, value);
 }
 
 void Simulation::tune(const Scene& scene) {

@@ -191,7 +191,7 @@ def impossible_input_derivatives_are_refused(fmu: Fmu) -> None:
         refused("drive.tau: found ", tau, 1, bad)
     both = (c_double * 2)(3.0, math.nan)  # a call counts as a whole
     status = s.call(function, s.references(["drive.tau"] * 2), c_size_t(2), (c_int * 2)(1, 2), both)
-    expect(s, status, ERROR, "drive.tau: found NaN for its derivative of order 2, expected a finite number")
+    expect(s, status, ERROR, "drive.tau: found NaN for the derivative of order 2, expected a finite number")
     assert s.call(function, None, c_size_t(0), None, None) == OK
     s.run(1)
     assert s.get("drive.tau") == 0.0

@@ -208,7 +208,7 @@ def test_wrong_derivatives_are_refused_and_the_former_ones_stay() -> None:
             plant.input_derivative("push.f", order)
     for bad in (math.nan, math.inf):
         with pytest.raises(
-            UsageError, match=r"push\.f: found .* for its derivative of order 2, expected a finite"
+            UsageError, match=r"push\.f: found .* for the derivative of order 2, expected a finite"
         ):
             plant.set_input_derivative("push.f", 2, bad)
     with pytest.raises(UsageError, match="pus"):
