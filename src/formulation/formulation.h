@@ -25,6 +25,7 @@ struct FormulationOptions {
   double step = 1e-3;          // s: of fixed-step methods or between outputs
   double baumgarte_alpha = 0;  // 1/s; 0: chosen from the step
   double baumgarte_beta = 0;   // 1/s; likewise
+  int corrections = 0;         // of projection after each step; 0: until closed
 };
 
 class Formulation : public Equations {

@@ -24,8 +24,14 @@ constexpr double most_magnified = 1e4;
 
 class Projection final : public Formulation {
  public:
-  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs)
-      : Formulation(mechanism, dynamics, inputs), expected_(nv_), before_(nv_), after_(nv_), seen_(inputs) {
+  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int corrections)
+      : Formulation(mechanism, dynamics, inputs),
+        corrections_(corrections),
+        move_(nv_),
+        expected_(nv_),
+        before_(nv_),
+        after_(nv_),
+        seen_(inputs) {
     for (auto& acceleration : accelerations_) acceleration.resize(nv_);
   }
   bool project(double t, double* y) override;
@@ -40,6 +46,10 @@ class Projection final : public Formulation {
   const double* expected(double t) override;
   void add_jump(double t);
   void remember(double t);
+  bool correct(double* q, double* v);
+
+  int corrections_;
+  std::vector<double> move_;  // by a correction
 
   // Accelerations at the last times at which the rows were sound.
   static constexpr int memory = 6;
@@ -137,7 +147,26 @@ void Projection::remember(double t) {
   ++remembered_;
 }
 
+// So many corrections with the factors at hand, whatever is left: each costs the same.
+bool Projection::correct(double* q, double* v) {
+  dynamics_.normalise(q);
+  dynamics_.set_position(q);
+  for (int i = 0; i < corrections_; ++i) {
+    correction(dynamics_.Phi().data(), move_.data());
+    dynamics_.displace(q, move_.data());
+    dynamics_.set_position(q);
+  }
+  dynamics_.set_velocity(v);
+  for (int i = 0; i < corrections_; ++i) {
+    correction(dynamics_.row_rates().data(), move_.data());
+    for (int k = 0; k < nv_; ++k) v[k] += move_[k];
+    dynamics_.set_velocity(v);
+  }
+  return std::ranges::all_of(dynamics_.row_rates(), [](double rate) { return std::isfinite(rate); });
+}
+
 bool Projection::project(double, double* y) {
+  if (corrections_ > 0 && rows() > 0) return correct(y, y + nq_);
   if (close_position(y) && close_velocity(y + nq_)) return true;
   if (sound_) return false;
   // A long step may have left more along a weak direction than may stay.
@@ -157,8 +186,8 @@ void Projection::accepted(double t, const double* y) {
 }  // namespace
 
 std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                             const FormulationOptions&) {
-  return std::make_unique<Projection>(mechanism, dynamics, u);
+                                             const FormulationOptions& options) {
+  return std::make_unique<Projection>(mechanism, dynamics, u, options.corrections);
 }
 
 }  // namespace gelenk

@@ -47,6 +47,12 @@ void check_partners(const Solver& solver, Faults& faults) {
              text::one_of({}, allowed, "words") + ", or another formulation");
 }
 
+void check_count(int count, Counted range, const char* path, Faults& faults) {
+  if (count >= range.least && count <= range.most) return;
+  faults.add(path, std::to_string(count),
+             "a whole number from " + std::to_string(range.least) + " to " + std::to_string(range.most));
+}
+
 void check_rho_inf(const Solver& solver, Faults& faults) {
   const std::string found = text::number(solver.rho_inf);
   const bool hht = solver.integrator == "hht";
@@ -80,9 +86,8 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }
-  if (scene.solver.max_evaluations < 1) {
-    faults.add("solver.max_evaluations", std::to_string(scene.solver.max_evaluations), "a whole number from 1 on");
-  }
+  check_count(scene.solver.max_evaluations, words::max_evaluations, "solver.max_evaluations", faults);
+  check_count(scene.solver.corrections, words::corrections, "solver.corrections", faults);
   check_gain(scene.solver.baumgarte_alpha, "solver.baumgarte_alpha", scene.solver, faults);
   check_gain(scene.solver.baumgarte_beta, "solver.baumgarte_beta", scene.solver, faults);
 }

@@ -41,13 +41,13 @@ void read_reductions(const Json& section, Solver& solver, Faults& faults) {
 }
 
 // A whole number from 1 on that an Integer of FMI holds.
-void read_count(const Json& value, const std::string& path, int& count, Faults& faults) {
-  constexpr double most = std::numeric_limits<int>::max();
-  const double x = value.is_number() ? value.get<double>() : 0;
-  if (x >= 1 && x <= most && x == std::floor(x)) {
+void read_count(const Json& value, const std::string& path, Counted range, int& count, Faults& faults) {
+  const double x = value.is_number() ? value.get<double>() : -1;
+  if (x >= range.least && x <= range.most && x == std::floor(x)) {
     count = static_cast<int>(x);
   } else {
-    faults.add(path, shown(value), "a whole number from 1 to " + text::number(most));
+    faults.add(path, shown(value),
+               "a whole number from " + std::to_string(range.least) + " to " + std::to_string(range.most));
   }
 }
 
@@ -59,8 +59,11 @@ void read_solver(const Json& section, Reader& reader) {
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
-  if (const Json* most = fields.find("max_evaluations"))
-    read_count(*most, fields.path("max_evaluations"), solver.max_evaluations, reader.faults);
+  const auto count = [&](const char* field, Counted range, int& value) {
+    if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);
+  };
+  count("max_evaluations", words::max_evaluations, solver.max_evaluations);
+  count("corrections", words::corrections, solver.corrections);
   solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Allowed::not_negative);
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Allowed::not_negative);
   solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Allowed::not_negative);

@@ -127,6 +127,7 @@ struct Solver {
   std::string integrator = "auto";   // of words::integrators
   double step = 0;                   // s, of fixed-step methods; 0: chosen from experiment.step
   int max_evaluations = 10'000'000;  // of the equations of motion of an island in one communication step
+  int corrections = 0;               // of projection after each step: so many, no more and no less; 0: until closed
   double rho_inf = 0.8;              // of generalized-alpha and hht: spectral radius at infinite frequency
   // 1/s, of the formulation baumgarte: J vdot = gamma - 2 alpha J v - beta^2 Phi; 0: chosen from the step
   double baumgarte_alpha = 0;

@@ -2,10 +2,23 @@
 // Words that a scene file may choose from.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
+namespace gelenk {
+
+// A whole number's range.
+struct Counted {
+  int least, most;
+};
+
+}  // namespace gelenk
+
 namespace gelenk::words {
+
+inline constexpr Counted max_evaluations{1, std::numeric_limits<int>::max()};
+inline constexpr Counted corrections{0, 100};
 
 inline const std::vector<std::string> formulations = {
     "projection",           "baumgarte",   "udwadia-kalaba", "penalty",

@@ -193,6 +193,7 @@ std::string write_scene_json(const Scene& scene) {
   const Solver& s = scene.solver;
   out["solver"] = {{"formulation", s.formulation}, {"integrator", s.integrator}, {"step", s.step}};
   if (s.max_evaluations != Solver{}.max_evaluations) out["solver"]["max_evaluations"] = s.max_evaluations;
+  if (s.corrections != Solver{}.corrections) out["solver"]["corrections"] = s.corrections;
   if (s.rho_inf != Solver{}.rho_inf) out["solver"]["rho_inf"] = s.rho_inf;
   if (s.baumgarte_alpha != 0) out["solver"]["baumgarte_alpha"] = s.baumgarte_alpha;
   if (s.baumgarte_beta != 0) out["solver"]["baumgarte_beta"] = s.baumgarte_beta;

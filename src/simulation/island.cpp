@@ -26,7 +26,7 @@ double cpu_time() {
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
 FormulationOptions options_of(const Scene& scene) {
-  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta};
+  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections};
 }
 
 }  // namespace

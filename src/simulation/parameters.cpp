@@ -12,6 +12,7 @@
 #include "joint/registry.h"
 #include "scene/read.h"
 #include "scene/text.h"
+#include "scene/words.h"
 #include "simulation/properties.h"
 
 namespace gelenk {
@@ -134,6 +135,18 @@ Parameter choice(const char* name, const char* description, Items items, std::st
   return p;
 }
 
+Parameter count(const char* name, const char* description, Counted range, int Solver::* field) {
+  Parameter p;
+  p.name = name;
+  p.description = description;
+  p.type = ParameterType::integer;
+  p.min = range.least;
+  p.max = range.most;
+  p.get = [field](const Scene& scene) { return static_cast<double>(scene.solver.*field); };
+  p.put = [field](Scene& scene, double value) { scene.solver.*field = static_cast<int>(value); };
+  return p;
+}
+
 void add_solver(std::vector<Parameter>& table) {
   Parameter tolerance =
       real_parameter("solver.tolerance", "1", "relative tolerance; absolute per radian, metre, rad/s and m/s",
@@ -163,17 +176,14 @@ void add_solver(std::vector<Parameter>& table) {
   rho_inf.min = 0;
   rho_inf.max = 1;
   table.push_back(std::move(rho_inf));
-  Parameter most;
-  most.name = "solver.max_evaluations";
-  most.description =
-      "evaluations of the equations of motion, of each island, after which a communication step ends "
-      "early (fmi2Discard at the time reached)";
-  most.type = ParameterType::integer;
-  most.min = 1;
-  most.max = std::numeric_limits<int>::max();
-  most.get = [](const Scene& scene) { return static_cast<double>(scene.solver.max_evaluations); };
-  most.put = [](Scene& scene, double value) { scene.solver.max_evaluations = static_cast<int>(value); };
-  table.push_back(std::move(most));
+  table.push_back(count("solver.max_evaluations",
+                        "evaluations of the equations of motion, of each island, after which a communication step ends "
+                        "early (fmi2Discard at the time reached)",
+                        words::max_evaluations, &Solver::max_evaluations));
+  table.push_back(count("solver.corrections",
+                        "projection: corrections of positions, and of speeds, after each step, so that each costs the "
+                        "same; 0: as many as close the loops",
+                        words::corrections, &Solver::corrections));
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {

@@ -13,16 +13,16 @@ HERE = Path(__file__).parent
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
-def compiled(name: str, folder: Path, *flags: str) -> Path | None:
-    """NAME.c as a program in the folder; None where there is no C compiler."""
+def compiled(name: str, folder: Path, *flags: str, where: Path = HERE) -> Path | None:
+    """NAME.c, from `where`, as a program in the folder; None where there is no C compiler."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None
     out = folder / name
     # -rdynamic: a malloc of the host's is then the library's too.
     subprocess.run(
-        [compiler, "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-rdynamic", *flags, f"-I{HEADERS}",
-         str(HERE / f"{name}.c"), "-o", str(out), "-ldl", "-lpthread"],
+        [compiler, "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-rdynamic", *flags,
+         f"-I{HEADERS}", f"-I{HERE}", str(where / f"{name}.c"), "-o", str(out), "-ldl", "-lpthread"],
         check=True,
     )  # fmt: skip
     return out

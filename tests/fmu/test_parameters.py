@@ -92,6 +92,8 @@ class Situations:
             yield method, {"solver.integrator": number, "solver.step": step_of(self.fmu)}
         yield "baumgarte", {"solver.formulation": self.items("solver.formulation").index("baumgarte") + 1}
         yield "short of evaluations", {"solver.max_evaluations": 40, "solver.tolerance": 1e-12}
+        euler = self.items("solver.integrator").index("euler") + 1
+        yield "few corrections", {"solver.integrator": euler, "solver.corrections": 3}
         yield "round bodies", self.all(r"\.inertia\[[123]\]", 1.0)
         yield "turned", self.all(r"\.Q_start\[1\]", 0.1) | self.all(r"\.fixed$", 0)
         yield "swinging", self.all(r"\.(w|v|w_a|w_b)_start", 0.4) | self.all(r"\.fixed$", 0)
@@ -142,7 +144,7 @@ def cannot_act(source: dict[str, Any], name: str) -> bool:
     what moves a joint of a loop off the plane tears the loop, so is refused.
     """
     tree = len(source["joints"]) == len(source["bodies"])
-    if tree and re.search(r"\.fixed$|^solver\.(formulation|baumgarte_)", name):
+    if tree and re.search(r"\.fixed$|^solver\.(formulation|baumgarte_|corrections)", name):
         return True
     n = normal(source)
     if n is None:
