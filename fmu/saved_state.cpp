@@ -46,7 +46,7 @@ void serialize(const SavedState& state, std::string_view guid, std::span<char> b
   const Head head = head_of(guid, words.size());
   const std::size_t length = words.size() * sizeof(std::uint64_t);
   std::memcpy(bytes.data(), &head, sizeof head);
-  std::memcpy(bytes.data() + sizeof head, words.data(), length);
+  if (length > 0) std::memcpy(bytes.data() + sizeof head, words.data(), length);
   const std::uint64_t sum = checksum({bytes.data(), sizeof head + length});
   std::memcpy(bytes.data() + sizeof head + length, &sum, sizeof sum);
 }
@@ -75,7 +75,7 @@ std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const c
     refuse("a state whose checksum is wrong", "it as it was written");
   }
   std::vector<std::uint64_t> words(head.words);
-  std::memcpy(words.data(), bytes.data() + sizeof head, length);
+  if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof head, length);
   return std::make_unique<SavedState>(Record(std::move(words)), false);
 }
 

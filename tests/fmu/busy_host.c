@@ -4,6 +4,7 @@
  *   timing=N   as that, telling the median of the processor's time to the end of initialisation
  *   crowd=N    N instances step by step in turns, each of which must give the bits that it gave alone
  *   threads=N  the same instances dealt out to N threads, which live at the same time
+ *   states=N   N instances, each of which goes back to a state twice, the second time to one that was bytes meanwhile
  *   run=N      N steps of one instance, whose outputs are told, one a line
  *   wrong=N    N times a life of wrong calls; each must give the status that it deserves
  * Ends with 0 and a line for each task. */
@@ -153,6 +154,38 @@ static void cycles(long n) {
 }
 #endif
 
+/* The steps from `first` on, counted into a new checksum. */
+static uint64_t rest(Life* life, long which, int first) {
+  life->sum = 0;
+  for (int k = first; k < STEPS; ++k) step(life, which, k);
+  return life->sum;
+}
+
+static void states(long n) {
+  enum { MIDDLE = STEPS / 2 };
+  for (long i = 0; i < n; ++i) {
+    fmi2FMUstate state = NULL, other = NULL;
+    size_t length = 0;
+    Life life;
+    begin(&life, i);
+    for (int k = 0; k < MIDDLE; ++k) step(&life, i, k);
+    if (CALL(fmi2GetFMUstate)(life.c, &state) != fmi2OK) fail("no state", i);
+    const uint64_t expected = rest(&life, i, MIDDLE);
+    if (CALL(fmi2SetFMUstate)(life.c, state) != fmi2OK) fail("no way back", i);
+    if (rest(&life, i, MIDDLE) != expected) fail("another run from a state", i);
+    if (CALL(fmi2SerializedFMUstateSize)(life.c, state, &length) != fmi2OK) fail("no size", i);
+    char* bytes = malloc(length);
+    if (CALL(fmi2SerializeFMUstate)(life.c, state, bytes, length) != fmi2OK) fail("no bytes", i);
+    if (CALL(fmi2DeSerializeFMUstate)(life.c, bytes, length, &other) != fmi2OK) fail("bytes refused", i);
+    free(bytes);
+    if (CALL(fmi2SetFMUstate)(life.c, other) != fmi2OK) fail("no way back from bytes", i);
+    if (rest(&life, i, MIDDLE) != expected) fail("another run from bytes", i);
+    if (CALL(fmi2FreeFMUstate)(life.c, &state) != fmi2OK || state != NULL) fail("state not freed", i);
+    end(&life); /* with the other */
+  }
+  printf("states %ld\n", n);
+}
+
 static void run(long n) {
   double values[sizeof outputs / sizeof outputs[0]];
   Life life;
@@ -237,8 +270,8 @@ int main(int argc, char** argv) {
   static const struct {
     const char* name;
     void (*run)(long);
-  } tasks[] = {{"cycles=", cycles},   {"timing=", timing}, {"crowd=", crowd},
-               {"threads=", threads}, {"run=", run},       {"wrong=", wrong}};
+  } tasks[] = {{"cycles=", cycles}, {"timing=", timing}, {"crowd=", crowd}, {"threads=", threads},
+               {"states=", states}, {"run=", run},       {"wrong=", wrong}};
   take_arguments(argc, argv);
   for (int i = 7; i < argc; ++i) {
     size_t t = 0;

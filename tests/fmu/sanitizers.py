@@ -26,12 +26,16 @@ TESTS = Path(__file__).resolve().parent.parent
 VALGRIND = ("valgrind", "--quiet", "--error-exitcode=9", "--fair-sched=yes")
 # What runs the host, how it is compiled, and its tasks, small: an instrument slows down 10 to 50 times.
 INSTRUMENTS = {
-    "address": ((), ("-fsanitize=address,undefined",), ("cycles=20", "crowd=8", "threads=4", "wrong=5")),
-    "thread": ((), ("-fsanitize=thread",), ("cycles=5", "crowd=12", "threads=4", "wrong=2")),
+    "address": (
+        (),
+        ("-fsanitize=address,undefined",),
+        ("cycles=20", "crowd=8", "threads=4", "states=3", "wrong=5"),
+    ),
+    "thread": ((), ("-fsanitize=thread",), ("cycles=5", "crowd=12", "threads=4", "states=2", "wrong=2")),
     "memcheck": (
         (*VALGRIND, "--leak-check=full", "--errors-for-leak-kinds=definite,indirect,possible"),
         (),
-        ("cycles=5", "crowd=4", "threads=4", "wrong=2"),
+        ("cycles=5", "crowd=4", "threads=4", "states=2", "wrong=2"),
     ),
     "helgrind": ((*VALGRIND, "--tool=helgrind"), (), ("crowd=8", "threads=4")),
 }
