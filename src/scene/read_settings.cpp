@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/check.h"
 #include "scene/reader.h"
 #include "scene/text.h"
 #include "scene/words.h"
@@ -10,8 +11,14 @@
 namespace gelenk {
 
 void read_parameters(const Json& section, Reader& reader) {
+  if (section.is_string() && section.get<std::string>() == "all") {
+    for (const Settable& number : settables(reader.scene)) {
+      if (number.path != "gravity") reader.scene.parameters.push_back(number.path);  // is there in any case
+    }
+    return;
+  }
   if (!section.is_array()) {
-    reader.faults.add("parameters", shown(section), "a list of paths such as crank.mass");
+    reader.faults.add("parameters", shown(section), "a list of paths such as crank.mass, or all");
     return;
   }
   for (std::size_t i = 0; i < section.size(); ++i) {

@@ -240,10 +240,9 @@ std::string scene_schema() {
   fields["motors"] = section(motor(), "Motors, each an input.", false);
   fields["forces"] = section(force(), "Springs, dampers, loads.", false);
   fields["sensors"] = section(sensor(), "Outputs beyond the joints' states.", false);
-  fields["parameters"] = {{"type", "array"},
-                          {"items", {{"type", "string"}}},
-                          {"uniqueItems", true},
-                          {"description", "Paths of numbers that may be set before a run, such as crank.mass"}};
+  fields["parameters"] = {
+      {"anyOf", {{{"type", "array"}, {"items", {{"type", "string"}}}, {"uniqueItems", true}}, {{"const", "all"}}}},
+      {"description", "Paths of numbers that may be set before a run, such as crank.mass; all: whatever can be"}};
   fields.update(settings());
   Json out;
   out["$schema"] = "https://json-schema.org/draft/2020-12/schema";

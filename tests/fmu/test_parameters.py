@@ -291,3 +291,13 @@ def test_a_rod_whose_damping_may_be_tuned_stays_a_body(tmp_path: Path) -> None:
         runs.append(slave.run(5, STEP))
         slave.free()
     assert runs[0] != runs[1]
+
+
+@pytest.mark.parametrize("file", scene_files.good(), ids=lambda file: file.stem)
+def test_all_are_all_that_can_be_listed(file: Path, tmp_path: Path) -> None:
+    source = gelenk.load(file).to_dict()
+    names = []
+    for number, scene in enumerate((source | {"parameters": "all"}, offering_all(source))):
+        fmu = gelenk.export_fmu(scene, tmp_path / f"{number}.fmu")
+        names.append([v.name for v in fmpy.read_model_description(str(fmu)).modelVariables])
+    assert names[0] == names[1]
