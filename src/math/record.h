@@ -6,6 +6,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -46,10 +47,12 @@ class Record {
   }
   template <std::signed_integral Int>
   void exchange(Int& x) {
+    // What is counted is far from this, and what is computed from it stays in range: 2^48 in 64 bits, 2^28 in 32.
+    constexpr std::int64_t most = std::numeric_limits<Int>::max() >> (sizeof(Int) > 4 ? 15 : 3);
     std::int64_t wide = x;
     word(wide);
+    if (reading_ && (wide > most || wide < -most)) fail();
     x = static_cast<Int>(wide);
-    if (x != wide) fail();
   }
   template <class Numbers>
     requires requires(Numbers& x) { x.begin(); }
