@@ -39,8 +39,8 @@ INSTRUMENTS = {
     ),
     "helgrind": ((*VALGRIND, "--tool=helgrind"), (), ("crowd=8", "threads=4")),
 }
-# Undefined behaviour ends the process of itself. LeakSanitizer of GCC 12 dies of the thread-local storage of a
-# library that was loaded late; memcheck looks there.
+# Undefined behaviour ends the process of itself. LeakSanitizer of GCC 12 dies of the thread-local storage of
+# a library that was loaded late; memcheck looks there.
 OPTIONS = {
     "ASAN_OPTIONS": "detect_leaks=1",
     "LSAN_OPTIONS": "use_tls=0:print_suppressions=0",
