@@ -179,7 +179,7 @@ void Plant::exchange(Record& record) {
       take(when_assembled, present);
     } else if (settings_ != present) {
       present.put(catalogue(), scene_);
-      settings_ = present;
+      settings_ = std::move(present);
     }
   }
   if (assembled) simulation_->exchange(record);
