@@ -16,7 +16,7 @@ ArkodeIntegrator::~ArkodeIntegrator() {
 
 void ArkodeIntegrator::own(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
-  steppers_.push_back({memory_});
+  steppers_.push_back({memory_, false, std::nullopt});
   ARKodeSetUserData(memory_, user_data());
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);

@@ -63,15 +63,19 @@ void Island::start_integrator(double tolerance) {
 void Island::warm_up(double step) {
   Record start;
   exchange(start);
+  const auto undo = [&] {
+    start.read_anew();
+    exchange(start);
+  };
   std::vector<double> y = y_;
   try {
     integrator_->warm_up(time_ + step, y.data());
+    undo();
   } catch (const IntegrationError&) {
-    // It will be told when the step is asked for.
+    undo();  // the reason will be told when the step is asked for
   } catch (const SingularMass&) {
+    undo();
   }
-  start.read_anew();
-  exchange(start);
 }
 
 double Island::advance(double end, long most_evaluations) {

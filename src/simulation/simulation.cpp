@@ -49,7 +49,9 @@ void Simulation::Impl::make_islands() {
 }
 
 int Simulation::Impl::known_input(int index) const {
-  inputs.at(static_cast<std::size_t>(index));
+  if (index < 0 || index >= static_cast<int>(inputs.size())) {
+    throw std::out_of_range("input " + std::to_string(index) + " of " + std::to_string(inputs.size()));
+  }
   return index;
 }
 
