@@ -16,6 +16,7 @@ from gelenk.errors import (
     AssemblyError,
     ExportError,
     GelenkError,
+    OperatingPointWarning,
     SceneError,
     StepBudgetError,
     StepError,
@@ -23,6 +24,8 @@ from gelenk.errors import (
 )
 from gelenk.export import export_fmu
 from gelenk.inspection import Inspection, inspect
+from gelenk.linear import LinearModel
+from gelenk.linearization import linearize
 from gelenk.result import Result
 from gelenk.run import simulate
 from gelenk.scene import Scene, load
@@ -35,6 +38,8 @@ __all__ = [
     "ExportError",
     "GelenkError",
     "Inspection",
+    "LinearModel",
+    "OperatingPointWarning",
     "Result",
     "Scene",
     "SceneError",
@@ -46,6 +51,7 @@ __all__ = [
     "export_fmu",
     "import_urdf",
     "inspect",
+    "linearize",
     "load",
     "simulate",
 ]

@@ -14,6 +14,8 @@ import gelenk
 from gelenk.chart.cli import app as chart_app
 from gelenk.errors import StepError, UsageError
 from gelenk.export import missing_platforms
+from gelenk.inputs import Input
+from gelenk.linearization import linear_model
 from gelenk.progress import progress_bar
 from gelenk.result import Result
 from gelenk.told import told
@@ -164,6 +166,65 @@ def simulate(
     _tell_passages(result)
 
 
+@app.command()
+@told
+def linearize(
+    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="T|NAME=VALUE", help="A time [s] on the motion; or a state or parameter, repeatable."
+        ),
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point and before; repeatable."
+        ),
+    ] = None,
+    inputs: Annotated[
+        str | None, typer.Option(metavar="LIST", help="Inputs of the model, commas between; by default all.")
+    ] = None,
+    outputs: Annotated[
+        str | None, typer.Option(metavar="LIST", help="Outputs of the model; by default all.")
+    ] = None,
+    states: Annotated[
+        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
+    ] = None,
+    tolerance: Annotated[float | None, typer.Option(help="Relative tolerance on the way to a time.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Linear model of a scene or an FMU: states, A, B, C, D; what is no equilibrium is told on stderr."""
+    model = linear_model(
+        plant, at=_point(at or []), input_values=_input_values(given or []), inputs=_listed(inputs),
+        outputs=_listed(outputs), states=_listed(states), parameters=_settings(settings or []),
+        tolerance=tolerance,
+    )  # fmt: skip
+    if model.unrest:
+        print(model.unrest, file=sys.stderr)
+    print(json.dumps(model.to_dict(), indent=2) if as_json else model)
+
+
+def _point(at: list[str]) -> float | dict[str, gelenk.scene.Value] | None:
+    if len(at) == 1 and "=" not in at[0]:
+        return gelenk.scene.number("--at", at[0], "real")
+    return _settings(at, "--at") or None
+
+
+def _input_values(given: list[str]) -> dict[str, Input] | str:
+    if len(given) == 1 and "=" not in given[0]:
+        return given[0]
+    values = _settings(given, "--input")
+    return {name: gelenk.scene.number(name, value, "real") for name, value in values.items()}
+
+
+def _listed(text: str | None) -> list[str] | None:
+    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+
+
 def _tell_passages(result: Result) -> None:
     if not result.singular_positions:
         return
@@ -176,14 +237,14 @@ def _tell_passages(result: Result) -> None:
     )
 
 
-def _settings(given: list[str]) -> dict[str, gelenk.scene.Value]:
+def _settings(given: list[str], option: str = "--set") -> dict[str, gelenk.scene.Value]:
     settings: dict[str, gelenk.scene.Value] = {}
     for text in given:
         name, equals, value = text.partition("=")
         if not (name.strip() and equals and value.strip()):
-            raise UsageError(f"--set {text}: expected NAME=VALUE")
+            raise UsageError(f"{option} {text}: expected NAME=VALUE")
         if name.strip() in settings:
-            raise UsageError(f"--set {text}: {name.strip()} is set twice")
+            raise UsageError(f"{option} {text}: {name.strip()} is set twice")
         settings[name.strip()] = value.strip()
     return settings
 

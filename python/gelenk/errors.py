@@ -54,5 +54,9 @@ class UsageError(GelenkError):
     """A wrong call: a name that does not exist, a value that is not finite, a step back in time."""
 
 
+class OperatingPointWarning(UserWarning):
+    """A linear model was asked for about a point that is no equilibrium; names the states that change."""
+
+
 class ExportError(GelenkError):
     """A file of the FMU could not be read or written."""

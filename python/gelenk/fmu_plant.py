@@ -8,7 +8,7 @@ import shutil
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, override
@@ -19,6 +19,7 @@ import fmpy.simulation
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.derivatives import Derivatives, rate_told
 from gelenk.errors import AssemblyError, GelenkError, StepError, UsageError
 from gelenk.plant import Plant
 from gelenk.scene import Value, number
@@ -36,6 +37,7 @@ class FmuPlant(Plant):
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         experiment = self._description.defaultExperiment
+        self.name = str(self._description.modelName)
         self.stop = float(getattr(experiment, "stopTime", None) or 1.0)
         self.step = float(getattr(experiment, "stepSize", None) or 1e-3)
         self.inputs = self._names("input")
@@ -114,6 +116,43 @@ class FmuPlant(Plant):
     def read(self) -> NDArray[np.float64]:
         with self._told(StepError):
             return np.array(self._slave.getReal(self._references) if self._references else [])
+
+    @override
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        if not getattr(self._description.coSimulation, "providesDirectionalDerivative", False):
+            raise UsageError(f"{self._file}: found no directional derivatives in this FMU, expected them")
+        declared = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
+        states = [name for name in self._variables if name in declared]  # in their order
+        inputs, outputs = (
+            [name for name in names if self._variables[name].type == "Real"]
+            for names in (self.inputs, self.outputs)
+        )
+        told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
+        rates = {of: name for name, of in told.items() if of in self._variables}
+        unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
+        inner = [name for name in states if name not in unknowns]  # states that are no outputs
+        names = [*inputs, *unknowns, *inner]
+        with self._told(UsageError):
+            C = np.vstack(
+                [self._slopes(unknowns, states), np.eye(len(states))[[states.index(n) for n in inner]]]
+            )
+            D = np.vstack([self._slopes(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
+            values = self._slave.getReal(self._references_of(names))
+        return Derivatives(
+            tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
+            dict(zip(names, map(float, values), strict=True)),
+            rates | declared, self.units,
+        )  # fmt: skip
+
+    def _slopes(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
+        asked = self._references_of(unknowns)
+        columns = [
+            self._slave.getDirectionalDerivative(asked, self._references_of([name]), [1.0]) for name in knowns
+        ]
+        return np.array(columns, np.float64).reshape(len(knowns), len(unknowns)).T
+
+    def _references_of(self, names: Sequence[str]) -> list[int]:
+        return [self._variables[name].valueReference for name in names]
 
     @override
     def close(self) -> None:

@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.derivatives import Derivatives
 from gelenk.scene import Value
 
 
 class Plant(Protocol):
     """A plant that stands at t = 0 once started."""
 
+    name: str  # of the mechanism
     stop: float  # default end [s]
     step: float  # default communication step [s]
     inputs: list[str]
@@ -40,6 +42,13 @@ class Plant(Protocol):
 
     def read(self) -> NDArray[np.float64]:
         """The selected values now."""
+
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        """Here and now; once started. `coordinates` are states where the plant's own do not lead on.
+
+        Raises:
+            UsageError: a singular position, or a plant that gives no derivatives.
+        """
 
     def close(self) -> None:
         """Frees what the plant holds."""

@@ -70,7 +70,7 @@ def simulate(
     >>> bool(result["A.phi"][-1] > result["A.phi"][0])
     True
     """
-    opened = _open(plant, without)
+    opened = open_plant(plant, without)
     try:
         settings = dict(parameters or {})
         signals = functions(inputs, opened.inputs)
@@ -79,7 +79,7 @@ def simulate(
                 raise UsageError(f"{name}: given as input and as parameter")
             constant = number(name, settings.pop(name), "real")
             signals[name] = lambda _, x=constant: x  # type: ignore[misc]
-        _configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
+        configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)
         if len(times) * (1 + len(names)) > MOST_NUMBERS:
@@ -118,7 +118,8 @@ def grid(stop: float, step: float) -> NDArray[np.float64]:
     return times
 
 
-def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Sequence[str]) -> Plant:
+def open_plant(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Sequence[str]) -> Plant:
+    """A scene without these reductions, or an FMU. Raises SceneError, UsageError, OSError."""
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
         if without:
             raise UsageError("without: reductions of an FMU are settled when it is exported")
@@ -128,9 +129,10 @@ def _open(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Seque
     return ScenePlant(load(plant).without(without))
 
 
-def _configure(
+def configure(
     plant: Plant, settings: dict[str, Value], tolerance: float | None, words: dict[str, str | None]
 ) -> None:
+    """Sets parameters; words: of `solver`, None where nothing is said. Raises UsageError."""
     if tolerance is not None and not 0 < tolerance < 1:
         raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
     for word, choice in words.items():

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import override
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.derivatives import Derivatives, rate_told
+from gelenk.errors import UsageError
 from gelenk.plant import Plant
 from gelenk.scene import Scene, Value
 from gelenk.simulation import Simulation
@@ -20,6 +22,7 @@ class ScenePlant(Plant):
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._simulation = Simulation(scene)
+        self.name = scene.name
         self.stop, self.step = scene.stop, scene.step
         self.inputs = [s.name for s in self._simulation.inputs]
         self.outputs = [s.name for s in self._simulation.outputs]
@@ -62,6 +65,33 @@ class ScenePlant(Plant):
             return values
         places = [i - k for k, (i, _) in enumerate(self._diagnostics)]
         return np.insert(values, places, [self._simulation.diagnostic(name) for _, name in self._diagnostics])
+
+    @override
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        plant = self._simulation
+        try:
+            found = plant._core._linearize()
+        except UsageError:  # a dead centre for the states taken, maybe not for those wanted
+            taken = [plant._output[name] for name in coordinates if name in plant._output]
+            if not taken:
+                raise
+            plant._core._take_states(taken)
+            found = plant._core._linearize()
+        _, _, C, D, _ = found
+        rates = {}
+        for signal in plant.outputs:
+            of = rate_told(signal.name, signal.description)
+            if of in plant._output:
+                rates[of] = signal.name
+        states = [self.outputs[i] for i in plant._core._states()[0]]
+        ny = len(self.outputs)
+        values = dict(zip(self.outputs, plant.values().tolist(), strict=True))
+        return Derivatives(
+            tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.outputs),
+            C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
+            values | {name: plant.input(name) for name in self.inputs}, rates,
+            self.units | {s.name: s.unit for s in plant.inputs}, plant.size.freedoms,
+        )  # fmt: skip
 
     @override
     def close(self) -> None:

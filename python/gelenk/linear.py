@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A linear model: matrices with names, and the point they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import UsageError
+
+if TYPE_CHECKING:
+    import control
+
+type Array = NDArray[np.float64]
+
+STANDS = 1e-8  # a state's rate in SI units, above which the point is told to be no equilibrium
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """dx/dt = rates + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), near a point.
+
+    Attributes:
+        name: of the mechanism.
+        time: of the point [s].
+        states: names of x.
+        inputs: names of u.
+        outputs: names of y.
+        A: shape (states, states).
+        B: shape (states, inputs).
+        C: shape (outputs, states).
+        D: shape (outputs, inputs).
+        x0: the states at the point; a rotation coordinate `J.theta[i]` is 0 there.
+        u0: the inputs at the point.
+        y0: the outputs at the point.
+        rates: of the states at the point; all 0 at an equilibrium.
+        units: of states, inputs and outputs, by name.
+    """
+
+    name: str
+    time: float
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    x0: Array
+    u0: Array
+    y0: Array
+    rates: Array
+    units: Mapping[str, str]
+
+    def to_control(self) -> control.StateSpace:
+        """For python-control. Its inputs and outputs may have no dots in their names: they are `_` there.
+
+        Raises:
+            UsageError: python-control is not installed, or two names are one without their dots.
+        """
+        try:
+            import control
+        except ImportError as e:
+            raise UsageError(f"python-control, which linear models are made for, is missing: {e}") from None
+        inputs, outputs = _without_dots(self.inputs, "inputs"), _without_dots(self.outputs, "outputs")
+        return control.StateSpace(
+            self.A, self.B, self.C, self.D, name=self.name.replace(".", "_") or None, dt=0,
+            states=list(self.states), inputs=inputs, outputs=outputs, remove_useless_states=False,
+        )  # fmt: skip
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON: matrices row by row."""
+        lists = {key: getattr(self, key).tolist() for key in ("A", "B", "C", "D", "x0", "u0", "y0", "rates")}
+        names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
+        units = {name: self.units[name] for key in names for name in names[key]}
+        return {"name": self.name, "time": self.time, **names, "units": units, **lists}
+
+    @property
+    def unrest(self) -> str:
+        """Why the point is no equilibrium, in words that name each state and its rate; empty if it is one."""
+        moving = [
+            f"{name} changes at {rate:.6g} {_per_second(self.units[name])}"
+            for name, rate in zip(self.states, self.rates, strict=True)
+            if abs(rate) > STANDS
+        ]
+        if not moving:
+            return ""
+        told = ", ".join(moving[:6]) + (f" and {len(moving) - 6} more" if len(moving) > 6 else "")
+        return f"t = {self.time:g} s is no equilibrium in these states: {told}"
+
+    def __str__(self) -> str:
+        return _shown(self)
+
+
+def _without_dots(names: Sequence[str], what: str) -> list[str]:
+    out = [name.replace(".", "_") for name in names]
+    same = [name for name, short in zip(names, out, strict=True) if out.count(short) > 1]
+    if same:
+        raise UsageError(
+            f"{what}: python-control knows no dots, and without them {', '.join(same)} are one name"
+        )
+    return out
+
+
+def _per_second(unit: str) -> str:
+    return {"rad": "rad/s", "m": "m/s", "rad/s": "rad/s2", "m/s": "m/s2"}.get(unit, f"{unit} per second")
+
+
+def _shown(model: LinearModel) -> str:
+    """The point, then A, B, C and D with the names of their rows and columns."""
+    point = f"{model.name} at t = {model.time:g} s: {_count(len(model.states), 'state')}, "
+    point += f"{_count(len(model.inputs), 'input')}, {_count(len(model.outputs), 'output')}"
+    groups = (("states", model.states, model.x0), ("inputs", model.inputs, model.u0))
+    parts = [point, *(_values(model, title, names, values) for title, names, values in groups if names)]
+    x, u, y = model.states, model.inputs, model.outputs
+    derivatives = [f"der({name})" for name in x]
+    for title, matrix, rows, columns in (
+        ("A", model.A, derivatives, x),
+        ("B", model.B, derivatives, u),
+        ("C", model.C, y, x),
+        ("D", model.D, y, u),
+    ):
+        parts.append(_matrix(title, matrix, rows, columns))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _values(model: LinearModel, title: str, names: Sequence[str], values: Array) -> str:
+    width = max(map(len, names))
+    lines = []
+    for name, value in zip(names, values, strict=True):
+        unit = model.units[name]
+        lines.append(f"  {name:{width}}  {value + 0.0:12.6g}{'' if unit in ('', '1') else '  ' + unit}")
+    return "\n".join([f"{title} at the point", *lines])
+
+
+def _matrix(title: str, matrix: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str]) -> str:
+    if not matrix.size:
+        return ""
+    first = max(len(title), *map(len, rows))
+    widths = [max(12, len(name)) for name in columns]
+    lines = [f"{title:{first}}  " + "  ".join(f"{n:>{w}}" for n, w in zip(columns, widths, strict=True))]
+    for name, row in zip(rows, matrix, strict=True):
+        cells = "  ".join(f"{value + 0.0:{w}.6g}" for value, w in zip(row, widths, strict=True))
+        lines.append(f"{name:{first}}  {cells}")
+    return "\n".join(lines)
+
+
+def _count(n: int, what: str) -> str:
+    return f"{n} {what}{'' if n == 1 else 's'}"
