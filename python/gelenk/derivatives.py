@@ -3,8 +3,8 @@
 
 A quaternion Q is four states for three freedoms. With dQ = 1/2 Q o (dtheta, 0) three numbers dtheta stand
 for it: the small turn of the joint's frame M against where the motion itself takes it, along M's axes. So
-theta is zero at the point, and changes by d(dtheta)/dt = dw - w x dtheta: with R the motion's own rotation and
-S = R (1 + dtheta~) the one beside it, dS/dt = S (w + dw)~ and dR/dt = R w~ leave that to first order.
+theta is zero at the point, and changes by d(dtheta)/dt = dw - w x dtheta: with R the motion's own rotation
+and S = R (1 + dtheta~) the one beside it, dS/dt = S (w + dw)~ and dR/dt = R w~ leave that to first order.
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ class FmuPlant(Plant):
             for names in (self.inputs, self.outputs)
         )
         told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
-        rates = {of: name for name, of in told.items() if of in self._variables}
+        rates = {of: name for name, of in told.items() if of is not None and of in self._variables}
         unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
         inner = [name for name in states if name not in unknowns]  # states that are no outputs
         names = [*inputs, *unknowns, *inner]

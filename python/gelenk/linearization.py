@@ -165,8 +165,8 @@ def _go(plant: Plant, time: float, signals: Mapping[str, Any]) -> None:
 
 def _check_attained(found: Derivatives, exact: Mapping[str, float]) -> None:
     faults = [
-        f"{name}: the loops are closed at {found.values[name]:.9g} instead of {value:.9g}, which was a guess: "
-        f"{name.rpartition('.')[0]}.fixed is not set"
+        f"{name}: the loops are closed at {found.values[name]:.9g} instead of {value:.9g}, "
+        f"which was a guess: {name.rpartition('.')[0]}.fixed is not set"
         for name, value in exact.items()
         if not math.isclose(found.values[name], value, rel_tol=1e-9, abs_tol=1e-9)
     ]
@@ -194,7 +194,7 @@ def _assembled(
     if x != list(minimal.names):
         T = np.array([minimal.row(state) for state in x])
         size = np.linalg.svd(T, compute_uv=False)
-        if size[-1] < DETERMINED * size[0]:
+        if size[-1] < DETERMINED * max(size[0], 1.0):  # 1: what a state of the plant means to itself
             raise UsageError(
                 f"t = {time:g} s: the states {', '.join(x)} do not determine the others here (a loop stands "
                 "at a dead centre for them): derivatives by them do not exist there"
