@@ -46,7 +46,9 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
 
 
 @pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(("page", "least"), [("README.md", 4), ("docs/reductions.md", 2)])
+@pytest.mark.parametrize(
+    ("page", "least"), [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 2)]
+)
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
     calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
     assert len(calls) >= least
@@ -72,6 +74,21 @@ def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str
     assert Path("run.csv").read_text().startswith("time,A.phi,D.phi,constraints.position\n")
 
 
+@pytest.mark.usefixtures("folder")
+def test_controller_of_the_linearization_page_holds_the_pole(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names: dict[str, object] = {}
+    (block,) = blocks(root / "docs" / "linearization.md", "python")
+    exec(compile(block, "linearization.md", "exec"), names)
+    labels, growth, most, rest = capsys.readouterr().out.splitlines()
+    assert labels == "['track.s', 'hinge.phi', 'track.v', 'hinge.w']"
+    assert float(growth) == pytest.approx(5.24, abs=0.005)  # as the page says
+    assert float(most) == pytest.approx(20, abs=1e-3)  # degrees: it falls for the first step, of 1 ms
+    # The slowest pole is at -1.007 1/s: exp(-6) of the first 0.35 rad, of which the cart's way is the most.
+    assert float(rest) < 0.35 * 2.5e-3
+
+
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
     tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
     for line in blocks(root / "README.md", "cmake")[0].splitlines():
@@ -85,7 +102,9 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "CONTRIBUTING.md", "docs/scene-format.md", "docs/reductions.md", "docs/methods.md"]
+    "page",
+    ["README.md", "CONTRIBUTING.md"]
+    + [f"docs/{page}.md" for page in ("scene-format", "reductions", "methods", "linearization")],
 )
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
