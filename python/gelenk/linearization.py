@@ -231,7 +231,7 @@ def _check_whole(minimal: Minimal) -> None:
             continue
         terms = minimal.C[i] * rates
         scale = 1 + np.abs(terms).sum() + abs(found.values[speed])
-        if abs(terms.sum() - found.values[speed]) > 1e-6 * scale:
+        if abs(terms.sum() - found.values[speed]) > 1e-4 * scale:  # loops held by a penalty may gape a little
             raise GelenkError(sentence.format(names) + f"; {name} moves otherwise")
 
 
