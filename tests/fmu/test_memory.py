@@ -11,16 +11,10 @@ import pytest
 
 import gelenk
 
-from .c_hosts import compiled, extracted
+from .c_hosts import extracted
 from .plants import crank_rocker
 
-
-@pytest.fixture(scope="module")
-def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = compiled("starved_host", tmp_path_factory.mktemp("host"))
-    if found is None:
-        pytest.skip("no C compiler")
-    return found
+HOST = "starved_host"
 
 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"])

@@ -7,22 +7,15 @@ import subprocess
 from pathlib import Path
 
 import fmpy
-import pytest
 
 import gelenk
 
-from .c_hosts import compiled, extracted
+from .c_hosts import extracted
 from .host import Fmu
 from .plants import crank_rocker
 from .states import choice
 
-
-@pytest.fixture(scope="module")
-def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = compiled("quiet_host", tmp_path_factory.mktemp("host"))
-    if found is None:
-        pytest.skip("no C compiler")
-    return found
+HOST = "quiet_host"
 
 
 def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str) -> dict[str, int]:
