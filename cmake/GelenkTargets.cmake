@@ -8,6 +8,11 @@ set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/yaml.cpp)
 set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
 list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 
+# What reads scenes and describes plants runs once: made small, since every FMU carries it.
+set(read_once ${core_sources})
+list(FILTER read_once INCLUDE REGEX "/(scene|modelDescription)/[^/]*$")
+set_source_files_properties(${read_once} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
+
 add_library(gelenk_core STATIC ${core_sources})
 target_include_directories(gelenk_core PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(gelenk_core PUBLIC GELENK_VERSION="${PROJECT_VERSION}")
