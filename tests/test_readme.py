@@ -47,7 +47,7 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
-    ("page", "least"), [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 2)]
+    ("page", "least"), [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 4)]
 )
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
     calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
@@ -68,9 +68,10 @@ def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str
     names: dict[str, object] = {}
     for block in blocks(root / "README.md", "python"):
         exec(compile(block, "README.md", "exec"), names)
-    angle, gap = map(float, capsys.readouterr().out.split())
+    angle, gap, torque = map(float, capsys.readouterr().out.split())
     assert abs(angle - 1.2) > 0.1  # rad: it moved
     assert gap < 1e-10  # m: the projection's own bound
+    assert torque == pytest.approx(12.9, abs=0.05)  # N m, as the page says
     assert Path("run.csv").read_text().startswith("time,A.phi,D.phi,constraints.position\n")
 
 
@@ -79,7 +80,7 @@ def test_controller_of_the_linearization_page_holds_the_pole(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     names: dict[str, object] = {}
-    (block,) = blocks(root / "docs" / "linearization.md", "python")
+    block = blocks(root / "docs" / "linearization.md", "python")[0]
     exec(compile(block, "linearization.md", "exec"), names)
     labels, growth, most, rest = capsys.readouterr().out.splitlines()
     assert labels == "['track.s', 'hinge.phi', 'track.v', 'hinge.w']"
@@ -87,6 +88,19 @@ def test_controller_of_the_linearization_page_holds_the_pole(
     assert float(most) == pytest.approx(20, abs=1e-3)  # degrees: it falls for the first step, of 1 ms
     # The slowest pole is at -1.007 1/s: exp(-6) of the first 0.35 rad, of which the cart's way is the most.
     assert float(rest) < 0.35 * 2.5e-3
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names: dict[str, Any] = {"gelenk": gelenk}
+    _, block = blocks(root / "docs" / "linearization.md", "python")
+    exec(compile(block, "linearization.md", "exec"), names)
+    assert capsys.readouterr().out.endswith("}\n4\n")
+    assert set(names["held"].inputs) == {"motor_left.tau", "motor_right.tau"}
+    assert all(abs(torque) > 0.01 for torque in names["held"].inputs.values())  # N m: they carry
 
 
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:

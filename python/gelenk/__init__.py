@@ -12,8 +12,10 @@ from __future__ import annotations
 from importlib.metadata import version
 from os import PathLike
 
+from gelenk.equilibria import Equilibrium, equilibrium
 from gelenk.errors import (
     AssemblyError,
+    EquilibriumError,
     ExportError,
     GelenkError,
     OperatingPointWarning,
@@ -35,6 +37,8 @@ __version__ = version("gelenk")
 
 __all__ = [
     "AssemblyError",
+    "Equilibrium",
+    "EquilibriumError",
     "ExportError",
     "GelenkError",
     "Inspection",
@@ -48,6 +52,7 @@ __all__ = [
     "StepError",
     "UsageError",
     "__version__",
+    "equilibrium",
     "export_fmu",
     "import_urdf",
     "inspect",

@@ -208,6 +208,40 @@ def linearize(
     print(json.dumps(model.to_dict(), indent=2) if as_json else model)
 
 
+@app.command()
+@told
+def equilibrium(
+    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    at: Annotated[
+        list[str] | None,
+        typer.Option(metavar="T|NAME=VALUE", help="The first pose, as for linearize; repeatable."),
+    ] = None,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A coordinate that keeps this value; repeatable."),
+    ] = None,
+    solve_for: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="An input to be found; repeatable.")
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Where a scene or an FMU stands still, or the inputs that hold it in a pose."""
+    held = _settings(hold or [], "--hold")
+    found = gelenk.equilibrium(
+        plant, at=_point(at or []), solve_for=solve_for or [],
+        hold={name: gelenk.scene.number(name, value, "real") for name, value in held.items()},
+        input_values=_input_values(given or []), parameters=_settings(settings or []),
+    )  # fmt: skip
+    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
+
+
 def _point(at: list[str]) -> float | dict[str, gelenk.scene.Value] | None:
     if len(at) == 1 and "=" not in at[0]:
         return gelenk.scene.number("--at", at[0], "real")

@@ -54,6 +54,10 @@ class UsageError(GelenkError):
     """A wrong call: a name that does not exist, a value that is not finite, a step back in time."""
 
 
+class EquilibriumError(GelenkError):
+    """No equilibrium was found. Says which acceleration remains, and how large it is."""
+
+
 class OperatingPointWarning(UserWarning):
     """A linear model was asked for about a point that is no equilibrium; names the states that change."""
 

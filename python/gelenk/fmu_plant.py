@@ -86,6 +86,11 @@ class FmuPlant(Plant):
                 self._slave.setReal([v.valueReference], [x])
 
     @override
+    def reset(self) -> None:
+        with self._told(UsageError):
+            self._slave.reset()
+
+    @override
     def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
         with self._told(AssemblyError):
             self._slave.setupExperiment(tolerance=tolerance, startTime=0.0)

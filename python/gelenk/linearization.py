@@ -14,7 +14,7 @@ import numpy as np
 
 from gelenk.derivatives import Derivatives, Minimal, chosen_states
 from gelenk.errors import GelenkError, OperatingPointWarning, UsageError
-from gelenk.inputs import Inputs, functions
+from gelenk.inputs import Inputs, Signal, functions
 from gelenk.linear import LinearModel
 from gelenk.plant import Plant
 from gelenk.run import configure, grid, open_plant
@@ -98,18 +98,11 @@ def linear_model(
     """The same as `linearize`, as matrices with the point they belong to; warns of nothing."""
     plant = open_plant(source, ())
     try:
-        given = at if isinstance(at, Mapping) else {}
-        settings, exact = _settings(plant, given, parameters or {})
-        signals = functions(input_values, plant.inputs)
-        for name in [name for name in settings if name in plant.inputs]:
-            if name in signals:
-                raise UsageError(f"{name}: given twice, as an input and as part of the point")
-            constant = number(name, settings.pop(name), "real")
-            signals[name] = lambda _, x=constant: x  # type: ignore[misc]
+        settings, exact, signals = point_given(plant, at, parameters, input_values)
         configure(plant, settings, tolerance, {})
         plant.start(tolerance, {name: signal(0.0) for name, signal in signals.items()})
-        time = _time(at)
-        _go(plant, time, signals)
+        time = time_given(at)
+        go_on(plant, time, signals)
         found = plant.derivatives(states or ())
     finally:
         plant.close()
@@ -117,7 +110,30 @@ def linear_model(
     return _assembled(plant.name, time, found, inputs, outputs, states)
 
 
-def _time(at: float | Mapping[str, Value] | None) -> float:
+def point_given(
+    plant: Plant,
+    at: float | Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    input_values: Inputs | None,
+) -> tuple[dict[str, Value], dict[str, float], dict[str, Signal]]:
+    """Parameters to set before the start, states that have to be so afterwards, inputs by time."""
+    settings, exact = _settings(plant, at if isinstance(at, Mapping) else {}, parameters or {})
+    signals = functions(input_values, plant.inputs)
+    for name in [name for name in settings if name in plant.inputs]:
+        if name in signals:
+            raise UsageError(f"{name}: given twice, as an input and as part of the point")
+        constant = number(name, settings.pop(name), "real")
+        signals[name] = lambda _, x=constant: x  # type: ignore[misc]
+    return settings, exact, signals
+
+
+def start_parameter(name: str) -> str:
+    """Of a joint's coordinate or speed: A.phi_start, F.r_start[1]."""
+    return name.replace("[", "_start[", 1) if "[" in name else f"{name}_start"
+
+
+def time_given(at: float | Mapping[str, Value] | None) -> float:
+    """Of the point [s]. Raises UsageError."""
     if at is None or isinstance(at, Mapping):
         return 0.0
     time = number("at", at, "real")
@@ -135,7 +151,7 @@ def _settings(
     exact = {}
     faults = []
     for name, value in at.items():
-        start = name.replace("[", "_start[", 1) if "[" in name else f"{name}_start"
+        start = start_parameter(name)
         place = start if name not in known and start in known else name
         if place not in known:
             faults.append(unknown(name, "state, parameter or input", [*plant.outputs, *known]))
@@ -150,7 +166,7 @@ def _settings(
     return settings, exact
 
 
-def _go(plant: Plant, time: float, signals: Mapping[str, Any]) -> None:
+def go_on(plant: Plant, time: float, signals: Mapping[str, Any]) -> None:
     """Runs as `gelenk.simulate` does, and leaves the inputs at what they are at the end."""
     if time == 0:
         return
@@ -186,7 +202,7 @@ def _assembled(
     chosen_outputs = _selected(outputs, found.outputs, "output")
     minimal = Minimal(found)
     x = chosen_states(minimal, states)
-    _check_whole(minimal)
+    check_whole(minimal)
     rates = [minimal.rate(state) for state in x]
     by_x = np.array([row for row, _, _ in rates]).reshape(len(x), len(x))
     by_u = np.array([row for _, row, _ in rates]).reshape(len(x), len(found.inputs))
@@ -213,7 +229,7 @@ def _assembled(
     )  # fmt: skip
 
 
-def _check_whole(minimal: Minimal) -> None:
+def check_whole(minimal: Minimal) -> None:
     """All that moves has to move by the states."""
     found = minimal.of
     sentence = "the states {} do not tell all of the motion: a joint with a quaternion turns in part freely"

@@ -28,6 +28,9 @@ class Plant(Protocol):
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         """Before start()."""
 
+    def reset(self) -> None:
+        """As if just opened: parameters and inputs are the plant's own again, and start() may follow."""
+
     def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
         """Makes everything consistent at t = 0. Raises AssemblyError."""
 

@@ -38,6 +38,10 @@ class ScenePlant(Plant):
         self._simulation = Simulation(self._scene.with_parameters(settings))
 
     @override
+    def reset(self) -> None:
+        self._simulation = Simulation(self._scene)
+
+    @override
     def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
         for name, value in inputs.items():
             self._simulation.set_input(name, value)

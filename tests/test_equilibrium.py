@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""gelenk.equilibrium as users meet it: names, what cannot be, the command."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mechanisms import GRAVITY, body, frame, joint, scene
+from test_cli import call, faults, told
+
+import gelenk
+from gelenk.chart import mechanisms
+
+
+@pytest.fixture
+def cart_pole(root: Path) -> Path:
+    return root / "scenes" / "cart_pole.yaml"
+
+
+@pytest.fixture
+def four_bar_by(four_bar: gelenk.Scene, four_bar_fmu: Path, request: pytest.FixtureRequest) -> Any:
+    return {"scene": four_bar, "fmu": four_bar_fmu}[request.param]
+
+
+BOTH = pytest.mark.parametrize("four_bar_by", ["scene", "fmu"], indirect=True)
+
+
+def refusal(source: Any, **arguments: Any) -> str:
+    with pytest.raises(gelenk.EquilibriumError) as told_to_user:
+        gelenk.equilibrium(source, **arguments)
+    return str(told_to_user.value)
+
+
+# --- what cannot be ---
+
+
+def test_a_force_that_nothing_balances_is_refused_with_what_remains(cart_pole: Path, tmp_path: Path) -> None:
+    """2 N on 1.2 kg."""
+    for source in (cart_pole, gelenk.export_fmu(cart_pole, tmp_path / "x.fmu")):
+        assert refusal(source, input_values={"drive.f": 2.0}) == (
+            "no equilibrium near this pose: track.a = 1.66667 m/s2 is the largest acceleration that remains"
+        )
+
+
+def test_too_few_inputs_are_refused_with_what_remains(cart_pole: Path) -> None:
+    """The leaning pole falls however the cart is pushed; the push leaves the least squares of both."""
+    said = refusal(cart_pole, hold={"hinge.phi": 0.3}, solve_for=["drive.f"])
+    assert said == (
+        "drive.f cannot hold this pose: track.a = 2.58195 m/s2 is the largest acceleration that remains"
+    )
+
+
+@BOTH
+def test_a_pose_that_is_no_equilibrium_is_refused(four_bar_by: Any) -> None:
+    assert refusal(four_bar_by, hold={"A.phi": 0.3}).startswith(
+        "the given inputs do not hold this pose: A.a = -22.3868 rad/s2"
+    )
+
+
+def test_a_torque_beyond_what_gravity_can_balance_is_refused() -> None:
+    """Gravity's moment is 2.35 N m at the most: no angle has a sine of more than 1."""
+    source = scene(
+        {"bob": body(0.8, (0, -0.3, 0), (0.05, 0, 0.05))},
+        {"A": joint("revolute", frame("ground"), frame("bob"), axis=[0, 0, 1])},
+        gravity=[0, -GRAVITY, 0], motors={"drive": {"joint": "A"}},
+    )  # fmt: skip
+    said = refusal(source, input_values={"drive.tau": 3.0})
+    assert said.startswith("no equilibrium")
+    assert "A.a = " in said
+    assert gelenk.equilibrium(source, input_values={"drive.tau": 2.3}).residual < 1e-9
+
+
+@BOTH
+def test_poses_that_the_loop_cannot_take_are_told(four_bar_by: Any) -> None:
+    with pytest.raises(gelenk.AssemblyError, match=r"loop through C cannot be closed: smallest gap"):
+        gelenk.equilibrium(four_bar_by, hold={"D.phi": 0.5}, solve_for=["drive.tau"])
+    with pytest.raises(gelenk.AssemblyError, match=r"cannot be closed"):
+        gelenk.equilibrium(four_bar_by, hold={"A.phi": 0.5, "D.phi": 2.5}, solve_for=["drive.tau"])
+
+
+@BOTH
+def test_wrong_names_are_told(four_bar_by: Any) -> None:
+    for arguments, sentence in (
+        ({"hold": {"A.ph": 0.3}}, "A.ph: no such coordinate; did you mean A.phi or D.phi or C.phi?"),
+        ({"hold": {"A.w": 0.3}}, "A.w: only a joint's coordinates can be held, one by one; no speeds, no Q"),
+        ({"solve_for": ["drive.ta"]}, "drive.ta: no such input; did you mean drive.tau?"),
+        ({"solve_for": ["drive.tau", "drive.tau"]}, "drive.tau: asked for twice"),
+        ({"hold": {"A.phi": math.inf}}, "A.phi: found inf, expected a finite number"),
+        (
+            {"at": {"A.pi": 1}},
+            "A.pi: no such state, parameter or input; did you mean A.phi or D.phi or C.phi?",
+        ),
+        ({"at": -1.0}, "at: found -1 s, expected 0 or more"),
+    ):
+        with pytest.raises(gelenk.UsageError) as told_to_user:
+            gelenk.equilibrium(four_bar_by, **arguments)
+        assert str(told_to_user.value) == sentence
+
+
+def test_a_quaternion_is_not_held_by_its_numbers() -> None:
+    with pytest.raises(gelenk.UsageError, match=r"tip\.Q\[1\]: only a joint's coordinates can be held"):
+        gelenk.equilibrium(mechanisms.shipped("heavy_top"), hold={"tip.Q[1]": 0.0})
+
+
+# --- what comes back ---
+
+
+@BOTH
+def test_the_first_pose_decides_which_equilibrium_is_found(four_bar_by: Any) -> None:
+    hanging = gelenk.equilibrium(four_bar_by, at={"A.phi": -1.0})
+    standing = gelenk.equilibrium(four_bar_by, at={"A.phi": 1.7})
+    assert standing.values["A.phi"] - hanging.values["A.phi"] > 1
+    for found in (hanging, standing):
+        assert found.residual < 1e-9
+        assert all(found.values[f"{name}.w"] == 0 for name in "ABCD")
+
+
+@BOTH
+def test_the_first_pose_may_be_one_of_the_motion(four_bar_by: Any) -> None:
+    """Speeds there do not count; the pose held is that of the crank then."""
+    run = gelenk.simulate(four_bar_by, stop=0.2, inputs={"drive.tau": 3.0})
+    phi = float(run["A.phi"][-1])
+    found = gelenk.equilibrium(
+        four_bar_by, at=0.2, hold={"A.phi": phi}, solve_for=["drive.tau"], input_values={"drive.tau": 3.0}
+    )
+    assert found.values["A.phi"] == phi
+    assert found.values["D.phi"] == pytest.approx(run["D.phi"][-1], abs=1e-9)  # both close the loop
+    expected = gelenk.equilibrium(four_bar_by, hold={"A.phi": phi}, solve_for=["drive.tau"])
+    assert found.inputs == pytest.approx(expected.inputs, rel=1e-9)
+
+
+@BOTH
+def test_what_is_held_stays_through_a_long_way(four_bar_by: Any) -> None:
+    """In steps short enough to stay on the branch: the coupler is above all the way round."""
+    for phi in (4.0, 2 * math.pi + 1.0, -5.0):
+        found = gelenk.equilibrium(four_bar_by, hold={"A.phi": phi}, solve_for=["drive.tau"])
+        assert found.values["A.phi"] == phi
+        assert 1 < found.values["D.phi"] < 3  # rad: the rocker swings above, and would below to the negative
+
+
+def test_parameters_are_part_of_the_point(cart_pole: Path) -> None:
+    found = gelenk.equilibrium(
+        cart_pole, parameters={"gravity[1]": -1.0, "pole.m": 0.5}, hold={"track.s": 0}, solve_for=["drive.f"]
+    )
+    assert found.inputs == pytest.approx({"drive.f": 1.5}, rel=1e-12)
+    assert found.values["hinge.phi"] == pytest.approx(math.atan2(1.0, 9.81), rel=1e-12)
+    assert found.at["pole.m"] == 0.5
+    gelenk.linearize(cart_pole, at=found.at)
+
+
+def test_nothing_that_moves_stands_still() -> None:
+    source = scene({"box": body(1.0)}, {"W": joint("weld", frame("ground"), frame("box"))})
+    assert gelenk.equilibrium(source).residual == 0
+
+
+# --- the command ---
+
+
+def test_command_prints_the_equilibrium(cart_pole: Path) -> None:
+    lines = told(
+        "equilibrium", cart_pole, "--hold", "track.s=0.5", "--solve-for", "drive.f", "--set", "gravity[1]=-1"
+    ).splitlines()
+    assert lines[0].startswith("CartPole stands still, found in ")
+    assert [line.split() for line in lines[2:4]] == [["outputs"], ["track.s", "0.5", "m"]]
+    assert lines[-1].split() == ["drive.f", "1.2", "N"]
+
+
+def test_command_tells_programs_all_digits(four_bar_file: Path, four_bar_fmu: Path) -> None:
+    for source in (four_bar_file, four_bar_fmu):
+        done = call("equilibrium", source, "--at", "A.phi=-1", "--input", "drive.tau=2", "--json")
+        assert done.returncode == 0
+        found = gelenk.equilibrium(source, at={"A.phi": -1}, input_values={"drive.tau": 2.0})
+        assert json.loads(done.stdout) == found.to_dict()
+
+
+def test_command_tells_what_is_wrong(cart_pole: Path) -> None:
+    assert faults("equilibrium", cart_pole, "--input", "drive.f=2") == [
+        "no equilibrium near this pose: track.a = 1.66667 m/s2 is the largest acceleration that remains"
+    ]
+    assert faults("equilibrium", cart_pole, "--hold", "hinge.phi") == [
+        "--hold hinge.phi: expected NAME=VALUE"
+    ]
+    assert faults("equilibrium", cart_pole, "--solve-for", "drive.g") == [
+        "drive.g: no such input; did you mean drive.f?"
+    ]
