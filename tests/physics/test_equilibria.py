@@ -19,6 +19,7 @@ from gelenk.chart import mechanisms
 from gelenk.linearization import linear_model
 
 from . import linear_plants as plants
+from .derivative_cases import CASES
 from .one_freedom import Jet
 from .test_linear_models import BARS, TOP_WEIGHT, reduced
 
@@ -247,3 +248,35 @@ def test_body_on_a_ball_under_a_torque(tmp_path: Path) -> None:
     # Gravity's torque has no part along y: the body's y axis stays level.
     assert 2 * (y * z + w * x) == pytest.approx(tau / TOP_WEIGHT, rel=1e-12)
     assert 2 * (x * z - w * y) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("turn", [0.2, -0.07])
+def test_one_coordinate_of_several_is_held(turn: float, tmp_path: Path) -> None:
+    """The coupler's absolute angle, by a planar joint to the ground that leaves it free."""
+    theta = BARS.angles(Jet(1.1, 1.0))[0].x + turn
+    source = four_bar(1.1)
+    source["joints"]["P"] = joint("planar", frame("ground"), frame("coupler"))
+    found = equilibrium(source, tmp_path, hold={"P.phi": theta}, solve_for=["drive.tau"])
+    assert found.values["P.phi"] == pytest.approx(theta, abs=ROUNDING)
+    phi = Jet(found.values["A.phi"], 1.0)
+    assert BARS.angles(phi)[0].x == pytest.approx(theta, abs=ROUNDING)
+    assert found.inputs["drive.tau"] == pytest.approx(-reduced(BARS.geometry()(phi), 1)[2], rel=1e-11)
+
+
+def test_an_angle_that_is_never_attained_is_refused() -> None:
+    """The coupler leans by 0.5235 rad at least."""
+    least = min(BARS.angles(Jet(x, 1.0))[0].x for x in np.linspace(0, 2 * math.pi, 400))
+    source = four_bar(1.1)
+    source["joints"]["P"] = joint("planar", frame("ground"), frame("coupler"))
+    with pytest.raises(gelenk.EquilibriumError) as told:
+        gelenk.equilibrium(source, hold={"P.phi": least - 0.01}, solve_for=["drive.tau"])
+    assert str(told.value) == "P.phi: the mechanism cannot be brought to the pose to hold"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["spatial four-bar", "crank-rocker in space", "Bricard's ring", "rod between balls", "ball on its stop"],
+)
+def test_mechanisms_in_space_come_to_rest(name: str, tmp_path: Path) -> None:
+    case = CASES[name]
+    equilibrium(case.make(), tmp_path, input_values=case.inputs)
