@@ -139,6 +139,12 @@ def test_what_is_held_stays_through_a_long_way(four_bar_by: Any) -> None:
     for phi in (4.0, 2 * math.pi + 1.0, -5.0):
         found = gelenk.equilibrium(four_bar_by, hold={"A.phi": phi}, solve_for=["drive.tau"])
         assert found.values["A.phi"] == phi
+        assert (
+            found.inputs
+            == gelenk.equilibrium(  # one name may stand alone
+                four_bar_by, hold={"A.phi": phi}, solve_for="drive.tau"
+            ).inputs
+        )
         assert 1 < found.values["D.phi"] < 3  # rad: the rocker swings above, and would below to the negative
 
 

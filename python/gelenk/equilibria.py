@@ -63,7 +63,7 @@ def equilibrium(
     *,
     at: float | Mapping[str, Value] | None = None,
     hold: Mapping[str, float] | None = None,
-    solve_for: Sequence[str] = (),
+    solve_for: Sequence[str] | str = (),
     input_values: Inputs | None = None,
     parameters: Mapping[str, Value] | None = None,
 ) -> Equilibrium:
@@ -94,6 +94,7 @@ def equilibrium(
     >>> found.residual < 1e-8
     True
     """
+    solve_for = [solve_for] if isinstance(solve_for, str) else solve_for
     plant = open_plant(source, ())
     try:
         settings, _, signals = point_given(plant, at, parameters, input_values)
@@ -101,25 +102,27 @@ def equilibrium(
         wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
         configure(plant, dict(settings), None, {})
         plant.start(None, {name: signal(0.0) for name, signal in signals.items()})
-        time = time_given(at)
-        go_on(plant, time, signals)
+        go_on(plant, time_given(at), signals)
         first = pose_of(plant.derivatives(()))
         rest = Rest(plant, settings, wanted)
         rest.check_hold(first)
-        inputs = {name: first.found.values[name] for name in first.found.inputs}
-        search = Search(rest, first, inputs, solve_for)
+        search = Search(
+            rest, first, {name: first.found.values[name] for name in first.found.inputs}, solve_for
+        )
         search.run()
-        units = plant.units | dict(search.pose.found.units)
-        name = plant.name
     finally:
         plant.close()
     if _residual(search.pose) > STANDS or not search.kept():
         raise EquilibriumError(_sentence(search, solve_for))
-    values = search.pose.found.values
+    return _result(plant.name, search)
+
+
+def _result(name: str, search: Search) -> Equilibrium:
+    found = search.pose.found
     return Equilibrium(
-        name, {n: values[n] for n in search.pose.found.outputs}, search.inputs, _residual(search.pose),
-        search.steps, {**rest.settings(search.starts), **search.inputs},
-        {n: units.get(n, "1") for n in (*search.pose.found.outputs, *search.inputs)},
+        name, {n: found.values[n] for n in found.outputs}, search.inputs, _residual(search.pose),
+        search.steps, {**search.rest.settings(search.starts), **search.inputs},
+        {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
     )  # fmt: skip
 
 
