@@ -2,6 +2,7 @@
 // The edge between C and C++: every FMI function runs inside call(), which no exception leaves.
 #pragma once
 
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
@@ -33,6 +34,15 @@ fmi2Status discard(Instance& instance, const char* function, const std::string& 
 
 // Whether the instance is in one of the modes; if not, the log says what is wrong.
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept;
+
+// An enumeration of C may hold any number, and reading one that is none of its items is undefined in C++.
+template <class Enum>
+int number_of(const Enum& value) noexcept {
+  static_assert(sizeof(Enum) == sizeof(int));
+  int number = 0;
+  std::memcpy(&number, &value, sizeof number);
+  return number;
+}
 
 // Runs body(instance) -> fmi2Status if the call is in order. A null component is an error without a word.
 template <class Body>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Instances come, change their mode, and go.
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -47,7 +46,7 @@ std::shared_ptr<const PlantModel> load(const char* location, const std::string& 
 }
 
 std::string refusal(fmi2Type type, const char* guid) {
-  if (std::bit_cast<int>(type) != fmi2CoSimulation)
+  if (number_of(type) != fmi2CoSimulation)
     return "found a wish for model exchange, expected co-simulation: this FMU has no other";
   if (guid == nullptr) return "GUID: found nothing, expected the one in modelDescription.xml";
   return {};

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stepping, and what became of the last step.
-#include <bit>
-
 #include "fmu/edge.h"
 
 namespace gelenk {
@@ -15,8 +13,7 @@ fmi2Status tell(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2
                 Value&& fact) noexcept {
   return call(c, function, stepped, [&](Instance& instance) {
     if (value == nullptr) return refuse(instance, function, "value: found nothing, expected where to write it");
-    // A number that is none of the enumeration's may come from C.
-    if (std::bit_cast<int>(kind) != std::bit_cast<int>(known))
+    if (number_of(kind) != number_of(known))
       return discard(instance, function, "not known; this FMU tells fmi2LastSuccessfulTime and fmi2Terminated");
     *value = fact(instance);
     return fmi2OK;
