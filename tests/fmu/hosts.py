@@ -186,7 +186,7 @@ def gigantic_steps_come_back(fmu: Fmu) -> None:
         before = s.outputs()
         begin = time.process_time()
         status = s.step(2 * SIZE, size)
-        assert time.process_time() - begin < 60  # some tenths, or ten times as many under a sanitizer
+        assert time.process_time() - begin < 10 * float(os.environ.get("GELENK_SLOWDOWN", "1"))
         if status == OK:
             assert size < 1e5
             assert all(map(math.isfinite, s.outputs()))
