@@ -2,6 +2,7 @@
 #include "fmu/instance.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -153,13 +154,13 @@ void Instance::read(Record& record) {
 }
 
 void Instance::exchange(Record& record) {
-  auto mode = static_cast<int>(mode_);
-  record.within(mode, 1, static_cast<int>(Mode::terminated));
-  if ((mode & (mode - 1)) != 0) throw std::invalid_argument("it is not of this plant, or damaged");
+  constexpr int last = std::countr_zero(static_cast<unsigned>(Mode::terminated));
+  int bit = std::countr_zero(static_cast<unsigned>(mode_));
+  record.within(bit, 0, last);
   record.exchange(stuck_, stop_);
   clock_.exchange(record);
   plant_.exchange(record);
-  mode_ = static_cast<Mode>(mode);
+  mode_ = static_cast<Mode>(1U << static_cast<unsigned>(bit));
 }
 
 void Instance::left_at_plant_time(bool stuck) {

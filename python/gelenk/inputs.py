@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gelenk.errors import UsageError
-from gelenk.scene import unknown
+from gelenk.scene import Value, number, unknown
 
 type Signal = Callable[[float], float]
 type Input = Signal | float | tuple[ArrayLike, ArrayLike]
@@ -48,6 +48,26 @@ def functions(inputs: Inputs | None, known: Iterable[str]) -> dict[str, Signal]:
     return {name: _function(where + name, value) for name, value in inputs.items()}
 
 
+def functions_and_constants(
+    inputs: Inputs | None, settings: dict[str, Value], known: Iterable[str], twice: str
+) -> dict[str, Signal]:
+    """As `functions`, with the inputs that `settings` names, which go from there and are constant.
+
+    Args:
+        inputs: as of `functions`.
+        settings: parameters and inputs by name; the inputs are taken out.
+        known: the names of the plant's inputs.
+        twice: completes "NAME: given ..." where both name it.
+    """
+    names = list(known)
+    signals = functions(inputs, names)
+    for name in [name for name in settings if name in names]:
+        if name in signals:
+            raise UsageError(f"{name}: given {twice}")
+        signals[name] = _function(name, number(name, settings.pop(name), "real"))
+    return signals
+
+
 def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
     """A CSV file with a line of names as a structured array.
 
@@ -69,11 +89,11 @@ def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
         f"{path}:1: column {name!r} is there twice" for name in dict.fromkeys(names) if names.count(name) > 1
     ]
     rows = []
-    for number, cells in lines[1:]:
+    for line, cells in lines[1:]:
         if len(cells) != len(names):
-            faults.append(f"{path}:{number}: found {len(cells)} cells, expected {len(names)}")
+            faults.append(f"{path}:{line}: found {len(cells)} cells, expected {len(names)}")
             continue
-        rows.append(tuple(_cell(f"{path}:{number}: {name}", cell, faults)
+        rows.append(tuple(_cell(f"{path}:{line}: {name}", cell, faults)
                           for name, cell in zip(names, cells, strict=True)))  # fmt: skip
     if faults:
         raise UsageError("\n".join(faults[:20]))

@@ -14,7 +14,7 @@ import numpy as np
 
 from gelenk.derivatives import Derivatives, Minimal, chosen_states
 from gelenk.errors import GelenkError, OperatingPointWarning, UsageError
-from gelenk.inputs import Inputs, Signal, functions
+from gelenk.inputs import Inputs, Signal, functions_and_constants
 from gelenk.linear import LinearModel
 from gelenk.plant import Plant
 from gelenk.run import configure, grid, open_plant
@@ -118,13 +118,8 @@ def point_given(
 ) -> tuple[dict[str, Value], dict[str, float], dict[str, Signal]]:
     """Parameters to set before the start, states that have to be so afterwards, inputs by time."""
     settings, exact = _settings(plant, at if isinstance(at, Mapping) else {}, parameters or {})
-    signals = functions(input_values, plant.inputs)
-    for name in [name for name in settings if name in plant.inputs]:
-        if name in signals:
-            raise UsageError(f"{name}: given twice, as an input and as part of the point")
-        constant = number(name, settings.pop(name), "real")
-        signals[name] = lambda _, x=constant: x  # type: ignore[misc]
-    return settings, exact, signals
+    twice = "twice, as an input and as part of the point"
+    return settings, exact, functions_and_constants(input_values, settings, plant.inputs, twice)
 
 
 def start_parameter(name: str) -> str:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import StepError, UsageError
-from gelenk.inputs import Inputs, functions
+from gelenk.inputs import Inputs, functions_and_constants
 from gelenk.plant import Plant
 from gelenk.result import Result
-from gelenk.scene import Scene, Value, load, number, unknown
+from gelenk.scene import Scene, Value, load, unknown
 from gelenk.scene_plant import ScenePlant
 
 PASSAGES = "solver.singular_positions"  # how many were passed
@@ -73,12 +73,7 @@ def simulate(
     opened = open_plant(plant, without)
     try:
         settings = dict(parameters or {})
-        signals = functions(inputs, opened.inputs)
-        for name in [name for name in settings if name in opened.inputs]:
-            if name in signals:
-                raise UsageError(f"{name}: given as input and as parameter")
-            constant = number(name, settings.pop(name), "real")
-            signals[name] = lambda _, x=constant: x  # type: ignore[misc]
+        signals = functions_and_constants(inputs, settings, opened.inputs, "as input and as parameter")
         configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)

@@ -42,15 +42,13 @@ long ArkodeIntegrator::attempts() const {
   return attempts;
 }
 
-double ArkodeIntegrator::current_step() const {
-  double step = 0;
-  ARKodeGetCurrentStep(memory_, &step);
-  return step;
-}
+double ArkodeIntegrator::current_step() const { return current_step(memory_); }
 
-double ArkodeIntegrator::next_step(std::size_t stepper) const {
+double ArkodeIntegrator::next_step(std::size_t stepper) const { return current_step(steppers_[stepper].memory); }
+
+double ArkodeIntegrator::current_step(void* memory) {
   double step = 0;
-  ARKodeGetCurrentStep(steppers_[stepper].memory, &step);
+  ARKodeGetCurrentStep(memory, &step);
   return step;
 }
 

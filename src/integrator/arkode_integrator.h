@@ -44,6 +44,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
  private:
   void prepare(double end) final;
   void begin(double end);
+  static double current_step(void* memory);
   Step make_step(double end) final;
   double reached() const final;
   bool steps_back() const final { return true; }

@@ -31,8 +31,8 @@ ModelSize size_of(const ReducedScene& reduced) {
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
   load_maker.emplace(scene, prepared.reduced);
-  load_maker->fill(other_loads);
-  std::vector<Loads> loads = make_loads(scene, prepared.reduced);
+  std::vector<Loads> loads;
+  for (std::vector<Loads>* of : {&loads, &other_loads}) load_maker->fill(*of);
   sensitivity.reset();
   islands.clear();
   island_of_input.assign(u.count(), -1);
