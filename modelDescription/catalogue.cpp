@@ -147,29 +147,28 @@ void Catalogue::declare(int state, int derivative) {
   states_.push_back({state, derivative});
 }
 
-void Catalogue::declare_states(const std::vector<int>& independent_coordinates) {
+void Catalogue::declare_states(const IndependentOutputs& independent) {
   states_.clear();
   for (Variable& v : variables_) v.derivative_of = -1;
-  const auto independent = [&](int output) {
-    return std::ranges::find(independent_coordinates, output) != independent_coordinates.end();
+  const auto among = [](const std::vector<int>& outputs, int output) {
+    return std::ranges::find(outputs, output) != outputs.end();
   };
   for (std::size_t j = 0; j < kinds_.size(); ++j) {
     const JointKind& kind = *kinds_[j];
     const int q = first_output_[j];
     const int v = q + kind.nq;
     const int a = v + kind.nv;
-    bool whole = true;  // every quaternion component is independent
-    for (int i = 0; i < kind.nq; ++i) whole = whole && (is_rate_of_coordinate(kind, i) || independent(q + i));
-    for (int i = 0; i < kind.nv; ++i) {
+    for (int i = 0; i < kind.nq; ++i) {
       const bool plain = is_rate_of_coordinate(kind, i);
-      if (plain ? !independent(q + i) : !whole) continue;
-      if (plain) declare(output_variable(q + i), output_variable(v + i));
-      declare(output_variable(v + i), output_variable(a + i));
+      if (plain && among(independent.coordinates, q + i)) declare(output_variable(q + i), output_variable(v + i));
     }
-    if (!whole) continue;
+    for (int i = 0; i < kind.nv; ++i) {
+      if (among(independent.speeds, v + i)) declare(output_variable(v + i), output_variable(a + i));
+    }
     for (std::size_t r = 0; r < rates_.size(); ++r) {
-      if (rates_[r].joint != static_cast<int>(j)) continue;
-      declare(output_variable(q + rates_[r].component), rates_begin_ + static_cast<int>(r));
+      const int coordinate = q + rates_[r].component;
+      if (rates_[r].joint != static_cast<int>(j) || !among(independent.coordinates, coordinate)) continue;
+      declare(output_variable(coordinate), rates_begin_ + static_cast<int>(r));
     }
   }
   std::ranges::sort(states_, {}, &State::derivative);

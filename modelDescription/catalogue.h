@@ -11,6 +11,7 @@
 #include "joint/kind.h"
 #include "scene/scene.h"
 #include "simulation/parameters.h"
+#include "simulation/states.h"
 
 namespace gelenk {
 
@@ -71,9 +72,9 @@ class Catalogue {
   // The outputs that hold the coordinates of a joint: the first one's index in the outputs; speeds follow.
   int first_output(int joint) const { return first_output_[static_cast<std::size_t>(joint)]; }
 
-  // Declares the states behind these coordinates (Simulation::independent_coordinates): the coordinate, its rate,
-  // the acceleration. Quaternions and the speeds beside them are states only where all four components are.
-  void declare_states(const std::vector<int>& independent_coordinates);
+  // Declares these as states (Simulation::independent): of a coordinate its rate is the derivative, of a speed the
+  // acceleration.
+  void declare_states(const IndependentOutputs& independent);
   const std::vector<State>& states() const { return states_; }
 
  private:

@@ -30,6 +30,19 @@ std::vector<int> clusters_of(const Scene& scene) {
     const int child = body_number(scene, joint.child.body);
     if (parent >= 0 && child >= 0) sets.join(parent, child);
   }
+  // What constraints couple feels forces at once, too.
+  const auto joint_body = [&](const std::string& name) {
+    const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
+    if (joint == scene.joints.end()) return -1;
+    return std::max(body_number(scene, joint->parent.body), body_number(scene, joint->child.body));
+  };
+  for (const Constraint& c : scene.constraints) {
+    const int first = c.joint.empty() ? body_number(scene, c.at.body) : joint_body(c.joint);
+    for (const int other :
+         {c.joint.empty() ? body_number(scene, c.on.body) : -1, joint_body(c.other), joint_body(c.carrier)}) {
+      if (first >= 0 && other >= 0) sets.join(first, other);
+    }
+  }
   std::vector<int> out;
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) out.push_back(sets.find(b));
   return out;
@@ -80,7 +93,9 @@ class Finder {
     }
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       const Structure& structure = simulation.prepared().islands[p].structure;
-      known_ = known_ && parts_[p].speeds == reduced_.islands[p].nv - structure.rank;
+      // By inputs that are motions whatever moves with them is determined at once.
+      known_ =
+          known_ && parts_[p].speeds == reduced_.islands[p].nv - structure.rank && !follows_input(reduced_.islands[p]);
       whole_.positions.insert(parts_[p].positions.begin(), parts_[p].positions.end());
       whole_.states.insert(parts_[p].states.begin(), parts_[p].states.end());
     }
@@ -104,7 +119,14 @@ class Finder {
     for (const Force& force : scene_.forces) {
       if (force.type == ForceType::wrench && force.input) add(force.at.body, 6);
     }
+    for (const Constraint& c : scene_.constraints) {
+      if (c.type == ConstraintType::motion && c.motion.is_input()) all_.insert(next++);
+    }
     all_.insert(whole_.states.begin(), whole_.states.end());
+  }
+
+  static bool follows_input(const Mechanism& mechanism) {
+    return std::ranges::any_of(mechanism.coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   }
 
   // One of the two that is not the ground.
@@ -119,11 +141,11 @@ class Finder {
     return island < 0 ? nothing : parts_[static_cast<std::size_t>(island)];
   }
 
-  // The states of a joint's part, and the inputs that its bodies feel.
-  std::set<int> of_accelerations(const Joint& joint, const Part& part) const {
+  // The states of a part, and the inputs that a body of it feels.
+  std::set<int> of_accelerations(const std::string& moving, const Part& part) const {
     if (!known_) return all_;
     std::set<int> out = part.states;
-    const int body = body_number(scene_, moving_body(joint));
+    const int body = body_number(scene_, moving);
     const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])];
     out.insert(inputs.begin(), inputs.end());
     return out;
@@ -136,7 +158,7 @@ class Finder {
     const Part& p = part(moves ? place.island : -1);
     if (p.states.contains(variable)) return of_state(signal, variable);
     if (!known_) return all_;
-    if (signal.level == 2) return moves ? of_accelerations(scene_.joints[j], p) : std::set<int>();
+    if (signal.level == 2) return moves ? of_accelerations(moving_body(scene_.joints[j]), p) : std::set<int>();
     return signal.level == 0 ? p.positions : p.states;
   }
 
@@ -161,6 +183,28 @@ class Finder {
       if (output < size) return of_sensor(sensor, output);
       output -= size;
     }
+    return of_constraint(output);
+  }
+
+  std::set<int> of_constraint(std::size_t output) const {
+    for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
+      const Constraint& c = scene_.constraints[i];
+      const std::size_t size = c.type == ConstraintType::rolling ? 6 : 1;
+      if (output >= size) {
+        output -= size;
+        continue;
+      }
+      const int island = reduced_.constraints[i].island;
+      if (!known_) return all_;
+      if (island < 0) return {};
+      const bool force = output < 3;  // else the contact point
+      if (!force) return part(island).positions;
+      const auto joint = std::ranges::find(scene_.joints, c.joint, &Joint::name);
+      const std::string& body = joint != scene_.joints.end() ? moving_body(*joint)
+                                : c.at.body != ground        ? c.at.body
+                                                             : c.on.body;
+      return of_accelerations(body, part(island));
+    }
     return all_;
   }
 
@@ -178,7 +222,7 @@ class Finder {
     }
     const auto joint = std::ranges::find(scene_.joints, sensor.joint, &Joint::name);
     const int island = reduced_.joints[static_cast<std::size_t>(joint - scene_.joints.begin())].island;
-    return of_accelerations(*joint, part(island));
+    return of_accelerations(moving_body(*joint), part(island));
   }
 
   const Scene& scene_;

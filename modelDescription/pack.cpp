@@ -109,9 +109,10 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   Catalogue catalogue(carried);
   Simulation simulation(carried);
   simulation.initialize();
-  catalogue.declare_states(simulation.independent_coordinates());
+  catalogue.declare_states(simulation.independent());
 
-  const FmuFacts facts{model_identifier(carried.name), fingerprint(json)};
+  const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
+                       simulation.size().freedoms + simulation.size().free_coordinates};
   const Picture picture = draw(simulation);
   Zip zip;
   zip.add("modelDescription.xml",

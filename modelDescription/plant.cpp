@@ -28,8 +28,8 @@ const PlantModel::States& PlantModel::states() const {
   std::call_once(asked_, [this] {
     Simulation simulation(scene);
     simulation.initialize();
-    States found{catalogue, simulation.independent_coordinates()};
-    found.catalogue.declare_states(found.independent_coordinates);
+    States found{catalogue, simulation.independent()};
+    found.catalogue.declare_states(found.independent);
     states_ = std::move(found);
   });
   return *states_;

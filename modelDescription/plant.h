@@ -30,7 +30,7 @@ struct PlantModel {
   // Found when first asked for, by assembling it.
   struct States {
     Catalogue catalogue;  // with them
-    std::vector<int> independent_coordinates;
+    IndependentOutputs independent;
   };
   const States& states() const;
 

@@ -74,7 +74,7 @@ class Directions {
 void directional_derivative(Plant& plant, References unknown, References known, const double* seed, double* out) {
   const PlantModel::States& declared = plant.model().states();
   Simulation& simulation = plant.simulation();
-  simulation.take_states(declared.independent_coordinates);
+  simulation.take_states(declared.independent);
   Directions directions(declared.catalogue, simulation);
   std::vector<Eigen::Index> rows;
   for (const unsigned reference : unknown) rows.push_back(directions.row(reference));

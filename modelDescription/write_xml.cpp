@@ -269,6 +269,11 @@ std::string write_model_description(const Scene& scene, const Catalogue& catalog
   write_log_categories(w);
   w.open(1, "DefaultExperiment").attribute("startTime", 0).attribute("stopTime", scene.experiment.stop);
   w.attribute("tolerance", scene.experiment.tolerance).attribute("stepSize", scene.experiment.step).end();
+  w.open(1, "VendorAnnotations").inside();
+  w.open(2, "Tool").attribute("name", "Gelenk").inside();
+  w.open(3, "Order").attribute("states", facts.order).end();
+  w.close(2, "Tool");
+  w.close(1, "VendorAnnotations");
   w.open(1, "ModelVariables").inside();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) write_variable(w, catalogue.variables()[i], i);
   w.close(1, "ModelVariables");

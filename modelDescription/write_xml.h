@@ -15,6 +15,7 @@ namespace gelenk {
 struct FmuFacts {
   std::string model_identifier;  // names the binary
   std::string guid;
+  int order = 0;  // how many states the mechanism has, three for a quaternion
 };
 
 // The name as a C identifier: other characters become underscores.

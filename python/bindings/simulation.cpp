@@ -188,6 +188,8 @@ void bind_size(nb::module_& m) {
       .def_ro("rows", &ModelSize::rows, "Constraint rows of the loops.")
       .def_ro("rank", &ModelSize::rank, "Rank of these rows.")
       .def_ro("freedoms", &ModelSize::freedoms)
+      .def_ro("free_coordinates", &ModelSize::free_coordinates,
+              "Independent coordinates: as many as freedoms, more where wheels roll.")
       .def_ro("islands", &ModelSize::islands, "Parts without coupling, solved apart.")
       .def_ro("planar_islands", &ModelSize::planar_islands)
       .def_ro("planar", &ModelSize::planar, "Whether all of them are computed in their plane.");
@@ -240,11 +242,13 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
   simulation.def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
       .def(
           "_take_states",
-          [](Plant& p, const std::vector<int>& coordinates) {
-            for (const int q : coordinates) check_index(q, p.fixed().outputs().size());
-            p.with([&](Simulation& s) { s.take_states(coordinates); });
+          [](Plant& p, const std::vector<int>& coordinates, const std::vector<int>& speeds) {
+            for (const auto* taken : {&coordinates, &speeds}) {
+              for (const int i : *taken) check_index(i, p.fixed().outputs().size());
+            }
+            p.with([&](Simulation& s) { s.take_states({coordinates, speeds}); });
           },
-          nb::arg("coordinates"), "Derivatives are by these independent coordinates from now on.")
+          nb::arg("coordinates"), nb::arg("speeds"), "Derivatives are by these from now on.")
       .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
       .def("_slope_along", slope_along, nb::arg("dx"), nb::arg("du"), "What outputs and states' derivatives differ by.")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
@@ -292,7 +296,9 @@ void gelenk::bind_simulation(nb::module_& m) {
           },
           nb::arg("index"))
       .def_prop_ro("independent_coordinates",
-                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent_coordinates(); }); })
+                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().coordinates; }); })
+      .def_prop_ro("independent_speeds",
+                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().speeds; }); })
       .def(
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")

@@ -36,7 +36,7 @@ class Derivatives:
         values: of inputs and readings, at the point.
         rates: reading -> the reading that is its time derivative.
         units: of inputs and readings.
-        freedoms: of the mechanism; None where that is not known.
+        order: how many states the mechanism has; None where that is not known.
     """
 
     states: tuple[str, ...]
@@ -48,7 +48,7 @@ class Derivatives:
     values: Mapping[str, float]
     rates: Mapping[str, str]
     units: Mapping[str, str]
-    freedoms: int | None = None
+    order: int | None = None
 
 
 def rate_told(name: str, description: str) -> str | None:
@@ -174,9 +174,13 @@ def chosen_states(minimal: Minimal, wanted: Sequence[str] | None) -> list[str]:
     if all(minimal.is_coordinate(name) for name in wanted):
         out += [minimal.speed(name) for name in wanted]
     n = len(minimal.names)
+    coordinates = sum(map(minimal.is_coordinate, minimal.names))
+    if len(wanted) == coordinates and len(out) > n:  # fewer speeds are free: those of the plant
+        out = [*wanted, *minimal.names[coordinates:]]
     if len(out) != n:
+        speeds = f"their {n - coordinates}" if 2 * coordinates == n else f"{n - coordinates}"
         raise UsageError(
-            f"states: found {len(wanted)}, expected {n // 2} coordinates, or these and their {n // 2} speeds"
+            f"states: found {len(wanted)}, expected {coordinates} coordinates, or these and {speeds} speeds"
         )
     return out
 

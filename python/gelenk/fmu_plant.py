@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+import xml.etree.ElementTree as ET
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -146,8 +147,15 @@ class FmuPlant(Plant):
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
             dict(zip(names, map(float, values), strict=True)),
-            rates | declared, self.units,
+            rates | declared, self.units, self._order(),
         )  # fmt: skip
+
+    def _order(self) -> int | None:
+        """How many states the mechanism has; None where the FMU does not tell."""
+        told = ET.parse(Path(self._folder, "modelDescription.xml")).find(
+            "VendorAnnotations/Tool[@name='Gelenk']/Order"
+        )
+        return None if told is None else int(told.get("states", "0"))
 
     def _slopes(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
         asked = self._references_of(unknowns)

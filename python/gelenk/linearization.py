@@ -229,12 +229,11 @@ def check_whole(minimal: Minimal) -> None:
     found = minimal.of
     sentence = "the states {} do not tell all of the motion: a joint with a quaternion turns in part freely"
     names = ", ".join(minimal.names)
-    if found.freedoms is not None:
-        if len(minimal.names) != 2 * found.freedoms:
-            freedoms = f"; {len(minimal.names) // 2} of {found.freedoms} freedoms"
-            raise GelenkError(sentence.format(names) + freedoms)
+    if found.order is not None:
+        if len(minimal.names) != found.order:
+            raise GelenkError(sentence.format(names) + f"; they are {len(minimal.names)} of {found.order}")
         return
-    # An FMU tells no number of freedoms. But what is read must move as the states let it: dy/dt = C dx/dt.
+    # An FMU does not tell how many it takes. But what is read must move as the states let it: dy/dt = C dx/dt.
     rates = np.array([minimal.rate(name)[2] for name in minimal.names])
     for i, name in enumerate(found.readings):
         speed = found.rates.get(name)

@@ -73,20 +73,21 @@ class ScenePlant(Plant):
     @override
     def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
         plant = self._simulation
-        try:
-            found = plant._core._linearize()
-        except UsageError:  # a dead centre for the states taken, maybe not for those wanted
-            taken = [plant._output[name] for name in coordinates if name in plant._output]
-            if not taken:
-                raise
-            plant._core._take_states(taken)
-            found = plant._core._linearize()
-        _, _, C, D, _ = found
         rates = {}
         for signal in plant.outputs:
             of = rate_told(signal.name, signal.description)
             if of in plant._output:
                 rates[of] = signal.name
+        try:
+            found = plant._core._linearize()
+        except UsageError:  # a dead centre for the states taken, maybe not for those wanted
+            taken = [plant._output[name] for name in coordinates if name in plant._output]
+            speeds = [plant._output[rates[name]] for name in coordinates if name in rates]
+            if not taken:
+                raise
+            plant._core._take_states(taken, speeds)
+            found = plant._core._linearize()
+        _, _, C, D, _ = found
         states = [self.outputs[i] for i in plant._core._states()[0]]
         ny = len(self.outputs)
         values = dict(zip(self.outputs, plant.values().tolist(), strict=True))
@@ -94,7 +95,8 @@ class ScenePlant(Plant):
             tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.outputs),
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
             values | {name: plant.input(name) for name in self.inputs}, rates,
-            self.units | {s.name: s.unit for s in plant.inputs}, plant.size.freedoms,
+            self.units | {s.name: s.unit for s in plant.inputs},
+            plant.size.freedoms + plant.size.free_coordinates,
         )  # fmt: skip
 
     @override

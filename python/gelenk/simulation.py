@@ -145,6 +145,11 @@ class Simulation:
         """Names of the coordinates that make up a minimal set of states; known after `initialize`."""
         return tuple(self.outputs[i].name for i in self._core.independent_coordinates)
 
+    @property
+    def independent_speeds(self) -> tuple[str, ...]:
+        """Names of the speeds beside them: fewer, where wheels roll; known after `initialize`."""
+        return tuple(self.outputs[i].name for i in self._core.independent_speeds)
+
     def assembly_report(self) -> str:
         """What assembly found, in words: the branch and what it changed."""
         return self._core.assembly_report()

@@ -125,6 +125,14 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
     turn = std::sqrt(angle);
     worst = c;
   }
+  for (std::size_t i = 0; i < mechanism.coordinate_rows.size(); ++i) {
+    const double off = std::abs(Phi[mechanism.first_coordinate_row() + static_cast<int>(i)]);
+    if (off <= std::max(acceptable, gap + turn)) continue;
+    const bool is_angle = mechanism.coordinate_rows[i].is_angle;
+    gap = is_angle ? 0 : off;
+    turn = is_angle ? off : 0;
+    worst = static_cast<int>(mechanism.cuts.size() + i);
+  }
   const std::string metres = text::rounded(std::max(0.0, gap), 3) + " m";
   return turn > acceptable ? metres + " and " + text::rounded(turn, 3) + " rad" : metres;
 }
@@ -173,7 +181,7 @@ std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vecto
 
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts) {
   Assembled out;
-  if (mechanism.cuts.empty()) {
+  if (mechanism.rows == 0) {
     out.q = tree.q;
     out.v = tree.v;
     return out;

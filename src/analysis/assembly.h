@@ -30,7 +30,7 @@ class CannotAssemble : public std::runtime_error {
  public:
   CannotAssemble(const std::string& text, int cut, std::vector<double> q)
       : std::runtime_error(text), cut(cut), q(std::move(q)) {}
-  int cut;                // -1: positions fit, the fixed speeds do not
+  int cut;                // or, counted on behind the cuts, coordinate row; -1: positions fit, the fixed speeds do not
   std::vector<double> q;  // where the gap is smallest
 };
 

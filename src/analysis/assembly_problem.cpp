@@ -61,7 +61,8 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
       tree_(tree),
       cuts_(cuts),
       free_q_(not_fixed(tree.q_fixed)),
-      free_v_(not_fixed(tree.v_fixed)) {
+      free_v_(not_fixed(tree.v_fixed)),
+      position_rows_(mechanism.position_rows()) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
   cut_wishes_ = any(cuts.q_fixed) || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
@@ -88,8 +89,16 @@ MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
   return G;
 }
 
-MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+MatrixXd AssemblyProblem::position_rows_at(const std::vector<double>& q) {
   MatrixXd G = rows_at(q);
+  for (Eigen::Index r = 0; r < G.rows(); ++r) {
+    if (!position_rows_[static_cast<std::size_t>(r)]) G.row(r).setZero();
+  }
+  return G;
+}
+
+MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+  MatrixXd G = position_rows_at(q);
   if (cut_wishes_) append_rows(G, cut_columns(q), cuts_.q_fixed);
   return columns(G, free_q_);
 }
@@ -131,7 +140,8 @@ AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
     T(k, k) = root;
     out.d0[k] = root * (fixed[k] - tree_.v[k]);
   }
-  out.g0 = G * fixed;
+  dynamics_.set_velocity(fixed.data());
+  out.g0 = Eigen::Map<const VectorXd>(dynamics_.row_rates().data(), mechanism_.rows);
   if (cut_wishes_) {
     const MatrixXd& C = cut_columns(q);
     const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);

@@ -40,6 +40,7 @@ class AssemblyProblem {
 
  private:
   Eigen::MatrixXd rows_at(const std::vector<double>& q);
+  Eigen::MatrixXd position_rows_at(const std::vector<double>& q);
   Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
   Eigen::VectorXd cut_offset(const std::vector<double>& q);
   const Eigen::MatrixXd& cut_columns(const std::vector<double>& q);
@@ -49,6 +50,7 @@ class AssemblyProblem {
   const Wishes& tree_;
   const Wishes& cuts_;
   std::vector<int> free_q_, free_v_;
+  std::vector<bool> position_rows_;  // the others hold rates only
   bool cut_wishes_ = false;
   double length_ = 1;
   Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv

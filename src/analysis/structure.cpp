@@ -23,6 +23,14 @@ constexpr double closed = 1e-12;   // m or rad
 constexpr double reach = 0.3;      // rad: from one position to the next
 constexpr double damping = 1e-10;  // of the closing steps, in the rows' mean square
 
+// Entries up to `nothing` are rounding.
+int rank_of(const MatrixXd& J, double nothing) {
+  if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing) return 0;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(J.transpose());
+  qr.setThreshold(same_row);
+  return static_cast<int>(qr.rank());
+}
+
 class Explorer {
  public:
   Explorer(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q)
@@ -41,9 +49,7 @@ class Explorer {
     const MatrixXd J = dynamics_.J();
     if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing_) return 0;
     if (dynamics_.rank() == mechanism_.rows && dynamics_.pivot_ratio() > same_row) return mechanism_.rows;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr(J.transpose());
-    qr.setThreshold(same_row);
-    return static_cast<int>(qr.rank());
+    return rank_of(J, nothing_);
   }
 
   // Entries of the rows up to this are rounding.
@@ -234,6 +240,14 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       standing.see(dynamics, explorer.free_motion());
     }
   }
+  const std::vector<bool> holds = mechanism.position_rows();
+  if (std::ranges::find(holds, false) == holds.end()) {
+    out.position_rank = out.rank;
+  } else {
+    for (const MatrixXd& J : seen) {
+      out.position_rank = std::max(out.position_rank, rank_of(position_rows(mechanism, J), explorer.nothing()));
+    }
+  }
   std::vector<bool> needed(mechanism.rows, true);
   // Factors can be called constant only where several positions were seen, or where there is but one.
   const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
@@ -247,6 +261,10 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
     }
     needed = needed_rows(side_by_side, explorer.nothing());
+    // Of contacts all stay: what several wheels carry, they share.
+    for (const Cut& cut : mechanism.cuts) {
+      if (cut.is_contact()) std::fill_n(needed.begin() + cut.first_row, cut.rows, true);
+    }
     // Positions all too near a singular one tell too little.
     if (std::ranges::count(needed, true) < out.rank) needed.assign(mechanism.rows, true);
   }
@@ -257,25 +275,61 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
     }
     out.needed_rows += static_cast<int>(kept.size());
   }
+  out.needed_rows += static_cast<int>(mechanism.coordinate_rows.size());
   explorer.stand(q, out.rank);
   return out;
 }
 
-std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
-                                    int rank, const std::vector<bool>& prefer) {
-  dynamics.set_position(q.data());
-  dynamics.factorise();
-  Eigen::MatrixXd J = dynamics.J();
-  std::vector<bool> dependent(mechanism.nv, false);
-  std::vector<bool> used(mechanism.rows, false);
+Structure driven_structure_of(const Mechanism& mechanism, Dynamics& dynamics, const Mechanism& free_mechanism,
+                              Dynamics& free, const std::vector<double>& q, const std::vector<double>& way) {
+  Structure out = structure_of(free_mechanism, free, q, way);
+  // Driven joints stand or move as they are told.
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    for (std::size_t i = 0; i < mechanism.links.size(); ++i) {
+      const Link& link = mechanism.links[i];
+      for (const CoordinateRow::Term& term : row.terms) {
+        if (term.v >= link.iv && term.v < link.iv + link.nv) out.standing_links[i] = false;
+      }
+    }
+  }
+  const int drives = mechanism.rows - free_mechanism.rows;
+  out.needed_rows += drives;
+  out.rank = out.position_rank = 0;
+  const std::vector<double> elsewhere = out.idle_q.empty() ? q : out.idle_q;
+  for (const auto& at : {elsewhere, q}) {  // at q last
+    Explorer explorer(mechanism, dynamics, at);
+    const int rank = out.rank_start = explorer.rank_here();
+    out.rank = std::max(out.rank, rank);
+    out.position_rank =
+        std::max(out.position_rank, rank_of(position_rows(mechanism, dynamics.J()), explorer.nothing()));
+  }
+  if (out.idle.cols() > 0) {
+    out.idle.conservativeResize(mechanism.rows, Eigen::NoChange);
+    out.idle.bottomRows(drives).setZero();
+  }
+  dynamics.limit_rank(out.rank);
+  return out;
+}
+
+MatrixXd position_rows(const Mechanism& mechanism, MatrixXd J) {
+  const std::vector<bool> holds = mechanism.position_rows();
+  for (Index r = 0; r < J.rows(); ++r) {
+    if (!holds[static_cast<std::size_t>(r)]) J.row(r).setZero();
+  }
+  return J;
+}
+
+std::vector<int> independent_columns(MatrixXd J, int rank, const std::vector<bool>& prefer) {
+  std::vector<bool> dependent(J.cols(), false);
+  std::vector<bool> used(J.rows(), false);
   const double largest = J.size() > 0 ? J.lpNorm<Eigen::Infinity>() : 0;
   // Gaussian elimination with full pivoting makes speeds dependent, those nobody asked for first.
   for (int step = 0, pass = 0; step < rank && pass < 2;) {
-    int row = -1;
-    int column = -1;
+    Index row = -1;
+    Index column = -1;
     double pivot = (pass == 0 ? 1e-3 : same_row) * largest;
-    for (int r = 0; r < mechanism.rows; ++r) {
-      for (int k = 0; k < mechanism.nv; ++k) {
+    for (Index r = 0; r < J.rows(); ++r) {
+      for (Index k = 0; k < J.cols(); ++k) {
         if (used[r] || dependent[k] || (pass == 0 && prefer[k])) continue;
         if (std::abs(J(r, k)) <= pivot) continue;
         pivot = std::abs(J(r, k));
@@ -287,15 +341,15 @@ std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynami
       ++pass;
       continue;
     }
-    for (int r = 0; r < mechanism.rows; ++r) {
+    for (Index r = 0; r < J.rows(); ++r) {
       if (r != row) J.row(r) -= J(r, column) / J(row, column) * J.row(row);
     }
     used[row] = dependent[column] = true;
     ++step;
   }
   std::vector<int> out;
-  for (int k = 0; k < mechanism.nv; ++k) {
-    if (!dependent[k]) out.push_back(k);
+  for (Index k = 0; k < J.cols(); ++k) {
+    if (!dependent[k]) out.push_back(static_cast<int>(k));
   }
   return out;
 }

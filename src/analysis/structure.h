@@ -11,8 +11,9 @@
 namespace gelenk {
 
 struct Structure {
-  int rank = 0;        // of the rows, at positions without special symmetry
-  int rank_start = 0;  // at q; less where the start is singular
+  int rank = 0;           // of the rows, at positions without special symmetry
+  int rank_start = 0;     // at q; less where the start is singular
+  int position_rank = 0;  // of the rows that hold positions
   // By cut, those of its rows (Cut::kept) that are needed. The others are combinations of these with constant factors,
   // so that leaving them out changes nothing at any position, singular ones included. Rows that repeat
   // others with factors that change with the position stay: each of them is needed somewhere.
@@ -31,8 +32,20 @@ struct Structure {
 Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
                        const std::vector<double>& way);
 
-// Speeds that may serve as independent ones at q: nv - rank of them. prefer[k]: wanted among them.
-std::vector<int> independent_speeds(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
-                                    int rank, const std::vector<bool>& prefer);
+// The same of a mechanism with rows that change with time: what it is without them, and then how much is left.
+// dynamics: of `mechanism`, left at q; free: of without_drives(mechanism).
+Structure driven_structure_of(const Mechanism& mechanism, Dynamics& dynamics, const Mechanism& free_mechanism,
+                              Dynamics& free, const std::vector<double>& q, const std::vector<double>& way);
+
+// Which speeds of a mechanism are independent, and which have independent coordinates: more, where rows hold speeds
+// only.
+struct Independent {
+  std::vector<int> coordinates, speeds;
+};
+
+// Columns of J (rows x nv) that may serve as independent ones: nv - rank of them. prefer[k]: wanted among them.
+std::vector<int> independent_columns(Eigen::MatrixXd J, int rank, const std::vector<bool>& prefer);
+// J's rows that hold positions; the others 0.
+Eigen::MatrixXd position_rows(const Mechanism& mechanism, Eigen::MatrixXd J);
 
 }  // namespace gelenk

@@ -51,12 +51,12 @@ void set_values(const VectorXd& from, std::vector<T>& to) {
 
 }  // namespace
 
-Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, int rank, const std::vector<int>& independent,
-                 int inputs)
+Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure& structure,
+                 const Independent& independent, int inputs)
     : mechanism_(mechanism),
-      rank_(rank),
+      rank_(structure.rank),
+      position_rank_(structure.position_rank),
       inputs_(inputs),
-      independent_(independent),
       dynamics_(make_dynamics(mechanism, loads)),
       q_(mechanism.nq),
       v_(mechanism.nv),
@@ -65,20 +65,33 @@ Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, int rank, const
       lambda_(mechanism.rows),
       x_in_time_(mechanism.nv) {
   for (int k = 0; k < mechanism.nv; ++k) {
-    if (std::ranges::find(independent_, k) == independent_.end()) dependent_.push_back(k);
+    if (std::ranges::find(independent.coordinates, k) == independent.coordinates.end()) {
+      of_positions_.dependent.push_back(k);
+    }
+    if (std::ranges::find(independent.speeds, k) == independent.speeds.end()) of_speeds_.dependent.push_back(k);
   }
-  dynamics_->limit_rank(rank);
+  const std::vector<bool> holds = mechanism.position_rows();
+  for (int r = 0; r < mechanism.rows; ++r) {
+    of_speeds_.rows.push_back(r);
+    if (holds[r]) of_positions_.rows.push_back(r);
+  }
+  dynamics_->limit_rank(rank_);
   moved_.equations = make_extended<Dual>(mechanism, loads);
   path_.equations = make_extended<Series>(mechanism, loads);
 }
 
-void Tangent::stand(const double* q, const double* v, const double* u, const double* cut_q) {
+void Tangent::stand(const double* q, const double* v, const double* u, const double* cut_q,
+                    const std::vector<MotionLaw::Derivatives>& targets) {
   std::copy_n(q, mechanism_.nq, q_.begin());
   std::copy_n(v, mechanism_.nv, v_.begin());
   std::copy_n(u, inputs_, u_.begin());
   cut_q_.assign(cut_q, cut_q + mechanism_.cut_nq);
+  targets_ = targets;
   Dynamics& d = *dynamics_;
   d.set_cut_reference(cut_q);
+  std::vector<double> now;
+  for (const MotionLaw::Derivatives& s : targets_) now.insert(now.end(), s.begin(), s.begin() + 3);
+  d.set_targets(now.data());
   d.set_position(q);
   d.factorise();
   d.set_velocity(v);
@@ -122,17 +135,46 @@ void Tangent::solve(VectorXd& r, const VectorXd& c, VectorXd& l) const {
   dynamics_->solve_linear(r.data(), target.data(), l.data());
 }
 
-// The dependent speeds that take these rates of the rows away; the others stay 0.
-MatrixXd Tangent::dependent_part(const MatrixXd& rates) const {
-  MatrixXd out = MatrixXd::Zero(mechanism_.nv, rates.cols());
-  if (!dependent_.empty()) out(dependent_, Eigen::all) = -partition_.solve(rates);
+void Tangent::Partition::compute(const MatrixXd& J, int rank) {
+  if (static_cast<int>(dependent.size()) != rank) throw Undetermined(Undetermined::What::partition);
+  if (rank == 0) return;
+  factor.compute(J(rows, dependent));
+  const auto pivots = factor.matrixQR().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > singular * pivots.maxCoeff())) throw Undetermined(Undetermined::What::partition);
+}
+
+MatrixXd Tangent::Partition::solve(const MatrixXd& residuals, Index nv) const {
+  MatrixXd out = MatrixXd::Zero(nv, residuals.cols());
+  if (!dependent.empty()) out(dependent, Eigen::all) = -factor.solve(residuals(rows, Eigen::all));
   return out;
 }
 
-// z: speeds times time that move the coordinates so; those of the dependent speeds from the loops.
-MatrixXd Tangent::displacements(const MatrixXd& dq) const {
-  MatrixXd z = MatrixXd::Zero(mechanism_.nv, dq.cols());
-  for (Index k = 0; k < dq.cols(); ++k) {
+// target(row, order): of its coordinate row and derivative in time.
+template <class T, class Target>
+void Tangent::set_targets(Carried<T>& at, Target target) {
+  at.targets.clear();
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (int order = 0; order < 3; ++order) at.targets.push_back(target(i, order));
+  }
+  at.equations->set_targets(at.targets.data());
+}
+
+// Those that are inputs move with them.
+void Tangent::move_targets(const MatrixXd& du) {
+  set_targets(moved_, [&](std::size_t i, int order) {
+    const CoordinateRow& row = mechanism_.coordinate_rows[i];
+    Dual s(targets_[i][order]);
+    if (row.input < 0 || order != (row.holds_position ? 0 : 1)) return s;
+    for (Index k = 0; k < du.cols(); ++k) s.slope()[k] = du(row.input, k);
+    return s;
+  });
+}
+
+// Moves the independent coordinates by dq, and the others as the rows want.
+void Tangent::move_position(const MatrixXd& dq) {
+  const Index n = dq.cols();
+  MatrixXd z = MatrixXd::Zero(mechanism_.nv, n);  // speeds times time
+  for (Index k = 0; k < n; ++k) {
     for (const Link& link : mechanism_.links) {
       if (link.nv == 0) continue;
       std::visit(
@@ -142,35 +184,41 @@ MatrixXd Tangent::displacements(const MatrixXd& dq) const {
           link.joint);
     }
   }
-  for (const int k : dependent_) z.row(k).setZero();
-  if (mechanism_.rows > 0) z += dependent_part(J_ * z);
-  return z;
+  for (const int k : of_positions_.dependent) z.row(k).setZero();
+  MatrixXd moved(mechanism_.nq, n);
+  const auto place = [&] {
+    for (Index k = 0; k < n; ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
+    set_slopes(moved, moved_.q);
+    moved_.equations->set_position(moved_.q.data());
+  };
+  if (mechanism_.rows > 0) {
+    place();
+    z += of_positions_.solve(slopes(moved_.equations->Phi(), n), mechanism_.nv);
+  }
+  place();
 }
 
 Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
   if (mechanism_.rows > 0 && !partition_known_) {
-    if (static_cast<int>(dependent_.size()) != rank_) throw Undetermined(Undetermined::What::partition);
-    partition_.compute(J_(Eigen::all, dependent_));
-    const auto pivots = partition_.matrixQR().diagonal().cwiseAbs();
-    if (rank_ > 0 && !(pivots.minCoeff() > singular * pivots.maxCoeff())) {
-      throw Undetermined(Undetermined::What::partition);
-    }
+    of_positions_.compute(J_, position_rank_);
+    of_speeds_.compute(J_, rank_);
     partition_known_ = true;
   }
   begin(moved_);
-  const MatrixXd z = displacements(dq);
-  MatrixXd moved(mechanism_.nq, dq.cols());
-  for (Index k = 0; k < dq.cols(); ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
-  set_slopes(moved, moved_.q);
   set_slopes(du, moved_.u);
-  moved_.equations->set_position(moved_.q.data());
+  move_targets(du);
+  move_position(dq);
   MatrixXd idle = MatrixXd::Zero(mechanism_.rows, dq.cols());
   if (redundant_) {
     // lambda = J x, so what of its change no equation of motion shows is that of dJ x.
+    const std::vector<Dual> targets = moved_.targets;
+    set_targets(moved_, [](std::size_t, int) { return Dual(0); });
     set_values(x_, moved_.v);
     moved_.equations->set_velocity(moved_.v.data());
     idle = idle_ * slopes(moved_.equations->row_rates(), dq.cols());
     set_values(v_, moved_.v);
+    moved_.targets = targets;
+    moved_.equations->set_targets(moved_.targets.data());
   }
   move_velocity(dv);
   move_acceleration(idle);
@@ -179,11 +227,11 @@ Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const Matri
 
 void Tangent::move_velocity(const MatrixXd& dv) {
   MatrixXd given = dv;
-  for (const int k : dependent_) given.row(k).setZero();
+  for (const int k : of_speeds_.dependent) given.row(k).setZero();
   set_slopes(given, moved_.v);
   moved_.equations->set_velocity(moved_.v.data());
-  if (dependent_.empty()) return;
-  given += dependent_part(slopes(moved_.equations->row_rates(), dv.cols()));
+  if (of_speeds_.dependent.empty()) return;
+  given += of_speeds_.solve(slopes(moved_.equations->row_rates(), dv.cols()), mechanism_.nv);
   set_slopes(given, moved_.v);
   moved_.equations->set_velocity(moved_.v.data());
 }
@@ -209,6 +257,7 @@ Carried<Series>& Tangent::follow(const double* udot, const double* uddot) {
   begin(path_);
   Extended<Series>& e = *path_.equations;
   for (int i = 0; i < inputs_; ++i) path_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  follow_targets(udot, uddot);
   if (redundant_) set_values(x_, x_in_time_);
   // With q, v to order k - 1, qdot = N v and vdot tell them to order k, the residuals vdot and lambda there.
   for (int k = 1; k <= series_order; ++k) {
@@ -224,13 +273,32 @@ Carried<Series>& Tangent::follow(const double* udot, const double* uddot) {
   return path_;
 }
 
+// With the inputs' derivatives where they are inputs.
+void Tangent::follow_targets(const double* udot, const double* uddot) {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const CoordinateRow& row = mechanism_.coordinate_rows[i];
+    if (row.input < 0) continue;
+    const int first = row.holds_position ? 0 : 1;
+    targets_[i][first + 1] = udot[row.input];
+    targets_[i][first + 2] = uddot[row.input];
+  }
+  set_targets(path_, [&](std::size_t i, int order) {
+    const MotionLaw::Derivatives& s = targets_[i];
+    return Series({s[order], s[order + 1], s[order + 2] / 2});
+  });
+}
+
 // vdot and lambda to order k, q and v being known so far.
 void Tangent::follow_acceleration(int k) {
   Extended<Series>& e = *path_.equations;
   VectorXd carried = VectorXd::Zero(mechanism_.rows);
   if (redundant_) {
+    const std::vector<Series> targets = path_.targets;
+    set_targets(path_, [](std::size_t, int) { return Series(0); });
     e.set_velocity(x_in_time_.data());
     carried = slope(e.row_rates(), k);
+    path_.targets = targets;
+    e.set_targets(path_.targets.data());
   }
   e.set_velocity(path_.v.data());
   e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());

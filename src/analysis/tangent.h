@@ -2,7 +2,8 @@
 // Exact derivatives of what a mechanism does: by its independent coordinates and speeds and by the inputs, what loops
 // determine following, and by time along the motion. No difference quotients: the equations run on numbers that carry
 // derivatives (Griewank & Walther 2008, ch. 3 and 13), and what they hold implicitly is solved for order by order:
-//   J z = 0,  dq = N z,   J dv + d(J v)/dq dq = 0,   [M J^T; J 0] (dvdot, dlambda) = -(dr, dc).
+//   J_h z = ds,  dq = N z,   J dv + d(J v)/dq dq = db,   [M J^T; J 0] (dvdot, dlambda) = -(dr, dc),
+// J_h being the rows that hold positions, s and b what the coordinate rows are to be.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "analysis/structure.h"
 #include "dynamics/dynamics.h"
 #include "dynamics/extended.h"
 #include "math/dual.h"
@@ -33,23 +35,26 @@ class Undetermined : public std::runtime_error {
 // State, inputs and solution as numbers T, and the equations that stand there.
 template <class T>
 struct Carried {
-  std::vector<T> q, v, u, vdot, lambda;
+  std::vector<T> q, v, u, vdot, lambda, targets;
   std::unique_ptr<Extended<T>> equations;
 };
 
 // Works in memory of its own, so asking it changes no run. Allocates.
 class Tangent {
  public:
-  // rank: of the rows, at positions without special symmetry. independent: nv - rank speeds. inputs: the scene's.
-  Tangent(const Mechanism& mechanism, const Loads& loads, int rank, const std::vector<int>& independent, int inputs);
+  // structure, independent: of the mechanism. inputs: the scene's.
+  Tangent(const Mechanism& mechanism, const Loads& loads, const Structure& structure, const Independent& independent,
+          int inputs);
 
-  // Where to differentiate: q, v, all inputs u, coordinates of cut joints with their turns counted.
+  // Where to differentiate: q, v, all inputs u, coordinates of cut joints with their turns counted; of each coordinate
+  // row what it is to be, with its derivatives in time.
   // Throws SingularMass, and Undetermined where the rows have lost rank.
-  void stand(const double* q, const double* v, const double* u, const double* cut_q);
+  void stand(const double* q, const double* v, const double* u, const double* cut_q,
+             const std::vector<MotionLaw::Derivatives>& targets);
 
-  // Moves along up to dual_directions directions, the columns: dq (nq), dv (nv), du (inputs). Of dq and dv only what
-  // belongs to independent speeds counts; of a quaternion only what turns, as if it were normalised afterwards.
-  // Throws Undetermined where these do not determine the others.
+  // Moves along up to dual_directions directions, the columns: dq (nq), dv (nv), du (inputs). Of dq only what belongs
+  // to independent coordinates counts, of dv to independent speeds; of a quaternion only what turns, as if it were
+  // normalised afterwards. Throws Undetermined where these do not determine the others.
   Carried<Dual>& move(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv, const Eigen::MatrixXd& du);
 
   // Follows the motion in time, under inputs with these first and second derivatives.
@@ -58,8 +63,20 @@ class Tangent {
  private:
   template <class T>
   void begin(Carried<T>& at);
-  Eigen::MatrixXd displacements(const Eigen::MatrixXd& dq) const;
-  Eigen::MatrixXd dependent_part(const Eigen::MatrixXd& rates) const;
+  // Of the unknowns `dependent`, those that take residuals of the rows away.
+  struct Partition {
+    std::vector<int> dependent;  // speeds
+    std::vector<int> rows;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
+
+    void compute(const Eigen::MatrixXd& J, int rank);
+    Eigen::MatrixXd solve(const Eigen::MatrixXd& residuals, Eigen::Index nv) const;
+  };
+  template <class T, class Target>
+  void set_targets(Carried<T>& at, Target target);
+  void move_targets(const Eigen::MatrixXd& du);
+  void follow_targets(const double* udot, const double* uddot);
+  void move_position(const Eigen::MatrixXd& dq);
   void move_velocity(const Eigen::MatrixXd& dv);
   void move_acceleration(const Eigen::MatrixXd& idle);
   void follow_acceleration(int k);
@@ -67,14 +84,14 @@ class Tangent {
   void find_idle();
 
   const Mechanism& mechanism_;
-  int rank_, inputs_;
-  std::vector<int> independent_, dependent_;
+  int rank_, position_rank_, inputs_;
   std::unique_ptr<Dynamics> dynamics_;
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;
-  bool partition_known_ = false;  // partition_ is of J_
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> partition_;
+  bool partition_known_ = false;  // both are of J_
+  Partition of_positions_, of_speeds_;
+  std::vector<MotionLaw::Derivatives> targets_;
   // Where rows repeat others: the multipliers of minimum norm are lambda = J x. idle_: what they leave out, an
   // orthogonal projector; inverse_: pseudo-inverse of J.
   bool redundant_ = false;

@@ -20,11 +20,13 @@ Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, i
       v_(mechanism.nv),
       u_(inputs),
       vdot_(mechanism.nv),
-      lambda_(mechanism.rows) {}
+      lambda_(mechanism.rows),
+      targets_(3 * mechanism.coordinate_rows.size()) {}
 
 // Runs the residuals for the directions seeded in q, v, u.
 void Differentiator::run(const Point& at) {
   equations_->set_cut_reference(at.cut_reference);
+  equations_->set_targets(targets_.data());
   equations_->set_position(q_.data());
   equations_->set_velocity(v_.data());
   equations_->set_acceleration(u_.data(), vdot_.data(), lambda_.data());
@@ -62,6 +64,7 @@ void Differentiator::operator()(const Point& at, Slopes& out) {
   copy(at.u, u_);
   copy(at.vdot, vdot_);
   copy(at.lambda, lambda_);
+  copy(at.targets, targets_);
   const Extended<Dual>& e = *equations_;
   sweep(at, q_, [&](int c, int k) {
     column(e.force_residual(), k, out.r_q, c);

@@ -32,6 +32,7 @@ struct Point {
   const double* vdot;
   const double* lambda;
   const double* cut_reference;
+  const double* targets;  // of the coordinate rows (dynamics.h)
 };
 
 // Works in memory of its own; allocates when made only.
@@ -48,7 +49,7 @@ class Differentiator {
   void sweep(const Point& at, std::vector<Dual>& in, Take take);
 
   std::unique_ptr<Extended<Dual>> equations_;
-  std::vector<Dual> q_, v_, u_, vdot_, lambda_;
+  std::vector<Dual> q_, v_, u_, vdot_, lambda_, targets_;
 };
 
 }  // namespace gelenk

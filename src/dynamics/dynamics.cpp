@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "dynamics/coordinate_rows.h"
 #include "dynamics/kernels.h"
 #include "dynamics/load_kernels.h"
 #include "dynamics/output_kernels.h"
@@ -61,6 +62,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   using Base::mechanism_;
   using Base::model_;
   using Base::q_;
+  using Base::targets_;
   using Base::v_;
   using Base::ws_;
 
@@ -84,13 +86,16 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, loaded_links_, ws_);
     kernels::loop_positions(model_, ws_);
+    kernels::coordinate_row_positions(model_, q, targets_, ws_);
   }
+
+  void set_targets(const double* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
 
   void factorise() override {
     fill_mass_matrix();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows == 0) return;
-    kernels::loop_jacobian(model_, ws_);
+    fill_jacobian();
     for (int r = 0; r < model_.rows; ++r) {
       double* y = Y_.column(r);
       const double* row = ws_.J.data() + static_cast<std::size_t>(r) * model_.nv;
@@ -104,6 +109,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
+    kernels::coordinate_row_velocities(model_, v, targets_, ws_);
   }
 
   void set_weak_pivots(double ratio) override { Y_.set_weak(ratio); }
@@ -132,7 +138,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = M_.at(i, j);
     }
-    if (model_.rows > 0) kernels::loop_jacobian(model_, ws_);
+    if (model_.rows > 0) fill_jacobian();
     forces(u, f);
   }
 
@@ -175,7 +181,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    (*differentiator_)({q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data()}, out);
+    (*differentiator_)({q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data()}, out);
   }
 
   void solve_linear(double* r, const double* c, double* l) const override {
@@ -188,6 +194,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   const std::vector<double>& Phi() const override { return ws_.Phi; }
   bool row_is_angle(int row) const override {
+    if (row >= model_.first_coordinate_row) return model_.coordinate_rows[row - model_.first_coordinate_row].is_angle;
     const auto& w = ws_.row[row].w;
     if constexpr (A::planar) {
       return w.x == 0 && w.y == 0;
@@ -226,6 +233,11 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void fill_mass_matrix() {
     kernels::mass_matrix(model_, ws_, M_);
     for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
+  }
+
+  void fill_jacobian() {
+    kernels::loop_jacobian(model_, ws_);
+    kernels::coordinate_row_jacobian(model_, ws_);
   }
 
   // tau - h.

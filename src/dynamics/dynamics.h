@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Equations of motion of a mechanism in joint coordinates (DESIGN section 3):
 //
-//   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q) = 0,   J v = 0,   J vdot = gamma(q, v)
+//   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q, t) = 0,   J v = b(t),   J vdot = gamma(q, v, t)
 //
 // One object per instance and thread. After construction nothing here allocates memory. Arrays: q (nq), v, vdot,
 // tau (nv), lambda and rows (rows), u (inputs), in the mechanism's own signs and order.
@@ -26,12 +26,14 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 class Dynamics : public Readings<double> {
  public:
+  // The time, for rows that change with it: of each coordinate row s, ds/dt, d2s/dt2. From the next set_position on.
+  virtual void set_targets(const double* targets) = 0;
   // --- in this order; each uses what the ones before have left ---
   // Poses of links in their parents and the rows' position errors Phi.
   virtual void set_position(const double* q) = 0;
   // M, J and their factors at that position. Throws SingularMass.
   virtual void factorise() = 0;
-  // Velocities, J v (row_rates) and the velocity products h, gamma.
+  // Velocities, J v - b (row_rates) and the velocity products h, gamma.
   virtual void set_velocity(const double* v) = 0;
   // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null: none is weak.
   virtual void solve(const double* u, double* vdot, const double* expected = nullptr) = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "dynamics/coordinate_rows.h"
 #include "dynamics/kernels.h"
 #include "dynamics/with_readings.h"
 #include "math/dual.h"
@@ -20,6 +21,7 @@ class ExtendedOf final : public WithReadings<A, Extended<typename A::Scalar>> {
   using Base::loads_;
   using Base::model_;
   using Base::q_;
+  using Base::targets_;
   using Base::v_;
   using Base::ws_;
 
@@ -39,12 +41,16 @@ class ExtendedOf final : public WithReadings<A, Extended<typename A::Scalar>> {
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, links_, ws_);
     kernels::loop_positions(model_, ws_);
+    kernels::coordinate_row_positions(model_, q, targets_, ws_);
   }
+
+  void set_targets(const T* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
 
   void set_velocity(const T* v) override {
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
+    kernels::coordinate_row_velocities(model_, v, targets_, ws_);
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       visit_joint<A>(link.joint,
@@ -58,7 +64,9 @@ class ExtendedOf final : public WithReadings<A, Extended<typename A::Scalar>> {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::accelerations(model_, vdot, ws_);
     kernels::loop_accelerations(model_, ws_, c_.data());
-    // accelerations() leaves in ws_.F what each joint transmits; along its motions that is drives and springs.
+    kernels::coordinate_row_accelerations(model_, vdot, targets_, c_.data());
+    // accelerations() leaves in ws_.F what each joint transmits; along its motions that is drives, springs and the
+    // forces of coordinate rows.
     std::ranges::fill(r_, T(0));
     loads_.tree.add(q_.data(), v_.data(), u, r_.data());
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
@@ -66,6 +74,10 @@ class ExtendedOf final : public WithReadings<A, Extended<typename A::Scalar>> {
       for (int k = link.iv; k < link.iv + link.nv; ++k) {
         r_[k] = A::dot(ws_.S[k], ws_.F[i]) - r_[k] + loads_.reflected_inertia[k] * vdot[k];
       }
+    }
+    for (std::size_t i = 0; i < model_.coordinate_rows.size(); ++i) {
+      const T& l = lambda[model_.first_coordinate_row + i];
+      for (const CoordinateRow::Term& term : model_.coordinate_rows[i].terms) r_[term.v] += T(term.factor) * l;
     }
   }
 

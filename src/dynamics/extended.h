@@ -17,6 +17,8 @@ namespace gelenk {
 template <class T>
 class Extended : public Readings<T> {
  public:
+  // As Dynamics': from the next set_position on.
+  virtual void set_targets(const T* targets) = 0;
   // --- in this order; each uses what the ones before have left, and any may be called again ---
   virtual void set_position(const T* q) = 0;
   virtual void set_velocity(const T* v) = 0;
@@ -27,7 +29,7 @@ class Extended : public Readings<T> {
   virtual void set_cut_reference(const double* q) = 0;
 
   virtual const std::vector<T>& Phi() const = 0;                    // after set_position
-  virtual const std::vector<T>& row_rates() const = 0;              // J v, after set_velocity
+  virtual const std::vector<T>& row_rates() const = 0;              // J v - b, after set_velocity
   virtual const std::vector<T>& qdot() const = 0;                   // likewise
   virtual const std::vector<T>& force_residual() const = 0;         // r, after set_acceleration
   virtual const std::vector<T>& acceleration_residual() const = 0;  // c, likewise

@@ -97,6 +97,15 @@ struct LoadAdder {
     }
   }
 
+  // Those that are inputs.
+  void motions() {
+    for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
+      for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
+        if (row.input >= 0) out[i].inputs.push_back(row.input);
+      }
+    }
+  }
+
   void force(const Force& force) {
     if (force.type == ForceType::spring_damper) {
       const int island = std::max(island_of(force.from), island_of(force.to));
@@ -154,6 +163,7 @@ void LoadMaker::fill(std::vector<Loads>& loads) const {
   for (const Motor& motor : scene_.motors) adder.motor(motor);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) adder.joint(j);
   for (const Force& force : scene_.forces) adder.force(force);
+  adder.motions();
 }
 
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {

@@ -9,7 +9,13 @@ namespace gelenk {
 
 template <class A>
 Model<A>::Model(const Mechanism& mechanism)
-    : nq(mechanism.nq), nv(mechanism.nv), rows(mechanism.rows), cut_nq(mechanism.cut_nq), cut_nv(mechanism.cut_nv) {
+    : coordinate_rows(mechanism.coordinate_rows),
+      nq(mechanism.nq),
+      nv(mechanism.nv),
+      rows(mechanism.rows),
+      cut_nq(mechanism.cut_nq),
+      cut_nv(mechanism.cut_nv),
+      first_coordinate_row(mechanism.first_coordinate_row()) {
   for (const gelenk::Link& link : mechanism.links) {
     const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
     links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, link.joint, pose_in<A>(link.X_PJ),

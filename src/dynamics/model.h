@@ -160,7 +160,9 @@ struct Model {
   };
   std::vector<Link> links;
   std::vector<Cut> cuts;
+  std::vector<CoordinateRow> coordinate_rows;
   int nq, nv, rows, cut_nq, cut_nv;
+  int first_coordinate_row;
 
   explicit Model(const Mechanism& mechanism);
 };

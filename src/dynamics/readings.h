@@ -38,6 +38,12 @@ class Readings {
   // drives and springs along the joint included. After set_acceleration; spatial algebra only.
   virtual Force tree_reaction(int link) const = 0;
   virtual Force cut_reaction(int cut) const = 0;
+  // Forces of constraints, after set_acceleration: along row i of a contact, and of a coordinate row where its factor
+  // is 1. N or N m.
+  virtual T contact_force(int cut, int i) const = 0;
+  virtual T coordinate_force(int row) const = 0;
+  // Where a wheel touches its plane, in the root frame; after set_root_poses.
+  virtual Vector3<T> contact_point(int cut) const = 0;
 };
 
 }  // namespace gelenk

@@ -27,7 +27,8 @@ class WithReadings : public Base {
         ws_(model_),
         q_(mechanism.nq),
         v_(mechanism.nv),
-        cut_reference_(mechanism.cut_nq) {}
+        cut_reference_(mechanism.cut_nq),
+        targets_(3 * mechanism.coordinate_rows.size()) {}
 
   void cut_speeds(int cut, T* v) const override {
     T q[max_cut_nq] = {};
@@ -70,6 +71,17 @@ class WithReadings : public Base {
   }
   Force tree_reaction(int link) const override { return kernels::force3<A>(ws_.F[link]); }
   Force cut_reaction(int cut) const override { return kernels::force3<A>(kernels::cut_reaction(model_, ws_, cut)); }
+  T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
+  T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
+  Vector3<T> contact_point(int cut) const override {
+    if constexpr (A::planar) {
+      __builtin_unreachable();  // contacts are in space
+    } else {
+      const auto& c = model_.cuts[cut];
+      const Rolling& wheel = std::get<Rolling>(c.joint);
+      return (ws_.X_0L[c.link_a] * c.X_AF).point(wheel.contact_point<T>(ws_.X_FM[cut]));
+    }
+  }
 
  protected:
   struct RodState {
@@ -98,6 +110,7 @@ class WithReadings : public Base {
   Workspace<A> ws_;
   std::vector<T> q_, v_;               // the state it stands at
   std::vector<double> cut_reference_;  // angles of cut joints as last counted
+  std::vector<T> targets_;             // of the coordinate rows: s, s', s''
 };
 
 }  // namespace gelenk

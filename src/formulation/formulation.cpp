@@ -33,6 +33,7 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
       u_(u.now()),
       nq_(mechanism.nq),
       nv_(mechanism.nv),
+      targets_(mechanism),
       turns_(mechanism, dynamics),
       length_(size_of(mechanism)),
       dv_(mechanism.nv) {}
@@ -41,14 +42,24 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   for (int i = 0; i < nq_ + nv_; ++i) {
     if (!std::isfinite(y[i])) return false;
   }
+  go_to(t);
   const double* at = state_for(y);
   if (at == nullptr) return false;
-  inputs_.go_to(t);
   dynamics_.set_position(at);
   if (!accelerate(t, at, ydot + nq_)) return false;
   if (rows() > 0) passages_.seen(t, dynamics_.pivot_ratio());
   dynamics_.rate(at, at + nq_, ydot);
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
+}
+
+void Formulation::go_to(double t) {
+  inputs_.go_to(t);
+  if (!targets_.none()) dynamics_.set_targets(targets_.at(t, inputs_));
+}
+
+void Formulation::go_to_outputs(double t) {
+  inputs_.go_to(t);
+  if (!targets_.none()) dynamics_.set_targets(targets_.as_read(t, inputs_));
 }
 
 void Formulation::allow(long evaluations) {
@@ -123,7 +134,7 @@ void Formulation::switch_values(const double* y, double* g, double* gdot) const 
 
 // Not by refactor(): reading outputs must not change the run.
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  inputs_.go_to(t);
+  go_to_outputs(t);
   dynamics_.set_position(y);
   dynamics_.factorise();
   judge();
@@ -132,6 +143,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
+  go_to(t);
   turns_.count_from(cut_q, t, y);
   passages_.restart(t);
 }

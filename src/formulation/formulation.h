@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How loop constraints meet an integrator: what all formulations share, and which there are. Most make an ODE of
-//   M vdot + h + J^T lambda = tau,   Phi = 0,   J v = 0,   J vdot = gamma;
-// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = 0. Two leave it a DAE
+//   M vdot + h + J^T lambda = tau,   Phi = 0,   J v = b,   J vdot = gamma;
+// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = b. Two leave it a DAE
 // (with_multipliers.h). Outputs (accelerations, reactions) are those of the equations above at the state reached,
 // whatever the formulation.
 #pragma once
@@ -16,6 +16,7 @@
 #include "formulation/equations.h"
 #include "formulation/inputs.h"
 #include "formulation/passages.h"
+#include "formulation/targets.h"
 #include "formulation/turns.h"
 #include "math/record.h"
 
@@ -49,8 +50,18 @@ class Formulation : public Equations {
   void allow(long evaluations);
   bool spent() const final { return dynamics_.evaluations() >= last_evaluation_; }
 
+  // Takes the inputs, and the rows that change with time, to t.
+  void go_to(double t);
+  // The same where the run stands, for outputs: of the motion that has led there (Inputs::rate).
+  void go_to_outputs(double t);
+  // What a coordinate row is to be at t, where the run stands (Targets::derivatives).
+  MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_); }
+
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   void output_accelerations(double t, const double* y, double* vdot);
+
+  // Whether project() closes loops.
+  virtual bool closes() const { return false; }
 
   // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
   // that wrote the record as in the one that reads it.
@@ -77,7 +88,7 @@ class Formulation : public Equations {
   // From the slopes of f at state_for(y) to those at y.
   virtual void chain(Eigen::Map<Eigen::MatrixXd>&) {}
 
-  // Newton's method onto Phi = 0, and onto J v = 0; leaves dynamics_ there. False: not reached.
+  // Newton's method onto Phi = 0, and onto J v = b; leaves dynamics_ there. False: not reached.
   bool close_position(double* q);
   bool close_velocity(double* v);
   // How many times the rounding may be left where it ends the progress earlier.
@@ -109,6 +120,7 @@ class Formulation : public Equations {
  private:
   double rounding(const double* q) const;
 
+  Targets targets_;
   TurnCounter turns_;
   Passages passages_;
   long jacobians_ = 0;

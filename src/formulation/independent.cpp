@@ -46,7 +46,11 @@ class Independent final : public Formulation {
     record.exchange(smallest_, chosen_);
   }
 
-  bool project(double, double* y) override { return close_position(y) && close_velocity(y + nq_); }
+  bool closes() const override { return true; }
+  bool project(double t, double* y) override {
+    go_to(t);
+    return close_position(y) && close_velocity(y + nq_);
+  }
 
   void accepted(double t, const double* y) override {
     Formulation::accepted(t, y);  // leaves dynamics_ at y

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `index3`: the equations as they stand,
-//   qdot = N v,   M vdot + h + J^T lambda = tau,   Phi = 0.
+//   qdot = N v,   M vdot + h + J^T lambda = tau,   Phi = 0,
+// of rows that hold no position J v = b instead.
 // The loops are closed in every step; that J v = 0 follows from it only as far as the method differentiates q well
 // (Hairer & Wanner II, sec. VII.1), so speeds err by the error of q over the step, and multipliers by that over its
 // square.
@@ -15,12 +16,15 @@ class Index3 final : public WithMultipliers {
       : WithMultipliers("index3", mechanism, dynamics, u) {}
 
   int multipliers() const override { return rows(); }
-  int index(int i) const override { return rows() == 0 || i < nq_ ? 1 : i < size() ? 2 : 3; }
+  int index(int i) const override {
+    if (rows() == 0 || i < nq_) return 1;
+    return i < size() || !holds_position(i - size()) ? 2 : 3;
+  }
 
   bool residual(double t, const double* x, const double* xdot, double* out) override {
     Vector r(out, unknowns());
     if (!equations_of_motion(t, x, xdot, r)) return false;
-    for (int k = 0; k < rows(); ++k) r[size() + k] = dynamics_.Phi()[k];
+    for (int k = 0; k < rows(); ++k) r[size() + k] = (holds_position(k) ? dynamics_.Phi() : dynamics_.row_rates())[k];
     return r.allFinite();
   }
 
@@ -29,6 +33,11 @@ class Index3 final : public WithMultipliers {
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
     if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
     F_x(first(), Eigen::seqN(0, nq_)) = slopes_.Phi_q;
+    for (int k = 0; k < rows(); ++k) {
+      if (holds_position(k)) continue;
+      F_x.block(size() + k, 0, 1, nq_) = slopes_.rate_q.row(k);
+      F_x.block(size() + k, nq_, 1, nv_) = J().row(k);
+    }
     return true;
   }
 };

@@ -35,6 +35,7 @@ class Projection final : public Formulation {
     for (auto& acceleration : accelerations_) acceleration.resize(nv_);
   }
   bool project(double t, double* y) override;
+  bool closes() const override { return true; }
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void exchange(Record& record) override;
@@ -129,7 +130,7 @@ void Projection::add_jump(double t) {
 
 // Where `dynamics` stands: at the state accepted at t.
 void Projection::remember(double t) {
-  inputs_.go_to(t);
+  go_to(t);
   renew_factors();
   if (!sound_) return;
   if (inputs_ != seen_) {
@@ -165,7 +166,8 @@ bool Projection::correct(double* q, double* v) {
   return std::ranges::all_of(dynamics_.row_rates(), [](double rate) { return std::isfinite(rate); });
 }
 
-bool Projection::project(double, double* y) {
+bool Projection::project(double t, double* y) {
+  go_to(t);
   if (corrections_ > 0 && rows() > 0) return correct(y, y + nq_);
   if (close_position(y) && close_velocity(y + nq_)) return true;
   if (sound_) return false;

@@ -26,7 +26,8 @@ class StabilizedIndex2 final : public WithMultipliers {
     r.head(nq_) += rate_;
     for (int k = 0; k < rows(); ++k) {
       r[size() + k] = dynamics_.row_rates()[k];
-      r[size() + rows() + k] = dynamics_.Phi()[k];
+      // A row without position has no mu either.
+      r[size() + rows() + k] = holds_position(k) ? dynamics_.Phi()[k] : x[size() + rows() + k];
     }
     return r.allFinite();
   }
@@ -42,6 +43,9 @@ class StabilizedIndex2 final : public WithMultipliers {
     F_x(first(), q) = slopes_.rate_q;
     F_x(first(), Eigen::seqN(nq_, nv_)) = J();
     F_x(second(), q) = slopes_.Phi_q;
+    for (int k = 0; k < rows(); ++k) {
+      if (!holds_position(k)) F_x(size() + rows() + k, size() + rows() + k) = 1;
+    }
     return true;
   }
 

@@ -12,7 +12,11 @@ constexpr double nearly_singular = 0.1;
 }  // namespace
 
 WithMultipliers::WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-    : Formulation(mechanism, dynamics, u), name_(name), M_(mechanism.nv, mechanism.nv), f_(mechanism.nv) {}
+    : Formulation(mechanism, dynamics, u),
+      name_(name),
+      position_rows_(mechanism.position_rows()),
+      M_(mechanism.nv, mechanism.nv),
+      f_(mechanism.nv) {}
 
 bool WithMultipliers::consistent(double t, double* x, double* xdot) {
   std::fill(x + size(), x + unknowns(), 0.0);
@@ -46,7 +50,7 @@ void WithMultipliers::exchange(Record& record) {
 
 bool WithMultipliers::assemble(double t, const double* x) {
   if (!Eigen::Map<const Eigen::VectorXd>(x, unknowns()).allFinite()) return false;
-  inputs_.go_to(t);
+  go_to(t);
   dynamics_.set_position(x);
   dynamics_.set_velocity(x + nq_);
   dynamics_.assemble(u_.data(), M_.data(), f_.data());

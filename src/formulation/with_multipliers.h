@@ -31,11 +31,14 @@ class WithMultipliers : public Formulation {
   // The first and the second `rows` unknowns after y, or equations after those of motion.
   auto first() const { return Eigen::seqN(size(), rows()); }
   auto second() const { return Eigen::seqN(size() + rows(), rows()); }
+  // Whether row k holds positions, not only their rates.
+  bool holds_position(int k) const { return position_rows_[k]; }
 
  private:
   bool assemble(double t, const double* x);
 
   std::string name_;
+  std::vector<bool> position_rows_;
   RowMatrix M_;
   Eigen::VectorXd f_;    // tau - h
   double soundest_ = 0;  // largest pivot ratio of the rows at a start

@@ -338,8 +338,4 @@ std::optional<Rod> make_rod(const AnyJoint& first, bool first_reversed, const An
   return rod;
 }
 
-CutJoint cut_joint(const AnyJoint& joint) {
-  return std::visit([](const auto& j) { return CutJoint(j); }, joint);
-}
-
 }  // namespace gelenk

@@ -102,9 +102,4 @@ struct Rod {
 std::optional<Rod> make_rod(const AnyJoint& first, bool first_reversed, const AnyJoint& second, bool second_reversed,
                             const Pose3& X_12, bool planar);
 
-// A joint that may close a loop. The order of AnyJoint, the rod behind.
-using CutJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Weld, Rod>;
-
-CutJoint cut_joint(const AnyJoint& joint);
-
 }  // namespace gelenk

@@ -36,11 +36,20 @@ struct RodEdge {
   Pose3 X_AF{}, X_BM{};
 };
 
+// A contact between two groups: X_AF of the plane, X_BM of the body on it.
+struct ContactEdge {
+  int constraint = -1;  // of the scene
+  CutJoint joint;
+  int group_a = 0, group_b = 0;
+  Pose3 X_AF, X_BM;
+};
+
 // Group 0 is the ground, its frame the world. Groups that have become rods have no edges.
 struct Graph {
   std::vector<Group> groups;
   std::vector<Edge> edges;
   std::vector<RodEdge> rods;
+  std::vector<ContactEdge> contacts;
 
   // By group: its edges, ascending.
   std::vector<std::vector<int>> edges_of_groups() const;
@@ -65,6 +74,17 @@ Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const Stand
 
 // Parts that neither joints nor forces couple, except through the ground (islands.cpp).
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
+
+// Joints whose coordinates constraints name (constraints.cpp).
+std::vector<std::string> constrained_joints(const Scene& scene);
+
+// The contacts of the scene, given where its bodies are: by body + 1, the ground first (constraints.cpp).
+std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>& group_of,
+                                     const std::vector<Pose3>& X_GB);
+
+// The rows in joints' coordinates of the constraints between joints of the graph, given where these have gone; entered
+// into `places`. Throws SceneError where such a joint is not in the tree (constraints.cpp).
+std::vector<CoordinateRow> coordinate_rows(const Scene& scene, const Graph& graph, int island, ReducedScene& places);
 
 // Does everything move in one plane? (plane.cpp)
 struct Plane {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of a scene that nothing couples can be solved apart, each with its own steps.
+#include <string_view>
+#include <unordered_map>
+
 #include "mechanism/graph.h"
 #include "mechanism/sets.h"
 
@@ -20,6 +23,18 @@ Sets coupled(const Scene& scene, const Graph& graph) {
   for (const Force& force : scene.forces) {
     if (force.type != ForceType::spring_damper) continue;
     couple(group_of[number(force.from.body) + 1], group_of[number(force.to.body) + 1]);
+  }
+  for (const ContactEdge& contact : graph.contacts) couple(contact.group_a, contact.group_b);
+  std::unordered_map<std::string_view, int> moved;  // by joint: a group that it moves
+  for (const Edge& edge : graph.edges) {
+    moved[scene.joints[edge.scene_joint].name] = edge.group_a != 0 ? edge.group_a : edge.group_b;
+  }
+  for (const Constraint& c : scene.constraints) {
+    const auto first = moved.find(c.joint);
+    if (first == moved.end()) continue;
+    for (const std::string* other : {&c.other, &c.carrier}) {
+      if (const auto second = moved.find(*other); second != moved.end()) couple(first->second, second->second);
+    }
   }
   return sets;
 }
@@ -55,6 +70,12 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
     edge.group_a = number[edge.group_a];
     edge.group_b = number[edge.group_b];
     out[p].edges.push_back(edge);
+  }
+  for (ContactEdge contact : graph.contacts) {
+    const int p = part[contact.group_a == 0 ? contact.group_b : contact.group_a];
+    contact.group_a = number[contact.group_a];
+    contact.group_b = number[contact.group_b];
+    out[p].contacts.push_back(contact);
   }
   return out;
 }

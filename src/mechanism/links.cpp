@@ -32,6 +32,9 @@ struct Maker {
     }
     place_bodies();
     for (const RodEdge& rod : graph.rods) add_rod(rod);
+    for (const ContactEdge& contact : graph.contacts) add_contact(contact);
+    out.coordinate_rows = coordinate_rows(scene, graph, island, places);
+    out.rows += static_cast<int>(out.coordinate_rows.size());
     std::ranges::sort(out.joints);
   }
 
@@ -133,6 +136,16 @@ struct Maker {
     }
     out.joints.push_back(rod.first.scene_joint);
     out.joints.push_back(rod.second.scene_joint);
+    out.cuts.push_back(cut);
+  }
+
+  void add_contact(const ContactEdge& contact) {
+    Cut cut;
+    cut.constraint = contact.constraint;
+    cut.joint = contact.joint;
+    cut.joint_rows = std::holds_alternative<Rolling>(contact.joint) ? Rolling::row_count : KnifeEdge::row_count;
+    add_ends(contact.group_a, contact.X_AF, contact.group_b, contact.X_BM, cut);
+    places.constraints[contact.constraint] = {island, static_cast<int>(out.cuts.size()), -1};
     out.cuts.push_back(cut);
   }
 

@@ -3,10 +3,12 @@
 // body and joint of the scene has gone. Immutable; threads may share it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "joint/rod.h"
+#include "joint/cut_joint.h"
+#include "mechanism/motion_law.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -30,7 +32,8 @@ inline constexpr int max_cut_nv = Rod::max_nv;
 
 // A joint that closes a loop: rows between frame F on link a and frame M on link b.
 struct Cut {
-  std::vector<int> scene_joints;  // one; of a rod those at its two ends
+  std::vector<int> scene_joints;  // one; of a rod those at its two ends; of a contact none
+  int constraint = -1;            // of the scene: of a contact
   CutJoint joint;
   int link_a = 0, link_b = 0;
   Pose3 X_AF, X_BM;
@@ -43,6 +46,24 @@ struct Cut {
   std::vector<int> path_a, path_b;  // links from a (b) up to, without, their nearest common ancestor
 
   bool is_rod() const { return scene_joints.size() > 1; }
+  bool is_contact() const { return constraint >= 0; }
+};
+
+// A row in coordinates of tree joints, sum factor q = s(t), or only in its rate.
+struct CoordinateRow {
+  struct Term {
+    int q = 0, v = 0;   // the coordinate, and the speed that is its rate
+    double factor = 1;  // in the mechanism's sign
+  };
+  int constraint = -1;  // of the scene
+  std::vector<Term> terms;
+  bool is_angle = false;         // of rad, not m
+  bool holds_position = true;    // else the rates alone
+  std::optional<MotionLaw> law;  // s; none: it is constant, or an input
+  double constant = 0;
+  int input = -1;  // of the scene: s, or, where positions are not held, its rate
+
+  bool moves() const { return law || input >= 0; }
 };
 
 // Rigid links in depth-first order on a spanning tree, and the joints left over, which close loops. Link 0 is the
@@ -51,7 +72,8 @@ struct Cut {
 struct Mechanism {
   std::vector<Link> links;
   std::vector<Cut> cuts;
-  std::vector<int> joints;  // the scene's joints in it, in file order
+  std::vector<CoordinateRow> coordinate_rows;  // behind those of the cuts; those that stand still first
+  std::vector<int> joints;                     // the scene's joints in it, in file order
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;
@@ -59,6 +81,12 @@ struct Mechanism {
   // origin is computed as exactly as one at it.
   Pose3 X_W0;
   std::vector<double> heights;  // planar: of each link's origin along the normal [m]
+
+  int first_coordinate_row() const { return rows - static_cast<int>(coordinate_rows.size()); }
+  // Some row changes with time, or by an input.
+  bool driven() const { return !coordinate_rows.empty() && coordinate_rows.back().moves(); }
+  // By row: it holds positions, not only their rates.
+  std::vector<bool> position_rows() const;
 };
 
 // Where a body of the scene has gone.
@@ -67,6 +95,13 @@ struct BodyPlace {
   int link = 0;
   Pose3 X_LB;    // in the link; of bodies that stand still: in the world; of rods: in the rod's frame
   int rod = -1;  // cut: the body is the rod there
+};
+
+// Where a constraint of the scene has gone.
+struct ConstraintPlace {
+  int island = -1;  // -1: nowhere, all it touches stands still
+  int cut = -1;     // contacts
+  int row = -1;     // of the coordinate rows; else
 };
 
 // Where a joint of the scene has gone.
@@ -90,8 +125,9 @@ struct Note {
 
 struct ReducedScene {
   std::vector<Mechanism> islands;
-  std::vector<BodyPlace> bodies;   // by scene body
-  std::vector<JointPlace> joints;  // by scene joint
+  std::vector<BodyPlace> bodies;             // by scene body
+  std::vector<JointPlace> joints;            // by scene joint
+  std::vector<ConstraintPlace> constraints;  // by scene constraint
   std::vector<Note> notes;
 };
 
@@ -104,6 +140,8 @@ ReducedScene reduce(const Scene& scene, const StandingJoints& standing = {});
 
 // The mechanism without the rows that are not listed. kept: by cut, as Cut::kept.
 Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<int>>& kept);
+// The mechanism without the rows that change with time.
+Mechanism without_drives(const Mechanism& mechanism);
 
 // Link of an island, and pose in it, of a frame on a body of the scene; what stands still is on its link 0.
 BodyPlace place(const Scene& scene, const ReducedScene& reduced, int island, const BodyFrame& frame);

@@ -74,6 +74,10 @@ struct Reducer {
     if (const std::string joint = reaction_in(graph); !joint.empty()) {
       return in_space("the reaction of joint " + joint + " is read, and only space knows all of it");
     }
+    if (!graph.contacts.empty()) {
+      return in_space("the contact " + scene.constraints[graph.contacts.front().constraint].name +
+                      " is known in space");
+    }
     const Plane plane = find_plane(scene, graph);
     if (plane.normals.empty()) return in_space(plane.why_not);
     Graph aligned = graph;
@@ -115,7 +119,7 @@ struct Reducer {
     if (!scene.solver.reduces(Reduction::cut_choice)) return;
     std::vector<std::string> names;
     for (const Cut& cut : mechanism.cuts) {
-      if (cut.is_rod()) continue;
+      if (cut.is_rod() || cut.is_contact()) continue;
       const Joint& joint = scene.joints[cut.scene_joints.front()];
       names.push_back(joint.name + " (" + joint.type + ")");
     }
@@ -132,6 +136,7 @@ ReducedScene reduce(const Scene& scene, const StandingJoints& standing) {
   ReducedScene& out = reducer.out;
   out.bodies.resize(scene.bodies.size());
   out.joints.resize(scene.joints.size());
+  out.constraints.resize(scene.constraints.size());
   if (!standing.empty()) {
     for (std::size_t j = 0; j < standing.size(); ++j) out.joints[j].q = standing[j];
   }
@@ -158,6 +163,23 @@ Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<in
     cut.first_row = out.rows;
     out.rows += cut.rows;
   }
+  out.rows += static_cast<int>(out.coordinate_rows.size());
+  return out;
+}
+
+Mechanism without_drives(const Mechanism& mechanism) {
+  Mechanism out = mechanism;
+  out.rows -=
+      static_cast<int>(std::erase_if(out.coordinate_rows, [](const CoordinateRow& row) { return row.moves(); }));
+  return out;
+}
+
+std::vector<bool> Mechanism::position_rows() const {
+  std::vector<bool> out;
+  for (const Cut& cut : cuts) {
+    for (const int i : cut.kept) out.push_back(holds_position(cut.joint, i));
+  }
+  for (const CoordinateRow& row : coordinate_rows) out.push_back(row.holds_position);
   return out;
 }
 

@@ -11,19 +11,22 @@
 namespace gelenk {
 namespace {
 
-// Drive with inertia, massless part, fewness of freedoms, no quaternion, driven or held.
+// Drive with inertia or constrained, massless part, fewness of freedoms, no quaternion, driven or held.
 using Preference = std::tuple<bool, bool, int, bool, bool>;
 
-// Larger is kept in the tree first. Two reasons leave no choice: a drive with inertia must be in the tree, and a part
-// without mass must carry one with mass there, or M is singular: a cut beside it would leave it at the end of a branch.
-// The rest is the choice of cuts: few freedoms in the tree mean many freedoms, so few rows, at the cuts; the tree that
-// is best edge by edge is the best there is (Kruskal 1956).
+// Larger is kept in the tree first. Two reasons leave no choice: a drive with inertia and a joint whose coordinate is
+// constrained must be in the tree, and a part without mass must carry one with mass there, or M is singular: a cut
+// beside it would leave it at the end of a branch. The rest is the choice of cuts: few freedoms in the tree mean many
+// freedoms, so few rows, at the cuts; the tree that is best edge by edge is the best there is (Kruskal 1956).
 class Preferences {
  public:
   Preferences(const Scene& scene, const Graph& graph) : scene_(scene), graph_(graph) {
     for (const Motor& motor : scene.motors) {
       wanted_.insert(motor.joint);
       if (motor.rotor_inertia > 0) inertia_.insert(motor.joint);
+    }
+    for (const Constraint& c : scene.constraints) {
+      for (const std::string* joint : {&c.joint, &c.other, &c.carrier}) inertia_.insert(*joint);
     }
   }
 

@@ -129,6 +129,7 @@ struct Merger {
       edge.X_BM = X_GB[b + 1] * joint.child.X_BF * X_UC;
       graph.edges.push_back(edge);
     }
+    graph.contacts = contacts_of(scene, group_of, X_GB);
   }
 
   void tell(const StandingJoints& standing, std::vector<Note>& notes) const {

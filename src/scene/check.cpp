@@ -125,6 +125,7 @@ void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   check_joints(scene, faults, partial);
   check_connection(scene, faults);
   check_elements(scene, faults, partial);
+  check_constraints(scene, faults, partial);
   check_parameters(scene, faults, doubtful);
   check_settings(scene, faults, partial);
 }

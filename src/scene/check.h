@@ -23,6 +23,7 @@ void check_names(const Scene& scene, Faults& faults);
 void check_bodies(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
+void check_constraints(const Scene& scene, Faults& faults, bool partial);
 void check_elements(const Scene& scene, Faults& faults, bool partial);
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -85,6 +86,26 @@ std::vector<std::string> sensor_suffixes(const Sensor& sensor) {
   return {};
 }
 
+std::vector<std::string> constraint_suffixes(const Scene& scene, const Constraint& constraint) {
+  switch (constraint.type) {
+    case ConstraintType::motion: {
+      const auto joint = std::ranges::find(scene.joints, constraint.joint, &Joint::name);
+      const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
+      if (kind == nullptr) return {};
+      const MotionSignals signals = motion_signals(*kind, constraint);
+      return signals.input.empty() ? std::vector{signals.effort} : std::vector{signals.input, signals.effort};
+    }
+    case ConstraintType::gear:
+    case ConstraintType::rack:
+      return {"tau", "f"};
+    case ConstraintType::rolling:
+      return {"f_n", "f_long", "f_lat", "r"};
+    case ConstraintType::knife_edge:
+      return {"f"};
+  }
+  return {};
+}
+
 }  // namespace
 
 void check_names(const Scene& scene, Faults& faults) {
@@ -92,6 +113,7 @@ void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.joints, "joints", faults);
   check_section(scene.motors, "motors", faults);
   check_section(scene.forces, "forces", faults);
+  check_section(scene.constraints, "constraints", faults);
   check_section(scene.sensors, "sensors", faults);
 
   Names names(faults);
@@ -105,6 +127,9 @@ void check_names(const Scene& scene, Faults& faults) {
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
   for (const Motor& motor : scene.motors) names.take("motors." + motor.name, motor.name, motor_suffixes(scene, motor));
   for (const Force& force : scene.forces) names.take("forces." + force.name, force.name, force_suffixes(force));
+  for (const Constraint& constraint : scene.constraints) {
+    names.take("constraints." + constraint.name, constraint.name, constraint_suffixes(scene, constraint));
+  }
   for (const Sensor& sensor : scene.sensors) names.take("sensors." + sensor.name, sensor.name, sensor_suffixes(sensor));
 }
 

@@ -10,30 +10,11 @@
 namespace gelenk {
 namespace {
 
-std::string read_joint_name(Fields& fields, Reader& reader) {
-  const Json* value = fields.require("joint", "the name of a joint");
-  if (value == nullptr) return {};
-  const auto name = read_text(*value, fields.path("joint"), reader.faults, "the name of a joint");
-  if (!name || reader.joints.empty()) return {};  // no joints: told already
-  if (std::ranges::find(reader.joints, *name) != reader.joints.end()) return *name;
-  reader.faults.add(fields.path("joint"), text::quoted(*name), text::one_of(*name, reader.joints, "joints"));
-  return {};
-}
-
 std::string rotor_unit(const Scene& scene, const std::string& name) {
   const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
   const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
   if (kind == nullptr) return {};
   return kind->effort.unit == "N" ? "kg" : "kg m2";
-}
-
-// The frame whose fields stand among the element's own.
-BodyFrame read_own_frame(Fields& fields, Reader& reader) {
-  BodyFrame frame;
-  const Json* body = fields.require("body", "the name of a body");
-  frame.body = body != nullptr ? read_body_name(*body, fields.path("body"), reader.faults, reader.bodies) : "";
-  frame.X_BF = read_pose(fields);
-  return frame;
 }
 
 BodyFrame read_point(Fields& fields, const std::string& key, Reader& reader) {
@@ -60,13 +41,31 @@ void read_wrench(Fields& fields, Reader& reader, Force& force) {
 
 }  // namespace
 
+std::string read_joint_name(Fields& fields, const std::string& field, Reader& reader) {
+  const Json* value = fields.require(field, "the name of a joint");
+  if (value == nullptr) return {};
+  const auto name = read_text(*value, fields.path(field), reader.faults, "the name of a joint");
+  if (!name || reader.joints.empty()) return {};  // no joints: told already
+  if (std::ranges::find(reader.joints, *name) != reader.joints.end()) return *name;
+  reader.faults.add(fields.path(field), text::quoted(*name), text::one_of(*name, reader.joints, "joints"));
+  return {};
+}
+
+BodyFrame read_own_frame(Fields& fields, Reader& reader) {
+  BodyFrame frame;
+  const Json* body = fields.require("body", "the name of a body");
+  frame.body = body != nullptr ? read_body_name(*body, fields.path("body"), reader.faults, reader.bodies) : "";
+  frame.X_BF = read_pose(fields);
+  return frame;
+}
+
 void read_motors(const Json& section, Reader& reader) {
   each_entry(section, "motors", reader.faults,
              [&](const std::string& name, const Json& value, const std::string& path) {
                Motor motor;
                motor.name = name;
                Fields fields(value, path, reader.faults, "a mapping with joint, gear_ratio, rotor_inertia");
-               motor.joint = read_joint_name(fields, reader);
+               motor.joint = read_joint_name(fields, "joint", reader);
                motor.gear_ratio = fields.number("gear_ratio", 1, "", Allowed::not_zero);
                motor.rotor_inertia =
                    fields.number("rotor_inertia", 0, rotor_unit(reader.scene, motor.joint), Allowed::not_negative);
@@ -107,7 +106,7 @@ void read_sensors(const Json& section, Reader& reader) {
                if (type.empty()) return;
                if (type == "reaction") {
                  sensor.type = SensorType::reaction;
-                 sensor.joint = read_joint_name(fields, reader);
+                 sensor.joint = read_joint_name(fields, "joint", reader);
                } else if (type == "frame") {
                  sensor.type = SensorType::frame;
                  sensor.frame = read_own_frame(fields, reader);

@@ -29,6 +29,7 @@ void read_bodies(const Json& section, Reader& reader);
 void read_joints(const Json& section, Reader& reader);
 void read_motors(const Json& section, Reader& reader);
 void read_forces(const Json& section, Reader& reader);
+void read_constraints(const Json& section, Reader& reader);
 void read_sensors(const Json& section, Reader& reader);
 void read_parameters(const Json& section, Reader& reader);
 void read_experiment(const Json& section, Reader& reader);
@@ -36,6 +37,11 @@ void read_solver(const Json& section, Reader& reader);
 
 // Start values, by the names of the joint's coordinates and speeds; arrays as a whole: Q: [x, y, z, w].
 void read_start(const Json& value, const std::string& path, Faults& faults, Joint& joint);
+
+// `joint`, or another field that names one.
+std::string read_joint_name(Fields& fields, const std::string& field, Reader& reader);
+// The frame whose fields stand among the element's own.
+BodyFrame read_own_frame(Fields& fields, Reader& reader);
 
 // Calls read(name, value, path) for every entry of a section {name: value, ...}.
 template <class Read>

@@ -90,6 +90,51 @@ struct Force {
   bool input = false;                                // also an FMU input f[1..3], t[1..3], added to the constants above
 };
 
+// A coordinate of a joint as a function of time t [s], or its speed alone. In the user's sense; rad or m.
+struct GivenMotion {
+  enum class Source {
+    function,     // polynomial and sine, one on the other
+    table,        // a cubic spline; before its first and after its last point it goes on with the speed there
+    speed,        // no more than the speed, which is constant
+    input,        // an FMU input is the coordinate
+    input_speed,  // an FMU input is the speed
+  };
+  Source source = Source::function;
+  std::vector<double> polynomial;                  // c0 + c1 t + c2 t^2 + ...
+  double amplitude = 0, frequency = 0, phase = 0;  // + amplitude sin(2 pi frequency t + phase); Hz, rad
+  std::vector<double> times, values;               // of the table; times ascend
+  bool periodic = false;                           // the table: last and first value are the same
+  double speed = 0;
+
+  bool is_input() const { return source == Source::input || source == Source::input_speed; }
+  // Only the speed is given: where it starts is open.
+  bool speed_only() const { return source == Source::speed || source == Source::input_speed; }
+};
+
+enum class ConstraintType {
+  motion,      // a coordinate follows a given motion
+  gear,        // phi_joint - phi_carrier = ratio (phi_other - phi_carrier) + offset
+  rack,        // s_joint = ratio phi_other + offset, the ratio being the pinion's radius
+  rolling,     // a wheel, a thin disc, rolls on a plane without slip
+  knife_edge,  // a point does not slide along an axis of its body
+};
+
+// What has to hold beyond what joints do.
+struct Constraint {
+  std::string name;
+  ConstraintType type = ConstraintType::motion;
+  std::string joint;           // motion, gear; rack: the prismatic one
+  std::string other, carrier;  // joints; carrier: of a gear, or empty
+  std::string coordinate;      // motion: which of the joint's coordinates
+  GivenMotion motion;
+  double ratio = 1, offset = 0;  // gear: -, rad; rack: m, m
+  // rolling: the wheel's centre, z any; knife_edge: the edge. Axis: of the wheel; along which the edge does not slide.
+  BodyFrame at;
+  BodyFrame on;                                     // the plane, z its normal; knife_edge: only its body counts
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  // unit vector in `at`
+  double radius = 0;                                // m
+};
+
 enum class SensorType {
   reaction,  // wrench of a joint on its child body at M, resolved in F: f[1..3], t[1..3]
   frame,     // pose and velocity of a frame: r[1..3], Q[1..4], v[1..3] in the world, w[1..3] in the frame
@@ -145,11 +190,15 @@ struct Scene {
   std::vector<Joint> joints;
   std::vector<Motor> motors;
   std::vector<Force> forces;
+  std::vector<Constraint> constraints;
   std::vector<Sensor> sensors;
   std::vector<std::string> parameters;  // paths the FMU exposes, "crank.mass"
   Experiment experiment;
   Solver solver;
 };
+
+// The inputs of motors and wrenches, behind which those of motions come.
+int load_input_count(const Scene& scene);
 
 // Everything that is wrong with a scene, one finished line each: "file: path: found ..., expected ...".
 class SceneError : public std::runtime_error {

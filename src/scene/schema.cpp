@@ -239,6 +239,8 @@ std::string scene_schema() {
   fields["joints"] = section(any_joint(), "Joints, the edges of the mechanism's graph. Loops may close.", true);
   fields["motors"] = section(motor(), "Motors, each an input.", false);
   fields["forces"] = section(force(), "Springs, dampers, loads.", false);
+  fields["constraints"] =
+      section(constraint(), "What has to hold beyond what joints do: given motions, gears, rolling.", false);
   fields["sensors"] = section(sensor(), "Outputs beyond the joints' states.", false);
   fields["parameters"] = {
       {"anyOf", {{{"type", "array"}, {"items", {{"type", "string"}}}, {"uniqueItems", true}}, {{"const", "all"}}}},

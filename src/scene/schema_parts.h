@@ -23,4 +23,7 @@ Json section(const Json& entry, const std::string& description, bool filled);
 Json when_type(const std::string& type, const Json& then);
 Json by_type(const Json& names, const Json& cases);
 
+// An entry of the section of constraints (schema_constraints.cpp).
+Json constraint();
+
 }  // namespace gelenk::schema

@@ -39,6 +39,23 @@ JointUnits joint_units(const JointKind& kind) {
   return {};
 }
 
+MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint) {
+  MotionSignals out;
+  for (int i = 0; i < kind.nq && i < kind.nv; ++i) {
+    const Quantity& q = kind.q[i];
+    if (q.name != constraint.coordinate) continue;
+    out.component = i;
+    const bool turn = q.unit == "rad";
+    out.effort = turn ? "tau" : "f";
+    out.effort_unit = turn ? "N.m" : "N";
+    if (!constraint.motion.is_input()) continue;
+    const Quantity& given = constraint.motion.speed_only() ? kind.v[i] : q;
+    out.input = std::string(given.name) + "_ref";
+    out.input_unit = given.unit;
+  }
+  return out;
+}
+
 JointStart free_start(const JointKind& kind) {
   JointStart start;
   start.q.assign(kind.q_zero.begin(), kind.q_zero.end());

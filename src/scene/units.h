@@ -28,6 +28,14 @@ struct JointUnits {
 };
 JointUnits joint_units(const JointKind& kind);
 
+// What a motion adds to the inputs and outputs of a scene.
+struct MotionSignals {
+  int component = 0;                // of the joint's coordinates
+  std::string input, input_unit;    // "phi_ref", "w_ref"; empty: none
+  std::string effort, effort_unit;  // on the coordinate: "tau", "f"
+};
+MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint);
+
 // Start values of which nothing is given: the reference configuration at rest.
 JointStart free_start(const JointKind& kind);
 

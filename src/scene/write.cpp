@@ -131,6 +131,54 @@ Json force(const Force& force) {
   return out;
 }
 
+Json motion(const Constraint& constraint) {
+  const GivenMotion& m = constraint.motion;
+  Json out = {{"type", "motion"}, {"joint", constraint.joint}, {"coordinate", constraint.coordinate}};
+  using Source = GivenMotion::Source;
+  switch (m.source) {
+    case Source::function:
+      if (!m.polynomial.empty()) out["polynomial"] = list(m.polynomial);
+      if (m.polynomial.empty() || m.amplitude != 0) {
+        out["sine"] = {{"amplitude", m.amplitude}, {"frequency", m.frequency}, {"phase", m.phase}};
+      }
+      break;
+    case Source::table:
+      out["table"] = {{"time", list(m.times)}, {"value", list(m.values)}, {"periodic", m.periodic}};
+      break;
+    case Source::speed:
+      out["speed"] = m.speed;
+      break;
+    case Source::input:
+    case Source::input_speed:
+      out["input"] = words::motion_inputs[m.source == Source::input ? 0 : 1];
+      break;
+  }
+  return out;
+}
+
+Json constraint(const Constraint& c) {
+  Json out = {{"type", words::constraints[static_cast<std::size_t>(c.type)]}};
+  switch (c.type) {
+    case ConstraintType::motion:
+      return motion(c);
+    case ConstraintType::gear:
+      out.update({{"joint", c.joint}, {"with", c.other}, {"ratio", c.ratio}, {"offset", c.offset}});
+      if (!c.carrier.empty()) out["carrier"] = c.carrier;
+      return out;
+    case ConstraintType::rack:
+      out.update({{"rack", c.joint}, {"pinion", c.other}, {"radius", c.ratio}, {"offset", c.offset}});
+      return out;
+    case ConstraintType::rolling:
+    case ConstraintType::knife_edge:
+      break;
+  }
+  out.update(frame(c.at));
+  out["axis"] = list(c.axis);
+  out["on"] = frame(c.on);
+  if (c.type == ConstraintType::rolling) out["radius"] = c.radius;
+  return out;
+}
+
 Json sensor(const Sensor& sensor) {
   switch (sensor.type) {
     case SensorType::reaction:
@@ -186,6 +234,7 @@ std::string write_scene_json(const Scene& scene) {
   out["joints"] = section(scene.joints, joint);
   out["motors"] = section(scene.motors, motor);
   out["forces"] = section(scene.forces, force);
+  if (!scene.constraints.empty()) out["constraints"] = section(scene.constraints, constraint);
   out["sensors"] = section(scene.sensors, sensor);
   out["parameters"] = scene.parameters;
   const Experiment& e = scene.experiment;

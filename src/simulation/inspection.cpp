@@ -61,7 +61,7 @@ Scene in_space(Simulation& simulation) {
 class RowInspector {
  public:
   RowInspector(const Scene& scene, Inspection& out)
-      : scene_(scene), out_(out), prepared_(prepare(scene, reduce(scene))) {
+      : scene_(scene), out_(out), prepared_(prepare(scene, reduce(scene), 0, Inputs(input_signals(scene).size()))) {
     const std::vector<Loads> loads = make_loads(scene, prepared_.reduced);
     for (int i = 0; i < static_cast<int>(prepared_.islands.size()); ++i) inspect_island(i, loads[i]);
     out.undetermined_reactions.assign(undetermined_.begin(), undetermined_.end());
@@ -87,6 +87,7 @@ class RowInspector {
   void name_rows(const Mechanism& mechanism, const Structure& structure, const Dynamics& dynamics) {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
+      if (cut.is_contact()) continue;  // all its rows stay
       Row<Spatial> rows[6];
       const Pose3 X_FM = dynamics.cut_pose(c);
       std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);

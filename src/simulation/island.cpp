@@ -22,6 +22,9 @@ double cpu_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+// rad, m and their rates: left of a motion that has been followed.
+constexpr double met = 1e-10;
+
 // s, of fixed-step methods.
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
@@ -83,6 +86,7 @@ double Island::advance(double end, long most_evaluations) {
   backup_time_ = time_;
   fresh_ = Outputs::Needs::state;
   if (integrator_) {
+    meet_drives();
     if (inputs_jumped_) integrator_->inputs_changed();
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
@@ -90,6 +94,22 @@ double Island::advance(double end, long most_evaluations) {
   }
   time_ = end;
   return end;
+}
+
+// An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
+// metric, as an impact would.
+void Island::meet_drives() {
+  if (!equations_->closes()) return;
+  if (std::ranges::none_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; }))
+    return;
+  equations_->go_to(time_);
+  dynamics_->set_position(q());
+  dynamics_->set_velocity(v());
+  if (position_gap() <= met && velocity_gap() <= met) return;
+  if (!equations_->project(time_, y_.data())) {
+    throw IntegrationError("the motion that an input gives cannot be met from where the mechanism stands");
+  }
+  integrator_->restart(time_, y_.data());
 }
 
 void Island::roll_back() {
@@ -117,6 +137,7 @@ void Island::refresh(Outputs::Needs needs) {
   if (needs == Outputs::Needs::accelerations) {
     equations_->output_accelerations(time_, y_.data(), vdot_.data());
   } else {
+    equations_->go_to_outputs(time_);
     dynamics_->set_position(q());
     dynamics_->set_velocity(v());
   }

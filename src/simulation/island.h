@@ -52,7 +52,9 @@ class Island {
   const Structure& structure() const { return prepared_.structure; }
   Dynamics& dynamics() { return *dynamics_; }
   double position_gap() const;  // largest |Phi|, after refresh
-  double velocity_gap() const;  // largest |J v|, likewise
+  double velocity_gap() const;  // largest |J v - b|, likewise
+  // Of a coordinate row (Targets::derivatives).
+  MotionLaw::Derivatives target(int row) const { return equations_->target(row, time_); }
 
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
@@ -71,6 +73,7 @@ class Island {
 
  private:
   void warm_up(double step);
+  void meet_drives();
   const double* q() const { return y_.data(); }
   const double* v() const { return y_.data() + mechanism().nq; }
 

@@ -19,6 +19,9 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
     if (signal.joint >= 0) sources_.push_back(joint_source(signal));
   }
   for (const Sensor& sensor : scene.sensors) add_sensor(scene, sensor);
+  for (std::size_t c = 0; c < scene.constraints.size(); ++c) {
+    add_constraint(scene.constraints[c], reduced.constraints[c]);
+  }
 }
 
 Outputs::Source Outputs::joint_source(const Signal& signal) const {
@@ -75,6 +78,27 @@ void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
       break;
   }
   for (source.component = 0; source.component < size; ++source.component) sources_.push_back(source);
+}
+
+void Outputs::add_constraint(const Constraint& constraint, const ConstraintPlace& place) {
+  const auto add = [&](int count, Kind kind, Needs needs, int index) {
+    for (int i = 0; i < count; ++i) {
+      Source source{.sign = 0};
+      if (place.island >= 0) source = {kind, needs, place.island, index, i};
+      sources_.push_back(source);
+    }
+  };
+  switch (constraint.type) {
+    case ConstraintType::motion:
+    case ConstraintType::gear:
+    case ConstraintType::rack:
+      return add(1, Kind::coordinate_force, Needs::accelerations, place.row);
+    case ConstraintType::knife_edge:
+      return add(KnifeEdge::row_count, Kind::contact_force, Needs::accelerations, place.cut);
+    case ConstraintType::rolling:
+      add(Rolling::row_count, Kind::contact_force, Needs::accelerations, place.cut);
+      return add(3, Kind::contact_point, Needs::velocities, place.cut);
+  }
 }
 
 double Outputs::constant(int output) const {

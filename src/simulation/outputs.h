@@ -44,12 +44,25 @@ class Outputs {
   double constant(int output) const;
 
  private:
-  enum class Kind { constant, standing_pose, tree, cut_q, cut_v, cut_a, reaction, pose, energy };
+  enum class Kind {
+    constant,
+    standing_pose,
+    tree,
+    cut_q,
+    cut_v,
+    cut_a,
+    reaction,
+    pose,
+    energy,
+    contact_force,
+    contact_point,
+    coordinate_force,
+  };
   struct Source {
     Kind kind = Kind::constant;
     Needs needs = Needs::state;
     int island = none;
-    int index = 0;      // tree: in (q, v, vdot); cut and sensors: which
+    int index = 0;      // tree: in (q, v, vdot); cut and sensors: which; coordinate_force: row
     int component = 0;  // within a cut joint or sensor
     double sign = 1;    // constant: the value
   };
@@ -59,6 +72,7 @@ class Outputs {
   template <class T>
   T pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const;
   void add_sensor(const Scene& scene, const Sensor& sensor);
+  void add_constraint(const Constraint& constraint, const ConstraintPlace& place);
 
   const ReducedScene& reduced_;
   std::vector<Source> sources_;

@@ -44,6 +44,14 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return reactions_[s.index].component(s.component, reading.dynamics);
     case Kind::pose:
       return pose(frames_[s.index], s.component, reading.dynamics);
+    case Kind::contact_force:
+      return reading.dynamics.contact_force(s.index, s.component);
+    case Kind::coordinate_force:
+      return reading.dynamics.coordinate_force(s.index);
+    case Kind::contact_point: {
+      const auto X_W0 = pose_in<SpatialAlgebra<T>>(reduced_.islands[s.island].X_W0);
+      return X_W0.point(reading.dynamics.contact_point(s.index))[s.component];
+    }
     case Kind::constant:
     case Kind::standing_pose:
     case Kind::energy:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 
+#include "formulation/targets.h"
 #include "scene/text.h"
 #include "simulation/report.h"
 #include "simulation/signals.h"
@@ -28,6 +29,8 @@ void give_inertia(ReducedScene& reduced) {
 
 struct Preparer {
   const Scene& scene;
+  double time;
+  const Inputs& inputs;
   Scene wished{};            // the scene whose start values count
   bool rods_as_rows = true;  // as far as the scene allows
   std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
@@ -46,6 +49,7 @@ struct Preparer {
       const Mechanism& mechanism = reduced.islands[i];
       PreparedIsland& island = out.islands.emplace_back();
       dynamics.push_back(make_dynamics(mechanism, loads[i]));
+      dynamics[i]->set_targets(Targets(mechanism).at(time, inputs));
       const StartWishes wishes = start_wishes(wished, reduced, i);
       island.cut_start = wishes.cuts.q;
       try {
@@ -104,7 +108,17 @@ struct Preparer {
   void find_structure() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
-      island.structure = structure_of(out.reduced.islands[i], *dynamics[i], island.start.q, way(island, *dynamics[i]));
+      const Mechanism& mechanism = out.reduced.islands[i];
+      const std::vector<double>& q = island.start.q;
+      if (!mechanism.driven()) {
+        island.structure = structure_of(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
+        continue;
+      }
+      const Mechanism free_mechanism = without_drives(mechanism);
+      const auto free = make_dynamics(free_mechanism, loads[i]);
+      free->set_targets(Targets(free_mechanism).at(time, inputs));
+      island.structure =
+          driven_structure_of(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
     }
   }
 
@@ -184,8 +198,8 @@ struct Preparer {
 
 }  // namespace
 
-PreparedScene prepare(const Scene& scene, const ReducedScene& reduced) {
-  Preparer preparer{.scene = scene, .wished = scene};
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs) {
+  Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .wished = scene};
   if (has_rods(reduced)) {
     preparer.assemble_with_rods(reduced);
   } else {

@@ -7,6 +7,7 @@
 
 #include "analysis/assembly.h"
 #include "analysis/structure.h"
+#include "formulation/inputs.h"
 
 namespace gelenk {
 
@@ -28,7 +29,8 @@ struct PreparedScene {
   std::string report;  // on assembly, for people
 };
 
-// reduced: reduce(scene). Throws AssemblyError, and SceneError for parts that move without inertia.
-PreparedScene prepare(const Scene& scene, const ReducedScene& reduced);
+// reduced: reduce(scene). time [s], inputs: of the start, where rows change with them. Throws AssemblyError, and
+// SceneError for parts that move without inertia.
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs);
 
 }  // namespace gelenk

@@ -56,7 +56,7 @@ std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
 std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found) {
   std::string out;
   for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
-    if (reduced.islands[i].cuts.empty()) continue;
+    if (reduced.islands[i].rows == 0) continue;
     out += (out.empty() ? "" : "; ") + describe_island(scene, reduced, i, found[i]);
   }
   return out.empty() ? "no loops: the start values are taken as they are" : out;
@@ -73,6 +73,12 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
            " contradict the loops: at best a rate of " + fault.what() +
            " m/s (rad/s) is left (allowed 1e-9). Fix fewer speeds, or give them as guesses (fixed: false).";
   }
+  const auto cuts = static_cast<int>(mechanism.cuts.size());
+  if (fault.cut >= cuts) {
+    const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
+    return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " + fault.what() +
+           " (allowed 1e-9 m). Check the fixed start values of the joints it names.";
+  }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
   std::vector<std::string> names;
   std::vector<std::string> fixed;
@@ -81,9 +87,11 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
     const auto& flags = scene.joints[j].start.q_fixed;
     if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
   }
-  std::string out = prefix(scene) + "loop through " +
-                    scene.joints[mechanism.cuts[fault.cut].scene_joints.front()].name +
-                    " cannot be closed: smallest gap " + fault.what() + position_text(scene, reduced, joints, fault.q) +
+  const Cut& cut = mechanism.cuts[fault.cut];
+  const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
+                                            : "loop through " + scene.joints[cut.scene_joints.front()].name;
+  std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + fault.what() +
+                    position_text(scene, reduced, joints, fault.q) +
                     " (allowed 1e-9 m). Check the positions in joints " + text::list(names);
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";

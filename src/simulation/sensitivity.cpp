@@ -11,12 +11,12 @@ using Eigen::MatrixXd;
 
 Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
                          const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
-                         const std::vector<std::vector<int>>& speeds, const std::vector<double>& u)
+                         const std::vector<Independent>& independent, const std::vector<double>& u)
     : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    tangents_.push_back(std::make_unique<Tangent>(island.mechanism(), island.loads(), island.structure().rank,
-                                                  speeds[i], static_cast<int>(u.size())));
+    tangents_.push_back(std::make_unique<Tangent>(island.mechanism(), island.loads(), island.structure(),
+                                                  independent[i], static_cast<int>(u.size())));
   }
 }
 
@@ -35,7 +35,11 @@ Tangent& Sensitivity::stand(int island) {
   at_ = island;
   const Island& from = *islands_[island];
   const double* y = from.state().data();
-  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data());
+  std::vector<MotionLaw::Derivatives> targets;
+  for (int row = 0; row < static_cast<int>(from.mechanism().coordinate_rows.size()); ++row) {
+    targets.push_back(from.target(row));
+  }
+  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data(), targets);
   return *tangents_[island];
 }
 

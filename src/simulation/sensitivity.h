@@ -36,10 +36,10 @@ struct Linearization {
 class Sensitivity {
  public:
   using Islands = std::vector<std::unique_ptr<Island>>;
-  // speeds: by island, the independent ones. u: all inputs, read at each call.
+  // independent: by island. u: all inputs, read at each call.
   Sensitivity(const ReducedScene& reduced, const Islands& islands, const Outputs& readings,
               const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
-              const std::vector<std::vector<int>>& speeds, const std::vector<double>& u);
+              const std::vector<Independent>& independent, const std::vector<double>& u);
 
   // All three throw Undetermined and SingularMass, faulty_island() telling where.
   Linearization linearize();

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "joint/registry.h"
+#include "scene/units.h"
 
 namespace gelenk {
 namespace {
@@ -72,10 +73,50 @@ void add_energy(std::vector<Signal>& signals, const Sensor& sensor) {
       {.name = name + ".total", .unit = "J", .description = name + ": kinetic and potential energy together"});
 }
 
+const Joint& joint_named(const Scene& scene, const std::string& name) {
+  const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
+  if (joint == scene.joints.end()) throw std::out_of_range("no joint is called " + name);
+  return *joint;
+}
+
+void add_motion_input(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {
+  const MotionSignals names = motion_signals(kind_named(joint_named(scene, c.joint).type), c);
+  if (names.input.empty()) return;
+  const std::string what = c.motion.speed_only() ? "speed of " : "";
+  signals.push_back({.name = c.name + "." + names.input,
+                     .unit = names.input_unit,
+                     .description = c.name + ": what " + what + c.joint + "." + c.coordinate + " is to be"});
+}
+
+void add_constraint(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {
+  const auto add = [&](const std::string& name, const std::string& unit, const std::string& what) {
+    signals.push_back({.name = c.name + "." + name, .unit = unit, .description = c.name + ": " + what});
+  };
+  switch (c.type) {
+    case ConstraintType::motion: {
+      const MotionSignals names = motion_signals(kind_named(joint_named(scene, c.joint).type), c);
+      const std::string what = names.effort == "tau" ? "torque" : "force";
+      return add(names.effort, names.effort_unit,
+                 what + " that keeps " + c.joint + "." + c.coordinate + " to its motion");
+    }
+    case ConstraintType::gear:
+      return add("tau", "N.m", "torque of the gear on joint " + c.joint);
+    case ConstraintType::rack:
+      return add("f", "N", "force of the pinion on joint " + c.joint);
+    case ConstraintType::rolling: {
+      const std::string on = " of the ground on the wheel, ";
+      add("f_n", "N", "force" + on + "along the plane's normal");
+      add("f_long", "N", "force" + on + "in the plane, along the wheel");
+      add("f_lat", "N", "force" + on + "in the plane, across the wheel");
+      return add_array(signals, c.name, "r", 3, "m", "position of the contact point in the world");
+    }
+    case ConstraintType::knife_edge:
+      return add("f", "N", "force on " + c.at.body + " along the axis in which it cannot slide");
+  }
+}
+
 Signal motor_input(const Scene& scene, const Motor& motor) {
-  const auto joint = std::ranges::find(scene.joints, motor.joint, &Joint::name);
-  if (joint == scene.joints.end()) throw std::out_of_range(motor.name + ": no joint is called " + motor.joint);
-  const Quantity& effort = kind_named(joint->type).effort;
+  const Quantity& effort = kind_named(joint_named(scene, motor.joint).type).effort;
   return {.name = motor.name + "." + std::string(effort.name),
           .unit = std::string(effort.unit),
           .description = motor.name + ": " + std::string(effort.description) + ", driving joint " + motor.joint};
@@ -92,6 +133,9 @@ std::vector<Signal> input_signals(const Scene& scene) {
         " on " + force.at.body + ", resolved in " + (force.in_body ? "the body" : std::string("the world"));
     add_array(signals, force.name, "f", 3, "N", "additional force" + where);
     add_array(signals, force.name, "t", 3, "N.m", "additional torque" + where);
+  }
+  for (const Constraint& c : scene.constraints) {
+    if (c.type == ConstraintType::motion) add_motion_input(signals, scene, c);
   }
   return signals;
 }
@@ -110,6 +154,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     if (sensor.type == SensorType::frame) add_frame(signals, sensor);
     if (sensor.type == SensorType::energy) add_energy(signals, sensor);
   }
+  for (const Constraint& c : scene.constraints) add_constraint(signals, scene, c);
   return signals;
 }
 
@@ -122,9 +167,9 @@ std::vector<Signal> diagnostic_signals() {
     s.description = description;
   };
   set(Diagnostic::constraint_position, "constraints.position", "1",
-      "largest error of a loop's closure: metres for gaps, radians for angles");
+      "largest error of a constraint, as a loop's closure: metres for gaps, radians for angles");
   set(Diagnostic::constraint_velocity, "constraints.velocity", "1",
-      "largest rate of a loop's closure error: m/s for gaps, rad/s for angles");
+      "largest error of a constraint's rate: m/s for gaps, rad/s for angles");
   set(Diagnostic::kinetic_energy, "energy.kinetic", "J", "kinetic energy of the mechanism");
   set(Diagnostic::potential_energy, "energy.potential", "J", "potential energy of gravity, springs and stops");
   set(Diagnostic::total_energy, "energy.total", "J", "kinetic and potential energy together");

@@ -20,16 +20,16 @@ struct Signal {
   int component = -1;
 };
 
-// Motors in file order, then the loads of wrenches with `input: true` (f[1..3], t[1..3]).
+// Motors in file order, then the loads of wrenches with `input: true` (f[1..3], t[1..3]), then motions that are inputs.
 std::vector<Signal> input_signals(const Scene& scene);
 
-// Joints in file order (coordinates, speeds, accelerations), then sensors in file order.
+// Joints in file order (coordinates, speeds, accelerations), then sensors in file order, then constraints.
 std::vector<Signal> output_signals(const Scene& scene);
 
 // Health of a run, the same for each scene: the order of diagnostic_signals().
 enum class Diagnostic : int {
-  constraint_position,  // largest |Phi| over the rows of all loops: m and rad alike
-  constraint_velocity,  // largest |J v| over these rows: m/s and rad/s alike
+  constraint_position,  // largest |Phi| over all constraint rows: m and rad alike
+  constraint_velocity,  // largest |J v - b| over these rows: m/s and rad/s alike
   kinetic_energy,       // J
   potential_energy,     // J, gravity, springs and stops
   total_energy,         // J

@@ -42,6 +42,7 @@ void Simulation::Impl::make_islands() {
     for (const int input : islands[i]->inputs()) island_of_input[input] = static_cast<int>(i);
     size.rows += islands[i]->mechanism().rows;
     size.rank += islands[i]->structure().rank;
+    size.free_coordinates += islands[i]->mechanism().nv - islands[i]->structure().position_rank;
   }
   size.freedoms = size.speeds - size.rank;
   readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
@@ -122,7 +123,7 @@ void Simulation::initialize(double time, double tolerance) {
   s.time = time;
   s.u.start(time);
   s.initialized = false;
-  s.prepared = prepare(s.scene, s.reduced);
+  s.prepared = prepare(s.scene, s.reduced, time, s.u);
   s.make_islands();
   s.find_independent();
   for (const auto& island : s.islands) island->start_integrator(tolerance);

@@ -40,13 +40,14 @@ class NotDifferentiable : public UsageError {
 
 // Sizes of the model behind a scene.
 struct ModelSize {
-  int bodies = 0;       // that can move, after merging welds
-  int coordinates = 0;  // nq
-  int speeds = 0;       // nv
-  int rows = 0;         // of the loops
-  int rank = 0;         // of the rows, at a position without special symmetry
-  int freedoms = 0;     // speeds - rank
-  int islands = 0;      // parts solved apart
+  int bodies = 0;            // that can move, after merging welds
+  int coordinates = 0;       // nq
+  int speeds = 0;            // nv
+  int rows = 0;              // of the loops
+  int rank = 0;              // of the rows, at a position without special symmetry
+  int freedoms = 0;          // speeds - rank
+  int free_coordinates = 0;  // as many, and one more for each row that holds a speed and no position
+  int islands = 0;           // parts solved apart
   int planar_islands = 0;
   bool planar = false;  // all of them
 };
@@ -104,17 +105,16 @@ class Simulation {
   double output(int index);      // computed when first read after a change
   double diagnostic(int index);  // likewise
 
-  // Indices into outputs(): of the joint coordinates (level 0) that make up a minimal, independent set of states at the
-  // start: size().freedoms of them, and one more for each quaternion whose three turns are all independent.
-  // Known after initialize().
-  const std::vector<int>& independent_coordinates() const;
+  // Indices into outputs(): of the joints' coordinates and speeds that make up a minimal, independent set of states at
+  // the start: size().freedoms speeds, as many coordinates and one more for each row that holds no position, and for
+  // each quaternion whose three turns are all independent. Known after initialize().
+  const IndependentOutputs& independent() const;
 
-  // The states that derivatives are taken by: these coordinates, then their speeds. Known after initialize().
+  // The states that derivatives are taken by: these coordinates, then these speeds. Known after initialize().
   const std::vector<StateVariable>& states() const;
 
-  // From now on derivatives are taken by these independent coordinates, of size().freedoms as above, and their speeds.
-  // Throws UsageError for one that is no coordinate of the tree.
-  void take_states(const std::vector<int>& independent_coordinates);
+  // From now on derivatives are taken by these, as many as above. Throws UsageError for one that is none of the tree.
+  void take_states(const IndependentOutputs& independent);
 
   // Exact derivatives at the present state and inputs, loops included; all throw NotDifferentiable where the states
   // do not determine the mechanism. After initialize(). They change nothing, and allocate.

@@ -7,50 +7,82 @@
 #include "simulation/start.h"
 
 namespace gelenk {
+namespace {
+
+std::vector<bool> flags(const std::vector<int>& numbers, int n) {
+  std::vector<bool> out(n, false);
+  for (const int k : numbers) out[k] = true;
+  return out;
+}
+
+std::vector<int> numbers(const std::vector<bool>& flags) {
+  std::vector<int> out;
+  for (int k = 0; k < static_cast<int>(flags.size()); ++k) {
+    if (flags[k]) out.push_back(k);
+  }
+  return out;
+}
+
+}  // namespace
 
 void Simulation::Impl::find_independent() {
-  independent.clear();
+  independent = {};
   independent_by_island.clear();
-  std::vector<std::vector<bool>> is_free;  // by island, speed
+  std::vector<std::vector<bool>> free_q;  // by island, speed
+  std::vector<std::vector<bool>> free_v;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    const Mechanism& mechanism = islands[i]->mechanism();
-    const auto speeds =
-        independent_of(static_cast<int>(i), preferred_speeds(scene, prepared.reduced, static_cast<int>(i)));
-    is_free.emplace_back(mechanism.nv, false);
-    for (const int k : speeds) is_free[i][k] = true;
-    independent_by_island.push_back(speeds);
+    const int nv = islands[i]->mechanism().nv;
+    const auto wanted = preferred_speeds(scene, prepared.reduced, static_cast<int>(i));
+    const Independent of = independent_of(static_cast<int>(i), wanted, wanted);
+    free_q.push_back(flags(of.coordinates, nv));
+    free_v.push_back(flags(of.speeds, nv));
+    independent_by_island.push_back(of);
   }
   for (int i = 0; i < static_cast<int>(outputs.size()); ++i) {
     const Signal& s = outputs[i];
-    if (s.level != 0) continue;
+    if (s.level != 0 && s.level != 1) continue;
     const JointPlace& place = prepared.reduced.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
     // A quaternion counts if all three turns are free.
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
-    const bool quaternion = kind.has_quaternion() && s.component >= kind.nq - 4;
-    const int first = place.iv + (quaternion ? kind.nv - 3 : s.component);
-    const int last = quaternion ? first + 2 : first;
-    const std::vector<bool>& of_island = is_free[place.island];
-    if (of_island[first] && of_island[last] && of_island[(first + last) / 2]) independent.push_back(i);
+    const int turns = kind.nv - 3;
+    const bool quaternion = kind.has_quaternion() && s.component >= turns;
+    const std::vector<bool>& of_q = free_q[place.island];
+    const bool whole = quaternion && of_q[place.iv + turns] && of_q[place.iv + turns + 1] && of_q[place.iv + turns + 2];
+    if (s.level == 0 && (quaternion ? whole : of_q[place.iv + s.component])) independent.coordinates.push_back(i);
+    if (s.level == 1 && (!quaternion || whole) && free_v[place.island][place.iv + s.component]) {
+      independent.speeds.push_back(i);
+    }
   }
-  states = states_behind(scene, outputs, independent);
+  states = states_of(scene, outputs, independent);
 }
 
-// prefer: by speed of the island, those wanted among them.
-std::vector<int> Simulation::Impl::independent_of(int island, const std::vector<bool>& prefer) const {
+// Of an island, those wanted among them where that is possible; by speed.
+Independent Simulation::Impl::independent_of(int island, const std::vector<bool>& coordinates,
+                                             const std::vector<bool>& speeds) const {
   const Island& of = *islands[island];
+  const Mechanism& mechanism = of.mechanism();
   const Structure& structure = of.structure();
-  const auto dynamics = make_dynamics(of.mechanism(), of.loads());  // the run's own stays as it is
+  const auto dynamics = make_dynamics(mechanism, of.loads());  // the run's own stays as it is
   dynamics->limit_rank(structure.rank);
   // A singular start tells too little of what depends on what.
   const bool singular = structure.rank_start < structure.rank && !structure.idle_q.empty();
-  const std::vector<double>& q = singular ? structure.idle_q : prepared.islands[island].start.q;
-  return independent_speeds(of.mechanism(), *dynamics, q, structure.rank, prefer);
+  dynamics->set_position((singular ? structure.idle_q : prepared.islands[island].start.q).data());
+  dynamics->factorise();
+  Independent out;
+  out.speeds = independent_columns(dynamics->J(), structure.rank, speeds);
+  out.coordinates = out.speeds;
+  if (structure.position_rank == structure.rank && coordinates == speeds) return out;
+  // Where a speed is independent its coordinate can be, too.
+  std::vector<bool> prefer = flags(out.speeds, mechanism.nv);
+  if (coordinates != speeds) prefer = coordinates;
+  out.coordinates = independent_columns(position_rows(mechanism, dynamics->J()), structure.position_rank, prefer);
+  return out;
 }
 
 std::vector<std::string> Simulation::Impl::names_of_coordinates(int island) const {
   std::vector<std::string> out;
-  for (const int q : independent) {
+  for (const int q : independent.coordinates) {
     if (prepared.reduced.joints[outputs[q].joint].island == island) out.push_back(outputs[q].name);
   }
   return out;
@@ -66,30 +98,39 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 
 }  // namespace
 
-const std::vector<int>& Simulation::independent_coordinates() const { return impl_->independent; }
+const IndependentOutputs& Simulation::independent() const { return impl_->independent; }
 const std::vector<StateVariable>& Simulation::states() const { return impl_->states; }
 
-void Simulation::take_states(const std::vector<int>& independent_coordinates) {
+void Simulation::take_states(const IndependentOutputs& independent) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("states before initialize()");
-  if (s.independent == independent_coordinates) return;
-  for (const int q : independent_coordinates) {
-    const Signal& signal = s.outputs.at(q);
-    const bool of_tree = signal.level == 0 && s.prepared.reduced.joints[signal.joint].role == JointPlace::Role::tree;
-    if (!of_tree) throw UsageError(signal.name + " is no state: its joint closes a loop or cannot move");
+  if (s.independent == independent) return;
+  for (const auto* outputs : {&independent.coordinates, &independent.speeds}) {
+    for (const int i : *outputs) {
+      const Signal& signal = s.outputs.at(i);
+      const bool of_tree = signal.level >= 0 && signal.level == (outputs == &independent.coordinates ? 0 : 1) &&
+                           s.prepared.reduced.joints[signal.joint].role == JointPlace::Role::tree;
+      if (!of_tree) throw UsageError(signal.name + " is no state: its joint closes a loop or cannot move");
+    }
   }
   s.sensitivity.reset();
-  s.independent = independent_coordinates;
-  s.states = states_behind(s.scene, s.outputs, s.independent);
+  s.independent = independent;
+  s.states = states_of(s.scene, s.outputs, s.independent);
   for (int i = 0; i < static_cast<int>(s.islands.size()); ++i) {
-    const std::vector<bool> wanted = speeds_behind(s.prepared.reduced, s.outputs, i, s.states);
-    std::vector<int> all;
-    for (int k = 0; k < static_cast<int>(wanted.size()); ++k) {
-      if (wanted[k]) all.push_back(k);
-    }
+    const auto wanted = [&](int level, const std::vector<int>& among) {
+      return speeds_of(s.scene, s.prepared.reduced, s.outputs, i, level, among);
+    };
+    const std::vector<bool> coordinates = wanted(0, independent.coordinates);
+    const std::vector<bool> speeds = wanted(1, independent.speeds);
     // Beside them may stand turns of a quaternion that is no state as a whole.
-    const std::vector<int> found = s.independent_of(i, wanted);
-    s.independent_by_island[i] = std::ranges::includes(found, all) ? found : all;
+    Independent found = s.independent_of(i, coordinates, speeds);
+    const auto keep = [](std::vector<int>& of, const std::vector<bool>& asked) {
+      const std::vector<int> all = numbers(asked);
+      if (!std::ranges::includes(of, all)) of = all;
+    };
+    keep(found.coordinates, coordinates);
+    keep(found.speeds, speeds);
+    s.independent_by_island[i] = found;
   }
 }
 

@@ -39,8 +39,8 @@ struct Simulation::Impl {
   double still_energy = 0;         // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
-  std::vector<int> independent;
-  std::vector<std::vector<int>> independent_by_island;  // speeds
+  IndependentOutputs independent;
+  std::vector<Independent> independent_by_island;
   std::vector<StateVariable> states;
   std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
 
@@ -51,8 +51,8 @@ struct Simulation::Impl {
   void advance(double end);
   double advance_islands(double end, std::size_t& moved);
   Energy energy();
-  std::vector<std::string> names_of_coordinates(int island) const;                     // independent ones
-  std::vector<int> independent_of(int island, const std::vector<bool>& prefer) const;  // speeds
+  std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
+  Independent independent_of(int island, const std::vector<bool>& coordinates, const std::vector<bool>& speeds) const;
 };
 
 }  // namespace gelenk

@@ -69,6 +69,7 @@ std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduc
   std::vector<bool> out(mechanism.nv, false);
   std::unordered_set<std::string_view> driven;
   for (const Motor& motor : scene.motors) driven.insert(motor.joint);
+  const bool contacts = std::ranges::any_of(mechanism.cuts, &Cut::is_contact);
   for (const int j : mechanism.joints) {
     const JointPlace& place = reduced.joints[j];
     if (place.role != JointPlace::Role::tree) continue;
@@ -77,6 +78,8 @@ std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduc
     for (int i = 0; i < kind.nv; ++i) {
       out[place.iv + i] =
           driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
+      // A quaternion is a state as a whole or not at all.
+      if (contacts && kind.has_quaternion() && i >= kind.nv - 3) out[place.iv + i] = true;
     }
   }
   return out;

@@ -14,7 +14,8 @@ struct StartWishes {
 
 StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int island);
 
-// By speed of the tree: driven by a motor, or its start is fixed: a user would call it a state.
+// By speed of the tree: driven by a motor, or its start is fixed, or, of what rolls, a turn of a quaternion: a user
+// would call it a state.
 std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduced, int island);
 
 // The user's coordinates of a joint of the island at q, where `dynamics` stands; angles of a cut joint nearest to its

@@ -5,36 +5,35 @@
 
 namespace gelenk {
 
-std::vector<StateVariable> states_behind(const Scene& scene, const std::vector<Signal>& outputs,
-                                         const std::vector<int>& independent_coordinates) {
-  std::vector<StateVariable> coordinates;
-  std::vector<StateVariable> speeds;
-  for (const int q : independent_coordinates) {
+std::vector<StateVariable> states_of(const Scene& scene, const std::vector<Signal>& outputs,
+                                     const IndependentOutputs& independent) {
+  std::vector<StateVariable> out;
+  for (const int q : independent.coordinates) {
     const Signal& s = outputs[q];
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
-    const int first_speed = q - s.component + kind.nq;
-    const int turns = kind.nq - 4;  // where a quaternion begins, and its three speeds
-    if (!kind.has_quaternion() || s.component < turns) {
-      const int v = first_speed + s.component;
-      coordinates.push_back({q, v});
-      speeds.push_back({v, v + kind.nv});
-      continue;
-    }
-    coordinates.push_back({q, StateVariable::none});
-    if (s.component != turns) continue;
-    for (int v = first_speed + kind.nv - 3; v < first_speed + kind.nv; ++v) speeds.push_back({v, v + kind.nv});
+    const bool of_quaternion = kind.has_quaternion() && s.component >= kind.nq - 4;
+    out.push_back({q, of_quaternion ? StateVariable::none : q + kind.nq});
   }
-  coordinates.insert(coordinates.end(), speeds.begin(), speeds.end());
-  return coordinates;
+  for (const int v : independent.speeds) {
+    out.push_back({v, v + find_joint_kind(scene.joints[outputs[v].joint].type)->nv});
+  }
+  return out;
 }
 
-std::vector<bool> speeds_behind(const ReducedScene& reduced, const std::vector<Signal>& outputs, int island,
-                                const std::vector<StateVariable>& states) {
+std::vector<bool> speeds_of(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& outputs,
+                            int island, int level, const std::vector<int>& among) {
   std::vector<bool> out(reduced.islands[island].nv, false);
-  for (const StateVariable& state : states) {
-    const Signal& signal = outputs[state.output];
+  for (const int i : among) {
+    const Signal& signal = outputs[i];
     const JointPlace& place = reduced.joints[signal.joint];
-    if (signal.level == 1 && place.island == island) out[place.iv + signal.component] = true;
+    if (place.island != island || signal.level != level) continue;
+    const JointKind& kind = *find_joint_kind(scene.joints[signal.joint].type);
+    const int turns = kind.nq - 4;  // where a quaternion begins, and its three speeds
+    if (level == 1 || !kind.has_quaternion() || signal.component < turns) {
+      out[place.iv + signal.component] = true;
+    } else if (signal.component == turns) {
+      for (int k = kind.nv - 3; k < kind.nv; ++k) out[place.iv + k] = true;
+    }
   }
   return out;
 }

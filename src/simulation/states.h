@@ -16,13 +16,18 @@ struct StateVariable {
   int derivative = none;  // the output that is its time derivative; none: a quaternion's component, whose is no output
 };
 
-// The states behind these coordinates: the coordinates, then their speeds. A joint with a quaternion has them where all
-// three turns are independent.
-std::vector<StateVariable> states_behind(const Scene& scene, const std::vector<Signal>& outputs,
-                                         const std::vector<int>& independent_coordinates);
+// Outputs that are independent: coordinates, of a quaternion all four or none, and speeds.
+struct IndependentOutputs {
+  std::vector<int> coordinates, speeds;
+  bool operator==(const IndependentOutputs&) const = default;
+};
 
-// By speed of the island: it belongs to one of these states.
-std::vector<bool> speeds_behind(const ReducedScene& reduced, const std::vector<Signal>& outputs, int island,
-                                const std::vector<StateVariable>& states);
+// The states that these are: the coordinates, then the speeds.
+std::vector<StateVariable> states_of(const Scene& scene, const std::vector<Signal>& outputs,
+                                     const IndependentOutputs& independent);
+
+// By speed of the island: its coordinate (level 0), or it itself (1), is among these outputs.
+std::vector<bool> speeds_of(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& outputs,
+                            int island, int level, const std::vector<int>& among);
 
 }  // namespace gelenk

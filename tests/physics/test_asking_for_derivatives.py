@@ -46,7 +46,7 @@ def test_dead_centre_is_told_for_the_states_that_do_not_lead_over_it() -> None:
     assert_relative(
         "the crank leads over it", linearized(plant).C[plant._output["D.w"], 1:], np.zeros(1), 1e-7
     )
-    plant._core._take_states([plant._output["D.phi"]])
+    plant._core._take_states([plant._output["D.phi"]], [plant._output["D.w"]])
     with pytest.raises(gelenk.UsageError, match=r"the states D\.phi do not determine the other coordinates"):
         plant._core._linearize()
     assert np.isfinite(output_derivatives(plant)).all()  # the motion goes on all the same

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/targets.h"
+
+#include <algorithm>
+
+namespace gelenk {
+namespace {
+
+// derivative(order): of the input.
+template <class Derivative>
+MotionLaw::Derivatives of_row(const CoordinateRow& row, double t, int orders, Derivative derivative) {
+  if (row.law) return row.law->at(t);
+  MotionLaw::Derivatives out{};
+  out[0] = row.constant;
+  if (row.input < 0) return out;
+  const int first = row.holds_position ? 0 : 1;
+  for (int order = 0; order < orders && first + order < MotionLaw::orders; ++order) {
+    out[first + order] = derivative(order);
+  }
+  return out;
+}
+
+}  // namespace
+
+template <class Of>
+const double* Targets::fill(Of derivatives_of) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const MotionLaw::Derivatives s = derivatives_of(static_cast<int>(i));
+    std::copy_n(s.begin(), 3, now_.begin() + 3 * static_cast<std::ptrdiff_t>(i));
+  }
+  return now_.data();
+}
+
+const double* Targets::at(double t, const Inputs& inputs) {
+  return fill([&](int i) {
+    return of_row(rows_[i], t, MotionLaw::orders,
+                  [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
+  });
+}
+
+const double* Targets::as_read(double t, const Inputs& inputs) {
+  return fill([&](int i) { return derivatives(i, t, inputs); });
+}
+
+MotionLaw::Derivatives Targets::derivatives(int row, double t, const Inputs& inputs) const {
+  constexpr int known = 3;
+  return of_row(rows_[row], t, known, [&](int order) {
+    return order == 0 ? inputs.value(rows_[row].input) : inputs.rate(rows_[row].input, order);
+  });
+}
+
+}  // namespace gelenk

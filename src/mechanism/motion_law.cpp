@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/motion_law.h"
+
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+
+MotionLaw::MotionLaw(const GivenMotion& motion) : motion_(motion) {
+  if (motion_.source == GivenMotion::Source::table) make_spline();
+}
+
+// s'' is continuous and linear between the times: for each inner one (de Boor 1978, ch. IV)
+//   h0 s0''/6 + (h0 + h1) s1''/3 + h1 s2''/6 = (s2 - s1)/h1 - (s1 - s0)/h0.
+// At the ends it is 0, or, where the table repeats, that of the other end.
+void MotionLaw::make_spline() {
+  const std::vector<double>& t = motion_.times;
+  const std::vector<double>& s = motion_.values;
+  const int n = static_cast<int>(t.size());
+  const int last = n - 1;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  const auto equation = [&](int row, int i0, int i1, int i2, double h0, double h1) {
+    entries.insert(entries.end(), {{row, i0, h0 / 6}, {row, i1, (h0 + h1) / 3}, {row, i2, h1 / 6}});
+    right[row] = (s[i2] - s[i1]) / h1 - (s[i1] - s[i0]) / h0;
+  };
+  for (int i = 1; i < last; ++i) equation(i, i - 1, i, i + 1, t[i] - t[i - 1], t[i + 1] - t[i]);
+  const bool cyclic = motion_.periodic && n > 2;
+  if (cyclic) {
+    equation(0, last - 1, 0, 1, t[last] - t[last - 1], t[1] - t[0]);
+    entries.insert(entries.end(), {{last, last, 1.0}, {last, 0, -1.0}});
+  } else {
+    entries.insert(entries.end(), {{0, 0, 1.0}, {last, last, 1.0}});
+  }
+  Eigen::SparseMatrix<double> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(matrix);
+  const Eigen::VectorXd solved = lu.solve(right);
+  curvature_.assign(solved.begin(), solved.end());
+}
+
+void MotionLaw::add_spline(double t, Derivatives& out) const {
+  const std::vector<double>& times = motion_.times;
+  const std::vector<double>& s = motion_.values;
+  const double period = times.back() - times.front();
+  if (motion_.periodic) t -= period * std::floor((t - times.front()) / period);
+  const double inside = std::clamp(t, times.front(), times.back());
+  const auto above = std::upper_bound(times.begin() + 1, times.end() - 1, inside);
+  const auto i = static_cast<std::size_t>(above - times.begin()) - 1;
+  const double h = times[i + 1] - times[i];
+  const double x = inside - times[i];
+  const double jerk = (curvature_[i + 1] - curvature_[i]) / h;
+  const double slope = (s[i + 1] - s[i]) / h - h * (2 * curvature_[i] + curvature_[i + 1]) / 6;
+  const double speed = slope + x * (curvature_[i] + x * jerk / 2);
+  out[0] += s[i] + x * (slope + x * (curvature_[i] / 2 + x * jerk / 6)) + (t - inside) * speed;
+  out[1] += speed;
+  if (t != inside) return;
+  out[2] += curvature_[i] + x * jerk;
+  out[3] += jerk;
+}
+
+MotionLaw::Derivatives MotionLaw::at(double t) const {
+  Derivatives out{};
+  switch (motion_.source) {
+    case GivenMotion::Source::table:
+      add_spline(t, out);
+      break;
+    case GivenMotion::Source::speed:
+      out[1] = motion_.speed;
+      break;
+    default: {
+      const std::vector<double>& c = motion_.polynomial;
+      for (int k = 0; k < orders; ++k) {
+        // Horner's scheme for the k-th derivative.
+        for (int i = static_cast<int>(c.size()) - 1; i >= k; --i) {
+          double factor = 1;
+          for (int j = 0; j < k; ++j) factor *= i - j;
+          out[k] = out[k] * t + factor * c[i];
+        }
+      }
+      const double omega = 2 * M_PI * motion_.frequency;
+      double size = motion_.amplitude;
+      for (int k = 0; k < orders; ++k, size *= omega) {
+        out[k] += size * std::sin(omega * t + motion_.phase + k * M_PI / 2);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace gelenk
