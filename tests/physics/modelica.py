@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mechanisms import Scene, body, box, cylinder, frame, joint, scene
+from mechanisms import Scene, body, box, cylinder, frame, frame_sensor, joint, matrix, rotation, scene
 
 G_N = 9.80665
 RESULTS = Path(__file__).resolve().parents[3] / "shared" / "reference" / "msl"
@@ -115,3 +115,144 @@ def fourbar1(chain: bool = False) -> Scene:
         joints["ball"] = joint("spherical", top, tip)
         joints["cross"] = joint("universal", bottom, frame("b3"), axes=[[0, 1, 0], [0, 0, 1]])
     return scene(bodies, joints, gravity=[0, -G_N, 0])
+
+
+TURNED = (
+    rotation([1, 0, 0], np.radians(10))
+    @ rotation([0, 1, 0], np.radians(55))
+    @ rotation([0, 0, 1], np.radians(68))
+)
+FOOT = frame("ground", (0.2, -0.3, 0.2), TURNED)
+PULL = {"type": "spring_damper", "from": frame("ground", (0.8, 0, 0.3)), "stiffness": 20.0, "length": 0.0}
+
+
+def sprung(joints: Scene, massless: tuple[str, ...] = ()) -> Scene:
+    """Constraints: 1 kg, 1 kg m2 about each axis, held at its frame, sprung at its end (no free length)."""
+    bodies = {"body": body(1.0, (0.2, 0, 0), (1, 1, 1))} | {name: body(0.0) for name in massless}
+    spring = PULL | {"to": frame("body", (0.4, 0, 0))}
+    return scene(bodies, joints, gravity=[0, -G_N, 0], forces={"spring": spring})
+
+
+def spherical_constraint() -> Scene:
+    """Constraints.SphericalConstraint, one of the two bodies: they move alike."""
+    return sprung({"ball": joint("spherical", FOOT, frame("body"))})
+
+
+def prismatic_constraint() -> Scene:
+    """Constraints.PrismaticConstraint: two slides, and a free joint that shows the motion."""
+    joints = {
+        "x": joint("prismatic", FOOT, frame("slide"), axis=[1, 0, 0]),
+        "y": joint("prismatic", frame("slide"), frame("body"), axis=[0, 1, 0]),
+    }
+    start = {"r": [0.2, -0.3, 0.2], "rotation": matrix(TURNED)}
+    joints["body_moves"] = joint("free", frame("ground"), frame("body"), start=start)
+    return sprung(joints, ("slide",))
+
+
+def spring_damper_system() -> Scene:
+    """Elementary.SpringDamperSystem: a body that hangs from a spring and damper, and one on a slide."""
+    spring = {"type": "spring_damper", "stiffness": 30.0, "length": 0.1}
+    return scene(
+        {
+            "body1": body(1.0, (0, -0.2, 0), (0.1, 0.1, 0.1)),
+            "body2": body(1.0, (0, 0, 0), (0.001, 0.001, 0.001)),
+        },
+        {
+            "free": joint(
+                "free",
+                frame("ground"),
+                frame("body1"),
+                start={"r": [0.3, -0.2, 0], "w": [0, 0, 0.03490658503988659]},
+            ),
+            "p2": joint(
+                "prismatic", frame("ground", (0.9, 0, 0)), frame("body2"), axis=[0, -1, 0], start={"s": 0.1}
+            ),
+        },
+        gravity=[0, -G_N, 0],
+        forces={
+            "spring1": spring | {"from": frame("ground", (0.3, 0, 0)), "to": frame("body1"), "damping": 2.0},
+            "spring2": spring | {"from": frame("ground", (0.9, 0, 0)), "to": frame("body2")},
+        },
+    )
+
+
+def three_springs(node: float) -> Scene:
+    """Elementary.ThreeSprings: three springs meet in a node; node: its mass [kg], 0 in Modelica."""
+    spring = {"type": "spring_damper", "length": 0.1}
+    at_node = {"to": frame("node"), "stiffness": 20.0}
+    return scene(
+        {"body1": body(0.8, (0, -0.2, 0), (0.1, 0.1, 0.1)), "node": body(node, inertia=(node, node, node))},
+        {
+            "free": joint("free", frame("ground"), frame("body1"), start={"r": [0.5, -0.3, 0]}),
+            "n": joint("free", frame("ground"), frame("node"), start={"r": [0.1, -0.2, 0.2]}),
+        },
+        gravity=[0, -G_N, 0],
+        forces={
+            "spring1": spring | at_node | {"from": frame("ground", (0.3, 0, 0))},
+            "spring2": spring | {"from": frame("node"), "to": frame("body1"), "stiffness": 40.0},
+            "spring3": spring | at_node | {"from": frame("ground", (0, 0, 0.3))},
+        },
+    )
+
+
+def engine1a() -> Scene:
+    """Loops.Engine1a: a crank of four pieces with a flywheel of 1 kg m2, rod and piston, in the y-z plane."""
+    crank = {
+        "crank1": (cylinder((0.1, 0, 0), 0.05), (0, 0, 0)),
+        "crank2": (box((0, 0.1, 0), 0.02, 0.05), (0.1, 0, 0)),
+        "crank3": (cylinder((0.1, 0, 0), 0.03), (0.1, 0.1, 0)),
+        "crank4": (box((0, -0.1, 0), 0.02, 0.05), (0.2, 0.1, 0)),
+    }
+    about_x = {"axis": [1, 0, 0]}
+    start = {"phi": 0.0, "w": 10.0, "fixed": True}
+    return scene(
+        {name: part for name, (part, _) in crank.items()}
+        | {
+            "inertia": body(1.0, inertia=(1.0, 0.5, 0.5)),
+            "rod": box((0, -0.2, 0), 0.02, 0.06),
+            "piston": cylinder((0, -0.1, 0), 0.1),
+        },
+        {
+            f"at_{name}": joint("weld", frame("inertia", place), frame(name))
+            for name, (_, place) in crank.items()
+        }
+        | {
+            "bearing": joint("revolute", frame("ground"), frame("inertia"), **about_x, start=start),
+            "b1": joint("revolute", frame("inertia", (0.15, 0.1, 0)), frame("rod", (0, -0.2, 0)), **about_x),
+            "b2": joint("revolute", frame("piston", (0, -0.1, 0)), frame("rod"), **about_x),
+            "cylinder": joint(
+                "prismatic",
+                frame("ground", (0.15, 0.45, 0)),
+                frame("piston"),
+                axis=[0, -1, 0],
+                start={"s": 0.05},
+            ),
+        },
+        gravity=[0, -G_N, 0],
+    )
+
+
+def gyroscopic_effects() -> Scene:
+    """Rotational3DEffects.GyroscopicEffects: a rotor askew on an arm that hangs on a ball."""
+    slant = frame("arm", (0.25, 0, 0), rotation([0, 1, 0], np.radians(45)))
+    start = {"phi": 0.0, "w": 10.0, "fixed": True}
+    return scene(
+        {"arm": cylinder((0.25, 0, 0), 0.05), "rotor": cylinder((0.2, 0, 0), 0.1)},
+        {
+            "ball": joint("spherical", frame("ground"), frame("arm")),
+            "revolute": joint("revolute", slant, frame("rotor", (0.1, 0, 0)), axis=[1, 0, 0], start=start),
+        },
+        gravity=[0, -G_N, 0],
+        sensors={"rotor": frame_sensor("rotor"), "arm": frame_sensor("arm")},
+    )
+
+
+def rolling_wheel() -> Scene:
+    """Elementary.RollingWheel: a thin wheel on the plane z = 0, its axis along y at first."""
+    start = {"r": [0.2, 0.2, 0.3], "v": [1.5, -0.3, 0], "w": [1, 5, 0], "fixed": True}
+    return scene(
+        {"wheel": body(2.0, (0, 0, 0), (0.12, 0.06, 0.12))},
+        {"free": joint("free", frame("ground"), frame("wheel"), start=start)},
+        gravity=[0, 0, -G_N],
+        constraints={"contact": {"type": "rolling", "body": "wheel", "radius": 0.3, "axis": [0, 1, 0]}},
+    )
