@@ -6,6 +6,7 @@
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
+# make tutorial  draw the picture of docs/tutorial-lqr.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
@@ -31,9 +32,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts real-time sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time sanitize fuzz win64 clean
 help:
-	@sed -n '2,15s/^# //p' Makefile
+	@sed -n '2,16s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -64,6 +65,9 @@ reductions: $(VENV)/gelenk.stamp
 # Half an hour: one run at a time, for times to be comparable.
 charts: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/charts.py
+
+tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python benchmarks/tutorial.py
 
 real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import joint_table
+import numpy as np
 import pytest
 
 import gelenk
@@ -34,9 +35,11 @@ def blocks(page: Path, language: str) -> list[str]:
 
 @pytest.fixture
 def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in with the README's scene file and the scenes of the repository."""
+    """A folder to work in, with the scenes of the repository and the files that README and tutorial make."""
     (tmp_path / "scenes").symlink_to(root / "scenes")
     (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
+    pieces = blocks(root / "docs" / "tutorial-lqr.md", "yaml")
+    (tmp_path / "balancer.yaml").write_text("".join(pieces), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -47,7 +50,8 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
-    ("page", "least"), [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 4)]
+    ("page", "least"),
+    [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 4), ("docs/tutorial-lqr.md", 1)],
 )
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
     calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
@@ -103,6 +107,33 @@ def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
     assert all(abs(torque) > 0.01 for torque in names["held"].inputs.values())  # N m: they carry
 
 
+@pytest.mark.usefixtures("folder")
+@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Numbers of the page, to the digits they have there."""
+    names: dict[str, Any] = {}
+    for block in blocks(root / "docs" / "tutorial-lqr.md", "python"):
+        exec(compile(block, "tutorial-lqr.md", "exec"), names)
+    trim, plant, poles, lean = (names[n] for n in ("trim", "plant", "poles", "lean"))
+    assert list(trim.inputs.values())[:2] == pytest.approx([-2.31, 2.84], abs=0.005)  # N m
+    assert trim.values["foot.phi"] == pytest.approx(1.06, abs=0.005)
+    assert (plant.poles().real > 0).sum() == 3
+    assert plant.poles().real.max() == pytest.approx(7.3, abs=0.05)
+    slow = min(np.log(poles) / names["step"], key=lambda s: abs(s.real))
+    assert (slow.real, abs(slow.imag)) == pytest.approx((-2.3, 1.6), abs=0.05)
+    assert "\n6\n" in capsys.readouterr().out  # the rank
+    calm, hard, counted = (names[n] for n in ("calm", "hard", "counted"))
+    assert abs(lean(calm)).max() == pytest.approx(5.7, abs=0.05)
+    assert np.ptp(calm["bottom.r[1]"]) == pytest.approx(0.07, abs=0.005)
+    assert abs(lean(calm)[-1]) < 1e-4
+    assert abs(lean(hard)).max() == pytest.approx(18.8, abs=0.05)
+    assert np.ptp(hard["bottom.r[1]"]) == pytest.approx(0.32, abs=0.005)
+    assert abs(lean(hard)[-1]) < 0.1
+    assert abs(names["seen"] / names["promised"] - 1) < 0.01
+    assert abs(lean(counted)).max() == pytest.approx(6.1, abs=0.3)  # noise: counts of the encoders
+    assert 0.01 < abs(lean(counted)[-200:]).max() < 0.3
+
+
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
     tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
     for line in blocks(root / "README.md", "cmake")[0].splitlines():
@@ -118,7 +149,10 @@ def test_targets_of_make_are_there(root: Path) -> None:
 @pytest.mark.parametrize(
     "page",
     ["README.md", "CONTRIBUTING.md"]
-    + [f"docs/{page}.md" for page in ("scene-format", "reductions", "methods", "linearization")],
+    + [
+        f"docs/{page}.md"
+        for page in ("scene-format", "reductions", "methods", "linearization", "tutorial-lqr")
+    ],
 )
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):

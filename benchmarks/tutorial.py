@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the picture of docs/tutorial-lqr.md from what the page's own code computes: `make tutorial`."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gelenk.chart.style import pyplot, save
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "tutorial-lqr.md"
+PICTURE = ROOT / "docs" / "pictures" / "tutorial-lqr.png"
+BLUE, RED, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
+UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
+PUSHED = (0.5, 0.6)  # s
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.M)
+
+
+def computed() -> dict[str, Any]:
+    """The names that the page's code leaves behind; what it writes goes to a folder of its own."""
+    names: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        Path("balancer.yaml").write_text("".join(blocks("yaml")), encoding="utf-8")
+        for block in blocks("python"):
+            exec(compile(block, PAGE.name, "exec"), names)
+    return names
+
+
+def along(start: np.ndarray, length: float, angle: float) -> np.ndarray:
+    end: np.ndarray = start + length * np.array([np.cos(angle), np.sin(angle)])
+    return end
+
+
+def draw_pose(axis: Any, values: dict[str, float]) -> None:
+    """The mechanism where it is held, x and z in metres."""
+    hands = []
+    for side, x in (("left", -0.15), ("right", 0.15)):
+        motor = np.array([x, 0.0])
+        upper = values[f"{side}.phi"]
+        elbow = along(motor, UPPER, upper)
+        lower = upper + values[f"elbow_{side}.phi"]
+        hands.append((along(elbow, LOWER, lower), lower))
+        axis.plot(*np.array([motor, elbow, hands[-1][0]]).T, "-", color=GREY, lw=4, solid_capstyle="round")
+        axis.plot(*elbow, "o", color="white", mec=GREY, ms=6, zorder=3)
+        axis.plot(*motor, "o", color=BLUE, ms=13, zorder=3)
+    hand, lower = hands[0]
+    top = along(hand, STICK, lower + values["foot.phi"])
+    axis.plot(*np.array([hand, top]).T, "-", color=RED, lw=4, solid_capstyle="round")
+    axis.plot(*hand, "o", color="white", mec=RED, ms=6, zorder=3)
+    axis.annotate("push", top, (top[0] - 0.3, top[1]), va="center", arrowprops={"arrowstyle": "->"})
+    axis.axhline(-0.03, color=GREY, lw=1)
+    axis.set(aspect="equal", xlim=(-0.5, 0.5), xlabel="x [m]", ylabel="z [m]", title="The pose to hold")
+
+
+def draw_lean(axis: Any, names: dict[str, Any]) -> None:
+    runs = (
+        ("hard", "1 N", RED, "-"),
+        ("calm", "0.5 N", BLUE, "-"),
+        ("counted", "0.5 N, encoders alone", GREEN, "--"),
+    )
+    for run, label, colour, line in runs:
+        axis.plot(names[run]["time"], names["lean"](names[run]), line, color=colour, label=label)
+    axis.axvspan(*PUSHED, color="#eeeeee")
+    axis.legend(title="push for 0.1 s", frameon=False)
+    axis.set(xlabel="time [s]", title="How the stick leans [degrees]")
+
+
+def draw_decay(axis: Any, names: dict[str, Any]) -> None:
+    """The slowest mode's own coordinate over time, with the slope that its pole promises."""
+    time = names["calm"]["time"]
+    size = abs(names["x"] @ names["own"])
+    shown = time > PUSHED[1]
+    promised = names["promised"].real
+    at = int(np.searchsorted(time, 2.0))
+    axis.semilogy(time[shown], size[shown], color=BLUE, label="FMU, push of 0.5 N")
+    line = size[at] * np.exp(promised * (time[shown] - time[at]))
+    axis.semilogy(time[shown], line, "--", color="black", label=f"exp({promised:.2f} t), the pole's")
+    axis.legend(frameon=False)
+    axis.set(xlabel="time [s]", title="|ξ|, the slowest mode")
+
+
+def main() -> None:
+    names = computed()
+    figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))
+    draw_pose(axes[0], names["trim"].values)
+    draw_lean(axes[1], names)
+    draw_decay(axes[2], names)
+    for axis in axes:
+        axis.grid(alpha=0.25)
+    figure.tight_layout()
+    save(figure, PICTURE, 100)
+    print(PICTURE)
+
+
+if __name__ == "__main__":
+    main()
