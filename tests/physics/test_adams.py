@@ -177,6 +177,25 @@ def test_table_of_adams(name: str) -> None:
     compare(ours(name, tuple(times)), table, ERRORS[name])
 
 
+# Universal_Case03 of the same source: the cross askew, so that both of its axes turn and it carries a torque.
+ASKEW = {  # s: m, N m on the ground
+    0.35: ((1.35425, 1.35433, -0.576035), (-0.0709200, -0.0523799, 0.0131099)),
+    0.7: ((0.612747, 0.617565, -1.80088), (-0.379798, 0.00617838, 0.272926)),
+    1.0: ((-0.636240, -0.614073, -1.79391), (0.00107918, -0.381743, -0.270696)),
+}
+
+
+def test_torque_of_a_cross_askew() -> None:
+    """In its first second, before ADAMS loses energy here as in Universal_Case01."""
+    axes, half = adams.euler(-45, 90, 45), 2**0.5
+    cross = [[1, 0, 0], [0, 1, 0]]
+    source = adams.hung("universal", (half, half, 0), axes, axes=cross, inertia=(0.1, 0.1, 0.04))
+    found = shown(run(source, [0.0, *ASKEW], tolerance=1e-11), source)
+    for i, (position, torque) in enumerate(ASKEW.values(), start=1):
+        assert_close("position", found["position"][i], position, 1.3e-5, "ADAMS' integration at 1e-3")
+        assert_close("torque", found["torque"][i], torque, 2e-5, "likewise; 0.5 N m at most")
+
+
 SWINGS = {"Spherical_Case01": np.eye(3), "Universal_Case01": rotation([0, 0, 1], np.pi / 2)}
 
 
