@@ -235,7 +235,7 @@ def test_states_asked_for_lead_over_the_dead_centre_of_those_of_the_plant() -> N
     plant = ScenePlant(gelenk.load(source))
     plant.start(None, {})
     core = plant._simulation._core
-    core._take_states([plant.outputs.index("D.phi")])
+    core._take_states([plant.outputs.index("D.phi")], [plant.outputs.index("D.w")])
     with pytest.raises(gelenk.UsageError, match=r"the states D\.phi do not determine"):
         plant.derivatives([])
     found = Minimal(plant.derivatives(["A.phi"]))

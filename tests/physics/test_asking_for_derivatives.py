@@ -59,7 +59,7 @@ def test_other_states_give_the_inverse_slopes() -> None:
     plant.step_to(0.4)
     rows = [plant._output["A.phi"], plant._output["D.phi"]]
     by_crank = linearized(plant)
-    plant._core._take_states([rows[1]])
+    plant._core._take_states([rows[1]], [plant._output["D.w"]])
     by_rocker = linearized(plant)
     assert by_rocker.states == ["D.phi", "D.w"]
     assert by_crank.C[rows[1], 0] * by_rocker.C[rows[0], 0] == pytest.approx(1, abs=1e-13)
@@ -73,14 +73,14 @@ def test_a_joint_that_closes_the_loop_is_no_state() -> None:
     plant = started(CASES["four-bar in its plane"], four_bar())
     cut = next(j for j in "BC" if f"{j}.phi" not in tree_coordinates(plant))
     with pytest.raises(gelenk.UsageError, match=rf"{cut}\.phi is no state"):
-        plant._core._take_states([plant._output[f"{cut}.phi"]])
+        plant._core._take_states([plant._output[f"{cut}.phi"]], [plant._output[f"{cut}.w"]])
 
 
 def tree_coordinates(plant: gelenk.Simulation) -> list[str]:
     out = []
     for j in "ABCD":
         try:
-            plant._core._take_states([plant._output[f"{j}.phi"]])
+            plant._core._take_states([plant._output[f"{j}.phi"]], [plant._output[f"{j}.w"]])
             out.append(f"{j}.phi")
         except gelenk.UsageError:
             continue
