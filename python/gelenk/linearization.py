@@ -233,7 +233,7 @@ def check_whole(minimal: Minimal) -> None:
         if len(minimal.names) != found.order:
             raise GelenkError(sentence.format(names) + f"; they are {len(minimal.names)} of {found.order}")
         return
-    # Others' FMUs do not tell how many it takes. But what is read moves as the states let it: dy/dt = C dx/dt.
+    # Other FMUs do not tell how many it takes. But what is read moves as the states let it: dy/dt = C dx/dt.
     rates = np.array([minimal.rate(name)[2] for name in minimal.names])
     for i, name in enumerate(found.readings):
         speed = found.rates.get(name)

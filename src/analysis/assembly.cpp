@@ -181,7 +181,7 @@ std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vecto
 
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts) {
   Assembled out;
-  if (mechanism.rows == 0) {
+  if (mechanism.rows == 0 && mechanism.cuts.empty()) {
     out.q = tree.q;
     out.v = tree.v;
     return out;
