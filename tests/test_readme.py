@@ -51,7 +51,13 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
     ("page", "least"),
-    [("README.md", 4), ("docs/reductions.md", 2), ("docs/linearization.md", 4), ("docs/tutorial-lqr.md", 1)],
+    [
+        ("README.md", 4),
+        ("docs/reductions.md", 2),
+        ("docs/linearization.md", 4),
+        ("docs/modes.md", 1),
+        ("docs/tutorial-lqr.md", 1),
+    ],
 )
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
     calls = re.findall(r"^\$ gelenk (.*)\n((?:[^$].*\n)*)", "".join(blocks(root / page, "console")), re.M)
@@ -134,6 +140,19 @@ def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[s
     assert 0.01 < abs(lean(counted)[-200:]).max() < 0.3
 
 
+@pytest.mark.usefixtures("folder")
+@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_python_of_the_modes_page_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    names: dict[str, Any] = {}
+    (block,) = blocks(root / "docs" / "modes.md", "python")
+    exec(compile(block, "modes.md", "exec"), names)
+    out = capsys.readouterr().out
+    assert out.startswith("FourBar at t = 0 s: stable\n")
+    assert names["swing"].kind == "decays"
+    assert Path("swing.gif").stat().st_size > 10_000
+
+
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
     tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
     for line in blocks(root / "README.md", "cmake")[0].splitlines():
@@ -151,7 +170,7 @@ def test_targets_of_make_are_there(root: Path) -> None:
     ["README.md", "CONTRIBUTING.md"]
     + [
         f"docs/{page}.md"
-        for page in ("scene-format", "reductions", "methods", "linearization", "tutorial-lqr")
+        for page in ("scene-format", "reductions", "methods", "linearization", "modes", "tutorial-lqr")
     ],
 )
 def test_links_lead_somewhere(page: str, root: Path) -> None:

@@ -28,6 +28,8 @@ from gelenk.export import export_fmu
 from gelenk.inspection import Inspection, inspect
 from gelenk.linear import LinearModel
 from gelenk.linearization import linearize
+from gelenk.modal import Modes, modes
+from gelenk.mode import Mode
 from gelenk.result import Result
 from gelenk.run import simulate
 from gelenk.scene import Scene, load
@@ -43,6 +45,8 @@ __all__ = [
     "GelenkError",
     "Inspection",
     "LinearModel",
+    "Mode",
+    "Modes",
     "OperatingPointWarning",
     "Result",
     "Scene",
@@ -58,6 +62,7 @@ __all__ = [
     "inspect",
     "linearize",
     "load",
+    "modes",
     "simulate",
 ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -206,6 +207,48 @@ def linearize(
     if model.unrest:
         print(model.unrest, file=sys.stderr)
     print(json.dumps(model.to_dict(), indent=2) if as_json else model)
+
+
+@app.command()
+@told
+def modes(
+    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    at: Annotated[
+        list[str] | None,
+        typer.Option(metavar="T|NAME=VALUE", help="The point, as for linearize; repeatable."),
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
+    ] = None,
+    states: Annotated[
+        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
+    ] = None,
+    animate: Annotated[
+        int | None, typer.Option(metavar="MODE", help="Draw this mode's shape, into --output.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help=".gif, .html or .mp4.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Modes of a scene or an FMU: eigenvalues, frequencies, damping, shapes, and whether it is stable."""
+    if (animate is None) != (output is None):
+        raise UsageError("--animate and --output: found one of them, expected both or none")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", gelenk.OperatingPointWarning)
+        found = gelenk.modes(
+            plant, at=_point(at or []), input_values=_input_values(given or []), states=_listed(states),
+            parameters=_settings(settings or []),
+        )  # fmt: skip
+    for warning in caught:
+        print(warning.message, file=sys.stderr)
+    if animate is not None and output is not None:
+        found.animate(animate, output)
+    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
 
 
 @app.command()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gelenk.derivatives import Derivatives, Minimal
 from gelenk.errors import UsageError
 from gelenk.linearization import check_whole, start_parameter
+from gelenk.mode_shapes import turned
 from gelenk.plant import Plant
 from gelenk.scene import Value, unknown
 
@@ -145,7 +146,4 @@ def _turned(pose: Pose, joint: str, step: Array) -> dict[str, float]:
     theta = pose.slopes([f"{joint}.theta[{i}]" for i in (1, 2, 3)]) @ step
     names = [f"{joint}.Q[{i}]" for i in (1, 2, 3, 4)]
     Q = np.array([pose.found.values[name] for name in names])
-    angle = float(np.linalg.norm(theta))
-    v, s = 0.5 * np.sinc(angle / 2 / np.pi) * theta, np.cos(angle / 2)
-    turned = np.append(Q[3] * v + s * Q[:3] + np.cross(Q[:3], v), Q[3] * s - Q[:3] @ v)
-    return dict(zip(names, map(float, turned), strict=True))
+    return dict(zip(names, map(float, turned(Q, theta)), strict=True))

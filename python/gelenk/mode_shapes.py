@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shapes of modes by coordinates and by bodies, from a linear model's outputs."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from gelenk.linear import LinearModel
+from gelenk.linearization import linear_model
+from gelenk.mode import BodyMotion, Complex, Mode
+from gelenk.scene import Scene, load
+from gelenk.spectrum import Cluster, spectrum
+
+Array = NDArray[np.float64]
+
+COORDINATES = ("rad", "m")
+SPEEDS_COUNT = 1e-6  # in the choice of shapes of repeated modes: only where coordinates leave one open
+NOTHING = 1e-9  # a coordinate that moves by this part of the states does not move
+WATCH = "watch_"  # before a body's name: the sensor on it
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What moves by how much with the states: coordinates, speeds, and frames of bodies.
+
+    Attributes:
+        names: of the coordinates.
+        by_states: shape (names, states).
+        frames: name -> slopes of its translation and of its rotation in the world, both of shape (3, states).
+        units: of the coordinates.
+    """
+
+    names: tuple[str, ...]
+    by_states: Array
+    frames: Mapping[str, tuple[Array, Array]]
+    units: Mapping[str, str]
+
+
+def watched(scene: Scene, arguments: Mapping[str, Any]) -> LinearModel | None:
+    """The scene's linear model with a frame sensor on each body that has mass; None where there is no body.
+
+    Sensors change no motion. A rod without mass is no body there: it is told by the joints at its ends.
+    """
+    data = copy.deepcopy(scene.to_dict())
+    heavy = [name for name, body in data["bodies"].items() if body["mass"] > 0]
+    if not heavy:
+        return None
+    prefix = free_prefix(data)
+    data["sensors"] = {f"{prefix}{name}": {"type": "frame", "body": name} for name in heavy}
+    model = linear_model(load(data), **arguments)
+    return _renamed(model, prefix)
+
+
+def free_prefix(data: Mapping[str, Any]) -> str:
+    """One that no name of a scene begins with."""
+    prefix = WATCH
+    sections = [section for section in data.values() if isinstance(section, Mapping)]
+    while any(str(name).startswith(prefix) for section in sections for name in section):
+        prefix += "_"
+    return prefix
+
+
+def turned(Q: Array, theta: Array) -> Array:
+    """Q o exp(theta / 2): the quaternion (x, y, z, scalar) after a turn about the frame's own axes."""
+    angle = float(np.linalg.norm(theta))
+    v, s = 0.5 * np.sinc(angle / 2 / np.pi) * theta, np.cos(angle / 2)
+    out: Array = np.append(Q[3] * v + s * Q[:3] + np.cross(Q[:3], v), Q[3] * s - Q[:3] @ v)
+    return out
+
+
+def _renamed(model: LinearModel, prefix: str) -> LinearModel:
+    """Without the prefix: its frames are bodies."""
+    kept = [i for i, name in enumerate(model.outputs) if name.startswith(prefix)]
+    outputs = tuple(model.outputs[i].removeprefix(prefix) for i in kept)
+    return LinearModel(
+        model.name, model.time, model.states, model.inputs, outputs, model.A, model.B, model.C[kept],
+        model.D[kept], model.x0, model.u0, model.y0[kept], model.rates,
+        {name: unit for name, unit in model.units.items() if not name.startswith(prefix)},
+    )  # fmt: skip
+
+
+def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
+    """Coordinates are outputs and states in rad or m that no frame sensor gives; all states, if none is."""
+    frames = _frame_names(model.outputs)
+    at = {name: i for i, name in enumerate(model.outputs)}
+    names: dict[str, Array] = {}
+    for i, name in enumerate(model.states):
+        if model.units.get(name) in COORDINATES:
+            names[name] = np.eye(len(model.states))[i]
+    for name in model.outputs:
+        owner = name.rpartition(".")[0]
+        if owner in frames:
+            continue
+        if model.units.get(name) in COORDINATES:
+            names.setdefault(name, model.C[at[name]])
+        elif name == f"{owner}.Q[1]" and {*elements(f"{owner}.Q", 4)} <= {*at}:
+            Q = [at[n] for n in elements(f"{owner}.Q", 4)]
+            turn = _turn(model.y0[Q], model.C[Q], in_world=False)
+            for theta, row in zip(elements(f"{owner}.theta", 3), turn, strict=True):
+                names.setdefault(theta, row)
+    if not names:
+        names = dict(zip(model.states, np.eye(len(model.states)), strict=True))
+    of = model if bodies is None else bodies
+    return Rows(
+        tuple(names), np.array([*names.values()]).reshape(len(names), len(model.states)),
+        {name: _frame(of, name) for name in _frame_names(of.outputs)},
+        {name: model.units.get(name, "rad" if ".theta[" in name else "1") for name in names},
+    )  # fmt: skip
+
+
+def _frame_names(outputs: Sequence[str]) -> list[str]:
+    """Frame sensors: position and quaternion, as a free joint has, but no accelerations."""
+    known = {*outputs}
+    owners = dict.fromkeys(name.removesuffix(".r[1]") for name in outputs if name.endswith(".r[1]"))
+    return [
+        name for name in owners
+        if f"{name}.z[1]" not in known and {*elements(f"{name}.r", 3), *elements(f"{name}.Q", 4)} <= known
+    ]  # fmt: skip
+
+
+def _frame(model: LinearModel, name: str) -> tuple[Array, Array]:
+    at = {output: i for i, output in enumerate(model.outputs)}
+    r, Q = ([at[n] for n in elements(f"{name}.{key}", count)] for key, count in (("r", 3), ("Q", 4)))
+    return model.C[r], _turn(model.y0[Q], model.C[Q], in_world=True)
+
+
+def _turn(Q: Array, dQ: Array, in_world: bool) -> Array:
+    """The small turn for dQ, along the world's axes or the frame's own: 2 dQ o Q*, or 2 Q* o dQ."""
+    v, scalar = Q[:3], Q[3]
+    across = np.cross(v, dQ[:3], axisb=0).T
+    out: Array = 2 * (scalar * dQ[:3] + (across if in_world else -across) - np.outer(v, dQ[3]))
+    return out
+
+
+def elements(name: str, count: int) -> list[str]:
+    """name[1], name[2], ..."""
+    return [f"{name}[{i}]" for i in range(1, count + 1)]
+
+
+def shaped(model: LinearModel, rows: Rows, rounding: float) -> tuple[Mode, ...]:
+    """The modes of A, slow ones first."""
+    clusters = spectrum(model.A, rounding)
+    clusters.sort(key=lambda c: (float(f"{abs(c.value):.9e}"), -c.value.real))
+    found: list[Mode] = []
+    for cluster in clusters:
+        vectors = _told_apart(cluster, rows)
+        for k, length in enumerate(cluster.lengths):
+            found.append(_mode(len(found) + 1, cluster, length, vectors[:, k], model, rows))
+    return tuple(found)
+
+
+def _told_apart(cluster: Cluster, rows: Rows) -> Complex:
+    """Of equal modes any mixture is one. Taken are those in which one coordinate moves that others leave.
+
+    Leads of longer chains may be mixed into those of shorter ones, not the other way round.
+    """
+    V = cluster.vectors.copy()
+    W = np.vstack([rows.by_states, SPEEDS_COUNT * np.eye(len(V))])
+    done: list[int] = []
+    while len(done) < V.shape[1]:
+        first = len(done)
+        longer, equal = V[:, :first], slice(first, first + cluster.lengths.count(cluster.lengths[first]))
+        if first:
+            V[:, equal] -= longer @ np.linalg.solve(W[done] @ longer, W[done] @ V[:, equal])
+        seen = W @ V[:, equal]
+        order = qr(seen.conj().T, pivoting=True, mode="r")[1]
+        pivots = sorted(map(int, order[: seen.shape[1]]))
+        V[:, equal] = np.linalg.solve(seen[pivots].T, V[:, equal].T).T
+        done += pivots
+    return V
+
+
+def _mode(number: int, cluster: Cluster, length: int, v: Complex, model: LinearModel, rows: Rows) -> Mode:
+    names, shape = rows.names, rows.by_states @ v
+    if np.abs(shape).max(initial=0.0) <= NOTHING * np.abs(v).max():  # a speed that is kept
+        names, shape = model.states, v
+    size_of = np.abs(shape)
+    v = v / shape[int(np.flatnonzero(size_of >= (1 - 1e-9) * size_of.max())[0])]
+    if cluster.value.imag == 0:
+        v = v.real.astype(np.complex128)
+    shape = rows.by_states @ v if names is rows.names else v
+    by_name, by_state = (
+        dict(zip(keys, map(complex, x), strict=True)) for keys, x in ((names, shape), (model.states, v))
+    )
+    bodies = {name: BodyMotion(r @ v, turn @ v) for name, (r, turn) in rows.frames.items()}
+    return Mode(number, cluster.value, cluster.error, cluster.size, length, by_name, by_state, bodies)
