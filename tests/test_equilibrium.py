@@ -193,3 +193,24 @@ def test_command_tells_what_is_wrong(cart_pole: Path) -> None:
     assert faults("equilibrium", cart_pole, "--solve-for", "drive.g") == [
         "drive.g: no such input; did you mean drive.f?"
     ]
+
+
+def test_command_finds_steady_motion(tmp_path: Path) -> None:
+    """A point on a hinge that a shaft turns: g / l w^2 = cos(tilt); the speed given, or found for a tilt."""
+    source = scene(
+        {"shaft": body(1.0, (0, 0, 0), (0.1, 0.1, 0.1)), "bob": body(1.0, (0, 0, -0.5))},
+        {"S": joint("revolute", frame("ground"), frame("shaft"), axis=[0, 0, 1]),
+         "H": joint("revolute", frame("shaft"), frame("bob"), axis=[0, 1, 0], start={"phi": 0.6})},
+        gravity=[0, 0, -GRAVITY], name="Bead",
+    )  # fmt: skip
+    file = tmp_path / "bead.json"
+    file.write_text(json.dumps(source))
+    lines = told("equilibrium", file, "--steady", "S.w=6").splitlines()
+    assert lines[0].startswith("Bead moves steadily, S.phi goes on, found in ")
+    done = told("equilibrium", file, "--steady", "S.w", "--at", "S.w=4", "--hold", "H.phi=0.9", "--json")
+    found = json.loads(done)
+    assert found == gelenk.equilibrium(file, steady=["S.w"], at={"S.w": 4}, hold={"H.phi": 0.9}).to_dict()
+    assert found["advancing"] == {"S.phi": pytest.approx(math.sqrt(GRAVITY / (0.5 * math.cos(0.9))))}
+    assert faults("equilibrium", file, "--steady", "H.w=3") == [
+        "steady for a moment only: H.a changes at -58.86 rad/s2 per second as H.phi goes on"
+    ]

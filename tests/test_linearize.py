@@ -147,14 +147,29 @@ def test_an_equilibrium_is_not_warned_of(cart_pole: Path) -> None:
         gelenk.linearize(cart_pole, at=UPRIGHT)
 
 
-def test_a_coordinate_that_does_not_stay_constant_is_named() -> None:
-    """A wheel that spins freely: its speed is steady, its angle is not."""
-    source = scene(
-        {"wheel": body(2.0, (0, 0, 0.3), (0.4, 0.5, 0.7))},
+def wheel(com: float, **sensors: Any) -> dict[str, Any]:
+    """It spins at 3 rad/s about a level axis; its centre of mass lies beside the axis [m]."""
+    return scene(
+        {"wheel": body(2.0, (com, 0, 0.3), (0.4, 0.5, 0.7))},
         {"J": joint("revolute", frame("ground"), frame("wheel"), axis=[0, 0, 1], start={"w": 3.0})},
-    )
-    with pytest.warns(gelenk.OperatingPointWarning, match=r"states: J\.phi changes at 3 rad/s$"):
-        gelenk.linearize(source)
+        gravity=[-9.81, 0, 0], sensors=sensors,
+    )  # fmt: skip
+
+
+def test_a_coordinate_that_does_not_stay_constant_is_named_where_it_counts() -> None:
+    """A wheel's angle goes on at a steady speed. Weight may depend on it, or a sensor on its rim."""
+    on_rim = wheel(0.0, rim=frame_sensor("wheel", (0.2, 0, 0)))
+    for source, sentence in (
+        (wheel(0.01), r"states: J\.phi changes at 3 rad/s$"),
+        (on_rim, r"states: J\.phi changes at 3 rad/s$"),
+    ):
+        with pytest.warns(gelenk.OperatingPointWarning, match=sentence):
+            gelenk.linearize(source)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gelenk.linearize(wheel(0.0))
+        gelenk.linearize(on_rim, outputs=["J.w", "J.phi"])
+        gelenk.modes(on_rim)
 
 
 # --- errors ---

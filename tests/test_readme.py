@@ -106,11 +106,25 @@ def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     names: dict[str, Any] = {"gelenk": gelenk}
-    _, block = blocks(root / "docs" / "linearization.md", "python")
+    block = blocks(root / "docs" / "linearization.md", "python")[1]
     exec(compile(block, "linearization.md", "exec"), names)
     assert capsys.readouterr().out.endswith("}\n4\n")
     assert set(names["held"].inputs) == {"motor_left.tau", "motor_right.tau"}
     assert all(abs(torque) > 0.01 for torque in names["held"].inputs.values())  # N m: they carry
+
+
+@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, Any] = {"gelenk": gelenk}
+    block = blocks(root / "docs" / "linearization.md", "python")[2]
+    exec(compile(block, "linearization.md", "exec"), names)
+    first, advancing, spin = capsys.readouterr().out.splitlines()
+    tilt, torque = map(float, first.split())
+    assert tilt == pytest.approx(0.976, abs=5e-4)  # as the page says
+    assert torque == pytest.approx(1.5, rel=1e-9)
+    assert advancing == "{'shaft_bearing.phi': 5.0}"
+    assert float(spin) == pytest.approx(4.48, abs=0.005)
+    assert len(names["plant"].poles()) == 4
 
 
 @pytest.mark.usefixtures("folder")

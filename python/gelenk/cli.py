@@ -263,6 +263,10 @@ def equilibrium(
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="A coordinate that keeps this value; repeatable."),
     ] = None,
+    steady: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME[=VALUE]", help="A speed that stays constant, at this value; repeatable."),
+    ] = None,
     solve_for: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="An input to be found; repeatable.")
     ] = None,
@@ -275,11 +279,12 @@ def equilibrium(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
-    """Where a scene or an FMU stands still, or the inputs that hold it in a pose."""
-    held = _settings(hold or [], "--hold")
+    """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there."""
+    open_speeds = [text for text in steady or [] if "=" not in text]
+    speeds = _numbers([text for text in steady or [] if "=" in text], "--steady")
     found = gelenk.equilibrium(
-        plant, at=_point(at or []), solve_for=solve_for or [],
-        hold={name: gelenk.scene.number(name, value, "real") for name, value in held.items()},
+        plant, at=_point(at or []), solve_for=solve_for or [], hold=_numbers(hold or [], "--hold"),
+        steady={**dict.fromkeys(open_speeds), **speeds} if steady else None,
         input_values=_input_values(given or []), parameters=_settings(settings or []),
     )  # fmt: skip
     print(json.dumps(found.to_dict(), indent=2) if as_json else found)
@@ -294,7 +299,11 @@ def _point(at: list[str]) -> float | dict[str, gelenk.scene.Value] | None:
 def _input_values(given: list[str]) -> dict[str, Input] | str:
     if len(given) == 1 and "=" not in given[0]:
         return given[0]
-    values = _settings(given, "--input")
+    return {**_numbers(given, "--input")}
+
+
+def _numbers(given: list[str], option: str) -> dict[str, float]:
+    values = _settings(given, option)
     return {name: gelenk.scene.number(name, value, "real") for name, value in values.items()}
 
 

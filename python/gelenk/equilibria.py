@@ -1,26 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Static equilibria, and the inputs that hold a pose (trim)."""
+"""Equilibria, at rest or in steady motion, and the inputs that hold them (trim)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
 
+from gelenk.derivatives import Minimal
 from gelenk.errors import EquilibriumError, UsageError
 from gelenk.inputs import Inputs
 from gelenk.linear import STANDS
 from gelenk.linearization import go_on, point_given, time_given
 from gelenk.newton import Search
+from gelenk.plant import Plant
 from gelenk.rest import Pose, Rest, pose_of
 from gelenk.run import configure, open_plant
 from gelenk.scene import Scene, Value, number, unknown
+from gelenk.steady import advancing, change, constant_speeds, steady_given
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A point where the mechanism stands still.
+    """A point where the mechanism stands still, or moves steadily.
 
     Attributes:
         name: of the mechanism.
@@ -30,6 +33,7 @@ class Equilibrium:
         iterations: steps that were taken.
         at: the point for `gelenk.linearize(source, at=...)`: start values, parameters, inputs.
         units: of outputs and inputs.
+        advancing: coordinates that go on in a steady motion, and their speeds; empty at rest.
     """
 
     name: str
@@ -39,15 +43,18 @@ class Equilibrium:
     iterations: int
     at: Mapping[str, Value]
     units: Mapping[str, str]
+    advancing: Mapping[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
-        out = {key: dict(getattr(self, key)) for key in ("values", "inputs", "at", "units")}
+        out = {key: dict(getattr(self, key)) for key in ("values", "inputs", "at", "units", "advancing")}
         return {"name": self.name, "residual": self.residual, "iterations": self.iterations, **out}
 
     def __str__(self) -> str:
         steps = f"{self.iterations} step{'' if self.iterations == 1 else 's'}"
-        lines = [f"{self.name} stands still, found in {steps}; accelerations up to {self.residual:.2g}"]
+        going = ", ".join(self.advancing)
+        what = f"moves steadily, {going} {'go' if ',' in going else 'goes'} on" if going else "stands still"
+        lines = [f"{self.name} {what}, found in {steps}; accelerations up to {self.residual:.2g}"]
         for title, values in (("outputs", self.values), ("inputs", self.inputs)):
             if values:
                 width = max(map(len, values))
@@ -63,19 +70,23 @@ def equilibrium(
     *,
     at: float | Mapping[str, Value] | None = None,
     hold: Mapping[str, float] | None = None,
+    steady: Mapping[str, float | None] | Sequence[str] | str | None = None,
     solve_for: Sequence[str] | str = (),
     input_values: Inputs | None = None,
     parameters: Mapping[str, Value] | None = None,
 ) -> Equilibrium:
-    """A pose in which a scene or an FMU stands still, or the inputs that hold it in one.
+    """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there.
 
     Newton's method with exact derivatives on the independent coordinates, from a first pose on, by the
     branch in which the loops are closed there. Whether what is found is stable is not asked.
 
     Args:
         source: a .fmu file, or whatever `gelenk.load` takes.
-        at: the first pose, as for `gelenk.linearize`; its speeds do not count.
+        at: the first pose, as for `gelenk.linearize`; its speeds count where they are to be found.
         hold: coordinates of joints that keep these values exactly [rad, m].
+        steady: speeds of joints that stay constant, with their values [rad/s, m/s], or None where these are
+            to be found; their coordinates go on. Of all other speeds as many are 0 as can be. Without it, the
+            mechanism stands still.
         solve_for: inputs to be found; where several sets do it, the one of the least sum of squares.
         input_values: the other inputs, and first guesses; those that are not named are 0.
         parameters: values by FMU parameter name.
@@ -103,18 +114,43 @@ def equilibrium(
         configure(plant, dict(settings), None, {})
         plant.start(None, {name: signal(0.0) for name, signal in signals.items()})
         go_on(plant, time_given(at), signals)
-        first = pose_of(plant.derivatives(()))
-        rest = Rest(plant, settings, wanted)
+        first, rest = _task(plant, settings, wanted, steady)
         rest.check_hold(first)
-        search = Search(
-            rest, first, {name: first.found.values[name] for name in first.found.inputs}, solve_for
-        )
+        values = {name: first.found.values[name] for name in first.found.inputs}
+        search = Search(rest, first, values, solve_for)
         search.run()
     finally:
         plant.close()
     if _residual(search.pose) > STANDS or not search.kept():
         raise EquilibriumError(_sentence(search, solve_for))
+    if steady is not None:
+        _check_steady(search.pose)
     return _result(plant.name, search)
+
+
+def _task(
+    plant: Plant,
+    settings: Mapping[str, Value],
+    hold: Mapping[str, float],
+    steady: Mapping[str, float | None] | Sequence[str] | str | None,
+) -> tuple[Pose, Rest]:
+    found = plant.derivatives(())
+    if steady is None:
+        return pose_of(found), Rest(plant, settings, hold)
+    given = steady_given(steady)
+    conditions = constant_speeds(Minimal(found), given)
+    speeds = {name: given.get(name, 0.0) for name in conditions}
+    kept = {name: value for name, value in speeds.items() if value is not None}
+    return pose_of(found, conditions), Rest(plant, settings, hold, kept, conditions)
+
+
+def _check_steady(pose: Pose) -> None:
+    name, found, bound = change(pose)
+    if abs(found) > bound:
+        raise EquilibriumError(
+            f"steady for a moment only: {name} changes at {found:.6g} {pose.found.units.get(name, '1')} per "
+            f"second as {', '.join(advancing(pose))} go{'es' if len(advancing(pose)) == 1 else ''} on"
+        )
 
 
 def _result(name: str, search: Search) -> Equilibrium:
@@ -123,6 +159,7 @@ def _result(name: str, search: Search) -> Equilibrium:
         name, {n: found.values[n] for n in found.outputs}, search.inputs, _residual(search.pose),
         search.steps, {**search.rest.settings(search.starts), **search.inputs},
         {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
+        {} if search.rest.conditions is None else advancing(search.pose),
     )  # fmt: skip
 
 
@@ -142,9 +179,11 @@ def _sentence(search: Search, solve_for: Sequence[str]) -> str:
         return search.unreached
     name, value, unit = search.pose.largest()
     rest = f"{name} = {value:.6g} {unit} is the largest acceleration that remains"
+    motion = search.rest.conditions is not None
+    what = "steady motion" if motion else "equilibrium"
     if not search.settled:
-        return f"no equilibrium found in {search.steps} steps: {rest}"
-    if search.rest.hold:
+        return f"no {what} found in {search.steps} steps: {rest}"
+    if search.rest.hold and (solve_for or not motion):
         who = f"{', '.join(solve_for)} cannot" if solve_for else "the given inputs do not"
-        return f"{who} hold this pose: {rest}"
-    return f"no equilibrium near this pose: {rest}"
+        return f"{who} hold this {'motion' if motion else 'pose'}: {rest}"
+    return f"no {what} near this {'point' if motion else 'pose'}: {rest}"

@@ -81,19 +81,45 @@ class LinearModel:
 
     @property
     def unrest(self) -> str:
-        """Why the point is no equilibrium, in words that name each state and its rate; empty if it is one."""
-        moving = [
-            f"{name} changes at {rate:.6g} {_per_second(self.units[name])}"
-            for name, rate in zip(self.states, self.rates, strict=True)
-            if abs(rate) > STANDS
+        """Why the point is no equilibrium, in words that name each state and its rate; empty if it is one.
+
+        Coordinates that go on steadily count where a rate or another output changes by it.
+        """
+        return self._told(self._moving(self.C))
+
+    @property
+    def unrest_of_states(self) -> str:
+        """The same without a look at outputs."""
+        return self._told(self._moving(self.C[:0]))
+
+    def _moving(self, C: Array) -> list[int]:
+        """States that change, and not steadily or felt by others than the output of that name."""
+        moving = [i for i, rate in enumerate(self.rates) if abs(rate) > STANDS]
+        own = {self.states[i] for i in moving}
+        others = [k for k in range(len(C)) if self.outputs[k] not in own]
+        felt = [M for M in (self.A, C[others]) if _felt(M @ self.rates, np.abs(M) @ np.abs(self.rates))]
+        named = [i for i in moving if any(_felt(M[:, i], np.abs(M).max(axis=1)) for M in felt)]
+        unsteady = [
+            i for i in moving if _felt(self.A[i] @ self.rates, np.abs(self.A[i]) @ np.abs(self.rates))
         ]
+        return sorted({*named, *unsteady})
+
+    def _told(self, moving: Sequence[int]) -> str:
         if not moving:
             return ""
-        told = ", ".join(moving[:6]) + (f" and {len(moving) - 6} more" if len(moving) > 6 else "")
+        told = ", ".join(
+            f"{self.states[i]} changes at {self.rates[i]:.6g} {_per_second(self.units[self.states[i]])}"
+            for i in moving[:6]
+        ) + (f" and {len(moving) - 6} more" if len(moving) > 6 else "")
         return f"t = {self.time:g} s is no equilibrium in these states: {told}"
 
     def __str__(self) -> str:
         return _shown(self)
+
+
+def _felt(found: Any, size: Any) -> bool:
+    """Whether any of these is more than rounding of terms of this size."""
+    return bool((np.abs(found) > STANDS + 1e-12 * size).any())
 
 
 def _without_dots(names: Sequence[str], what: str) -> list[str]:

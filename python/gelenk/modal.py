@@ -140,8 +140,8 @@ def modes(
         return found_in(model, rounding)
     plant, scene, by_fmu = _opened(source)
     model = linear_model(plant, **arguments)
-    if model.unrest:
-        warnings.warn(model.unrest, OperatingPointWarning, stacklevel=2)
+    if model.unrest_of_states:
+        warnings.warn(model.unrest_of_states, OperatingPointWarning, stacklevel=2)
     bodies = None if by_fmu or scene is None else watched(scene, {**arguments, "states": model.states})
     settings = {**(parameters or {}), **(at if isinstance(at, Mapping) else {})}
     return found_in(model, rounding, bodies, None if scene is None else posed(scene, settings, model))

@@ -22,9 +22,9 @@ SETTLED = 1e-9  # rad, m or part of an input: the error after such a step is its
 
 
 class Search:
-    """From a pose to one without accelerations: dq and du with v' + A dq + B du = 0, held ones apart.
+    """From a pose to one without accelerations: dx and du with a + A dx + B du = 0, held ones apart.
 
-    Where this is singular, the least dq and du that make v' smallest. Steps are shortened until the next
+    Where this is singular, the least dx and du that make a smallest. Steps are shortened until the next
     one, by the same derivatives, would be shorter (Deuflhard 2004, ch. 3: natural monotonicity).
 
     Attributes:
@@ -86,8 +86,15 @@ class Search:
         return out
 
     def _free_directions(self) -> Array:
-        """Shape (n, what is not held)."""
-        H = self.pose.slopes(list(self.rest.hold))
+        """Of the unknowns, shape (n, what is not held)."""
+        return self._across(self.pose.slopes(list(self.rest.hold)))
+
+    def _free_speeds(self) -> Array:
+        """Of the independent speeds, shape (n, those that move nothing held)."""
+        return self._across(self.pose.slopes(list(self.rest.hold)) @ self.pose.ways)
+
+    @staticmethod
+    def _across(H: Array) -> Array:
         _, size, V = np.linalg.svd(H, full_matrices=True)
         rank = int((size > SINGULAR * size.max(initial=0.0)).sum())
         return V[rank:].T
@@ -101,7 +108,7 @@ class Search:
 
     def _size(self, dq: Array, du: Array) -> float:
         scale = np.array([1 + abs(self.inputs[name]) for name in self._names])
-        return float(np.abs(np.concatenate([dq, du / scale])).max(initial=0.0))
+        return float(np.abs(np.concatenate([dq / self.pose.sizes, du / scale])).max(initial=0.0))
 
     def _shortened(self, dq: Array, du: Array) -> bool:
         size = self._size(dq, du)
@@ -112,7 +119,7 @@ class Search:
             if there is not None:
                 starts, inputs, pose = there
                 gap = (1 - share) * self._gap()
-                rest = self._newton(pose.accelerations_of(self.pose.coordinates), gap)
+                rest = self._newton(pose.accelerations_of(self.pose.conditions), gap)
                 if self._size(*rest) <= (1 - share / 4) * size:
                     self.inputs = inputs
                     self._take(starts, pose)
@@ -145,7 +152,8 @@ class Search:
     @property
     def unreached(self) -> str:
         """What to say of a pose that is not attained."""
-        return f"{', '.join(self.rest.hold)}: the mechanism cannot be brought to the pose to hold"
+        what = "the pose to hold" if self.rest.conditions is None else "this motion"
+        return f"{', '.join(self.rest.hold)}: the mechanism cannot be brought to {what}"
 
     def kept(self) -> bool:
         """Whether what is held is where it has to be [rad, m]."""
@@ -157,18 +165,21 @@ class Search:
         Implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A, which are those of
         -M^-1 K: so dq lowers the potential energy.
         """
-        N = self._free_directions()
+        if self.rest.conditions is not None:  # what holds a steady motion is no potential
+            return False
+        N = self._free_speeds()
         if not N.shape[1]:
             return False
         moved = False
         while self._falls < MOST_FALLS:
-            A, a = N.T @ self.pose.A @ N, N.T @ self.pose.accelerations
+            ways = self.pose.ways @ N
+            A, a = N.T @ self.pose.A @ ways, N.T @ self.pose.accelerations
             steepest = float(np.linalg.eigvals(A).real.max())
             size = float(np.abs(a).max())
             stable = steepest < -SINGULAR * float(np.abs(A).max())
             if size <= STANDS or (stable and moved):
                 return moved
-            dq = N @ np.linalg.solve((2 * max(steepest, 0.0) + size) * np.eye(len(A)) - A, a)
+            dq = ways @ np.linalg.solve((2 * max(steepest, 0.0) + size) * np.eye(len(A)) - A, a)
             self._falls += 1
             share = self.rest.share(self.pose, dq)
             before = self.pose.largest()
@@ -177,7 +188,7 @@ class Search:
             if self.pose.largest() == before:  # a constant force that no coordinate changes
                 return False
             moved = True
-            N = self._free_directions()
+            N = self._free_speeds()
         return moved
 
     def _least_inputs(self) -> None:
@@ -186,7 +197,7 @@ class Search:
         u = np.array([self.inputs[name] for name in self._names])
         least = np.linalg.pinv(B, SINGULAR) @ (B @ u)
         if np.abs(least - u).max(initial=0.0) > 1e-12 * np.abs(u).max(initial=0.0):
-            self._try(np.zeros(len(self.pose.coordinates)), least - u, 1.0)
+            self._try(np.zeros(len(self.pose.unknowns)), least - u, 1.0)
 
     def _take(self, starts: dict[str, float], pose: Pose) -> None:
         self.starts, self.pose = starts, pose

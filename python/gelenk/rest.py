@@ -23,62 +23,98 @@ FULL_ANGLE = 0.3  # rad: what a step may turn a joint by, so that the branch is 
 
 @dataclass(frozen=True)
 class Pose:
-    """A plant at rest: accelerations v' and what they change by, dv' = A dq + B du.
+    """A plant at a point: accelerations a that have to vanish, and what they change by, da = A dx + B du.
+
+    At rest, x are the independent coordinates; in steady motion these and the independent speeds, of which
+    there may be fewer.
 
     Attributes:
         found: all derivatives here.
-        minimal: the same by independent coordinates.
-        coordinates: the independent ones.
-        accelerations: of the coordinates, shape (n,).
-        A: shape (n, n).
-        B: shape (n, inputs).
+        minimal: the same by independent states.
+        unknowns: the names of x.
+        conditions: speeds, whose accelerations have to vanish.
+        accelerations: theirs, shape (conditions,).
+        A: shape (conditions, unknowns).
+        B: shape (conditions, inputs).
     """
 
     found: Derivatives
     minimal: Minimal
-    coordinates: tuple[str, ...]
+    unknowns: tuple[str, ...]
+    conditions: tuple[str, ...]
     accelerations: Array
     A: Array
     B: Array
 
     def slopes(self, names: Sequence[str]) -> Array:
-        """Of readings or rotation coordinates, by the independent coordinates, shape (names, n)."""
-        n = len(self.coordinates)
+        """Of readings or rotation coordinates, by the unknowns, shape (names, unknowns)."""
+        n = len(self.unknowns)
         return np.array([self.minimal.row(name)[:n] for name in names]).reshape(len(names), n)
 
-    def accelerations_of(self, coordinates: Sequence[str]) -> Array:
-        """Of other coordinates than those that are independent here."""
-        return np.array([self.minimal.rate(self.minimal.speed(name))[2] for name in coordinates])
+    def accelerations_of(self, speeds: Sequence[str]) -> Array:
+        """Of other speeds than those of the conditions here."""
+        return np.array([self.minimal.rate(name)[2] for name in speeds])
 
     def largest(self) -> tuple[str, float, str]:
         """The largest acceleration: what it is called, itself, its unit."""
         if not len(self.accelerations):
             return "", 0.0, ""
         i = int(np.abs(self.accelerations).argmax())
-        speed = self.minimal.speed(self.coordinates[i])
-        name = self.found.rates[speed]
+        name = self.found.rates[self.conditions[i]]
         return name, float(self.accelerations[i]), self.found.units.get(name, "1")
 
+    @property
+    def sizes(self) -> Array:
+        """Of the unknowns: 1 rad or m, speeds by themselves."""
+        return np.array(
+            [1.0 if self.minimal.is_coordinate(n) else 1 + abs(self.minimal.value(n)) for n in self.unknowns]
+        )
 
-def pose_of(found: Derivatives) -> Pose:
-    """The point where these derivatives were taken, at rest."""
+    @property
+    def ways(self) -> Array:
+        """How the coordinates go with the independent speeds: dq/dt = ways v, shape (coordinates, speeds)."""
+        names = self.minimal.names
+        n = sum(map(self.minimal.is_coordinate, names))
+        return np.array([self.minimal.rate(q)[0][n:] for q in names[:n]]).reshape(n, len(names) - n)
+
+
+def pose_of(found: Derivatives, conditions: Sequence[str] | None = None) -> Pose:
+    """The point where these derivatives were taken: at rest, or in motion, where `conditions` are given."""
     minimal = Minimal(found)
     check_whole(minimal)
-    q = tuple(name for name in minimal.names if minimal.is_coordinate(name))
-    rates = [minimal.rate(minimal.speed(name)) for name in q]
-    n = len(q)
-    A = np.array([by_x[:n] for by_x, _, _ in rates]).reshape(n, n)
-    B = np.array([by_u for _, by_u, _ in rates]).reshape(n, len(found.inputs))
-    return Pose(found, minimal, q, np.array([a for _, _, a in rates]), A, B)
+    n = len(minimal.names)
+    if conditions is None:
+        conditions = [name for name in minimal.names if not minimal.is_coordinate(name)]
+        n -= len(conditions)
+    rates = [minimal.rate(name) for name in conditions]
+    A = np.array([by_x[:n] for by_x, _, _ in rates]).reshape(len(rates), n)
+    B = np.array([by_u for _, by_u, _ in rates]).reshape(len(rates), len(found.inputs))
+    return Pose(
+        found, minimal, minimal.names[:n], tuple(conditions), np.array([a for _, _, a in rates]), A, B
+    )
 
 
 class Rest:
-    """A plant that is put into poses by its own assembly: as near as the loops allow, all speeds zero."""
+    """A plant that is put into poses by its own assembly: as near as the loops allow, all speeds zero.
 
-    def __init__(self, plant: Plant, settings: Mapping[str, Value], hold: Mapping[str, float]) -> None:
-        """settings: parameters besides start values; hold: coordinates and the values to be kept."""
+    In steady motion, where `conditions` are given, speeds are put as coordinates are.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        settings: Mapping[str, Value],
+        hold: Mapping[str, float],
+        speeds: Mapping[str, float] | None = None,
+        conditions: Sequence[str] | None = None,
+    ) -> None:
+        """settings: parameters besides start values; hold, speeds: coordinates and speeds to be kept, and the
+        values they keep; conditions: speeds whose accelerations have to vanish, by default all.
+        """
         self._plant = plant
-        self.hold = dict(hold)
+        self._held = list(hold)
+        self.hold = {**hold, **(speeds or {})}
+        self.conditions = conditions
         known = set(plant.parameters)
         self._starts = [name for name in plant.outputs if start_parameter(name) in known]
         flags: dict[str, Value] = {
@@ -95,27 +131,27 @@ class Rest:
         can = [name for name in self._starts if name in pose.minimal.candidates]
         can = [name for name in can if pose.minimal.is_coordinate(name)]
         faults = []
-        for name in [name for name in self.hold if name not in can]:
+        for name in [name for name in self._held if name not in can]:
             if name in self._starts:
                 faults.append(f"{name}: only a joint's coordinates can be held, one by one; no speeds, no Q")
             else:
                 faults.append(unknown(name, "coordinate", can))
         if faults:
             raise UsageError("\n".join(faults))
-        for name in self.hold:  # exact where the joint has no other coordinate
+        for name in self._held:  # exact where the joint has no other coordinate
             joint = name.rpartition(".")[0]
             if [n for n in can if n.startswith(f"{joint}.")] == [name] and f"{joint}.fixed" in self._settings:
                 self._settings[f"{joint}.fixed"] = True
 
     def starts(self, pose: Pose, step: Array) -> dict[str, float]:
-        """Start values of all joints a step of the independent coordinates away, to first order."""
+        """Start values of all joints a step of the unknowns away, to first order."""
         out: dict[str, float] = {}
         for name in self._starts:
             joint, _, component = name.rpartition(".Q[")
             if joint and f"{joint}.theta[1]" in pose.minimal.candidates:
                 if component == "1]":
                     out |= _turned(pose, joint, step)
-            elif joint or pose.minimal.is_coordinate(name):
+            elif joint or pose.minimal.is_coordinate(name) or self.conditions is not None:
                 out[name] = pose.found.values[name]
                 if not joint:
                     out[name] += float(pose.slopes([name])[0] @ step)
@@ -128,7 +164,7 @@ class Rest:
         self._plant.reset()
         self._plant.set_parameters(self.settings(starts))
         self._plant.start(None, inputs)
-        return pose_of(self._plant.derivatives(()))
+        return pose_of(self._plant.derivatives(()), self.conditions)
 
     def settings(self, starts: Mapping[str, float]) -> dict[str, Value]:
         """What puts a plant there."""
