@@ -39,6 +39,7 @@ class Mode:
         error: that the eigenvalue may have [1/s], by the rounding that is reckoned with.
         multiplicity: how many eigenvalues of the matrix this one stands for, other modes' included.
         length: of its Jordan chain: from 2 on there are motions t^(length - 1) exp(eigenvalue t), too.
+        coasts: whether what grows beside the eigenvalue are coordinates alone that no speed depends on.
         shape: by coordinate, the largest 1; of modes without coordinates by speed.
         states: the eigenvector by state.
         bodies: the same motion by body, or by frame sensor of an FMU; empty where these are not known.
@@ -49,6 +50,7 @@ class Mode:
     error: float
     multiplicity: int
     length: int
+    coasts: bool
     shape: Mapping[str, complex]
     states: Mapping[str, complex]
     bodies: Mapping[str, BodyMotion]
@@ -80,13 +82,15 @@ class Mode:
 
     @property
     def kind(self) -> Literal["decays", "swings on", "stays", "drifts", "grows"]:
-        """What becomes of it: "drifts" is a steady speed, 0 twice with one eigenvector."""
+        """What becomes of it: "drifts" is a steady speed, or coordinates alone that run on faster."""
         real = self.eigenvalue.real
         if real:
             return "decays" if real < 0 else "grows"
         if self.swings:
             return "swings on" if self.length == 1 else "grows"
-        return "stays" if self.length == 1 else "drifts" if self.length == 2 else "grows"
+        if self.length == 1:
+            return "stays"
+        return "drifts" if self.length == 2 or self.coasts else "grows"
 
     @property
     def names(self) -> list[str]:
@@ -104,7 +108,7 @@ class Mode:
         }
         return {
             "number": self.number, "eigenvalue": _parts(self.eigenvalue), "kind": self.kind, **numbers,
-            "multiplicity": self.multiplicity, "length": self.length,
+            "multiplicity": self.multiplicity, "length": self.length, "coasts": self.coasts,
             "shape": {name: _parts(x) for name, x in self.shape.items()},
             "states": {name: _parts(x) for name, x in self.states.items()},
             "bodies": {
@@ -117,7 +121,7 @@ class Mode:
 def verdict(modes: Sequence[Mode]) -> tuple[Literal["stable", "marginal", "unstable"], Mode | None, str]:
     """Of all modes together: the word, the mode that decides, and why.
 
-    What drifts is marginal: its deviation grows no faster than time, by a speed that somebody gave it.
+    What drifts is marginal: speeds do not grow, and nothing is felt of how far it has gone.
     """
     growing = [mode for mode in modes if mode.kind == "grows"]
     if growing:
@@ -154,7 +158,8 @@ def _growth(mode: Mode) -> str:
 
 def _rest(mode: Mode) -> str:
     if mode.kind == "drifts":
-        return f"drifts: {_who(mode)} {'goes' if len(mode.names) == 1 else 'go'} on steadily once pushed"
+        how = "steadily" if mode.length == 2 else f"as t^{mode.length - 1}"
+        return f"drifts: {_who(mode)} {'goes' if len(mode.names) == 1 else 'go'} on {how} once pushed"
     if mode.kind == "swings on":
         return f"swings on undamped at {mode.frequency:.4g} rad/s ({_who(mode)})"
     return f"stays: {_who(mode)} {'is' if len(mode.names) == 1 else 'are'} left wherever put"

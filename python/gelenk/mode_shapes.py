@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from gelenk.linear import LinearModel
+from gelenk.linear import STANDS, LinearModel
 from gelenk.linearization import linear_model
 from gelenk.mode import BodyMotion, Complex, Mode
 from gelenk.scene import Scene, load
@@ -87,20 +87,19 @@ def _renamed(model: LinearModel, prefix: str) -> LinearModel:
 
 
 def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
-    """Coordinates are outputs and states in rad or m that no frame sensor gives; all states, if none is."""
-    frames = _frame_names(model.outputs)
+    """Coordinates are states, and outputs of joints, in rad or m; all states, if there are none."""
     at = {name: i for i, name in enumerate(model.outputs)}
     names: dict[str, Array] = {}
     for i, name in enumerate(model.states):
         if model.units.get(name) in COORDINATES:
             names[name] = np.eye(len(model.states))[i]
     for name in model.outputs:
-        owner = name.rpartition(".")[0]
-        if owner in frames:
-            continue
+        owner, _, rest = name.rpartition(".")
+        if rest.startswith("r[") and f"{owner}.a[1]" not in at:
+            continue  # where a sensor's frame or a contact is: no joint
         if model.units.get(name) in COORDINATES:
             names.setdefault(name, model.C[at[name]])
-        elif name == f"{owner}.Q[1]" and {*elements(f"{owner}.Q", 4)} <= {*at}:
+        elif rest == "Q[1]" and f"{owner}.z[1]" in at and {*elements(f"{owner}.Q", 4)} <= {*at}:
             Q = [at[n] for n in elements(f"{owner}.Q", 4)]
             turn = _turn(model.y0[Q], model.C[Q], in_world=False)
             for theta, row in zip(elements(f"{owner}.theta", 3), turn, strict=True):
@@ -148,12 +147,27 @@ def shaped(model: LinearModel, rows: Rows, rounding: float) -> tuple[Mode, ...]:
     """The modes of A, slow ones first."""
     clusters = spectrum(model.A, rounding)
     clusters.sort(key=lambda c: (float(f"{abs(c.value):.9e}"), -c.value.real))
+    coasts = _coasts(model, rounding)
     found: list[Mode] = []
     for cluster in clusters:
         vectors = _told_apart(cluster, rows)
-        for k, length in enumerate(cluster.lengths):
-            found.append(_mode(len(found) + 1, cluster, length, vectors[:, k], model, rows))
+        for k in range(len(cluster.lengths)):
+            found.append(_mode(len(found) + 1, cluster, k, vectors[:, k], coasts, model, rows))
     return tuple(found)
+
+
+def _coasts(model: LinearModel, rounding: float) -> bool:
+    """Whether Jordan chains of 0 are but coordinates that run on and that no speed feels: a disc's place.
+
+    Without them, and what only they feel, 0 has a shape for each time it is there.
+    """
+    unfelt = np.array([model.units.get(name) in COORDINATES for name in model.states], bool)
+    size = np.abs(model.A)
+    entries = size > STANDS + rounding * size.max(axis=1, keepdims=True, initial=0.0)
+    while (felt := unfelt & entries[~unfelt].any(axis=0)).any():
+        unfelt &= ~felt
+    rest = spectrum(model.A[np.ix_(~unfelt, ~unfelt)], rounding)
+    return bool(unfelt.any()) and all(max(c.lengths) == 1 for c in rest if c.value == 0)
 
 
 def _told_apart(cluster: Cluster, rows: Rows) -> Complex:
@@ -177,7 +191,9 @@ def _told_apart(cluster: Cluster, rows: Rows) -> Complex:
     return V
 
 
-def _mode(number: int, cluster: Cluster, length: int, v: Complex, model: LinearModel, rows: Rows) -> Mode:
+def _mode(
+    number: int, cluster: Cluster, chain: int, v: Complex, coasts: bool, model: LinearModel, rows: Rows
+) -> Mode:
     names, shape = rows.names, rows.by_states @ v
     if np.abs(shape).max(initial=0.0) <= NOTHING * np.abs(v).max():  # a speed that is kept
         names, shape = model.states, v
@@ -190,4 +206,14 @@ def _mode(number: int, cluster: Cluster, length: int, v: Complex, model: LinearM
         dict(zip(keys, map(complex, x), strict=True)) for keys, x in ((names, shape), (model.states, v))
     )
     bodies = {name: BodyMotion(r @ v, turn @ v) for name, (r, turn) in rows.frames.items()}
-    return Mode(number, cluster.value, cluster.error, cluster.size, length, by_name, by_state, bodies)
+    return Mode(
+        number,
+        cluster.value,
+        cluster.error,
+        cluster.size,
+        cluster.lengths[chain],
+        coasts and cluster.value == 0,
+        by_name,
+        by_state,
+        bodies,
+    )

@@ -33,7 +33,7 @@ def _numbers(modes: Sequence[Mode]) -> str:
         damping = "" if math.isnan(mode.damping) else f"{mode.damping:.4g}"
         constant = "" if math.isinf(mode.time_constant) else f"{mode.time_constant:.5g}"
         power = mode.length - 1
-        chain = f", with t{f'^{power}' if power > 1 else ''}" if power and mode.kind != "drifts" else ""
+        chain = f", with t{f'^{power}' if power > 1 else ''}" if power > (mode.kind == "drifts") else ""
         lines.append(
             f"{mode.number:4}  {value:>29}  {mode.frequency:12.6g}  {mode.hertz:12.6g}  {damping:>9}  "
             f"{constant:>17}  {mode.kind}{chain}"
