@@ -216,3 +216,27 @@ def test_command_draws(cart_pole: Path, tmp_path: Path) -> None:
     assert faults("modes", cart_pole, "--animate", "3") == [
         "--animate and --output: found one of them, expected both or none"
     ]
+
+
+def test_wheels_are_drawn_round(tmp_path: Path) -> None:
+    """A wheel on level ground, with a pendulum in its hub: rim and spoke."""
+    pytest.importorskip("matplotlib")
+    from gelenk.animation import _parts
+
+    source = scene(
+        {"hub": body(0.5), "wheel": body(2.0, (0, 0, 0), (0.05, 0.1, 0.05)), "bob": body(1.5, (0, 0, -0.2))},
+        {"x": joint("prismatic", frame("ground", (0, 0, 0.3)), frame("hub"), axis=[1, 0, 0]),
+         "spin": joint("revolute", frame("hub"), frame("wheel"), axis=[0, 1, 0]),
+         "swing": joint("revolute", frame("hub"), frame("bob"), axis=[0, 1, 0])},
+        gravity=[0, 0, -9.81], constraints={"tyre": {"type": "rolling", "body": "wheel", "radius": 0.3}},
+    )  # fmt: skip
+    found = gelenk.modes(source)
+    assert [mode.kind for mode in found.modes] == ["drifts", "stays", "swings on"]
+    posed = found._posed
+    assert posed is not None
+    still = posed.poses({})
+    (rim,) = (part.points for part in _parts(posed, still) if len(part.points) > 10)
+    points = np.array([still["wheel"][0] @ p + still["wheel"][1] for _, p in rim])
+    assert np.linalg.norm(points[:-1] - [0, 0, 0.3], axis=1) == pytest.approx([0.3] * 49)
+    assert points[:, 1] == pytest.approx(np.zeros(50))
+    assert found.animate(3, tmp_path / "x.gif").stat().st_size > 10_000

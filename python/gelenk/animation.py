@@ -19,6 +19,8 @@ from gelenk.posing import Pose, Posed
 type Array = NDArray[np.float64]
 
 FRAMES, RATE = 40, 25  # of a period; 1/s
+RIM, AXLE = 49, [0, 1, 0]  # points of a wheel's rim; its axis where none is given
+NEGLIGIBLE = 1e-9  # mass, of the largest: of bodies that are there to carry joints
 SEEN_ANGLE, SEEN_SHARE = 0.3, 0.2  # rad, of the mechanism's size: how far shapes are drawn
 INK, GHOST, EARTH, WIRE = "#263240", "#c9d3de", "#828282", "#b0621e"
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg", ".html": "html"}
@@ -92,6 +94,8 @@ def _parts(at: Posed, still: Mapping[str, Pose]) -> list[_Part]:
     ends = [_point(end) for pair in (*joints, *springs) for end in pair]
     out = [_Part([(body, p)], EARTH, "^") for body, p in ends if body not in at.data["bodies"]]
     out += [_Part([_point(a), _point(b)], WIRE, width=1.5) for a, b in springs]
+    heavy = NEGLIGIBLE * max(body["mass"] for body in at.data["bodies"].values())
+    wheels = {row["body"]: row for row in at.data.get("constraints", {}).values() if "radius" in row}
     for name, body in at.data["bodies"].items():
         com = np.array(body["com"], float)
         marks = [p for owner, p in ends if owner == name]
@@ -100,8 +104,9 @@ def _parts(at: Posed, still: Mapping[str, Pose]) -> list[_Part]:
         if marks and far:
             line = [*marks, *([com] if len(marks) == 1 else []), *(marks[:1] if len(marks) > 2 else [])]
             out.append(_Part([(name, p) for p in line], INK))
-        else:
+        elif body["mass"] > heavy and name not in wheels:
             out += [_Part([(name, com - axis), (name, com + axis)], INK) for axis in _axes(body)]
+    out += [_wheel(row) for row in wheels.values()]
     slides = [_Part([_point(a), _point(b)], GHOST, width=1.0) for a, b in joints]
     return slides + [part for part in out if len(_placed(part, still))]
 
@@ -110,6 +115,17 @@ def _axes(body: Mapping[str, Any]) -> Array:
     """As long as the body is thick, so that it is seen to turn; none of a point."""
     radius = float(np.sqrt(sum(body["inertia"][:3]) / 2 / (body["mass"] or 1.0)))
     return np.eye(3)[: 3 if radius else 0] * radius
+
+
+def _wheel(row: Mapping[str, Any]) -> _Part:
+    """Its rim, closed, and back to the hub along a spoke."""
+    axis, centre = (
+        np.array(row.get(key, given), float) for key, given in (("axis", AXLE), ("position", 3 * [0]))
+    )
+    across = np.linalg.svd(axis[None])[2][1:]
+    turn = np.linspace(0, 2 * np.pi, RIM)
+    rim = centre + row["radius"] * np.column_stack([np.cos(turn), np.sin(turn)]) @ across
+    return _Part([(row["body"], p) for p in (*rim, centre)], INK, width=2.0)
 
 
 def _point(end: Mapping[str, Any]) -> tuple[str, Array]:

@@ -228,6 +228,35 @@ def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
     assert {*found.advancing} == {"x.s", "spin.phi", *(["yaw.phi"] if tilt else [])}
 
 
+def unicycle(slope: float) -> Scene:
+    """A motor between wheel and hub, from which a bob hangs; downhill is along x."""
+    return scene(
+        {"hub": body(0.5), "wheel": body(2.0, (0, 0, 0), (0.05, 0.1, 0.05)), "bob": body(1.5, (0, 0, -0.2))},
+        {"x": joint("prismatic", frame("ground", (0, 0, RADIUS)), frame("hub"), axis=[1, 0, 0]),
+         "spin": joint("revolute", frame("hub"), frame("wheel"), axis=[0, 1, 0]),
+         "swing": joint("revolute", frame("hub"), frame("bob"), axis=[0, 1, 0], start={"phi": 0.3})},
+        gravity=[GRAVITY * math.sin(slope), 0, -GRAVITY * math.cos(slope)],
+        motors={"drive": {"joint": "spin"}},
+        constraints={"tyre": {"type": "rolling", "body": "wheel", "radius": RADIUS}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [0.0, 2.0])
+def test_wheel_on_a_slope_is_held_by_the_torque_of_its_weight(speed: float, tmp_path: Path) -> None:
+    """At rest and at a steady speed alike, m g r sin(slope); the bob hangs plumb."""
+    source = unicycle(0.04)
+    steady_speed = {"x.v": speed} if speed else None
+    found = gelenk.equilibrium(source, steady=steady_speed, solve_for="drive.tau")
+    by_fmu = gelenk.equilibrium(
+        gelenk.export_fmu(source, tmp_path / "x.fmu"), steady=steady_speed, solve_for="drive.tau"
+    )
+    torque = 4.0 * GRAVITY * math.sin(0.04) * RADIUS
+    for each in (found, by_fmu):
+        assert each.inputs["drive.tau"] == pytest.approx(-torque, rel=CLOSE)
+        assert each.values["swing.phi"] == pytest.approx(-0.04, rel=CLOSE)
+        assert each.values["spin.w"] == pytest.approx(speed / RADIUS, abs=1e-12)
+
+
 # --- governors ---
 
 
