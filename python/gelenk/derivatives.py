@@ -160,8 +160,10 @@ class Minimal:
 def chosen_states(minimal: Minimal, wanted: Sequence[str] | None) -> list[str]:
     """The states that a user names, with their speeds if only coordinates are named; all when None.
 
+    Coordinates and speeds named may be fewer than the mechanism has.
+
     Raises:
-        UsageError: names that cannot be states, or not as many as the mechanism has.
+        UsageError: names that cannot be states, more than the mechanism has, or too few coordinates alone.
     """
     if wanted is None:
         return list(minimal.names)
@@ -177,7 +179,7 @@ def chosen_states(minimal: Minimal, wanted: Sequence[str] | None) -> list[str]:
     coordinates = sum(map(minimal.is_coordinate, minimal.names))
     if len(wanted) == coordinates and len(out) > n:  # fewer speeds are free: those of the plant
         out = [*wanted, *minimal.names[coordinates:]]
-    if len(out) != n:
+    if len(out) > n or (len(out) < n and all(map(minimal.is_coordinate, wanted))):
         speeds = f"their {n - coordinates}" if 2 * coordinates == n else f"{n - coordinates}"
         raise UsageError(
             f"states: found {len(wanted)}, expected {coordinates} coordinates, or these and {speeds} speeds"

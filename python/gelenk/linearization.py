@@ -12,22 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gelenk.derivatives import Derivatives, Minimal, chosen_states
+from gelenk.derivatives import Array, Derivatives, Minimal, chosen_states
 from gelenk.errors import GelenkError, OperatingPointWarning, UsageError
 from gelenk.inputs import Inputs, Signal, functions_and_constants
 from gelenk.linear import LinearModel
 from gelenk.plant import Plant
 from gelenk.run import configure, grid, open_plant
 from gelenk.scene import Scene, Value, number, unknown
+from gelenk.state_basis import completed, felt, transformed
 
 if TYPE_CHECKING:
     import control
 
 type Names = Sequence[str]
-
-DETERMINED = (
-    1e-8  # least singular value of what states mean to others, over the largest: the core's own limit
-)
 
 
 def linearize(
@@ -55,7 +52,8 @@ def linearize(
         inputs: names to be inputs of the model, in this order; by default all. Others stay as they are.
         outputs: names to be outputs of the model, in this order; by default all.
         states: names of coordinates, or of coordinates and speeds, in this order; by default those of the
-            plant. Of a spherical or free joint, `J.theta[1..3]`.
+            plant. Of a spherical or free joint, `J.theta[1..3]`. Coordinates and speeds may be fewer than all
+            where nothing named changes with those left out.
         parameters: values by FMU parameter name.
         tolerance: relative tolerance of the integrator, where `at` is a time.
 
@@ -198,19 +196,15 @@ def _assembled(
     minimal = Minimal(found)
     x = chosen_states(minimal, states)
     check_whole(minimal)
+    whole = completed(minimal, x)
+    by_x, C = transformed(minimal, whole, time)
     rates = [minimal.rate(state) for state in x]
-    by_x = np.array([row for row, _, _ in rates]).reshape(len(x), len(x))
     by_u = np.array([row for _, row, _ in rates]).reshape(len(x), len(found.inputs))
-    C = minimal.C
-    if x != list(minimal.names):
-        T = np.array([minimal.row(state) for state in x])
-        size = np.linalg.svd(T, compute_uv=False)
-        if size[-1] < DETERMINED * max(size[0], 1.0):  # 1: what a state of the plant means to itself
-            raise UsageError(
-                f"t = {time:g} s: the states {', '.join(x)} do not determine the others here (a loop stands "
-                "at a dead centre for them): derivatives by them do not exist there"
-            )
-        by_x, C = (np.linalg.solve(T.T, M.T).T for M in (by_x, C))
+    if len(x) < len(whole):
+        if outputs is None:
+            chosen_outputs = _determined(C, found.readings, chosen_outputs, len(x))
+        _check_closed(by_x, C[[found.readings.index(n) for n in chosen_outputs]], whole, x, chosen_outputs)
+        by_x, C = by_x[: len(x), : len(x)], C[:, : len(x)]
     u = [found.inputs.index(n) for n in chosen_inputs]
     y = [found.readings.index(n) for n in chosen_outputs]
     signals = (*chosen_inputs, *chosen_outputs)
@@ -222,6 +216,19 @@ def _assembled(
         np.array([rate for _, _, rate in rates]),
         {n: found.units.get(n, "1") for n in signals} | {n: minimal.unit(n) for n in x},
     )  # fmt: skip
+
+
+def _determined(C: Array, readings: Names, outputs: Names, kept: int) -> tuple[str, ...]:
+    """Those outputs that do not change with states behind the first `kept`."""
+    rows = {name: C[[readings.index(name)]] for name in outputs}
+    return tuple(n for n in outputs if not felt(rows[n], (n,), kept, [""] * C.shape[1]))
+
+
+def _check_closed(A: Array, C: Array, states: Names, kept: Names, outputs: Names) -> None:
+    n = len(kept)
+    faults = felt(A[:n], [f"der({name})" for name in kept], n, states) + felt(C, outputs, n, states)
+    if faults:
+        raise UsageError("\n".join(f"states: {fault}, which is not among them" for fault in faults))
 
 
 def check_whole(minimal: Minimal) -> None:

@@ -36,7 +36,27 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
       targets_(mechanism),
       turns_(mechanism, dynamics),
       length_(size_of(mechanism)),
-      dv_(mechanism.nv) {}
+      dv_(mechanism.nv) {
+  for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
+    if (std::holds_alternative<Rolling>(mechanism.cuts[c].joint)) wheels_.push_back(c);
+  }
+}
+
+// A cut; -1: none lies flat.
+int Formulation::flat_wheel() const {
+  for (const int c : wheels_) {
+    if (lies_flat(mechanism_.cuts[c].joint, dynamics_.cut_pose(c))) return c;
+  }
+  return -1;
+}
+
+std::string Formulation::obstacle(const double* y) {
+  dynamics_.set_position(y);
+  const int wheel = flat_wheel();
+  if (wheel < 0) return {};
+  return "the wheel of " + mechanism_.links[mechanism_.cuts[wheel].link_b].name +
+         " has come to lie flat on its plane, where it has no point of contact";
+}
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
   for (int i = 0; i < nq_ + nv_; ++i) {
@@ -46,6 +66,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   const double* at = state_for(y);
   if (at == nullptr) return false;
   dynamics_.set_position(at);
+  if (flat_wheel() >= 0) return false;
   if (!accelerate(t, at, ydot + nq_)) return false;
   if (rows() > 0) passages_.seen(t, dynamics_.pivot_ratio());
   dynamics_.rate(at, at + nq_, ydot);
@@ -60,6 +81,23 @@ void Formulation::go_to(double t) {
 void Formulation::go_to_outputs(double t) {
   inputs_.go_to(t);
   if (!targets_.none()) dynamics_.set_targets(targets_.as_read(t, inputs_));
+}
+
+bool Formulation::meet(double t, double* y) {
+  go_to(t);
+  dynamics_.normalise(y);
+  dynamics_.set_position(y);
+  renew_factors();  // an impact is no small correction: no former factors will do
+  if (!close_position(y)) return false;
+  renew_factors();
+  return close_velocity(y + nq_);
+}
+
+std::vector<double> Formulation::drives_at(double t) {
+  std::vector<double> out;
+  const double* s = targets_.at(t, inputs_);
+  for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) out.insert(out.end(), {s[3 * i], s[3 * i + 1]});
+  return out;
 }
 
 void Formulation::allow(long evaluations) {

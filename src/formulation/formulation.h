@@ -38,6 +38,7 @@ class Formulation : public Equations {
   int coordinates() const final { return nq_; }
   bool rhs(double t, const double* y, double* ydot) final;
   bool jacobian(double t, const double* y, double* J) final;
+  std::string obstacle(const double* y) override;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   // Unless a formulation says otherwise: quaternions are made unit again, no more.
   bool project(double t, double* y) override;
@@ -60,8 +61,11 @@ class Formulation : public Equations {
   // vdot for outputs, at a state accepted at t; dynamics_ is left there, velocities and accelerations included.
   void output_accelerations(double t, const double* y, double* vdot);
 
-  // Whether project() closes loops.
-  virtual bool closes() const { return false; }
+  // Takes y onto the constraints where these have jumped, by the least change in the mass metric: of speeds, an impact.
+  // False: not reached.
+  bool meet(double t, double* y);
+  // s and ds/dt of each coordinate row at t.
+  std::vector<double> drives_at(double t);
 
   // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
   // that wrote the record as in the one that reads it.
@@ -119,12 +123,14 @@ class Formulation : public Equations {
 
  private:
   double rounding(const double* q) const;
+  int flat_wheel() const;
 
   Targets targets_;
   TurnCounter turns_;
   Passages passages_;
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
+  std::vector<int> wheels_;  // cuts
   double length_;  // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };

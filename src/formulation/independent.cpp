@@ -46,7 +46,6 @@ class Independent final : public Formulation {
     record.exchange(smallest_, chosen_);
   }
 
-  bool closes() const override { return true; }
   bool project(double t, double* y) override {
     go_to(t);
     return close_position(y) && close_velocity(y + nq_);

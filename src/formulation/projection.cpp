@@ -35,7 +35,6 @@ class Projection final : public Formulation {
     for (auto& acceleration : accelerations_) acceleration.resize(nv_);
   }
   bool project(double t, double* y) override;
-  bool closes() const override { return true; }
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void exchange(Record& record) override;

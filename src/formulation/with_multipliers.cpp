@@ -30,7 +30,7 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
 
 std::string WithMultipliers::obstacle(const double* y) {
   if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return {};
-  dynamics_.set_position(y);
+  if (std::string flat = Formulation::obstacle(y); !flat.empty()) return flat;
   dynamics_.factorise();
   const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
   if (dynamics_.rank() < rows()) {

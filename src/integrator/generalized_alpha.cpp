@@ -172,7 +172,7 @@ class GeneralizedAlpha final : public FixedStep {
   // One correction of xdot_ and the multipliers; its size.
   double correct(double h, const Shares& s) {
     right_.head(nv_) = Eigen::Map<const Vector>(r_.data() + nq_, nv_);
-    right_.tail(m_) = Eigen::Map<const Vector>(r_.data() + n_, m_) / (s.position * h * h);
+    for (int k = 0; k < m_; ++k) right_[nv_ + k] = r_[n_ + k] / share(k, h, s);
     change_ = lu_.solve(right_);
     double size = 0;
     moved_ = s.position * h * h * change_.head(nv_).lpNorm<Eigen::Infinity>();
@@ -184,8 +184,13 @@ class GeneralizedAlpha final : public FixedStep {
     return change_.allFinite() ? size : INFINITY;
   }
 
-  // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the share of vdot+ in q:
-  // so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is turned on
+  // Of vdot+ in what constraint k holds: in q, or in v alone.
+  double share(int k, double h, const Shares& s) const {
+    return system_.index(n_ + k) == 3 ? s.position * h * h : s.speed * h;
+  }
+
+  // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the share of vdot+ in q
+  // (or in v): so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is turned on
   // its way, by an angle of the order of h, is left out.
   bool make_matrix(double t, double h, const Shares& s) {
     if (!system_.residual_slopes(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
@@ -195,6 +200,11 @@ class GeneralizedAlpha final : public FixedStep {
     speeds += F_xdot_.block(nq_, nq_, nv_, nv_) + s.speed * h * F_x_.block(nq_, nq_, nv_, nv_);
     A_.topRightCorner(nv_, m_) = F_x_.block(nq_, n_, nv_, m_);
     A_.bottomLeftCorner(m_, nv_).noalias() = F_x_.block(n_, 0, m_, nq_) * N_;
+    for (int k = 0; k < m_; ++k) {
+      if (system_.index(n_ + k) == 3) continue;
+      A_.row(nv_ + k).head(nv_) *= s.position * h / s.speed;
+      A_.row(nv_ + k).head(nv_) += F_x_.row(n_ + k).segment(nq_, nv_);
+    }
     A_.bottomRightCorner(m_, m_).setZero();
     lu_.compute(A_);
     matrix_made_for_ = s.speed * h;

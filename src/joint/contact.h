@@ -5,6 +5,8 @@
 // body, z the wheel's axis, or the axis along which the edge does not slide. Rows without position error have Phi = 0.
 #pragma once
 
+#include <cmath>
+
 #include "joint/base.h"
 
 namespace gelenk {
@@ -52,6 +54,9 @@ struct Rolling : NoCoordinates {
     f.d = Vector3<T>(f.a.z() * f.a.x(), f.a.z() * f.a.y(), f.a.z() * f.a.z() - T(1)) / f.s;
     return f;
   }
+
+  // Too flat to tell where its lowest point is.
+  static bool lies_flat(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)) < 1e-4; }
 
   // In F.
   template <class T>

@@ -23,4 +23,9 @@ inline bool holds_position(const CutJoint& joint, int i) {
   return !std::holds_alternative<Rolling>(joint) || i == 0;
 }
 
+// Whether it is a wheel that lies flat on its plane.
+inline bool lies_flat(const CutJoint& joint, const Pose3& X_FM) {
+  return std::holds_alternative<Rolling>(joint) && Rolling::lies_flat(X_FM);
+}
+
 }  // namespace gelenk

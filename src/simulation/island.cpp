@@ -22,7 +22,7 @@ double cpu_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// rad, m and their rates: left of a motion that has been followed.
+// Relative to a motion and its rate [rad, m, 1/s], at least to 1: a master's rounding of what it leads to is no jump.
 constexpr double met = 1e-10;
 
 // s, of fixed-step methods.
@@ -48,6 +48,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   backup_ = y_;
   dynamics_->limit_rank(prepared_.structure.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
+  follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
+  if (follows_) followed_ = equations_->drives_at(time);
 }
 
 void Island::start_integrator(double tolerance) {
@@ -84,13 +86,15 @@ void Island::warm_up(double step) {
 double Island::advance(double end, long most_evaluations) {
   backup_ = y_;
   backup_time_ = time_;
+  backup_followed_ = followed_;
   fresh_ = Outputs::Needs::state;
   if (integrator_) {
-    meet_drives();
+    if (follows_) meet_drives();
     if (inputs_jumped_) integrator_->inputs_changed();
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
     end = integrator_->advance(end, y_.data());
+    if (follows_) followed_ = equations_->drives_at(end);
   }
   time_ = end;
   return end;
@@ -99,14 +103,11 @@ double Island::advance(double end, long most_evaluations) {
 // An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
 // metric, as an impact would.
 void Island::meet_drives() {
-  if (!equations_->closes()) return;
-  if (std::ranges::none_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; }))
-    return;
-  equations_->go_to(time_);
-  dynamics_->set_position(q());
-  dynamics_->set_velocity(v());
-  if (position_gap() <= met && velocity_gap() <= met) return;
-  if (!equations_->project(time_, y_.data())) {
+  const std::vector<double> now = equations_->drives_at(time_);
+  const auto same = [](double a, double b) { return std::abs(a - b) <= met * (1 + std::abs(a)); };
+  if (std::ranges::equal(now, followed_, same)) return;
+  followed_ = now;
+  if (!equations_->meet(time_, y_.data())) {
     throw IntegrationError("the motion that an input gives cannot be met from where the mechanism stands");
   }
   integrator_->restart(time_, y_.data());
@@ -115,6 +116,7 @@ void Island::meet_drives() {
 void Island::roll_back() {
   y_ = backup_;
   time_ = backup_time_;
+  followed_ = backup_followed_;
   fresh_ = Outputs::Needs::state;
   equations_->start(equations_->cut_coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());
@@ -123,6 +125,7 @@ void Island::roll_back() {
 void Island::exchange(Record& record) {
   long made = evaluations();
   record.exchange(time_, y_, inputs_jumped_, made);
+  if (follows_) record.exchange(followed_);
   evaluations_before_ = dynamics_->evaluations() - made;
   equations_->exchange(record);
   if (integrator_) {

@@ -56,12 +56,20 @@ struct Preparer {
         island.start = assemble(mechanism, *dynamics[i], wishes.tree, wishes.cuts);
         dynamics[i]->normalise(island.start.q.data());
         dynamics[i]->set_position(island.start.q.data());
+        check_wheels(mechanism, *dynamics[i]);
         dynamics[i]->factorise();  // tells parts that move without inertia
       } catch (const CannotAssemble& fault) {
         throw AssemblyError(describe_failure(scene, reduced, i, fault));
       } catch (const SingularMass& fault) {
         throw SceneError({describe_massless(scene, fault.what())});
       }
+    }
+  }
+
+  void check_wheels(const Mechanism& mechanism, const Dynamics& of) const {
+    for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
+      const Cut& cut = mechanism.cuts[c];
+      if (lies_flat(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_flat_wheel(scene, cut.constraint));
     }
   }
 

@@ -97,6 +97,12 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   return out + ".";
 }
 
+std::string describe_flat_wheel(const Scene& scene, int constraint) {
+  return prefix(scene) + "constraints." + scene.constraints[constraint].name +
+         ": found the wheel flat on its plane at the start, where it has no point of contact; expected it upright or "
+         "tilted: check its axis and the start values of the joints that carry it";
+}
+
 std::string describe_massless(const Scene& scene, const std::string& link) {
   return prefix(scene) + "bodies." + link +
          ": moves without inertia: found mass and inertia 0 along a motion of its "

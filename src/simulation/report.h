@@ -20,6 +20,7 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
 // A link that moves without inertia.
+std::string describe_flat_wheel(const Scene& scene, int constraint);
 std::string describe_massless(const Scene& scene, const std::string& link);
 
 // The same of a link that had inertia at the start; t [s]: of the last good state.
