@@ -23,7 +23,7 @@ BEYOND = {
     "names_collide", "parameter_of_missing_bound", "parameter_unknown", "rotation_matrix_mirror",
     "rotation_matrix_stretched", "rotation_quaternion_zero", "sensor_joint_unknown",
     "solver_gain_without_baumgarte", "solver_partners", "solver_rho_inf", "solver_rho_inf_unused",
-    "spring_on_one_body", "start_nan", "start_quaternion_zero", "stop_bounds_crossed",
+    "spring_on_one_body", "start_nan", "start_quaternion_zero", "start_weight_nan", "stop_bounds_crossed",
 }  # fmt: skip
 
 

@@ -4,9 +4,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "analysis/assembly_problem.h"
+#include "analysis/closing.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -15,99 +15,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double closed = 1e-13;      // relative to the mechanism's length: some hundreds of roundings
-constexpr double acceptable = 1e-9;   // m or rad: what the user is promised
-constexpr double longest_step = 0.4;  // rad or m: farther than this the linearised loops say little
-constexpr int most_tries = 24;        // starts before the loops are called impossible
+// Guesses that are met as well as this [rad, m] have chosen among the ways to close a loop.
+constexpr double met = 0.1;
+// How much less the squared distance of another way must be to be taken: the one next door is what people expect.
+constexpr double notably = 0.5;
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
-
-VectorXd limited(const VectorXd& step) {
-  const double size = largest(step);
-  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
-}
-
-// Closes the loops from q by Levenberg-Marquardt steps; returns the largest gap left.
-double close(AssemblyProblem& problem, std::vector<double>& q) {
-  VectorXd g = problem.gap(q);
-  double damping = 0;
-  for (int i = 0; i < 200 && largest(g) > closed * problem.length(); ++i) {
-    const MatrixXd G = problem.gap_jacobian(q);
-    if (G.cols() == 0) break;  // everything is fixed
-    const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
-    bool better = false;
-    for (int k = 0; k < 12 && !better; ++k) {
-      VectorXd step;
-      if (damping == 0) {
-        step = -G.completeOrthogonalDecomposition().solve(g);
-      } else {
-        MatrixXd normal = G * G.transpose();
-        normal.diagonal().array() += damping * scale;
-        step = -G.transpose() * normal.ldlt().solve(g);
-      }
-      std::vector<double> next = problem.displaced(q, limited(step));
-      const VectorXd g_next = problem.gap(next);
-      better = g_next.norm() < g.norm() * (1 - 1e-6);
-      if (better) {
-        q = std::move(next);
-        g = g_next;
-        damping = damping < 1e-5 ? 0 : damping / 10;
-      } else {
-        damping = std::max(1e-4, damping * 8);
-      }
-    }
-    if (!better) break;
-  }
-  return largest(g);
-}
-
-// An orthonormal basis of the free displacements that keep the loops closed.
-MatrixXd nullspace(const MatrixXd& G, Eigen::Index n) {
-  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
-  qr.setThreshold(1e-9);
-  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
-  return Q.rightCols(n - qr.rank());
-}
-
-// Moves along the closed loops towards the wishes.
-void come_near(AssemblyProblem& problem, std::vector<double>& q) {
-  double cost = problem.distance(q).squaredNorm();
-  for (int i = 0; i < 100; ++i) {
-    const auto n = static_cast<Eigen::Index>(problem.free(AssemblyProblem::Level::position).size());
-    const MatrixXd Z = nullspace(problem.gap_jacobian(q), n);
-    if (Z.cols() == 0) return;
-    const MatrixXd T = problem.distance_jacobian(q) * Z;
-    VectorXd step = limited(-(Z * T.completeOrthogonalDecomposition().solve(problem.distance(q))));
-    bool better = false;
-    for (int k = 0; k < 8 && !better; ++k, step /= 4) {
-      if (largest(step) < 1e-13 * problem.length()) return;
-      std::vector<double> next = problem.displaced(q, step);
-      if (close(problem, next) > acceptable) continue;
-      const double next_cost = problem.distance(next).squaredNorm();
-      better = next_cost < cost;
-      if (!better) continue;
-      const bool done = cost - next_cost < 1e-14 * cost;
-      q = std::move(next);
-      cost = next_cost;
-      if (done) return;
-    }
-    if (!better) return;
-  }
-}
-
-// The wishes, their free coordinates shaken a little more with each try, always the same way.
-std::vector<double> start_of_try(const AssemblyProblem& problem, const Wishes& tree, int attempt) {
-  if (attempt == 0) return tree.q;
-  std::mt19937 random(static_cast<unsigned>(attempt));
-  // At first small, for guesses that stand on a dead point; in the end anywhere.
-  const double reach = std::min(M_PI, 0.05 * std::pow(1.35, attempt));
-  std::uniform_real_distribution<double> shake(-reach, reach);
-  const auto n = static_cast<Eigen::Index>(problem.free(AssemblyProblem::Level::position).size());
-  VectorXd step(n);
-  for (Eigen::Index k = 0; k < n; ++k) step[k] = shake(random) * problem.length();
-  return problem.displaced(tree.q, step);
-}
 
 std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& worst) {
   double gap = -1;
@@ -134,17 +47,20 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
     worst = static_cast<int>(mechanism.cuts.size() + i);
   }
   const std::string metres = text::rounded(std::max(0.0, gap), 3) + " m";
-  return turn > acceptable ? metres + " and " + text::rounded(turn, 3) + " rad" : metres;
+  return turn > assembled_gap ? metres + " and " + text::rounded(turn, 3) + " rad" : metres;
 }
 
 std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
                                 const Wishes& tree, int& tries) {
   std::vector<double> best;
   double smallest = INFINITY;
-  for (tries = 1; tries <= most_tries; ++tries) {
-    std::vector<double> q = start_of_try(problem, tree, tries - 1);
-    const double gap = close(problem, q);
-    if (gap <= acceptable) return q;
+  for (tries = 1; tries <= most_attempts; ++tries) {
+    std::vector<double> q = shaken(problem, tree.q, tries - 1);
+    const double gap = close_gaps(problem, q);
+    if (gap <= assembled_gap) {
+      problem.unwind(q);
+      return q;
+    }
     if (best.empty() || gap < smallest) {
       best = q;
       smallest = gap;
@@ -156,6 +72,24 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
   throw CannotAssemble(gap, worst, best);
 }
 
+// The loops are closed from where the tree is wished to be. Where that leaves a guess behind, one at a cut joint for
+// instance, a loop may have closed the other way than was meant: others are looked for, and the nearest is taken.
+void heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<double>& q) {
+  double least = problem.distance(q).squaredNorm();
+  for (const int attempt : {0, 8, 10, 12, 14, 16, 18, 20}) {
+    if (problem.moved(q) <= met) return;
+    std::vector<double> other = shaken(problem, tree.q, attempt);
+    pull(problem, other);
+    if (close_gaps(problem, other) > assembled_gap) continue;
+    problem.unwind(other);
+    come_near(problem, other);
+    const double distance = problem.distance(other).squaredNorm();
+    if (distance >= notably * least) continue;
+    least = distance;
+    q = std::move(other);
+  }
+}
+
 std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vector<double>& q) {
   AssemblyProblem::Speeds s = problem.speeds(q);
   const auto& free = problem.free(AssemblyProblem::Level::velocity);
@@ -165,7 +99,7 @@ std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vecto
   const VectorXd left = s.G.rows() > 0 ? VectorXd(s.G * v + s.g0) : VectorXd();
   double speed = 1;
   for (const double fixed : s.v) speed = std::max(speed, std::abs(fixed));
-  if (largest(left) > acceptable * speed * problem.length()) {
+  if (largest(left) > assembled_gap * speed * problem.length()) {
     throw CannotAssemble(text::rounded(largest(left), 3), -1, q);
   }
   const MatrixXd Z = nullspace(s.G, n);
@@ -189,10 +123,8 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   out.q = close_loops(mechanism, dynamics, problem, tree, out.tries);
   come_near(problem, out.q);
-  const VectorXd moved = problem.distance(out.q);
-  for (int k = 0; k < mechanism.nv; ++k) {
-    if (tree.q_weight[k] >= 1) out.moved = std::max(out.moved, std::abs(moved[k]) / std::sqrt(tree.q_weight[k]));
-  }
+  heed_guesses(problem, tree, out.q);
+  out.moved = problem.moved(out.q);
   out.v = consistent_speeds(problem, out.q);
   return out;
 }

@@ -17,11 +17,13 @@ struct Wishes {
   std::vector<double> q, v;
   std::vector<bool> q_fixed, v_fixed;      // keep exactly
   std::vector<double> q_weight, v_weight;  // of the squared distance to be made small; 0: no wish
+  std::vector<bool> q_given;               // asked for by the user; the others only have to stand somewhere
+  std::vector<bool> turns;                 // an angle, which means the same a turn further
 };
 
 struct Assembled {
   std::vector<double> q, v;  // of the tree
-  double moved = 0;          // largest change of a coordinate that was given but not fixed
+  double moved = 0;          // largest change of a coordinate that was given but not fixed, cut joints' included
   int tries = 1;             // starts needed until the loops closed
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace gelenk {
 namespace {
@@ -28,6 +29,15 @@ void difference(int nq, int nv, const double* q, const double* q0, double* out) 
   const Eigen::Quaterniond Q0(q0[plain + 3], q0[plain], q0[plain + 1], q0[plain + 2]);
   const Eigen::Vector3d turn = rotation_vector((Q0.inverse() * Q).toRotationMatrix());
   for (int i = 0; i < 3; ++i) out[plain + i] = turn[i];
+}
+
+double largest_given(const Wishes& wishes, const VectorXd& offset) {
+  double out = 0;
+  for (Eigen::Index k = 0; k < offset.size(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (wishes.q_given[i] && !wishes.q_fixed[i]) out = std::max(out, std::abs(offset[k]));
+  }
+  return out;
 }
 
 MatrixXd columns(const MatrixXd& all, const std::vector<int>& chosen) {
@@ -66,13 +76,16 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
   cut_wishes_ = any(cuts.q_fixed) || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  position_rows_.resize(mechanism.rows);
+  std::iota(position_rows_.begin(), position_rows_.end(), 0);
   for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
 }
 
 VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
   const auto& Phi = dynamics_.Phi();
-  VectorXd g = Eigen::Map<const VectorXd>(Phi.data(), static_cast<Eigen::Index>(Phi.size()));
+  VectorXd g(static_cast<Eigen::Index>(position_rows_.size()));
+  for (Eigen::Index r = 0; r < g.size(); ++r) g[r] = Phi[position_rows_[static_cast<std::size_t>(r)]];
   if (cut_wishes_) append(g, cut_offset(q), cuts_.q_fixed);
   return g;
 }
@@ -89,16 +102,8 @@ MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
   return G;
 }
 
-MatrixXd AssemblyProblem::position_rows_at(const std::vector<double>& q) {
-  MatrixXd G = rows_at(q);
-  for (Eigen::Index r = 0; r < G.rows(); ++r) {
-    if (!position_rows_[static_cast<std::size_t>(r)]) G.row(r).setZero();
-  }
-  return G;
-}
-
 MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
-  MatrixXd G = position_rows_at(q);
+  MatrixXd G = rows_at(q)(position_rows_, Eigen::all);
   if (cut_wishes_) append_rows(G, cut_columns(q), cuts_.q_fixed);
   return columns(G, free_q_);
 }
@@ -141,7 +146,8 @@ AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
     out.d0[k] = root * (fixed[k] - tree_.v[k]);
   }
   dynamics_.set_velocity(fixed.data());
-  out.g0 = Eigen::Map<const VectorXd>(dynamics_.row_rates().data(), mechanism_.rows);
+  const std::vector<double>& rates = dynamics_.row_rates();
+  out.g0 = Eigen::Map<const VectorXd>(rates.data(), static_cast<Eigen::Index>(rates.size()));
   if (cut_wishes_) {
     const MatrixXd& C = cut_columns(q);
     const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);
@@ -166,6 +172,22 @@ std::vector<double> AssemblyProblem::displaced(const std::vector<double>& q, con
   std::vector<double> out = q;
   dynamics_.displace(out.data(), dv.data());
   return out;
+}
+
+void AssemblyProblem::unwind(std::vector<double>& q) const {
+  for (const Link& link : mechanism_.links) {
+    for (int i = 0; i < link.nv; ++i) {
+      const int k = link.iv + i;
+      if (tree_.q_fixed[k] || !tree_.turns[k]) continue;
+      double& angle = q[link.iq + i];
+      angle -= 2 * M_PI * std::round((angle - tree_.q[link.iq + i]) / (2 * M_PI));
+    }
+  }
+}
+
+double AssemblyProblem::moved(const std::vector<double>& q) {
+  const double in_tree = largest_given(tree_, tree_offset(q));
+  return cut_wishes_ ? std::max(in_tree, largest_given(cuts_, cut_offset(q))) : in_tree;
 }
 
 VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {

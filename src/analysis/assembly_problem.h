@@ -34,6 +34,11 @@ class AssemblyProblem {
 
   // q moved along the free speeds.
   std::vector<double> displaced(const std::vector<double>& q, const Eigen::VectorXd& step) const;
+  // Free angles put within half a turn of their wishes, which moves nothing.
+  void unwind(std::vector<double>& q) const;
+
+  // Largest change of a coordinate that was given but not fixed, in the tree or at cut joints.
+  double moved(const std::vector<double>& q);
 
   // Scale of lengths [m], for limits on steps and gaps.
   double length() const { return length_; }
@@ -50,7 +55,7 @@ class AssemblyProblem {
   const Wishes& tree_;
   const Wishes& cuts_;
   std::vector<int> free_q_, free_v_;
-  std::vector<bool> position_rows_;  // the others hold rates only
+  std::vector<int> position_rows_;  // rows that have a position level
   bool cut_wishes_ = false;
   double length_ = 1;
   Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv

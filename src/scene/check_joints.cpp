@@ -34,8 +34,14 @@ void check_numbers(const Joint& joint, const JointKind& kind, const std::string&
   if (sized(joint.spring_reference, nv, "spring_reference")) {
     check_finite(joint.spring_reference.data(), nv, path + ".spring_reference", faults);
   }
+  for (const auto* list : {&s.q_weight, &s.v_weight}) {
+    if (sized(*list, list == &s.q_weight ? nq : nv, "start.weight")) {
+      check_finite(list->data(), list->size(), path + ".start.weight", faults);
+    }
+  }
   const auto negative = [](double x) { return x < 0; };
-  for (const auto& [list, field] : {std::pair(&joint.damping, "damping"), std::pair(&joint.stiffness, "stiffness")}) {
+  for (const auto& [list, field] : {std::pair(&joint.damping, "damping"), std::pair(&joint.stiffness, "stiffness"),
+                                    std::pair(&s.q_weight, "start.weight"), std::pair(&s.v_weight, "start.weight")}) {
     const auto bad = std::ranges::find_if(*list, negative);
     if (bad != list->end()) faults.add(path + "." + field, text::number(*bad), "0 or more");
   }

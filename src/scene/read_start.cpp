@@ -16,12 +16,15 @@ struct Slot {
   std::vector<double>& values;
   std::vector<bool>& given;
   std::vector<bool>& fixed;
+  std::vector<double>& weight;
 };
 
 std::vector<Slot> slots(const JointKind& kind, JointStart& start) {
   std::vector<Slot> out;
-  for (const QuantityGroup& g : groups(kind.q)) out.push_back({g, start.q, start.q_given, start.q_fixed});
-  for (const QuantityGroup& g : groups(kind.v)) out.push_back({g, start.v, start.v_given, start.v_fixed});
+  for (const QuantityGroup& g : groups(kind.q))
+    out.push_back({g, start.q, start.q_given, start.q_fixed, start.q_weight});
+  for (const QuantityGroup& g : groups(kind.v))
+    out.push_back({g, start.v, start.v_given, start.v_fixed, start.v_weight});
   return out;
 }
 
@@ -68,23 +71,59 @@ void read_start_rotation(Fields& fields, std::vector<Slot>& all) {
 
 bool is_given(const Slot& slot) { return slot.given[slot.group.first]; }
 
-// fixed: [names]
-void read_fixed_names(const Json& names, const std::string& path, Faults& faults, std::vector<Slot>& all) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string where = path + "[" + std::to_string(i + 1) + "]";
-    const auto name = read_text(names[i], where, faults, "the name of a start value");
-    if (!name) continue;
-    const std::string base = *name == "rotation" ? quaternion_name : *name;
-    const auto slot = std::ranges::find_if(all, [&](const Slot& s) { return s.group.name == base; });
-    if (slot == all.end()) {
-      std::vector<std::string> known;
-      for (const Slot& s : all) known.push_back(s.group.name);
-      faults.add(where, text::quoted(*name), text::one_of(*name, known, "start values"));
-    } else if (!is_given(*slot)) {
-      faults.add(where, text::quoted(*name) + ", which has no start value", "only values that 'start' gives");
-    } else {
-      mark(slot->fixed, slot->group);
+// The start value of that name; nullptr and a fault if there is none, or none is given.
+Slot* given_slot(const std::string& name, const std::string& where, Faults& faults, std::vector<Slot>& all) {
+  const std::string base = name == "rotation" ? quaternion_name : name;
+  const auto slot = std::ranges::find_if(all, [&](const Slot& s) { return s.group.name == base; });
+  if (slot == all.end()) {
+    std::vector<std::string> known;
+    for (const Slot& s : all) known.push_back(s.group.name);
+    faults.add(where, text::quoted(name), text::one_of(name, known, "start values"));
+  } else if (!is_given(*slot)) {
+    faults.add(where, text::quoted(name) + ", which has no start value", "only values that 'start' gives");
+  } else {
+    return &*slot;
+  }
+  return nullptr;
+}
+
+// fixed: true, false or [names]
+void read_fixed(const Json& fixed, const std::string& path, Faults& faults, std::vector<Slot>& all) {
+  if (fixed.is_boolean()) {
+    for (Slot& slot : all) {
+      if (fixed.get<bool>() && is_given(slot)) mark(slot.fixed, slot.group);
     }
+    return;
+  }
+  if (!fixed.is_array()) return faults.add(path, shown(fixed), "true, false or a list of names");
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    const std::string where = path + "[" + std::to_string(i + 1) + "]";
+    const auto name = read_text(fixed[i], where, faults, "the name of a start value");
+    if (!name) continue;
+    if (Slot* slot = given_slot(*name, where, faults, all)) mark(slot->fixed, slot->group);
+  }
+}
+
+void weigh(Slot& slot, double weight) {
+  std::fill_n(slot.weight.begin() + static_cast<std::ptrdiff_t>(slot.group.first), slot.group.size, weight);
+}
+
+// weight: number or {name: number}
+void read_weight(const Json& weight, const std::string& path, Faults& faults, std::vector<Slot>& all) {
+  if (weight.is_number()) {
+    const auto x = read_number(weight, path, faults, {}, Allowed::not_negative);
+    if (!x) return;
+    for (Slot& slot : all) {
+      if (is_given(slot)) weigh(slot, *x);
+    }
+    return;
+  }
+  if (!weight.is_object()) return faults.add(path, shown(weight), "a number, or a mapping from names to numbers");
+  for (const auto& [name, value] : weight.items()) {
+    const std::string where = path + "." + text::printable(name);
+    const auto x = read_number(value, where, faults, {}, Allowed::not_negative);
+    Slot* slot = given_slot(name, where, faults, all);
+    if (x && slot != nullptr) weigh(*slot, *x);
   }
 }
 
@@ -95,21 +134,18 @@ void read_start(const Json& value, const std::string& path, Faults& faults, Join
   std::vector<Slot> all = slots(kind, joint.start);
   std::vector<std::string> names;
   for (const Slot& slot : all) names.push_back(slot.group.name);
-  Fields fields(value, path, faults, "a mapping with " + text::list(names) + (names.empty() ? "fixed" : ", fixed"));
+  Fields fields(value, path, faults,
+                "a mapping with " + text::list(names) + (names.empty() ? "" : ", ") + "fixed, weight");
   for (Slot& slot : all) {
     const Json* given = fields.find(slot.group.name);
     if (given != nullptr) read_slot(*given, fields.path(slot.group.name), faults, slot);
   }
   read_start_rotation(fields, all);
   const Json* fixed = fields.find("fixed");
+  const Json* weight = fields.find("weight");
   fields.done();
-  if (fixed == nullptr) return;
-  if (fixed->is_array()) return read_fixed_names(*fixed, fields.path("fixed"), faults, all);
-  if (!fixed->is_boolean()) return faults.add(fields.path("fixed"), shown(*fixed), "true, false or a list of names");
-  if (!fixed->get<bool>()) return;
-  for (Slot& slot : all) {
-    if (is_given(slot)) mark(slot.fixed, slot.group);
-  }
+  if (fixed != nullptr) read_fixed(*fixed, fields.path("fixed"), faults, all);
+  if (weight != nullptr) read_weight(*weight, fields.path("weight"), faults, all);
 }
 
 }  // namespace gelenk

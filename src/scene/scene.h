@@ -38,6 +38,8 @@ struct JointStart {
   std::vector<double> q, v;
   std::vector<bool> q_given, v_given;  // named in the file
   std::vector<bool> q_fixed, v_fixed;  // to be kept exactly; only given values can be
+  // Of guesses: how much a squared change counts in the sum that assembly makes small [1/rad2, 1/m2, (s/rad)2, (s/m)2].
+  std::vector<double> q_weight, v_weight;
 };
 
 // Pushes back while the joint's coordinate q lies beyond a bound, and never pulls: with the depth beyond it,

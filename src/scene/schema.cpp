@@ -75,6 +75,12 @@ Json start(const JointKind& kind) {
   fields["fixed"] = {
       {"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
       {"oneOf", {{{"type", "boolean"}}, listed}}};
+  Json weights = Json::object();
+  for (const Json& name : names) weights[name.get<std::string>()] = number("", "Weight", Allowed::not_negative);
+  fields["weight"] = {
+      {"description",
+       "How much the square of a guess's change counts where guesses contradict: of all values, or by name"},
+      {"oneOf", {number("", "Of all values given", Allowed::not_negative), object(weights, {})}}};
   Json out = object(fields, {});
   out["description"] = "Start values.";
   if (!one_rotation.is_null()) out["not"] = one_rotation;

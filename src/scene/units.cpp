@@ -64,6 +64,8 @@ JointStart free_start(const JointKind& kind) {
   start.v_given.assign(start.v.size(), false);
   start.q_fixed = start.q_given;
   start.v_fixed = start.v_given;
+  start.q_weight.assign(start.q.size(), default_start_weight);
+  start.v_weight.assign(start.v.size(), default_start_weight);
   return start;
 }
 

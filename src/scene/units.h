@@ -35,6 +35,7 @@ struct MotionSignals {
   std::string effort, effort_unit;  // on the coordinate: "tau", "f"
 };
 MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint);
+inline constexpr double default_start_weight = 1;
 
 // Start values of which nothing is given: the reference configuration at rest.
 JointStart free_start(const JointKind& kind);

@@ -69,12 +69,25 @@ void add_start_values(Json& out, Json& fixed, std::span<const Quantity> quantiti
   }
 }
 
+// Weights that are not as if nothing were said, by name.
+void add_weights(Json& out, std::span<const Quantity> quantities, const std::vector<bool>& given,
+                 const std::vector<double>& weights) {
+  for (const QuantityGroup& group : groups(quantities)) {
+    const double weight = weights.at(group.first);
+    if (given.at(group.first) && weight != default_start_weight) out[group.name] = weight;
+  }
+}
+
 Json start(const JointStart& start, const JointKind& kind) {
   Json out = Json::object();
   Json fixed = Json::array();
   add_start_values(out, fixed, kind.q, start.q, start.q_given, start.q_fixed);
   add_start_values(out, fixed, kind.v, start.v, start.v_given, start.v_fixed);
   if (!fixed.empty()) out["fixed"] = fixed.size() == out.size() ? Json(true) : fixed;
+  Json weights = Json::object();
+  add_weights(weights, kind.q, start.q_given, start.q_weight);
+  add_weights(weights, kind.v, start.v_given, start.v_weight);
+  if (!weights.empty()) out["weight"] = std::move(weights);
   return out;
 }
 

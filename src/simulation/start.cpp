@@ -9,7 +9,6 @@
 namespace gelenk {
 namespace {
 
-constexpr double given_weight = 1;
 // What nobody asked for moves first: by a metre before something asked for moves by a centimetre.
 constexpr double silent_weight = 1e-4;
 
@@ -21,6 +20,8 @@ Wishes empty(int nq, int nv) {
   w.v_fixed.assign(nv, false);
   w.q_weight.assign(nv, 0);
   w.v_weight.assign(nv, 0);
+  w.q_given.assign(nv, false);
+  w.turns.assign(nv, false);
   return w;
 }
 
@@ -40,10 +41,12 @@ void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, d
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
-    out.q_weight[place.iv + i] = start.q_given[c] ? given_weight : silent;
+    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : silent;
+    out.q_given[place.iv + i] = start.q_given[c];
+    out.turns[place.iv + i] = kind.q[c].unit == "rad";
     out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
     out.v_fixed[place.iv + i] = start.v_fixed[i];
-    out.v_weight[place.iv + i] = start.v_given[i] ? given_weight : silent;
+    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : silent;
   }
 }
 

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/closing.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace gelenk {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Level = AssemblyProblem::Level;
+
+constexpr double closed = 1e-13;        // relative to the mechanism's length: some hundreds of roundings
+constexpr double longest_step = 0.4;    // rad or m: farther than this the linearised loops say little
+constexpr double difference = 1e-5;     // of second derivatives: as much lost by rounding as by its length
+constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
+
+double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
+
+VectorXd limited(const VectorXd& step) {
+  const double size = largest(step);
+  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
+}
+
+// Half the squared distance along the loops closed at q.
+struct Slope {
+  MatrixXd Z;         // the free motions, orthonormal
+  VectorXd d;         // distances
+  MatrixXd T;         // their derivative along Z
+  VectorXd gradient;  // along Z
+  MatrixXd G;
+  VectorXd whole;  // the gradient as if there were no loops
+};
+
+Slope slope_at(AssemblyProblem& problem, const std::vector<double>& q) {
+  Slope out;
+  const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
+  out.G = problem.gap_jacobian(q);
+  out.Z = nullspace(out.G, n);
+  if (out.Z.cols() == 0) return out;
+  out.d = problem.distance(q);
+  const MatrixXd T = problem.distance_jacobian(q);
+  out.T = T * out.Z;
+  out.whole = T.transpose() * out.d;
+  out.gradient = out.Z.transpose() * out.whole;
+  return out;
+}
+
+// Z^T (second derivatives of the Lagrangian) Z, by differences of its gradient.
+MatrixXd bending(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at) {
+  VectorXd lambda;  // holds what of the gradient the loops do not let through
+  if (at.G.rows() > 0) lambda = -at.G.transpose().completeOrthogonalDecomposition().solve(at.whole);
+  const auto gradient = [&](const VectorXd& step) {
+    const std::vector<double> beside = problem.displaced(q, step);
+    VectorXd out = problem.distance_jacobian(beside).transpose() * problem.distance(beside);
+    if (lambda.size() > 0) out += problem.gap_jacobian(beside).transpose() * lambda;
+    return out;
+  };
+  const double h = difference * problem.length();
+  MatrixXd H(at.Z.cols(), at.Z.cols());
+  for (Eigen::Index k = 0; k < H.cols(); ++k) {
+    const VectorXd z = h * at.Z.col(k);
+    H.col(k) = at.Z.transpose() * (gradient(z) - gradient(-z)) / (2 * h);
+  }
+  return (H + H.transpose()) / 2;
+}
+
+// Downhill, and the shortest way where the distance is bowl-shaped.
+VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(bending(problem, q, at));
+  const VectorXd& bends = parts.eigenvalues();
+  const double least = 1e-9 * bends.cwiseAbs().maxCoeff();
+  VectorXd along = parts.eigenvectors().transpose() * at.gradient;
+  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max(std::abs(bends[k]), std::max(least, 1e-300));
+  return -(at.Z * (parts.eigenvectors() * along));
+}
+
+// One step of come_near, shortened until it leads nearer; false when none does.
+bool nearer(AssemblyProblem& problem, std::vector<double>& q, Slope& at, VectorXd step, bool newton) {
+  const double cost = at.d.squaredNorm();
+  for (int k = 0; k < 8; ++k, step /= 4) {
+    if (largest(step) < 1e-13 * problem.length()) return false;
+    std::vector<double> next = problem.displaced(q, step);
+    if (close_gaps(problem, next) > assembled_gap) continue;
+    const double next_cost = problem.distance(next).squaredNorm();
+    // Near the bottom the distance is level within rounding; its slope still tells.
+    if (next_cost >= cost * (newton ? 1 + 1e-12 : 1)) continue;
+    Slope there = slope_at(problem, next);
+    if (next_cost >= cost && there.gradient.norm() > 0.5 * at.gradient.norm()) continue;
+    q = std::move(next);
+    at = std::move(there);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+MatrixXd nullspace(const MatrixXd& G, Eigen::Index n) {
+  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
+  qr.setThreshold(1e-9);
+  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
+  return Q.rightCols(n - qr.rank());
+}
+
+double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
+  VectorXd g = problem.gap(q);
+  double damping = 0;
+  for (int i = 0; i < 200 && largest(g) > closed * problem.length(); ++i) {
+    const MatrixXd G = problem.gap_jacobian(q);
+    if (G.cols() == 0) break;  // everything is fixed
+    const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
+    bool better = false;
+    for (int k = 0; k < 12 && !better; ++k) {
+      VectorXd step;
+      if (damping == 0) {
+        step = -G.completeOrthogonalDecomposition().solve(g);
+      } else {
+        MatrixXd normal = G * G.transpose();
+        normal.diagonal().array() += damping * scale;
+        step = -G.transpose() * normal.ldlt().solve(g);
+      }
+      std::vector<double> next = problem.displaced(q, limited(step));
+      const VectorXd g_next = problem.gap(next);
+      better = g_next.norm() < g.norm() * (1 - 1e-6);
+      if (better) {
+        q = std::move(next);
+        g = g_next;
+        damping = damping < 1e-5 ? 0 : damping / 10;
+      } else {
+        damping = std::max(1e-4, damping * 8);
+      }
+    }
+    if (!better) break;
+  }
+  return largest(g);
+}
+
+void pull(AssemblyProblem& problem, std::vector<double>& q) {
+  const auto residual = [&](const std::vector<double>& at) {
+    const VectorXd g = problem.gap(at);
+    const VectorXd d = problem.distance(at);
+    return VectorXd((VectorXd(g.size() + d.size()) << g, d).finished());
+  };
+  VectorXd r = residual(q);
+  double damping = 1e-4;
+  for (int i = 0; i < 40; ++i) {
+    const MatrixXd G = problem.gap_jacobian(q);
+    const MatrixXd T = problem.distance_jacobian(q);
+    if (G.cols() == 0) return;
+    MatrixXd normal = G.transpose() * G + T.transpose() * T;
+    normal.diagonal().array() += damping;
+    const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
+    const VectorXd step = limited(-normal.ldlt().solve(downhill));
+    std::vector<double> next = problem.displaced(q, step);
+    const VectorXd r_next = residual(next);
+    if (r_next.norm() < r.norm()) {
+      const bool done = r.norm() - r_next.norm() < 1e-4 * r.norm();
+      q = std::move(next);
+      r = r_next;
+      damping = std::max(1e-9, damping / 10);
+      if (done) return;
+    } else if (damping > 1e6) {
+      return;
+    } else {
+      damping *= 10;
+    }
+  }
+}
+
+void come_near(AssemblyProblem& problem, std::vector<double>& q) {
+  Slope at = slope_at(problem, q);
+  for (int i = 0; i < 100 && at.Z.cols() > 0; ++i) {
+    const double cost = at.d.squaredNorm();
+    const bool newton = i >= 2 && at.Z.cols() <= most_bent;
+    const VectorXd step =
+        newton ? newton_step(problem, q, at) : VectorXd(-(at.Z * at.T.completeOrthogonalDecomposition().solve(at.d)));
+    if (!nearer(problem, q, at, limited(step), newton)) return;
+    if (!newton && at.Z.cols() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
+    if (largest(at.gradient) < 1e-15 * problem.length()) return;
+  }
+}
+
+Bottom bottom_at(AssemblyProblem& problem, const std::vector<double>& q) {
+  const Slope at = slope_at(problem, q);
+  Bottom out;
+  out.freedoms = at.Z.cols();
+  if (out.freedoms == 0) return out;
+  out.slope = largest(at.gradient);
+  if (out.freedoms > most_bent) {
+    out.least_bending = (at.T.transpose() * at.T).selfadjointView<Eigen::Lower>().eigenvalues()[0];
+    return out;
+  }
+  out.least_bending = Eigen::SelfAdjointEigenSolver<MatrixXd>(bending(problem, q, at)).eigenvalues()[0];
+  return out;
+}
+
+std::vector<double> shaken(const AssemblyProblem& problem, const std::vector<double>& q, int attempt) {
+  if (attempt == 0) return q;
+  std::mt19937 random(static_cast<unsigned>(attempt));
+  // At first small, for guesses that stand on a dead point; in the end anywhere.
+  const double reach = std::min(M_PI, 0.05 * std::pow(1.35, attempt));
+  std::uniform_real_distribution<double> shake(-reach, reach);
+  const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
+  VectorXd step(n);
+  for (Eigen::Index k = 0; k < n; ++k) step[k] = shake(random) * problem.length();
+  return problem.displaced(q, step);
+}
+
+}  // namespace gelenk
