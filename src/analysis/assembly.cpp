@@ -7,6 +7,7 @@
 
 #include "analysis/assembly_problem.h"
 #include "analysis/closing.h"
+#include "analysis/conflict.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -51,7 +52,7 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
 }
 
 std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
-                                const Wishes& tree, int& tries) {
+                                const Wishes& tree, const Wishes& cuts, int& tries) {
   std::vector<double> best;
   double smallest = INFINITY;
   for (tries = 1; tries <= most_attempts; ++tries) {
@@ -66,10 +67,11 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
       smallest = gap;
     }
   }
+  problem.unwind(best);
   problem.gap(best);
   int worst = 0;
   const std::string gap = gap_text(mechanism, dynamics, worst);
-  throw CannotAssemble(gap, worst, best);
+  throw CannotAssemble(gap, worst, best, conflicting_positions(mechanism, dynamics, tree, cuts, best));
 }
 
 // The loops are closed from where the tree is wished to be. Where that leaves a guess behind, one at a cut joint for
@@ -90,7 +92,8 @@ void heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<doub
   }
 }
 
-std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vector<double>& q) {
+std::vector<double> consistent_speeds(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
+                                      const Wishes& tree, const Wishes& cuts, const std::vector<double>& q) {
   AssemblyProblem::Speeds s = problem.speeds(q);
   const auto& free = problem.free(AssemblyProblem::Level::velocity);
   const auto n = static_cast<Eigen::Index>(free.size());
@@ -99,8 +102,10 @@ std::vector<double> consistent_speeds(AssemblyProblem& problem, const std::vecto
   const VectorXd left = s.G.rows() > 0 ? VectorXd(s.G * v + s.g0) : VectorXd();
   double speed = 1;
   for (const double fixed : s.v) speed = std::max(speed, std::abs(fixed));
-  if (largest(left) > assembled_gap * speed * problem.length()) {
-    throw CannotAssemble(text::rounded(largest(left), 3), -1, q);
+  const double allowed = assembled_gap * speed * problem.length();
+  if (largest(left) > allowed) {
+    throw CannotAssemble(text::rounded(largest(left), 3), -1, q,
+                         conflicting_speeds(mechanism, dynamics, tree, cuts, q, allowed));
   }
   const MatrixXd Z = nullspace(s.G, n);
   if (Z.cols() > 0) {
@@ -121,11 +126,11 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
     return out;
   }
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
-  out.q = close_loops(mechanism, dynamics, problem, tree, out.tries);
+  out.q = close_loops(mechanism, dynamics, problem, tree, cuts, out.tries);
   come_near(problem, out.q);
   heed_guesses(problem, tree, out.q);
   out.moved = problem.moved(out.q);
-  out.v = consistent_speeds(problem, out.q);
+  out.v = consistent_speeds(mechanism, dynamics, problem, tree, cuts, out.q);
   return out;
 }
 

@@ -27,13 +27,28 @@ struct Assembled {
   int tries = 1;             // starts needed until the loops closed
 };
 
+// A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of Wishes.
+struct FixedValue {
+  bool cut = false;  // in the cut joints' lists
+  int first = 0, count = 1;
+  int q = -1;  // its (first) coordinate; -1: a speed
+};
+
+// Fixed values that cannot be met together.
+struct Conflict {
+  std::vector<FixedValue> values;  // without any one of them the rest of them can be met; empty: none is to blame
+  int freed = -1;                  // of values: if it were a guess all others could be met; -1: there is none
+  double nearest = 0;              // what it would be then
+};
+
 // Which joint gapes, and how far, when no start closed the loops.
 class CannotAssemble : public std::runtime_error {
  public:
-  CannotAssemble(const std::string& text, int cut, std::vector<double> q)
-      : std::runtime_error(text), cut(cut), q(std::move(q)) {}
+  CannotAssemble(const std::string& text, int cut, std::vector<double> q, Conflict conflict)
+      : std::runtime_error(text), cut(cut), q(std::move(q)), conflict(std::move(conflict)) {}
   int cut;                // or, counted on behind the cuts, coordinate row; -1: positions fit, the fixed speeds do not
   std::vector<double> q;  // where the gap is smallest
+  Conflict conflict;
 };
 
 // Smallest weighted change of the wishes, fixed ones kept, damped and step-limited (Levenberg-Marquardt to close the

@@ -79,6 +79,9 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   position_rows_.resize(mechanism.rows);
   std::iota(position_rows_.begin(), position_rows_.end(), 0);
   for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
+  for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
+  for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
+  span_ *= 1.5;  // slides and flights reach somewhat beyond
 }
 
 VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
@@ -183,6 +186,38 @@ void AssemblyProblem::unwind(std::vector<double>& q) const {
       angle -= 2 * M_PI * std::round((angle - tree_.q[link.iq + i]) / (2 * M_PI));
     }
   }
+}
+
+std::vector<double> AssemblyProblem::scattered(std::mt19937& random) const {
+  std::uniform_real_distribution<double> within(-1, 1);
+  std::normal_distribution<double> normal;
+  std::vector<double> q = tree_.q;
+  for (const Link& link : mechanism_.links) {
+    const int plain = link.nq > link.nv ? link.nq - 4 : link.nq;
+    for (int i = 0; i < plain; ++i) {
+      if (!tree_.q_fixed[link.iv + i]) q[link.iq + i] = within(random) * (tree_.turns[link.iv + i] ? M_PI : span_);
+    }
+    if (plain == link.nq || tree_.q_fixed[link.iv + plain]) continue;
+    Eigen::Map<Eigen::Vector4d> Q(q.data() + link.iq + plain);
+    do {
+      for (double& x : Q) x = normal(random);
+    } while (Q.norm() < 0.1);
+    Q.normalize();
+  }
+  return q;
+}
+
+double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<double>& b) const {
+  double out = 0;
+  double d[6];
+  for (const Link& link : mechanism_.links) {
+    if (link.parent < 0) continue;
+    difference(link.nq, link.nv, a.data() + link.iq, b.data() + link.iq, d);
+    for (int i = 0; i < link.nv; ++i) {
+      out = std::max(out, std::abs(tree_.turns[link.iv + i] ? std::remainder(d[i], 2 * M_PI) : d[i]));
+    }
+  }
+  return out;
 }
 
 double AssemblyProblem::moved(const std::vector<double>& q) {

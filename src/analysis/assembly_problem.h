@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <random>
 #include <vector>
 
 #include "analysis/assembly.h"
@@ -40,6 +41,11 @@ class AssemblyProblem {
   // Largest change of a coordinate that was given but not fixed, in the tree or at cut joints.
   double moved(const std::vector<double>& q);
 
+  // q with the free coordinates anywhere: angles and quaternions all round, lengths within what links span.
+  std::vector<double> scattered(std::mt19937& random) const;
+  // Largest difference of two positions: of a coordinate, angles modulo a turn, or of a quaternion's turns.
+  double apart(const std::vector<double>& a, const std::vector<double>& b) const;
+
   // Scale of lengths [m], for limits on steps and gaps.
   double length() const { return length_; }
 
@@ -58,6 +64,7 @@ class AssemblyProblem {
   std::vector<int> position_rows_;  // rows that have a position level
   bool cut_wishes_ = false;
   double length_ = 1;
+  double span_ = 0;    // [m] of the largest link
   Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv
 };
 

@@ -42,6 +42,73 @@ std::string describe_island(const Scene& scene, const ReducedScene& reduced, int
   return out;
 }
 
+// A fixed value in the user's words and signs.
+struct Named {
+  int joint = -1;
+  std::string name;  // "A.phi"
+  std::string unit;
+  double sign = 1;
+  double fixed = 0;  // what it was to be
+};
+
+Named named(const Scene& scene, const ReducedScene& reduced, int island, const FixedValue& value) {
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    const Joint& joint = scene.joints[j];
+    const JointKind& kind = *find_joint_kind(joint.type);
+    if (place.role != (value.cut ? JointPlace::Role::cut : JointPlace::Role::tree)) continue;
+    if (value.first < place.iv || value.first >= place.iv + kind.nv) continue;
+    const bool speed = value.q < 0;
+    const int i = speed ? value.first - place.iv : value.q - place.iq;
+    const Quantity& quantity = (speed ? kind.v : kind.q)[i];
+    const std::string_view name =
+        quantity.name.substr(0, value.count > 1 ? quantity.name.find('[') : std::string::npos);
+    return {j, joint.name + "." + std::string(name), std::string(quantity.unit),
+            (speed ? place.v_sign : place.q_sign)[i], (speed ? joint.start.v : joint.start.q)[i]};
+  }
+  return {};
+}
+
+// "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
+std::string advice(const Conflict& conflict, const std::vector<Named>& values) {
+  const bool one = values.size() == 1;
+  std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
+  if (conflict.freed < 0) return out + ".";
+  const Named& freed = values[static_cast<std::size_t>(conflict.freed)];
+  const auto shown = [&](double x) { return text::rounded(x) + " " + freed.unit; };
+  return out + (one ? ": it" : ": " + freed.name + ", for instance,") + " would then be " +
+         shown(freed.sign * conflict.nearest) + " instead of " + shown(freed.fixed) + ".";
+}
+
+std::vector<Named> all_named(const Scene& scene, const ReducedScene& reduced, int island, const Conflict& conflict) {
+  std::vector<Named> out;
+  for (const FixedValue& value : conflict.values) out.push_back(named(scene, reduced, island, value));
+  return out;
+}
+
+std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduced, int island,
+                                  const CannotAssemble& fault) {
+  const std::string left = std::string(": at best a rate of ") + fault.what() + " m/s (rad/s) is left (allowed 1e-9).";
+  const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
+  if (values.empty()) return prefix(scene) + "the loops cannot all move as they are told to" + left;
+  std::vector<std::string> joints;
+  for (const Named& value : values) {
+    const std::string& name = scene.joints[value.joint].name;
+    if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
+  }
+  return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict the loops" + left +
+         advice(fault.conflict, values);
+}
+
+// What is to blame for a loop that stays open.
+std::string describe_fixed_positions(const std::vector<Named>& values, const Conflict& conflict) {
+  std::vector<std::string> names;
+  for (const Named& value : values) names.push_back(value.name);
+  const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops by itself."
+                                              : "The fixed values of " + text::list(names) + " contradict each other.";
+  return what + advice(conflict, values);
+}
+
 }  // namespace
 
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
@@ -64,20 +131,16 @@ std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, c
 
 std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault) {
   const Mechanism& mechanism = reduced.islands[island];
-  if (fault.cut < 0) {
-    std::vector<std::string> fixed;
-    for (const Joint& joint : scene.joints) {
-      if (std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end()) fixed.push_back(joint.name);
-    }
-    return prefix(scene) + "the fixed start speeds of " + text::list(fixed) +
-           " contradict the loops: at best a rate of " + fault.what() +
-           " m/s (rad/s) is left (allowed 1e-9). Fix fewer speeds, or give them as guesses (fixed: false).";
-  }
+  if (fault.cut < 0) return describe_fixed_speeds(scene, reduced, island, fault);
   const auto cuts = static_cast<int>(mechanism.cuts.size());
+  const bool conflict = !fault.conflict.values.empty();
+  const auto blame = [&] {
+    return describe_fixed_positions(all_named(scene, reduced, island, fault.conflict), fault.conflict);
+  };
   if (fault.cut >= cuts) {
     const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
     return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " + fault.what() +
-           " (allowed 1e-9 m). Check the fixed start values of the joints it names.";
+           " (allowed 1e-9 m). " + (conflict ? blame() : "Check the start values of the joints it names.");
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
   std::vector<std::string> names;
@@ -91,8 +154,9 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
                                             : "loop through " + scene.joints[cut.scene_joints.front()].name;
   std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + fault.what() +
-                    position_text(scene, reduced, joints, fault.q) +
-                    " (allowed 1e-9 m). Check the positions in joints " + text::list(names);
+                    position_text(scene, reduced, joints, fault.q) + " (allowed 1e-9 m). ";
+  if (conflict) return out + blame();
+  out += "Check the positions in joints " + text::list(names);
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";
 }
