@@ -56,6 +56,7 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
         ("docs/reductions.md", 2),
         ("docs/linearization.md", 4),
         ("docs/modes.md", 1),
+        ("docs/assembly.md", 2),
         ("docs/tutorial-lqr.md", 1),
     ],
 )
@@ -165,6 +166,14 @@ def test_python_of_the_modes_page_runs(root: Path, capsys: pytest.CaptureFixture
     assert out.startswith("FourBar at t = 0 s: stable\n")
     assert names["swing"].kind == "decays"
     assert Path("swing.gif").stat().st_size > 10_000
+@pytest.mark.usefixtures("folder")
+def test_python_of_the_assembly_page_takes_the_other_branch(root: Path) -> None:
+    names: dict[str, Any] = {}
+    (block,) = blocks(root / "docs" / "assembly.md", "python")
+    exec(compile(block, "assembly.md", "exec"), names)
+    plant = gelenk.Simulation(names["scene"])
+    plant.initialize()
+    assert plant.output("C.phi") == pytest.approx(-1.36701, abs=5e-6)  # as the page says
 
 
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
@@ -186,6 +195,7 @@ def test_targets_of_make_are_there(root: Path) -> None:
         f"docs/{page}.md"
         for page in ("scene-format", "reductions", "methods", "linearization", "modes", "tutorial-lqr")
     ],
+    + [f"docs/{page}.md" for page in ("scene-format", "reductions", "methods", "linearization", "assembly")],
 )
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):

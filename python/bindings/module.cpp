@@ -8,6 +8,7 @@ NB_MODULE(_core, m) {
   gelenk::bind_parameters(m);
   gelenk::bind_simulation(m);
   gelenk::bind_inspection(m);
+  gelenk::bind_assemblies(m);
   gelenk::bind_fmu(m);
   gelenk::bind_joints(m);
 }

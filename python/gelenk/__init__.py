@@ -12,6 +12,7 @@ from __future__ import annotations
 from importlib.metadata import version
 from os import PathLike
 
+from gelenk.branches import Assemblies, Branch, assemblies
 from gelenk.equilibria import Equilibrium, equilibrium
 from gelenk.errors import (
     AssemblyError,
@@ -38,7 +39,9 @@ from gelenk.simulation import Simulation
 __version__ = version("gelenk")
 
 __all__ = [
+    "Assemblies",
     "AssemblyError",
+    "Branch",
     "Equilibrium",
     "EquilibriumError",
     "ExportError",
@@ -56,6 +59,7 @@ __all__ = [
     "StepError",
     "UsageError",
     "__version__",
+    "assemblies",
     "equilibrium",
     "export_fmu",
     "import_urdf",

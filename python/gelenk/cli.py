@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 import gelenk
+from gelenk.branches import STARTS
 from gelenk.chart.cli import app as chart_app
 from gelenk.errors import StepError, UsageError
 from gelenk.export import missing_platforms
@@ -104,6 +105,40 @@ def inspect(
     """Tell what the model is reduced to, why, and what an evaluation costs with and without."""
     report = gelenk.inspect(Path(scene), without or [])
     print(json.dumps(report.to_dict(), indent=2) if as_json else report)
+
+
+@app.command()
+@told
+def assemblies(
+    scene: SceneFile,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
+    ] = None,
+    bodies: Annotated[
+        list[str] | None,
+        typer.Option("--body", metavar="NAME", help="Count branches by how this body stands; repeatable."),
+    ] = None,
+    starts: Annotated[int, typer.Option(help="Most searches, for each part that moves by itself.")] = STARTS,
+    take: Annotated[
+        int | None, typer.Option("--take", metavar="NUMBER", help="Put this branch into --output.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="SCENE", help="Scene file for --take.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """The ways in which a scene can be put together with its fixed start values."""
+    source = gelenk.load(Path(scene)).with_parameters(_settings(settings or []))
+    found = gelenk.assemblies(source, bodies=bodies or [], starts=starts)
+    if (take is None) != (output is None):
+        raise UsageError("--take and --output go together: the branch, and the scene to be written")
+    if take is None or output is None:
+        print(json.dumps(found.to_dict(), indent=2) if as_json else found)
+        return
+    if not 1 <= take <= len(found):
+        raise UsageError(f"--take {take}: expected 1 to {len(found)}")
+    found[take - 1].put_into(source).save(output)
+    print(f"{output}: branch {take} of {len(found)}")
 
 
 @app.command("import")

@@ -71,13 +71,14 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
       tree_(tree),
       cuts_(cuts),
       free_q_(not_fixed(tree.q_fixed)),
-      free_v_(not_fixed(tree.v_fixed)),
-      position_rows_(mechanism.position_rows()) {
+      free_v_(not_fixed(tree.v_fixed)) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
   cut_wishes_ = any(cuts.q_fixed) || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
-  position_rows_.resize(mechanism.rows);
-  std::iota(position_rows_.begin(), position_rows_.end(), 0);
+  const std::vector<bool> holds = mechanism.position_rows();
+  for (int r = 0; r < mechanism.rows; ++r) {
+    if (holds[r]) position_rows_.push_back(r);
+  }
   for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
   for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});

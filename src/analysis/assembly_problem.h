@@ -51,7 +51,6 @@ class AssemblyProblem {
 
  private:
   Eigen::MatrixXd rows_at(const std::vector<double>& q);
-  Eigen::MatrixXd position_rows_at(const std::vector<double>& q);
   Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
   Eigen::VectorXd cut_offset(const std::vector<double>& q);
   const Eigen::MatrixXd& cut_columns(const std::vector<double>& q);

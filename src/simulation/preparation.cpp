@@ -27,6 +27,12 @@ void give_inertia(ReducedScene& reduced) {
   }
 }
 
+Scene without_rods(const Scene& scene) {
+  Scene out = scene;
+  out.solver.reductions[static_cast<std::size_t>(Reduction::massless)] = false;
+  return out;
+}
+
 struct Preparer {
   const Scene& scene;
   double time;
@@ -76,9 +82,7 @@ struct Preparer {
   // The start is looked for while the rods are still bodies: so wishes at their joints count, and it is the same with
   // and without this reduction.
   void assemble_with_rods(const ReducedScene& reduced) {
-    ReducedScene with_bodies = reduce(without_rods());
-    give_inertia(with_bodies);
-    assemble_islands(std::move(with_bodies));
+    assemble_islands(reduce_to_geometry(scene));
     tell_assembly();
     wished = found();
     std::exception_ptr singular;
@@ -98,14 +102,8 @@ struct Preparer {
     }
   }
 
-  Scene without_rods() const {
-    Scene out = scene;
-    out.solver.reductions[static_cast<std::size_t>(Reduction::massless)] = false;
-    return out;
-  }
-
   // The scene with the switches of what is left to do.
-  Scene basis() const { return rods_as_rows ? scene : without_rods(); }
+  Scene basis() const { return rods_as_rows ? scene : without_rods(scene); }
 
   void tell_assembly() {
     std::vector<Assembled> starts;
@@ -205,6 +203,12 @@ struct Preparer {
 };
 
 }  // namespace
+
+ReducedScene reduce_to_geometry(const Scene& scene) {
+  ReducedScene out = reduce(without_rods(scene));
+  give_inertia(out);
+  return out;
+}
 
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs) {
   Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .wished = scene};

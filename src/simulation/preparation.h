@@ -29,6 +29,9 @@ struct PreparedScene {
   std::string report;  // on assembly, for people
 };
 
+// The scene as kinematics alone: everything in it has inertia, rods without mass are bodies as others are.
+ReducedScene reduce_to_geometry(const Scene& scene);
+
 // reduced: reduce(scene). time [s], inputs: of the start, where rows change with them. Throws AssemblyError, and
 // SceneError for parts that move without inertia.
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs);

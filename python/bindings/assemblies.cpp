@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/assemblies.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+
+namespace nb = nanobind;
+using gelenk::Assembly;
+using gelenk::AssemblyPart;
+
+namespace {
+
+// Of all coordinates of a part: "A.phi", and units.
+std::vector<std::pair<std::string, std::string>> coordinates(const gelenk::Scene& scene, const AssemblyPart& part) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const int j : part.joints) {
+    const gelenk::Joint& joint = scene.joints[j];
+    for (const gelenk::Quantity& q : gelenk::find_joint_kind(joint.type)->q) {
+      out.emplace_back(joint.name + "." + std::string(q.name), std::string(q.unit));
+    }
+  }
+  return out;
+}
+
+// One after the other, in the same order.
+std::vector<double> values(const Assembly& assembly) {
+  std::vector<double> out;
+  for (const std::vector<double>& q : assembly.q) out.insert(out.end(), q.begin(), q.end());
+  return out;
+}
+
+nb::list listed(const gelenk::Scene& scene, const std::vector<std::string>& bodies, int most_starts, unsigned seed) {
+  std::vector<AssemblyPart> parts;
+  {
+    const nb::gil_scoped_release release;
+    parts = gelenk::list_assemblies(scene, bodies, most_starts, seed);
+  }
+  nb::list out;
+  for (const AssemblyPart& part : parts) {
+    nb::list names;
+    nb::list units;
+    for (const auto& [name, unit] : coordinates(scene, part)) {
+      names.append(name);
+      units.append(unit);
+    }
+    out.append(nb::make_tuple(nb::cast(part), names, units));
+  }
+  return out;
+}
+
+}  // namespace
+
+void gelenk::bind_assemblies(nb::module_& m) {
+  nb::class_<Assembly>(m, "Assembly", "One way to put a part of a mechanism together.")
+      .def_prop_ro("values", &values, "Of all coordinates of the part.")
+      .def_ro("distance", &Assembly::distance)
+      .def_ro("freedoms", &Assembly::freedoms)
+      .def_ro("hits", &Assembly::hits)
+      .def_ro("chosen", &Assembly::chosen)
+      .def_ro("flat", &Assembly::flat);
+  nb::class_<AssemblyPart>(m, "AssemblyPart", "A part with loops that moves apart from the rest.")
+      .def_ro("assemblies", &AssemblyPart::assemblies)
+      .def_ro("starts", &AssemblyPart::starts)
+      .def_ro("closed", &AssemblyPart::closed)
+      .def_ro("settled", &AssemblyPart::settled);
+  m.def("list_assemblies", &listed, nb::arg("scene"), nb::arg("bodies"), nb::arg("most_starts"), nb::arg("seed"),
+        "By part: the ways to put it together, names and units of its coordinates. Raises AssemblyError.");
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/assemblies.h"
+
+#include <algorithm>
+
+#include "formulation/targets.h"
+#include "simulation/preparation.h"
+#include "simulation/report.h"
+#include "simulation/simulation.h"
+#include "simulation/start.h"
+
+namespace gelenk {
+namespace {
+
+AssemblyPart in_users_words(const Scene& scene, const ReducedScene& reduced, int island, Dynamics& dynamics,
+                            const Branches& branches) {
+  AssemblyPart out;
+  out.joints = reduced.islands[island].joints;
+  out.starts = branches.starts;
+  out.closed = branches.closed;
+  out.settled = branches.settled;
+  for (const Branch& branch : branches.found) {
+    Assembly& assembly = out.assemblies.emplace_back();
+    dynamics.set_position(branch.q.data());
+    for (const int j : out.joints) assembly.q.push_back(coordinates_of(scene, reduced, j, branch.q, dynamics));
+    assembly.distance = branch.distance;
+    assembly.freedoms = branch.freedoms;
+    assembly.hits = branch.hits;
+    assembly.chosen = branch.chosen;
+    assembly.flat = branch.flat;
+  }
+  return out;
+}
+
+std::vector<int> links_of(const Scene& scene, const ReducedScene& reduced, int island,
+                          const std::vector<std::string>& bodies) {
+  std::vector<int> out;
+  for (const std::string& name : bodies) {
+    const auto body = std::ranges::find(scene.bodies, name, &Body::name);
+    const BodyPlace& place = reduced.bodies[static_cast<std::size_t>(body - scene.bodies.begin())];
+    if (place.island == island) out.push_back(place.link);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<std::string>& bodies, int most_starts,
+                                          unsigned seed) {
+  for (const std::string& name : bodies) {
+    if (std::ranges::find(scene.bodies, name, &Body::name) == scene.bodies.end()) {
+      throw UsageError(name + ": no such body");
+    }
+  }
+  const ReducedScene reduced = reduce_to_geometry(scene);
+  const std::vector<Loads> loads = make_loads(scene, reduced);
+  const Inputs no_inputs(input_signals(scene).size());
+  std::vector<AssemblyPart> out;
+  for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
+    const Mechanism& mechanism = reduced.islands[i];
+    if (mechanism.rows == 0) continue;
+    const Search search{.most_starts = most_starts, .seed = seed, .links = links_of(scene, reduced, i, bodies)};
+    if (!bodies.empty() && search.links.empty()) continue;
+    const auto dynamics = make_dynamics(mechanism, loads[i]);
+    dynamics->set_targets(Targets(mechanism).at(0, no_inputs));
+    const StartWishes wishes = start_wishes(scene, reduced, i);
+    try {
+      const Branches branches = find_branches(mechanism, *dynamics, wishes.tree, wishes.cuts, search);
+      out.push_back(in_users_words(scene, reduced, i, *dynamics, branches));
+    } catch (const CannotAssemble& fault) {
+      throw AssemblyError(describe_failure(scene, reduced, i, fault));
+    }
+  }
+  return out;
+}
+
+}  // namespace gelenk
