@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 
 // Guesses that are met as well as this [rad, m] have chosen among the ways to close a loop.
 constexpr double met = 0.1;
-// How much less the squared distance of another way must be to be taken: the one next door is what people expect.
-constexpr double notably = 0.5;
+// Of the squared distance: what is not nearer by this much more than rounding is no reason to go another way.
+constexpr double nearer = 0.99;
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
@@ -86,7 +86,7 @@ void heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<doub
     problem.unwind(other);
     come_near(problem, other);
     const double distance = problem.distance(other).squaredNorm();
-    if (distance >= notably * least) continue;
+    if (distance >= nearer * least) continue;
     least = distance;
     q = std::move(other);
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace gelenk {
 namespace {
@@ -74,7 +73,8 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
       free_v_(not_fixed(tree.v_fixed)) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
-  cut_wishes_ = any(cuts.q_fixed) || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  cuts_fixed_ = any(cuts.q_fixed);
+  cut_wishes_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
   const std::vector<bool> holds = mechanism.position_rows();
   for (int r = 0; r < mechanism.rows; ++r) {
     if (holds[r]) position_rows_.push_back(r);
@@ -82,7 +82,7 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
   for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
-  span_ *= 1.5;  // slides and flights reach somewhat beyond
+  span_ = span_ > 0 ? 1.5 * span_ : 1;  // slides and flights reach somewhat beyond
 }
 
 VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
@@ -90,7 +90,7 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
   const auto& Phi = dynamics_.Phi();
   VectorXd g(static_cast<Eigen::Index>(position_rows_.size()));
   for (Eigen::Index r = 0; r < g.size(); ++r) g[r] = Phi[position_rows_[static_cast<std::size_t>(r)]];
-  if (cut_wishes_) append(g, cut_offset(q), cuts_.q_fixed);
+  if (cuts_fixed_) append(g, cut_offset(q), cuts_.q_fixed);
   return g;
 }
 
@@ -108,7 +108,7 @@ MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
 
 MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
   MatrixXd G = rows_at(q)(position_rows_, Eigen::all);
-  if (cut_wishes_) append_rows(G, cut_columns(q), cuts_.q_fixed);
+  if (cuts_fixed_) append_rows(G, cut_columns(q), cuts_.q_fixed);
   return columns(G, free_q_);
 }
 

@@ -61,7 +61,7 @@ class AssemblyProblem {
   const Wishes& cuts_;
   std::vector<int> free_q_, free_v_;
   std::vector<int> position_rows_;  // rows that have a position level
-  bool cut_wishes_ = false;
+  bool cuts_fixed_ = false, cut_wishes_ = false;
   double length_ = 1;
   double span_ = 0;    // [m] of the largest link
   Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv

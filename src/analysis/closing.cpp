@@ -75,7 +75,7 @@ VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, con
   const VectorXd& bends = parts.eigenvalues();
   const double least = 1e-9 * bends.cwiseAbs().maxCoeff();
   VectorXd along = parts.eigenvectors().transpose() * at.gradient;
-  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max(std::abs(bends[k]), std::max(least, 1e-300));
+  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(bends[k]), least, 1e-300});
   return -(at.Z * (parts.eigenvectors() * along));
 }
 
@@ -85,10 +85,10 @@ bool nearer(AssemblyProblem& problem, std::vector<double>& q, Slope& at, VectorX
   for (int k = 0; k < 8; ++k, step /= 4) {
     if (largest(step) < 1e-13 * problem.length()) return false;
     std::vector<double> next = problem.displaced(q, step);
-    if (close_gaps(problem, next) > assembled_gap) continue;
+    if (!(close_gaps(problem, next) <= assembled_gap)) continue;  // nor where it is no number
     const double next_cost = problem.distance(next).squaredNorm();
     // Near the bottom the distance is level within rounding; its slope still tells.
-    if (next_cost >= cost * (newton ? 1 + 1e-12 : 1)) continue;
+    if (!(next_cost < cost * (newton ? 1 + 1e-12 : 1))) continue;
     Slope there = slope_at(problem, next);
     if (next_cost >= cost && there.gradient.norm() > 0.5 * at.gradient.norm()) continue;
     q = std::move(next);
