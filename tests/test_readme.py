@@ -166,6 +166,8 @@ def test_python_of_the_modes_page_runs(root: Path, capsys: pytest.CaptureFixture
     assert out.startswith("FourBar at t = 0 s: stable\n")
     assert names["swing"].kind == "decays"
     assert Path("swing.gif").stat().st_size > 10_000
+
+
 @pytest.mark.usefixtures("folder")
 def test_python_of_the_assembly_page_takes_the_other_branch(root: Path) -> None:
     names: dict[str, Any] = {}
@@ -188,15 +190,10 @@ def test_targets_of_make_are_there(root: Path) -> None:
         assert re.search(rf"^{target}:", makefile, re.MULTILINE)
 
 
-@pytest.mark.parametrize(
-    "page",
-    ["README.md", "CONTRIBUTING.md"]
-    + [
-        f"docs/{page}.md"
-        for page in ("scene-format", "reductions", "methods", "linearization", "modes", "tutorial-lqr")
-    ],
-    + [f"docs/{page}.md" for page in ("scene-format", "reductions", "methods", "linearization", "assembly")],
-)
+PAGES = ("scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr")
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", *(f"docs/{page}.md" for page in PAGES)])
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link

@@ -11,6 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from ctypes import c_double, c_int, c_uint
 from pathlib import Path
 from typing import Any, override
 
@@ -92,12 +93,19 @@ class FmuPlant(Plant):
             self._slave.reset()
 
     @override
-    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+    def start(
+        self,
+        tolerance: float | None,
+        inputs: Mapping[str, float],
+        input_derivatives: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
         with self._told(AssemblyError):
             self._slave.setupExperiment(tolerance=tolerance, startTime=0.0)
             self._slave.enterInitializationMode()
             for name, value in inputs.items():
                 self.set_input(name, value)
+            for name, derivatives in (input_derivatives or {}).items():
+                self.set_input_derivatives(name, derivatives)
             self._slave.exitInitializationMode()
 
     @override
@@ -112,6 +120,16 @@ class FmuPlant(Plant):
         if not np.isfinite(value):
             raise UsageError(f"{name}: found {value}, expected a finite number")
         self._set(name, value)
+
+    @override
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        n = len(derivatives)
+        reference = self._variables[name].valueReference
+        with self._told(UsageError):  # fmpy's own call has room for one number of inputs only
+            self._slave.fmi2SetRealInputDerivatives(
+                self._slave.component, (c_uint * n)(*[reference] * n), n, (c_int * n)(*range(1, n + 1)),
+                (c_double * n)(*derivatives),
+            )  # fmt: skip
 
     @override
     def advance(self, start: float, end: float) -> None:

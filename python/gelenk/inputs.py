@@ -8,12 +8,19 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gelenk.errors import UsageError
 from gelenk.scene import Value, number, unknown
+
+if TYPE_CHECKING:
+    from gelenk.plant import Plant
+
+_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+_THROUGH_FIVE = np.linalg.inv(np.vander(_PLACES, increasing=True))
 
 type Signal = Callable[[float], float]
 type Input = Signal | float | tuple[ArrayLike, ArrayLike]
@@ -66,6 +73,33 @@ def functions_and_constants(
             raise UsageError(f"{name}: given {twice}")
         signals[name] = _function(name, number(name, settings.pop(name), "real"))
     return signals
+
+
+def set_inputs(plant: Plant, signals: Mapping[str, Signal], start: float, end: float) -> None:
+    """What the inputs are over a step [s]: held at their values at its start.
+
+    Inputs that are motions, NAME.*_ref, cannot be held and jump: they follow the polynomial through five of
+    their values in the step.
+    """
+    for name, signal in signals.items():
+        if not is_motion(name):
+            plant.set_input(name, signal(start))
+            continue
+        value, derivatives = polynomial(signal, start, end)
+        plant.set_input(name, value)
+        plant.set_input_derivatives(name, derivatives)
+
+
+def is_motion(name: str) -> bool:
+    """Whether the input of this name is a motion, as constraints of scenes name them."""
+    return name.endswith("_ref")
+
+
+def polynomial(signal: Signal, start: float, end: float) -> tuple[float, list[float]]:
+    """Value and derivatives of orders 1 to 4 at the start of the polynomial through five values in a step."""
+    h = end - start
+    coefficients = (_THROUGH_FIVE @ [signal(start + h * s) for s in _PLACES]).tolist()
+    return coefficients[0], [math.factorial(k) * c / h**k for k, c in enumerate(coefficients) if k > 0]
 
 
 def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from gelenk.derivatives import Array, Derivatives, Minimal, chosen_states
 from gelenk.errors import GelenkError, OperatingPointWarning, UsageError
-from gelenk.inputs import Inputs, Signal, functions_and_constants
+from gelenk.inputs import Inputs, Signal, functions_and_constants, is_motion, set_inputs
 from gelenk.linear import LinearModel
 from gelenk.plant import Plant
 from gelenk.run import configure, grid, open_plant
@@ -165,11 +165,11 @@ def go_on(plant: Plant, time: float, signals: Mapping[str, Any]) -> None:
         return
     times = grid(time, plant.step).tolist()
     for start, end in itertools.pairwise(times):
-        for name, signal in signals.items():
-            plant.set_input(name, signal(start))
+        set_inputs(plant, signals, start, end)
         plant.advance(start, end)
     for name, signal in signals.items():
-        plant.set_input(name, signal(time))
+        if not is_motion(name):  # these are where the run has followed them to
+            plant.set_input(name, signal(time))
 
 
 def _check_attained(found: Derivatives, exact: Mapping[str, float]) -> None:

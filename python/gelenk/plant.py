@@ -31,7 +31,12 @@ class Plant(Protocol):
     def reset(self) -> None:
         """As if just opened: parameters and inputs are the plant's own again, and start() may follow."""
 
-    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+    def start(
+        self,
+        tolerance: float | None,
+        inputs: Mapping[str, float],
+        input_derivatives: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
         """Makes everything consistent at t = 0. Raises AssemblyError."""
 
     def select(self, names: list[str]) -> None:
@@ -39,6 +44,9 @@ class Plant(Protocol):
 
     def set_input(self, name: str, value: float) -> None:
         """Holds until set again. Raises UsageError."""
+
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        """Of orders 1, 2, ... over the next step [unit/s, ...]. Raises UsageError."""
 
     def advance(self, start: float, end: float) -> None:
         """Steps [s]. Raises StepError."""

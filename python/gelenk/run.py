@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import StepError, UsageError
-from gelenk.inputs import Inputs, functions_and_constants
+from gelenk.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
 from gelenk.plant import Plant
 from gelenk.result import Result
 from gelenk.scene import Scene, Value, load, unknown
@@ -39,8 +39,9 @@ def simulate(
 ) -> Result:
     """Runs a scene, or an FMU, from t = 0.
 
-    Inputs are sampled at the start of every communication step and held over it, as a master does. A row
-    of the result is what the plant shows at the end of a step, before the next input is set.
+    Inputs are sampled at the start of every communication step and held over it, as a master does; those
+    that are motions (`NAME.phi_ref`) follow a polynomial through five of their values in the step. A row of
+    the result is what the plant shows at the end of a step, before the next input is set.
 
     Args:
         plant: a .fmu file, or whatever `gelenk.load` takes.
@@ -84,7 +85,11 @@ def simulate(
         watched = [PASSAGES] if PASSAGES in opened.units and PASSAGES not in names else []
         opened.select([*names, *watched])
         tolerance = None if "solver.tolerance" in settings else tolerance
-        opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()})
+        first = float(times[1]) if len(times) > 1 else opened.step
+        motions = {
+            name: polynomial(signal, 0.0, first)[1] for name, signal in signals.items() if is_motion(name)
+        }
+        opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
         return _run(opened, times, names, signals, progress)
     finally:
         opened.close()
@@ -177,8 +182,7 @@ def _run(
     for k in range(1, len(times)):
         t = float(times[k - 1])
         end = float(times[k])
-        for name, signal in signals.items():
-            plant.set_input(name, signal(t))
+        set_inputs(plant, signals, t, end)
         try:
             plant.advance(t, end)
             values = plant.read()

@@ -42,9 +42,16 @@ class ScenePlant(Plant):
         self._simulation = Simulation(self._scene)
 
     @override
-    def start(self, tolerance: float | None, inputs: Mapping[str, float]) -> None:
+    def start(
+        self,
+        tolerance: float | None,
+        inputs: Mapping[str, float],
+        input_derivatives: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
         for name, value in inputs.items():
             self._simulation.set_input(name, value)
+        for name, derivatives in (input_derivatives or {}).items():
+            self.set_input_derivatives(name, derivatives)
         self._simulation.initialize(0.0, tolerance or 0.0)
         self.assembly_report = self._simulation.assembly_report()
 
@@ -57,6 +64,11 @@ class ScenePlant(Plant):
     @override
     def set_input(self, name: str, value: float) -> None:
         self._simulation.set_input(name, value)
+
+    @override
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        for order, value in enumerate(derivatives, 1):
+            self._simulation.set_input_derivative(name, order, value)
 
     @override
     def advance(self, start: float, end: float) -> None:

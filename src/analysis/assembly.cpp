@@ -41,7 +41,7 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
   }
   for (std::size_t i = 0; i < mechanism.coordinate_rows.size(); ++i) {
     const double off = std::abs(Phi[mechanism.first_coordinate_row() + static_cast<int>(i)]);
-    if (off <= std::max(acceptable, gap + turn)) continue;
+    if (off <= std::max(assembled_gap, gap + turn)) continue;
     const bool is_angle = mechanism.coordinate_rows[i].is_angle;
     gap = is_angle ? 0 : off;
     turn = is_angle ? off : 0;

@@ -81,6 +81,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   }
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
+  check_word(scene.solver.start, words::starts, "solver.start", faults, partial);
   check_partners(scene.solver, faults);
   check_rho_inf(scene.solver, faults);
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {

@@ -122,7 +122,7 @@ void check_names(const Scene& scene, Faults& faults) {
   names.take(always, "energy", {"kinetic", "potential", "total"});
   names.take(always, "solver",
              {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "tolerance", "formulation",
-              "integrator", "step"});
+              "integrator", "step", "start"});
   for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
   for (const Motor& motor : scene.motors) names.take("motors." + motor.name, motor.name, motor_suffixes(scene, motor));

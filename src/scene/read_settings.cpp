@@ -65,6 +65,7 @@ void read_solver(const Json& section, Reader& reader) {
   Solver& solver = reader.scene.solver;
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
+  solver.start = fields.choice("start", words::starts, solver.start);
   solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
   const auto count = [&](const char* field, Counted range, int& value) {
     if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);

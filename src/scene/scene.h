@@ -172,6 +172,7 @@ inline constexpr int reduction_count = 8;
 struct Solver {
   std::string formulation = "projection";
   std::string integrator = "auto";   // of words::integrators
+  std::string start = "as_given";    // of words::starts
   double step = 0;                   // s, of fixed-step methods; 0: chosen from experiment.step
   int max_evaluations = 10'000'000;  // of the equations of motion of an island in one communication step
   int corrections = 0;               // of projection after each step: so many, no more and no less; 0: until closed

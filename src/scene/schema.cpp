@@ -205,6 +205,10 @@ Json settings() {
   out["solver"] = object(
       {{"formulation", {{"enum", words::formulations}}},
        {"integrator", {{"enum", words::integrators}}},
+       {"start",
+        {{"enum", words::starts},
+         {"description",
+          "What a run begins with: the start values, or the rest found from them; as_given if not given"}}},
        {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
        {"max_evaluations",
         {{"type", "integer"},

@@ -25,6 +25,8 @@ inline const std::vector<std::string> formulations = {
     "augmented-lagrangian", "independent", "index3",         "stabilized-index2"};
 inline const std::vector<std::string> integrators = {
     "auto", "ida", "erk", "rk4", "euler", "cvode", "cvode-adams", "dirk", "generalized-alpha", "hht", "newmark"};
+// What a run begins with: the start values, or the rest that is found from them.
+inline const std::vector<std::string> starts = {"as_given", "equilibrium"};
 // The integrators that a formulation goes with: all, unless it stands here.
 struct Partners {
   std::string formulation;

@@ -254,6 +254,7 @@ std::string write_scene_json(const Scene& scene) {
   out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
   const Solver& s = scene.solver;
   out["solver"] = {{"formulation", s.formulation}, {"integrator", s.integrator}, {"step", s.step}};
+  if (s.start != Solver{}.start) out["solver"]["start"] = s.start;
   if (s.max_evaluations != Solver{}.max_evaluations) out["solver"]["max_evaluations"] = s.max_evaluations;
   if (s.corrections != Solver{}.corrections) out["solver"]["corrections"] = s.corrections;
   if (s.rho_inf != Solver{}.rho_inf) out["solver"]["rho_inf"] = s.rho_inf;

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
@@ -87,7 +88,10 @@ class RowInspector {
   void name_rows(const Mechanism& mechanism, const Structure& structure, const Dynamics& dynamics) {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (cut.is_contact()) continue;  // all its rows stay
+      if (cut.is_contact()) {  // all its rows stay
+        if (structure.needed_rows > structure.rank) overconstrained_.push_back(loop(mechanism, c));
+        continue;
+      }
       Row<Spatial> rows[6];
       const Pose3 X_FM = dynamics.cut_pose(c);
       std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
@@ -137,6 +141,7 @@ class RowInspector {
   }
 
   std::string loop(const Mechanism& mechanism, int cut) const {
+    if (const Cut& c = mechanism.cuts[cut]; c.is_contact()) return "contact " + scene_.constraints[c.constraint].name;
     std::vector<std::string> names;
     for (const int j : joints_of_loop(mechanism, cut)) names.push_back(scene_.joints[j].name);
     return text::some(names);
@@ -147,12 +152,23 @@ class RowInspector {
     for (Eigen::Index k = 0; k < structure.idle.cols(); ++k) {
       const Eigen::VectorXd lambda = structure.idle.col(k);
       dynamics.set_multipliers(lambda.data());
+      find_undetermined_contacts(mechanism, lambda);
       for (const int j : mechanism.joints) {
         const Reaction reaction(scene_, prepared_.reduced, j);
         for (int i = 0; i < 6; ++i) {
           if (std::abs(reaction.component(i, dynamics)) < 1e-6) continue;
           undetermined_.insert(scene_.joints[j].name + (i < 3 ? ".f[" : ".t[") + std::to_string(i % 3 + 1) + "]");
         }
+      }
+    }
+  }
+
+  void find_undetermined_contacts(const Mechanism& mechanism, const Eigen::VectorXd& lambda) {
+    static constexpr std::array<const char*, Rolling::row_count> of_wheel = {"f_n", "f_long", "f_lat"};
+    for (const Cut& cut : mechanism.cuts) {
+      for (int i = 0; cut.is_contact() && i < cut.rows; ++i) {
+        if (std::abs(lambda[cut.first_row + i]) < 1e-6) continue;
+        undetermined_.insert(scene_.constraints[cut.constraint].name + "." + (cut.rows > 1 ? of_wheel[i] : "f"));
       }
     }
   }

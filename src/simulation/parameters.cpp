@@ -162,6 +162,11 @@ void add_solver(std::vector<Parameter>& table) {
                          Items().add(formulation_kinds()), &Solver::formulation));
   table.push_back(
       choice("solver.integrator", "integration method", Items().add(integrator_kinds()), &Solver::integrator));
+  Items starts;
+  starts.names = words::starts;
+  starts.summaries = {"the start values",
+                      "where the mechanism stands still under the inputs, found from the start values"};
+  table.push_back(choice("solver.start", "what a run begins with", std::move(starts), &Solver::start));
   const auto gain = [&](const char* name, const char* on, double Solver::* field) {
     Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: chosen from the step",
                                  [field](auto& scene) -> auto& { return scene.solver.*field; });

@@ -149,6 +149,12 @@ struct Preparer {
     });
   }
 
+  // Constraints have their forces as outputs.
+  static bool reads_forces(const Mechanism& mechanism) {
+    return !mechanism.coordinate_rows.empty() ||
+           std::ranges::any_of(mechanism.cuts, [](const Cut& cut) { return cut.is_contact(); });
+  }
+
   // Joints that loops hold still, with their coordinates; empty if there are none.
   StandingJoints standing_joints() const {
     StandingJoints standing(scene.joints.size());
@@ -157,7 +163,7 @@ struct Preparer {
       const Mechanism& mechanism = out.reduced.islands[i];
       const Structure& structure = out.islands[i].structure;
       // What holds still is held by forces; where these are read, all stays as it is.
-      if (reaction_observed(mechanism)) continue;
+      if (reaction_observed(mechanism) || reads_forces(mechanism)) continue;
       for (const int j : mechanism.joints) {
         const JointPlace& place = out.reduced.joints[j];
         const bool tree = place.role == JointPlace::Role::tree;

@@ -161,6 +161,28 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   return out + ".";
 }
 
+std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault) {
+  std::string what = "a joint";
+  std::string unit;
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    if (place.role != JointPlace::Role::tree || fault.speed < place.iv || fault.speed >= place.iv + kind.nv) continue;
+    const Quantity& a = kind.a[fault.speed - place.iv];
+    what = scene.joints[j].name + "." + std::string(a.name);
+    unit = a.unit;
+  }
+  return prefix(scene) +
+         "solver.start: found no equilibrium from the start values under the inputs at the start: " + what + " = " +
+         text::rounded(std::abs(fault.acceleration)) + " " + unit +
+         " is the largest acceleration that remains; expected start values nearer to one, or as_given";
+}
+
+std::string describe_moving_drive(const Scene& scene, int constraint) {
+  return prefix(scene) + "solver.start: found equilibrium while constraints." + scene.constraints[constraint].name +
+         " moves its joint at the start; expected a motion that begins at rest, or as_given";
+}
+
 std::string describe_flat_wheel(const Scene& scene, int constraint) {
   return prefix(scene) + "constraints." + scene.constraints[constraint].name +
          ": found the wheel flat on its plane at the start, where it has no point of contact; expected it upright or "

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/assembly.h"
-#include "analysis/tangent.h"
+#include "analysis/equilibrium.h"
 
 namespace gelenk {
 
@@ -20,6 +20,11 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
 // A link that moves without inertia.
+// No rest was found from the start values: the acceleration that stays at best.
+std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault);
+// A rest is asked for while a motion goes on.
+std::string describe_moving_drive(const Scene& scene, int constraint);
+
 std::string describe_flat_wheel(const Scene& scene, int constraint);
 std::string describe_massless(const Scene& scene, const std::string& link);
 

@@ -126,6 +126,7 @@ void Simulation::initialize(double time, double tolerance) {
   s.prepared = prepare(s.scene, s.reduced, time, s.u);
   s.make_islands();
   s.find_independent();
+  if (s.scene.solver.start == "equilibrium") s.settle();
   for (const auto& island : s.islands) island->start_integrator(tolerance);
   s.initialized = true;
 }

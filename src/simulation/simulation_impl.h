@@ -46,6 +46,7 @@ struct Simulation::Impl {
 
   void make_islands();
   void find_independent();
+  void settle();                     // the start becomes a rest (settle.cpp)
   int known_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);

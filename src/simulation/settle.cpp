@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A start at rest instead of the start values.
+#include <cmath>
+
+#include "analysis/equilibrium.h"
+#include "simulation/report.h"
+#include "simulation/simulation_impl.h"
+
+namespace gelenk {
+
+// Each part is looked after alone: what couples parts couples them into one.
+void Simulation::Impl::settle() {
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const Island& island = *islands[i];
+    const Mechanism& mechanism = island.mechanism();
+    std::vector<MotionLaw::Derivatives> targets;
+    for (std::size_t row = 0; row < mechanism.coordinate_rows.size(); ++row) {
+      targets.push_back(island.target(static_cast<int>(row)));
+      if (targets.back()[1] == 0) continue;
+      throw AssemblyError(describe_moving_drive(scene, mechanism.coordinate_rows[row].constraint));
+    }
+    Assembled& start = prepared.islands[i].start;
+    try {
+      start.q = find_rest(mechanism, island.loads(), island.structure(), independent_by_island[i], start.q,
+                          island.cut_coordinates(), u.now(), targets)
+                    .q;
+    } catch (const NoEquilibrium& fault) {
+      throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), fault));
+    } catch (const Undetermined& fault) {
+      throw AssemblyError(describe_undetermined(fault.reason(), time, names_of_coordinates(static_cast<int>(i))));
+    }
+    start.v.assign(start.v.size(), 0.0);
+  }
+  make_islands();
+  find_independent();
+}
+
+}  // namespace gelenk
