@@ -72,7 +72,7 @@ void Catalogue::add_inputs(const Scene& scene) {
   const std::vector<Signal> signals = input_signals(scene);
   for (std::size_t i = 0; i < signals.size(); ++i) {
     variables_.push_back(described(signals[i], Causality::input, Source::input, i));
-    variables_.back().start = 0;
+    variables_.back().start = signals[i].start;
   }
 }
 

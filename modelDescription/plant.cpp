@@ -19,6 +19,12 @@ std::size_t inputs_of(const Catalogue& catalogue) {
   return n;
 }
 
+void take_starts(const Catalogue& catalogue, Inputs& inputs) {
+  for (const Variable& v : catalogue.variables()) {
+    if (v.source == Source::input) inputs.set(v.index, v.start.value_or(0));
+  }
+}
+
 }  // namespace
 
 PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
@@ -40,7 +46,9 @@ Plant::Plant(std::shared_ptr<const PlantModel> model)
       scene_(model_->scene),
       settings_(model_->catalogue, scene_),
       assembled_(settings_),
-      inputs_(inputs_of(model_->catalogue)) {
+      inputs_(inputs_of(model_->catalogue)),
+      first_inputs_(inputs_) {
+  take_starts(model_->catalogue, inputs_);
   for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
 }
 
@@ -61,6 +69,7 @@ void Plant::assemble() {
     }
   }
   fresh.initialize(start_, by_hand ? 0 : tolerance_);
+  first_inputs_ = inputs_;
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
 }
@@ -167,16 +176,21 @@ void Plant::exchange(Record& record) {
   Settings when_assembled = assembled_;
   Settings present = settings_;
   record.exchange(assembled, start, tolerance);
+  Inputs first = first_inputs_;
+  first.exchange(record);
   inputs_.exchange(record);
   when_assembled.exchange(record);
   present.exchange(record);
   if (record.reading()) {
-    const bool same = start == start_ && tolerance == tolerance_ && when_assembled == assembled_;
+    const bool same =
+        start == start_ && tolerance == tolerance_ && when_assembled == assembled_ && first == first_inputs_;
     if (!assembled || !same) simulation_.reset();
     start_ = start;
     tolerance_ = tolerance;
     if (assembled) {
+      std::swap(inputs_, first);
       take(when_assembled, present);
+      inputs_ = std::move(first);
     } else if (settings_ != present) {
       present.put(catalogue(), scene_);
       settings_ = std::move(present);

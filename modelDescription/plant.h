@@ -93,10 +93,11 @@ class Plant {
   void take(const Settings& assembled, const Settings& present);
 
   std::shared_ptr<const PlantModel> model_;
-  Scene scene_;         // with the parameters set so far
-  Settings settings_;   // of scene_
-  Settings assembled_;  // of simulation_, when it was assembled
-  Inputs inputs_;       // as set before the simulation was assembled
+  Scene scene_;          // with the parameters set so far
+  Settings settings_;    // of scene_
+  Settings assembled_;   // of simulation_, when it was assembled
+  Inputs inputs_;        // as set so far
+  Inputs first_inputs_;  // when the simulation was assembled
   std::optional<Simulation> simulation_;
   std::vector<AnyJoint> joints_;  // as many as rates need, by joint
   double start_ = 0;

@@ -120,8 +120,7 @@ class Ida final : public SundialsIntegrator {
 
   // A step cut very short at `end` would leave index-3 speeds and multipliers what Newton's method leaves of q over it.
   void share_out_rest(double end) {
-    double h = 0;
-    IDAGetCurrentStep(memory_, &h);
+    const double h = present_step();
     const double rest = end - t_;
     IDASetStopTime(memory_, h < rest && rest < 2 * h ? t_ + rest / 2 : end);
   }
@@ -132,14 +131,21 @@ class Ida final : public SundialsIntegrator {
     return t;
   }
 
+  // s. Before the first step IDA tells that of the run before.
+  double present_step() const {
+    double h = 0;
+    long steps = 0;
+    IDAGetCurrentStep(memory_, &h);
+    IDAGetNumSteps(memory_, &steps);
+    return steps == 0 || h == 0 ? first_step_ : h;
+  }
+
   // Errors of index p may be larger than the tolerance by h^(1-p) (Hairer, Lubich & Roche 1989). Multipliers are not
   // tested: those of index 3 err by O(1) wherever the step changes, though it does no harm to q and v, and with them in
   // the test one run of index3 in four stopped before its end (four-bar, slider-crank; 1e-4 to 1e-10).
   static int weigh(N_Vector y, N_Vector weights, void* self) {
     const Ida& ida = *static_cast<Ida*>(self);
-    double h = 0;
-    IDAGetCurrentStep(ida.memory_, &h);
-    if (h == 0) h = ida.first_step_;
+    const double h = ida.present_step();
     const double* x = sundials::data(y);
     double* w = sundials::data(weights);
     std::fill_n(w, ida.system_.unknowns(), 0.0);

@@ -22,12 +22,17 @@ struct RowMaker {
   const Graph& graph;
   int island;
   ReducedScene& places;
-  std::unordered_map<std::string_view, int> in_graph{};  // scene joint by name
+  std::unordered_map<std::string_view, int> in_graph{};         // scene joint by name
+  std::unordered_map<std::string_view, const Edge*> edge_of{};  // by joint
   std::vector<CoordinateRow> out{};
   std::vector<std::string> errors{};
 
   void run() {
-    for (const Edge& edge : graph.edges) in_graph.emplace(scene.joints[edge.scene_joint].name, edge.scene_joint);
+    for (const Edge& edge : graph.edges) {
+      const std::string& name = scene.joints[edge.scene_joint].name;
+      in_graph.emplace(name, edge.scene_joint);
+      edge_of.emplace(name, &edge);
+    }
     for (const bool moves : {false, true}) {  // those that stand still first
       int input = load_input_count(scene);
       for (int c = 0; c < static_cast<int>(scene.constraints.size()); ++c) {
@@ -56,15 +61,32 @@ struct RowMaker {
     return row;
   }
 
-  // phi_a - phi_c - ratio (phi_b - phi_c) = offset.
+  // phi_a - phi_c - ratio (phi_b - phi_c) = offset, phi_c left out where a joint hangs on the carrier itself: its angle
+  // is against it already.
   CoordinateRow gear_row(const Constraint& c) {
     CoordinateRow row;
     add_term(row, c, c.joint, 0, 1);
     add_term(row, c, c.other, 0, -c.ratio);
-    if (!c.carrier.empty()) add_term(row, c, c.carrier, 0, c.ratio - 1);
+    if (!c.carrier.empty()) {
+      const double factor = (on_base(c, c.other) ? c.ratio : 0) - (on_base(c, c.joint) ? 1 : 0);
+      if (factor != 0) add_term(row, c, c.carrier, 0, factor);
+    }
     row.is_angle = c.type == ConstraintType::gear;
     row.constant = c.offset;
     return row;
+  }
+
+  // Whether a joint of a gear is on what the carrier turns on; else it is on the carrier.
+  bool on_base(const Constraint& c, const std::string& name) {
+    const Edge& carrier = *edge_of.at(c.carrier);
+    const Edge& joint = *edge_of.at(name);
+    const auto touches = [&](int group) { return joint.group_a == group || joint.group_b == group; };
+    if (touches(carrier.group_b)) return false;
+    if (touches(carrier.group_a)) return true;
+    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": found joint " + name +
+                     " neither on the carrier " + scene.joints[in_graph.at(c.carrier)].child.body + " nor on " +
+                     scene.joints[in_graph.at(c.carrier)].parent.body + ", which it turns on; expected one of them");
+    return true;
   }
 
   // factor: of the user's coordinate.

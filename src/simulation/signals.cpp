@@ -80,12 +80,17 @@ const Joint& joint_named(const Scene& scene, const std::string& name) {
 }
 
 void add_motion_input(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {
-  const MotionSignals names = motion_signals(kind_named(joint_named(scene, c.joint).type), c);
+  const Joint& joint = joint_named(scene, c.joint);
+  const JointKind& kind = kind_named(joint.type);
+  const MotionSignals names = motion_signals(kind, c);
   if (names.input.empty()) return;
-  const std::string what = c.motion.speed_only() ? "speed of " : "";
+  const auto i = static_cast<std::size_t>(names.component);
+  const bool speed = c.motion.speed_only();
+  const std::string what = joint.name + "." + std::string((speed ? kind.v : kind.q)[i].name);
   signals.push_back({.name = c.name + "." + names.input,
                      .unit = names.input_unit,
-                     .description = c.name + ": what " + what + c.joint + "." + c.coordinate + " is to be"});
+                     .description = c.name + ": what " + what + " is to be",
+                     .start = speed ? joint.start.v[i] : joint.start.q[i]});
 }
 
 void add_constraint(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {

@@ -14,6 +14,7 @@ struct Signal {
   std::string name;         // "A.phi", "drive.tau", "C.f[1]"
   std::string unit;         // FMI spelling; "" or "1": none
   std::string description;  // one sentence
+  double start = 0;         // of an input
   // Joint states only: which joint, 0 coordinate, 1 speed, 2 acceleration, and its place there; else -1.
   int joint = -1;
   int level = -1;

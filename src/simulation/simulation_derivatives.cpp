@@ -74,8 +74,8 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
   out.coordinates = out.speeds;
   if (structure.position_rank == structure.rank && coordinates == speeds) return out;
   // Where a speed is independent its coordinate can be, too.
-  std::vector<bool> prefer = flags(out.speeds, mechanism.nv);
-  if (coordinates != speeds) prefer = coordinates;
+  std::vector<bool> prefer = coordinates;
+  for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
   out.coordinates = independent_columns(position_rows(mechanism, dynamics->J()), structure.position_rank, prefer);
   return out;
 }

@@ -21,7 +21,9 @@ struct Simulation::Impl {
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
         u(inputs.size()),
-        size(size_of(reduced)) {}
+        size(size_of(reduced)) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) u.set(static_cast<int>(i), inputs[i].start);
+  }
 
   Scene scene;
   const ReducedScene reduced;  // before the start values are known
