@@ -18,7 +18,9 @@ from gelenk.plant import Plant
 from gelenk.rest import Pose, Rest, pose_of
 from gelenk.run import configure, open_plant
 from gelenk.scene import Scene, Value, number, unknown
-from gelenk.steady import advancing, change, constant_speeds, steady_given
+from gelenk.steady import advancing, change, constant_speeds, pushed, steady_given
+
+LATER = 1e-6  # rad/s2, m/s2: of what is steady, what a step of the integrator may leave; found below 1e-9
 
 
 @dataclass(frozen=True)
@@ -119,12 +121,13 @@ def equilibrium(
         values = {name: first.found.values[name] for name in first.found.inputs}
         search = Search(rest, first, values, solve_for)
         search.run()
+        if _residual(search.pose) > STANDS or not search.kept():
+            raise EquilibriumError(_sentence(search, solve_for))
+        _check_steady(search.pose)
+        if pushed(search.pose):
+            _check_later(plant, search)
     finally:
         plant.close()
-    if _residual(search.pose) > STANDS or not search.kept():
-        raise EquilibriumError(_sentence(search, solve_for))
-    if steady is not None:
-        _check_steady(search.pose)
     return _result(plant.name, search)
 
 
@@ -144,9 +147,26 @@ def _task(
     return pose_of(found, conditions), Rest(plant, settings, hold, kept, conditions)
 
 
+def _check_later(plant: Plant, search: Search) -> None:
+    """Now and a step later, by when a given motion has gone on."""
+    _check_pushed(search.pose, "")
+    search.rest.put(search.starts, search.inputs)
+    plant.advance(0.0, plant.step)
+    _check_pushed(pose_of(plant.derivatives(()), search.pose.conditions), f", {plant.step:g} s later")
+
+
+def _check_pushed(pose: Pose, when: str) -> None:
+    accelerations = {name: a for name, a in pushed(pose).items() if name not in pose.found.rates}
+    largest, value, _ = pose.largest()
+    for name, found in (accelerations | {largest: value}).items():
+        if abs(found) > LATER:
+            unit = pose.found.units.get(name, "1")
+            raise EquilibriumError(f"no steady motion: {name} = {found:.6g} {unit} by a given motion{when}")
+
+
 def _check_steady(pose: Pose) -> None:
     name, found, bound = change(pose)
-    if abs(found) > bound:
+    if advancing(pose) and abs(found) > bound:
         raise EquilibriumError(
             f"steady for a moment only: {name} changes at {found:.6g} {pose.found.units.get(name, '1')} per "
             f"second as {', '.join(advancing(pose))} go{'es' if len(advancing(pose)) == 1 else ''} on"
@@ -159,7 +179,7 @@ def _result(name: str, search: Search) -> Equilibrium:
         name, {n: found.values[n] for n in found.outputs}, search.inputs, _residual(search.pose),
         search.steps, {**search.rest.settings(search.starts), **search.inputs},
         {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
-        {} if search.rest.conditions is None else advancing(search.pose),
+        advancing(search.pose),
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from gelenk.rest import Pose
 from gelenk.scene import number, unknown
 
 DEPENDENT = 1e-8  # of the largest: singular values below are speeds that others decide
+NOTICED = 1e-6  # rad/s, m/s and their rates: by more than this loops do not gape, however they are held
 NOISE = 1e-10  # of the slopes of accelerations, times how fast coordinates go on: rounding
 
 
@@ -39,7 +40,7 @@ def constant_speeds(minimal: Minimal, steady: Mapping[str, float | None]) -> lis
         raise UsageError("\n".join(faults))
     free = [name for name in minimal.names if not minimal.is_coordinate(name)]
     n = len(minimal.names) - len(free)
-    named = list(steady)
+    named = [name for name in steady if not _is_driven(minimal, name, steady[name])]
     rows = np.array([minimal.row(name)[n:] for name in named]).reshape(len(named), len(free))
     _, size, V = np.linalg.svd(rows)
     rank = int((size > DEPENDENT * size.max(initial=0.0)).sum())
@@ -51,6 +52,16 @@ def constant_speeds(minimal: Minimal, steady: Mapping[str, float | None]) -> lis
     return named + [free[int(i)] for i in sorted(order[: len(free) - rank])]
 
 
+def _is_driven(minimal: Minimal, name: str, value: float | None) -> bool:
+    """Whether constraints alone make this speed what it is. Raises UsageError: and that is another one."""
+    if np.abs(minimal.row(name)).max(initial=0.0) > DEPENDENT:
+        return False
+    there = minimal.value(name)
+    if value is not None and abs(there - value) > DEPENDENT * max(1.0, abs(there)):
+        raise UsageError(f"steady: {name} is {there:.6g} by a constraint, it cannot be {value:g}")
+    return True
+
+
 def advancing(pose: Pose) -> dict[str, float]:
     """Coordinates of joints that do not stay where they are, and their speeds; J.theta[i] of quaternions."""
     minimal = pose.minimal
@@ -60,6 +71,21 @@ def advancing(pose: Pose) -> dict[str, float]:
         if minimal.is_coordinate(name)
     }
     return {name: speed for name, speed in speeds.items() if abs(speed) > STANDS}
+
+
+def pushed(pose: Pose) -> dict[str, float]:
+    """What goes on by no state, but by a motion that is given as a function of time: rates of coordinates and
+    of speeds, by their names, as far as no state tells of them.
+    """
+    minimal, found = pose.minimal, pose.found
+    rates = np.array([minimal.rate(name)[2] for name in minimal.names])
+    out = {}
+    for name in minimal.candidates:
+        rate = minimal.rate(name)[2]
+        own = rate - float(minimal.row(name) @ rates)
+        if abs(own) > NOTICED * max(1.0, abs(rate)):
+            out[minimal.speed(name) if minimal.is_coordinate(name) else found.rates[name]] = own
+    return out
 
 
 def change(pose: Pose) -> tuple[str, float, float]:

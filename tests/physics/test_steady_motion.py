@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -320,6 +321,54 @@ def test_height_of_porters_governor(spin: float, tmp_path: Path) -> None:
     assert found.values["P.s"] == pytest.approx(-2 * height, rel=1e-9)
     assert found.values["S.w"] == pytest.approx(spin, rel=1e-12)
     assert gelenk.modes(porter(arm, ball, collar), at=found.at).stability == "marginal"
+
+
+# --- given motions ---
+
+
+def driven(motion: dict[str, Any], lean: float = 0.0) -> Scene:
+    """The shaft turns as it is told; gravity leans."""
+    source = conical()
+    del source["motors"]
+    source["gravity"] = [GRAVITY * math.sin(lean), 0, -GRAVITY * math.cos(lean)]
+    source["constraints"] = {"turn": {"type": "motion", "joint": "S", **motion}}
+    return source
+
+
+@pytest.mark.parametrize("motion", [{"polynomial": [0.0, 5.0]}, {"speed": 5.0}])
+@pytest.mark.parametrize("speeds", [None, {"S.w": 5.0}, ["S.w"]])
+def test_a_shaft_that_is_driven_carries_its_pendulum(motion: Any, speeds: Any, tmp_path: Path) -> None:
+    """It swings by m l^2 sin^2 w^2 now: the shaft does not slow."""
+    found = gelenk.equilibrium(driven(motion), steady=speeds)
+    by_fmu = gelenk.equilibrium(gelenk.export_fmu(driven(motion), tmp_path / "x.fmu"), steady=speeds)
+    tilt = math.acos(GRAVITY / (LENGTH * 25))
+    for each in (found, by_fmu):
+        assert each.values["H.phi"] == pytest.approx(tilt, rel=CLOSE)
+        assert each.advancing == {"S.phi": 5.0}
+    swing = gelenk.modes(driven(motion), at=found.at).modes[-1]
+    assert swing.frequency == pytest.approx(5 * math.sin(tilt), rel=1e-10)
+
+
+def test_a_given_motion_decides_its_speed() -> None:
+    with pytest.raises(gelenk.UsageError, match=r"steady: S\.w is 5 by a constraint, it cannot be 4$"):
+        gelenk.equilibrium(driven({"polynomial": [0.0, 5.0]}), steady={"S.w": 4.0})
+
+
+@pytest.mark.parametrize(
+    ("motion", "lean", "sentence"),
+    [
+        ({"polynomial": [0.3, 5.0]}, 0.1, r"H\.a = -?0\.00\d* rad/s2 by a given motion, 0\.001 s later"),
+        ({"polynomial": [0.0, 0.0, 5.0]}, 0.0, r"S\.a = 10 rad/s2 by a given motion$"),
+        (
+            {"sine": {"amplitude": 0.5, "frequency": 2.0}},
+            0.0,
+            r"S\.a = -.* by a given motion, 0\.001 s later",
+        ),
+    ],
+)
+def test_what_a_given_motion_carries_away_is_refused(motion: Any, lean: float, sentence: str) -> None:
+    """In gravity that leans, ever faster, to and fro: there is a pose without acceleration, for a moment."""
+    assert re.fullmatch(f"no steady motion: {sentence}", refusal(driven(motion, lean)))
 
 
 # --- what is none ---
