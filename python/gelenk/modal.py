@@ -143,8 +143,12 @@ def modes(
     if model.unrest_of_states:
         warnings.warn(model.unrest_of_states, OperatingPointWarning, stacklevel=2)
     bodies = None if by_fmu or scene is None else watched(scene, {**arguments, "states": model.states})
+    if scene is None:
+        return found_in(model, rounding, bodies)
     settings = {**(parameters or {}), **(at if isinstance(at, Mapping) else {})}
-    return found_in(model, rounding, bodies, None if scene is None else posed(scene, settings, model))
+    # Of fewer states than all not every joint's place is told.
+    everything = model if states is None else linear_model(plant, **{**arguments, "states": None})
+    return found_in(model, rounding, bodies, posed(scene, settings, everything))
 
 
 def _model_given(source: Any, arguments: Mapping[str, Any]) -> LinearModel | None:

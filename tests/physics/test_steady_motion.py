@@ -226,6 +226,16 @@ def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
     # On its heading depends where x and y go; the wheel's own angle is nothing to warn of.
     named = [str(warning.message).partition("states: ")[2] for warning in caught]
     assert [name.split()[0] for name in named] == (["yaw.phi"] if tilt else [])
+    # Without the coordinates that nothing feels there is nothing to warn of, and nothing drifts.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        few = gelenk.modes(source, at=found.at, states=["tilt.phi", "tilt.w", "yaw.w", "spin.w"])
+    assert few.stability == modes.stability
+    assert few.modes[-1].frequency == pytest.approx(last.frequency, rel=CLOSE)
+    assert {mode.kind for mode in few.modes} == (
+        {"stays", "swings on"} if slope < 0 else {"stays", "grows", "decays"}
+    )
+    assert {*few.modes[-1].shape} == {"tilt.phi", "z.s"}
     assert {*found.advancing} == {"x.s", "spin.phi", *(["yaw.phi"] if tilt else [])}
 
 
