@@ -5,19 +5,18 @@ from __future__ import annotations
 
 import json
 import sys
-import warnings
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import gelenk
+from gelenk import cli_points
 from gelenk.branches import STARTS
 from gelenk.chart.cli import app as chart_app
+from gelenk.cli_values import settings_given
 from gelenk.errors import StepError, UsageError
 from gelenk.export import missing_platforms
-from gelenk.inputs import Input
-from gelenk.linearization import linear_model
 from gelenk.progress import progress_bar
 from gelenk.result import Result
 from gelenk.told import told
@@ -128,7 +127,7 @@ def assemblies(
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """The ways in which a scene can be put together with its fixed start values."""
-    source = gelenk.load(Path(scene)).with_parameters(_settings(settings or []))
+    source = gelenk.load(Path(scene)).with_parameters(settings_given(settings or []))
     found = gelenk.assemblies(source, bodies=bodies or [], starts=starts)
     if (take is None) != (output is None):
         raise UsageError("--take and --output go together: the branch, and the scene to be written")
@@ -192,7 +191,7 @@ def simulate(
             result = gelenk.simulate(
                 plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator,
                 formulation=formulation, inputs=inputs,
-                parameters=_settings(settings or []), without=without or [], progress=progress,
+                parameters=settings_given(settings or []), without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:
         if e.result is not None and output is not None:
@@ -202,148 +201,7 @@ def simulate(
     _tell_passages(result)
 
 
-@app.command()
-@told
-def linearize(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="T|NAME=VALUE", help="A time [s] on the motion; or a state or parameter, repeatable."
-        ),
-    ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point and before; repeatable."
-        ),
-    ] = None,
-    inputs: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Inputs of the model, commas between; by default all.")
-    ] = None,
-    outputs: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Outputs of the model; by default all.")
-    ] = None,
-    states: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
-    tolerance: Annotated[float | None, typer.Option(help="Relative tolerance on the way to a time.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
-) -> None:
-    """Linear model of a scene or an FMU: states, A, B, C, D; what is no equilibrium is told on stderr."""
-    model = linear_model(
-        plant, at=_point(at or []), input_values=_input_values(given or []), inputs=_listed(inputs),
-        outputs=_listed(outputs), states=_listed(states), parameters=_settings(settings or []),
-        tolerance=tolerance,
-    )  # fmt: skip
-    if model.unrest:
-        print(model.unrest, file=sys.stderr)
-    print(json.dumps(model.to_dict(), indent=2) if as_json else model)
-
-
-@app.command()
-@told
-def modes(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
-    at: Annotated[
-        list[str] | None,
-        typer.Option(metavar="T|NAME=VALUE", help="The point, as for linearize; repeatable."),
-    ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
-    ] = None,
-    states: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
-    animate: Annotated[
-        int | None, typer.Option(metavar="MODE", help="Draw this mode's shape, into --output.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help=".gif, .html or .mp4.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
-) -> None:
-    """Modes of a scene or an FMU: eigenvalues, frequencies, damping, shapes, and whether it is stable."""
-    if (animate is None) != (output is None):
-        raise UsageError("--animate and --output: found one of them, expected both or none")
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", gelenk.OperatingPointWarning)
-        found = gelenk.modes(
-            plant, at=_point(at or []), input_values=_input_values(given or []), states=_listed(states),
-            parameters=_settings(settings or []),
-        )  # fmt: skip
-    for warning in caught:
-        print(warning.message, file=sys.stderr)
-    if animate is not None and output is not None:
-        found.animate(animate, output)
-    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
-
-
-@app.command()
-@told
-def equilibrium(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
-    at: Annotated[
-        list[str] | None,
-        typer.Option(metavar="T|NAME=VALUE", help="The first pose, as for linearize; repeatable."),
-    ] = None,
-    hold: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A coordinate that keeps this value; repeatable."),
-    ] = None,
-    steady: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME[=VALUE]", help="A speed that stays constant, at this value; repeatable."),
-    ] = None,
-    solve_for: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="An input to be found; repeatable.")
-    ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
-) -> None:
-    """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there."""
-    open_speeds = [text for text in steady or [] if "=" not in text]
-    speeds = _numbers([text for text in steady or [] if "=" in text], "--steady")
-    found = gelenk.equilibrium(
-        plant, at=_point(at or []), solve_for=solve_for or [], hold=_numbers(hold or [], "--hold"),
-        steady={**dict.fromkeys(open_speeds), **speeds} if steady else None,
-        input_values=_input_values(given or []), parameters=_settings(settings or []),
-    )  # fmt: skip
-    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
-
-
-def _point(at: list[str]) -> float | dict[str, gelenk.scene.Value] | None:
-    if len(at) == 1 and "=" not in at[0]:
-        return gelenk.scene.number("--at", at[0], "real")
-    return _settings(at, "--at") or None
-
-
-def _input_values(given: list[str]) -> dict[str, Input] | str:
-    if len(given) == 1 and "=" not in given[0]:
-        return given[0]
-    return {**_numbers(given, "--input")}
-
-
-def _numbers(given: list[str], option: str) -> dict[str, float]:
-    values = _settings(given, option)
-    return {name: gelenk.scene.number(name, value, "real") for name, value in values.items()}
-
-
-def _listed(text: str | None) -> list[str] | None:
-    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+cli_points.register(app)
 
 
 def _tell_passages(result: Result) -> None:
@@ -356,18 +214,6 @@ def _tell_passages(result: Result) -> None:
         f"{f' and {more} more' if more > 0 else ''} s",
         file=sys.stderr,
     )
-
-
-def _settings(given: list[str], option: str = "--set") -> dict[str, gelenk.scene.Value]:
-    settings: dict[str, gelenk.scene.Value] = {}
-    for text in given:
-        name, equals, value = text.partition("=")
-        if not (name.strip() and equals and value.strip()):
-            raise UsageError(f"{option} {text}: expected NAME=VALUE")
-        if name.strip() in settings:
-            raise UsageError(f"{option} {text}: {name.strip()} is set twice")
-        settings[name.strip()] = value.strip()
-    return settings
 
 
 def _write(result: Result, output: Path | None) -> None:

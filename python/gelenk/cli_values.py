@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values as they are given on the command line: NAME=VALUE, lists, files."""
+
+from __future__ import annotations
+
+from gelenk.errors import UsageError
+from gelenk.inputs import Input
+from gelenk.scene import Value, number
+
+
+def point_given(at: list[str]) -> float | dict[str, Value] | None:
+    """A point: a time [s], or values by name; None where nothing is given. Raises UsageError."""
+    if len(at) == 1 and "=" not in at[0]:
+        return number("--at", at[0], "real")
+    return settings_given(at, "--at") or None
+
+
+def input_values_given(given: list[str]) -> dict[str, Input] | str:
+    """Inputs: constants by name, or the file of a table. Raises UsageError."""
+    if len(given) == 1 and "=" not in given[0]:
+        return given[0]
+    return {**numbers_given(given, "--input")}
+
+
+def numbers_given(given: list[str], option: str) -> dict[str, float]:
+    """Numbers by name. Raises UsageError."""
+    values = settings_given(given, option)
+    return {name: number(name, value, "real") for name, value in values.items()}
+
+
+def listed(text: str | None) -> list[str] | None:
+    """Names with commas between; None where nothing is given."""
+    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+
+
+def settings_given(given: list[str], option: str = "--set") -> dict[str, Value]:
+    """Values by name. Raises UsageError: not NAME=VALUE, or a name twice."""
+    settings: dict[str, Value] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals and value.strip()):
+            raise UsageError(f"{option} {text}: expected NAME=VALUE")
+        if name.strip() in settings:
+            raise UsageError(f"{option} {text}: {name.strip()} is set twice")
+        settings[name.strip()] = value.strip()
+    return settings
