@@ -226,6 +226,25 @@ def test_a_guess_that_is_moved_is_no_point(four_bar_file: Path) -> None:
     assert found.x0[0] == 1.9
 
 
+def test_states_that_nothing_feels_may_be_left_out(cart_pole: Path, tmp_path: Path) -> None:
+    """The cart's place: neither accelerations nor the other outputs change with it."""
+    names = ["hinge.phi", "track.v", "hinge.w"]
+    for source in (cart_pole, gelenk.export_fmu(cart_pole, tmp_path / "x.fmu")):
+        whole = linear_model(source, at=UPRIGHT)
+        found = linear_model(source, at=UPRIGHT, states=names)
+        kept = [whole.states.index(name) for name in names]
+        outputs = [i for i, name in enumerate(whole.outputs) if name != "track.s"]
+        assert found.outputs == tuple(whole.outputs[i] for i in outputs)
+        # Rounding of the solve by the states' meaning, a permutation here.
+        assert pytest.approx(whole.A[np.ix_(kept, kept)], rel=1e-13) == found.A
+        assert pytest.approx(whole.B[kept], rel=1e-13) == found.B
+        assert pytest.approx(whole.C[np.ix_(outputs, kept)], rel=1e-13, abs=1e-13) == found.C
+        with pytest.raises(gelenk.UsageError, match=r"track\.s changes with track\.s, which is not among"):
+            linear_model(source, at=UPRIGHT, states=names, outputs=["track.s"])
+        with pytest.raises(gelenk.UsageError, match=r"der\(track\.s\) changes with track\.v, which is not"):
+            linear_model(source, at=UPRIGHT, states=["track.s", "hinge.phi", "hinge.w"])
+
+
 def test_singular_positions_are_told(tmp_path: Path) -> None:
     source = mechanisms.parallelogram(0.0, 1.0)
     for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):
