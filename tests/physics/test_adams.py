@@ -5,20 +5,15 @@ from __future__ import annotations
 
 import copy
 import functools
-import json
 
 import numpy as np
 import pytest
 from mechanisms import Array, Scene, rotation
 from scipy.spatial.transform import Rotation
 
-from gelenk import _core
-
 from . import adams
 from .adams import G_N, SCENES, published, shown
 from .running import assert_close, run
-
-SCHEMA = json.loads(_core.scene_schema())
 
 # A row of each table at 2.5 s, so that the tests stand without the files; what is not there is zero, and what
 # is zero up to ADAMS' round-off (1e-14) is 0.
@@ -255,7 +250,6 @@ def test_tables_miss_their_own_equation(name: str) -> None:
     assert_close("Euler's equation", rest(ours(name, tuple(times))), 0, 1e-11, "round-off of 20 N m")
 
 
-@pytest.mark.skipif("constraints" not in SCHEMA["properties"], reason="given motions are not there yet")
 def test_linear_actuator() -> None:
     """LinActuator_Case01: all rows are the same but for z = t. The actuator carries the weight."""
     source = adams.linear_actuator()

@@ -7,7 +7,6 @@ are worth, and with those: Dymola 2020x, DASSL, tolerance 1e-6 (GyroscopicEffect
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,12 +15,8 @@ import pytest
 from mechanisms import Array, Scene
 from scipy.spatial.transform import Rotation
 
-from gelenk import _core
-
 from . import modelica, modelica_truths
 from .running import Recording, assert_close, run
-
-SCHEMA = json.loads(_core.scene_schema())
 
 
 def vector(theirs: str, ours: str) -> dict[str, str]:
@@ -207,7 +202,6 @@ def test_published_rolling_wheel_rolls() -> None:
     assert_close("turn", apart, 0, 1.2e-3, "Dymola at 1e-6")
 
 
-@pytest.mark.skipif("constraints" not in SCHEMA["properties"], reason="rolling is not there yet")
 def test_rolling_wheel() -> None:
     """Elementary.RollingWheel, four seconds."""
     times = np.linspace(0, 4, 81)
