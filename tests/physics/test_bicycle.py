@@ -2,8 +2,8 @@
 """The benchmark bicycle: published eigenvalues, accelerations of the non-linear equations, and runs.
 
 Eigenvalues, critical speeds: Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007) 1955-1982.
-Accelerations, steady turn: Basu-Mandal, Chatterjee & Papadopoulos, Proc. R. Soc. A 463 (2007) 1983-2003, tables
-1 and 2. Runs: the problem "uncontrolled bicycle" of the IFToMM library of benchmarks (Sanjurjo & Gonzalez).
+Accelerations, steady turn: Basu-Mandal, Chatterjee & Papadopoulos, Proc. R. Soc. A 463 (2007) 1983-2003,
+tables 1 and 2. Runs: the problem "uncontrolled bicycle" of the IFToMM benchmarks (Sanjurjo & Gonzalez).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The bicycle of the benchmark: four bodies, three hinges, two wheels that roll without slip.
 
-Data and linear theory: Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007) 1955-1982, tables
-1 and 2. There x points forward, y to the right, z down, from the rear contact; here z points up, y to the left.
+Data and linear theory: Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007) 1955-1982,
+tables 1 and 2. There x points forward, y to the right, z down; here z points up, y to the left.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def linear_theory(v: float) -> Array:
 def bicycle(v: float = 0.0, starts: dict[str, dict[str, Any]] | None = None, **fields: Any) -> Scene:
     """Rides along x at v [m/s], upright and straight unless joints start otherwise.
 
-    The rear frame hangs on a chain of simple joints: yaw and the rear hub's height first, then lean and pitch.
+    The rear frame hangs on a chain of simple joints: yaw, the rear hub's height, lean and pitch.
     Lean, steer and the speed of the rear wheel are what starts `fixed`; rolling determines the other speeds.
     """
     start = {
