@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A thin disc that rolls without slip, as scenes and as the equations of its three speeds.
 
-Along axes that do not spin with it, x heading, y its axis, z up in its plane, leant by q about x, the plane's
-normal is n = (0, sin q, cos q). The disc turns with w = (p, w2, w3), the axes with (p, w3 tan q, w3), p = dq/dt.
-Its centre, R above the contact, moves with v = R (w2, -p, 0). Force F = m (dv/dt + g n) and moment
-(R F2, -R F1, 0) about the centre, with moments of inertia C along the axis and A across, give (Neimark & Fufaev,
-Dynamics of Nonholonomic Systems, 1972, ch. 2)
+Along axes that do not spin with it, x heading, y its axis, z up in its plane, leant by q about x, the normal
+of the ground is n = (0, sin q, cos q). The disc turns with w = (p, w2, w3), the axes with (p, w3 tan q, w3),
+p = dq/dt. Its centre, R above the contact, moves with v = R (w2, -p, 0). Force F = m (dv/dt + g n) and moment
+(R F2, -R F1, 0) about the centre, with moments of inertia C along the axis and A across, give (Neimark &
+Fufaev, Dynamics of Nonholonomic Systems, 1972, ch. 2)
 
     (A + m R^2) dp/dt = (C + m R^2) w3 w2 - A w3^2 tan q + m g R sin q
     (C + m R^2) dw2/dt = -m R^2 p w3                A dw3/dt = p (A w3 tan q - C w2)
@@ -51,7 +51,7 @@ WOBBLING = Rolling()
 
 
 def disc(motion: Rolling = WOBBLING, R: Array | None = None, p: Numbers = (0, 0, 0), **fields: Any) -> Scene:
-    """Yaw, height, lean, spin: a chain of simple joints. The plane is z = 0 of a frame R at p in the ground."""
+    """A chain: yaw, height, lean, spin. The plane is z = 0 of a frame R at p in the ground."""
     place = np.eye(3) if R is None else R
     starts = {
         "base": {"phi": 0.0, "w": motion.yaw_rate, "fixed": ["phi", "w"]},
