@@ -6,7 +6,7 @@
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
-# make tutorial  draw the picture of docs/tutorial-lqr.md
+# make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang

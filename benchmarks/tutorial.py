@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the picture of docs/tutorial-lqr.md from what the page's own code computes: `make tutorial`."""
+"""Draws the pictures of the tutorials from what the pages' own code computes: `make tutorial`."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ import numpy as np
 from gelenk.chart.style import pyplot, save
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "tutorial-lqr.md"
-PICTURE = ROOT / "docs" / "pictures" / "tutorial-lqr.png"
+PAGES = {"tutorial-lqr": "balancer.yaml", "tutorial-wheels": "robot.yaml"}  # and the scene that they make
 BLUE, RED, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
 UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
 PUSHED = (0.5, 0.6)  # s
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.M)
-
-
-def computed() -> dict[str, Any]:
+def computed(page: str) -> dict[str, Any]:
     """The names that the page's code leaves behind; what it writes goes to a folder of its own."""
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+
+    def blocks(language: str) -> list[str]:
+        return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.M)
+
     names: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        Path("balancer.yaml").write_text("".join(blocks("yaml")), encoding="utf-8")
+        Path(PAGES[page]).write_text("".join(blocks("yaml")), encoding="utf-8")
         for block in blocks("python"):
-            exec(compile(block, PAGE.name, "exec"), names)
+            exec(compile(block, page, "exec"), names)
     return names
 
 
@@ -88,17 +88,49 @@ def draw_decay(axis: Any, names: dict[str, Any]) -> None:
     axis.set(xlabel="time [s]", title="|ξ|, the slowest mode")
 
 
-def main() -> None:
-    names = computed()
-    figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))
+def balancer(axes: Any) -> None:
+    names = computed("tutorial-lqr")
     draw_pose(axes[0], names["trim"].values)
     draw_lean(axes[1], names)
     draw_decay(axes[2], names)
-    for axis in axes:
-        axis.grid(alpha=0.25)
-    figure.tight_layout()
-    save(figure, PICTURE, 100)
-    print(PICTURE)
+
+
+# --- the robot on two wheels ---
+
+
+def robot(axes: Any) -> None:
+    names = computed("tutorial-wheels")
+    for run, label, colour in (("near", "from 0.5 m", BLUE), ("far", "from 1 m", RED)):
+        axes[0].plot(names[run]["ride.s_x"], names[run]["ride.s_y"], color=colour, label=label)
+        axes[1].plot(names[run]["time"], names[run]["tyre_right.f_n"], color=colour, label=label)
+    axes[0].axhline(0, color=GREY, lw=1)
+    axes[0].set(xlabel="x [m]", title="The way to the line, y [m]", xlim=(0, 4))
+    axes[0].legend(frameon=False)
+    axes[1].axhspan(-40, 0, color="#eeeeee")
+    axes[1].text(2.9, -20, "the wheel has lifted off", ha="right", va="center", color=GREY)
+    axes[1].set(xlabel="time [s]", title="Load of the right wheel [N]", xlim=(0, 3), ylim=(-40, 80))
+    pushed = names["pushed"]
+    for name, scale, label, colour in (
+        ("pitch.phi", 180 / np.pi, "leans forward [degrees]", GREEN),
+        ("ride.s_x", 100, "is ahead [cm]", BLUE),
+        ("ride.s_y", 100, "is to the left [cm]", RED),
+    ):
+        axes[2].plot(pushed["time"], scale * pushed[name], color=colour, label=label)
+    axes[2].axvspan(1.0, 1.2, color="#eeeeee")
+    axes[2].legend(frameon=False)
+    axes[2].set(xlabel="time [s]", title="Standing, pushed at its left shoulder")
+
+
+def main() -> None:
+    for page, draw in (("tutorial-lqr", balancer), ("tutorial-wheels", robot)):
+        figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))
+        draw(axes)
+        for axis in axes:
+            axis.grid(alpha=0.25)
+        figure.tight_layout()
+        picture = ROOT / "docs" / "pictures" / f"{page}.png"
+        save(figure, picture, 100)
+        print(picture)
 
 
 if __name__ == "__main__":

@@ -38,8 +38,9 @@ def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to work in, with the scenes of the repository and the files that README and tutorial make."""
     (tmp_path / "scenes").symlink_to(root / "scenes")
     (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
-    pieces = blocks(root / "docs" / "tutorial-lqr.md", "yaml")
-    (tmp_path / "balancer.yaml").write_text("".join(pieces), encoding="utf-8")
+    for page, name in (("tutorial-lqr", "balancer"), ("tutorial-wheels", "robot")):
+        pieces = blocks(root / "docs" / f"{page}.md", "yaml")
+        (tmp_path / f"{name}.yaml").write_text("".join(pieces), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -58,6 +59,7 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
         ("docs/modes.md", 1),
         ("docs/assembly.md", 2),
         ("docs/tutorial-lqr.md", 1),
+        ("docs/tutorial-wheels.md", 1),
     ],
 )
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
@@ -178,6 +180,56 @@ def test_python_of_the_assembly_page_takes_the_other_branch(root: Path) -> None:
     assert plant.output("C.phi") == pytest.approx(-1.36701, abs=5e-6)  # as the page says
 
 
+def test_scene_of_the_tutorial_with_wheels_is_the_one_of_scenes(folder: Path) -> None:
+    ready = gelenk.load(folder / "scenes" / "balancing_robot.yaml")
+    assert gelenk.load(folder / "robot.yaml").to_dict() == ready.to_dict()
+
+
+@pytest.fixture
+def wheels(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    """What the code of the tutorial with wheels leaves behind, and in "told" what it printed."""
+    names: dict[str, Any] = {}
+    with pytest.warns(gelenk.OperatingPointWarning) as warned:
+        for block in blocks(root / "docs" / "tutorial-wheels.md", "python"):
+            exec(compile(block, "tutorial-wheels.md", "exec"), names)
+    assert len(warned) == 1
+    assert str(warned[0].message) == (
+        "t = 0 s is no equilibrium in these states: ride.s_x changes at 1 m/s, hub_left.phi changes at "
+        "10 rad/s, hub_right.phi changes at 10 rad/s"
+    )
+    assert folder == Path.cwd()
+    return names | {"told": capsys.readouterr().out}
+
+
+def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]) -> None:
+    """Numbers of the page, to the digits they have there."""
+    lines = wheels["told"].splitlines()
+    assert lines[0] == str(wheels["plant"].state_labels)
+    assert float(lines[1]) == pytest.approx(7.3, abs=0.05)
+    ranks = [line for line in lines if line in {"6", "7"}]
+    assert ranks == ["6", "6", "7"]
+    pushed, near = wheels["pushed"], wheels["near"]
+    assert np.degrees(abs(pushed["pitch.phi"]).max()) == pytest.approx(14, abs=0.5)
+    assert np.degrees(abs(pushed["ride.phi"]).max()) == pytest.approx(6, abs=0.5)
+    assert abs(pushed["ride.s_x"]).max() == pytest.approx(0.28, abs=0.005)
+    assert pushed["ride.s_x"][-1] == pytest.approx(5e-5, abs=5e-6)
+    assert abs(pushed["ride.phi"][-1]) < 1e-6
+    assert pushed["ride.s_y"][-1] == pytest.approx(-0.0198, abs=5e-5)
+    assert wheels["moving"].A[1, 2] == pytest.approx(1, abs=1e-12)
+    assert np.degrees(near["ride.phi"].min()) == pytest.approx(-37, abs=0.5)
+    assert 0 < near["ride.s_y"][-1] < 1e-5
+    poles = np.sort(np.log(wheels["poles"]).real / wheels["step"])
+    assert poles == pytest.approx([-60.7, -14.6, -10.7, -4.91, -2.06, -1.66], rel=5e-3)
+    seen = float(lines[-3])
+    assert seen == pytest.approx(poles[-2], rel=1e-3)
+
+
+@pytest.mark.xfail(strict=True, reason="the reduction `static` takes the load off wheels")
+def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -> None:
+    assert wheels["near"]["tyre_right.f_n"].min() == pytest.approx(9.4, abs=0.05)
+    assert wheels["far"]["tyre_right.f_n"].min() == pytest.approx(-26, abs=0.5)
+
+
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
     tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
     for line in blocks(root / "README.md", "cmake")[0].splitlines():
@@ -194,6 +246,18 @@ PAGES = ("scene-format", "reductions", "methods", "linearization", "modes", "ass
 
 
 @pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", *(f"docs/{page}.md" for page in PAGES)])
+
+
+@pytest.mark.parametrize(
+    "page",
+    ["README.md", "CONTRIBUTING.md"]
+    + [
+        f"docs/{page}.md"
+        for page in (
+            "scene-format", "reductions", "methods", "linearization", "modes", "tutorial-lqr", "tutorial-wheels"
+        )
+    ],
+)
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link
