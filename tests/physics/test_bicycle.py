@@ -219,3 +219,27 @@ def test_small_motions_are_those_of_the_linear_theory(v: float) -> None:
     expected = np.array([expm(linear_theory(v) * t) @ [0, 0, small, 0] for t in found.time]) / small
     ours = np.array([found[name] for name in LEAN_AND_STEER]).T * [1, -1, 1, -1] / small
     assert_close("motion", ours, expected, 1e-6, "terms of second order and the run's 1e-12, of 1e-4")
+
+
+def test_steady_turn_is_found() -> None:
+    """From its lean alone: steer and speed of the rear wheel that hold it, in the published digits."""
+    turning = {
+        "lean": {"phi": -0.3, "w": 0.0, "fixed": True},
+        "steer": {"phi": 0.4, "w": 0.0, "fixed": True},
+    }
+    found = gelenk.equilibrium(
+        bicycle(3.0, turning), steady={"hub.w": None}, hold={"lean.phi": np.pi / 2 - 1.9178291654}
+    )
+    assert_close("steer", found.values["steer.phi"], 0.4049333918, 2e-10, "10 decimals, of the lean, too")
+    assert_close(
+        "rear wheel", found.values["hub.w"], 10.3899258905, 5e-9, "10 decimals of the lean, times 20 1/s"
+    )
+    radius = found.values["base.v_x"] / found.values["base.w"]  # it heads along x at that moment
+    assert_close("radius", radius, 2.2588798195, 2e-9, "10 decimals of the lean")
+
+
+def test_ready_scene_is_the_benchmark() -> None:
+    ready = gelenk.load(Path(__file__).parents[2] / "scenes" / "bicycle.yaml")
+    assert ready.to_dict()["joints"].keys() == bicycle()["joints"].keys()
+    model = gelenk.linearization.linear_model(ready, at={"lean.w": 0.0})
+    assert apart(lean_and_steer(model), PUBLISHED[5]) < 1e-11  # 14 published digits

@@ -111,6 +111,16 @@ def test_steady_turning(circle: Rolling) -> None:
 
 
 @pytest.mark.parametrize("circle", CIRCLES)
+def test_steady_turning_is_found_from_spin_and_lean(circle: Rolling) -> None:
+    start = Rolling(circle.lean, 0.0, 0.9 * circle.yaw_rate, circle.spin)
+    found = gelenk.equilibrium(
+        disc(start), steady={"base.w": None, "spin.w": circle.spin}, hold={"lean.phi": circle.lean}
+    )
+    assert_close("yaw rate", found.values["base.w"], circle.yaw_rate, 1e-9, "residual 1e-8 or less")
+    assert set(found.advancing) == {"base.s_x", "base.phi", "spin.phi"}
+
+
+@pytest.mark.parametrize("circle", CIRCLES)
 def test_steady_turning_is_marginal_with_the_frequency_of_the_closed_form(circle: Rolling) -> None:
     """Five coordinates, three speeds. At 0: coordinates on which nothing depends, families of circles."""
     model = gelenk.linearization.linear_model(disc(circle))
