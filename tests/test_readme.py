@@ -242,28 +242,13 @@ def test_targets_of_make_are_there(root: Path) -> None:
         assert re.search(rf"^{target}:", makefile, re.MULTILINE)
 
 
-PAGES = ("scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr")
+PAGES = (
+    "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
+    "tutorial-wheels",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", *(f"docs/{page}.md" for page in PAGES)])
-
-
-@pytest.mark.parametrize(
-    "page",
-    ["README.md", "CONTRIBUTING.md"]
-    + [
-        f"docs/{page}.md"
-        for page in (
-            "scene-format",
-            "reductions",
-            "methods",
-            "linearization",
-            "modes",
-            "tutorial-lqr",
-            "tutorial-wheels",
-        )
-    ],
-)
 def test_links_lead_somewhere(page: str, root: Path) -> None:
     for link in re.findall(r"\]\(([^)#:]+)\)", (root / page).read_text(encoding="utf-8")):
         assert (root / page).parent.joinpath(link).exists(), link
