@@ -160,3 +160,19 @@ def frequency_squared(motion: Rolling) -> float:
     slope -= ACROSS * (2 * w3 * dw3 * np.tan(q) + w3**2 / np.cos(q) ** 2)
     slope += MASS * GRAVITY * RADIUS * np.cos(q)
     return float(-slope / ROLLED_ACROSS)
+
+
+def disc_on_a_table(turning: float, moment: float | None, start: dict[str, Any]) -> Scene:
+    """On a table about z: driven at so many rad/s, or, with a moment of inertia, let go at them."""
+    out = flying_disc()
+    out["bodies"]["table"] = body(5.0, (0, 0, -0.1), (1, 1, moment or 1.0))
+    out["joints"]["free"]["start"] = start | {"fixed": ["Q", "w"]}
+    out["joints"]["table"] = joint(
+        "revolute", frame("ground"), frame("table"), axis=[0, 0, 1], start={"phi": 0.0, "w": turning}
+    )
+    out["constraints"]["tyre"]["on"] = "table"
+    if moment is None:
+        out["constraints"]["engine"] = {"type": "motion", "joint": "table", "polynomial": [0.0, turning]}
+    else:
+        out["joints"]["table"]["start"]["fixed"] = True
+    return out

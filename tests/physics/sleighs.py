@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies on a blade that does not slide sideways: Chaplygin's sleigh, skates on a slope and on a turntable."""
+"""Bodies on a blade that does not slide aside: Chaplygin's sleigh, skates on a slope and on a turntable."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TABLE_MOMENT = 2.0  # kg m2
 
 
 def on_a_plane(com: float, start: dict[str, float], **fields: Any) -> Scene:
-    """A body with a blade along x at its origin. The planar joint's s_x, s_y, phi and v_x, v_y, w start there."""
+    """A body with a blade along x at its origin, on a planar joint with these start values."""
     given = start | {"fixed": [name for name in start if name != "v_y"]}
     return scene(
         {"sleigh": body(MASS, (com, 0, 0), (MOMENT, MOMENT, MOMENT))},
@@ -63,7 +63,7 @@ def gudermann(s: Any) -> Any:
 def sleigh_truth(u0: float, w0: float, times: Array) -> dict[str, Array]:
     """du/dt = a w^2, (I + m a^2) dw/dt = -m a u w, in closed form (Neimark & Fufaev 1972, ch. 2, sec. 5).
 
-    Along the blade u = U tanh s, w = W / cosh s with s = k t + s0, m U^2 = 2 E and J W^2 = 2 E, k = m a U / J.
+    Along the blade u = U tanh s, w = W / cosh s, s = k t + s0, m U^2 = J W^2 = 2 E, k = m a U / J.
     """
     J = MOMENT + MASS * AHEAD**2
     U = np.sqrt(u0**2 + J / MASS * w0**2)
