@@ -224,7 +224,6 @@ def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]
     assert seen == pytest.approx(poles[-2], rel=1e-3)
 
 
-@pytest.mark.xfail(strict=True, reason="the reduction `static` takes the load off wheels")
 def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -> None:
     assert wheels["near"]["tyre_right.f_n"].min() == pytest.approx(9.4, abs=0.05)
     assert wheels["far"]["tyre_right.f_n"].min() == pytest.approx(-26, abs=0.5)

@@ -121,6 +121,24 @@ def test_what_acts_is_declared(exported: tuple[str, Path], tmp_path: Path) -> No
     slave.free()
 
 
+@pytest.mark.parametrize("name", [name for name in PLANTS if name != "four wheels"])  # see the next
+def test_linear_models_of_fmu_and_scene_are_the_same(name: str, tmp_path: Path) -> None:
+    source = PLANTS[name][0]()
+    models = [
+        gelenk.linearization.linear_model(plant, at=0.3)
+        for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu"))
+    ]
+    for first, second in zip(*((m.A, m.B, m.C, m.D) for m in models), strict=True):
+        assert np.abs(first - second).max(initial=0) < 1e-9 * (1 + np.abs(first).max(initial=0))
+    assert models[0].states == models[1].states
+
+
+def test_heading_that_no_state_tells_is_refused_in_words() -> None:
+    """Four wheels of a rigid cart hold two turns of its quaternion; the third, its heading, cannot change."""
+    with pytest.raises(gelenk.GelenkError, match="a joint with a quaternion turns in part freely"):
+        gelenk.linearize(PLANTS["four wheels"][0]())
+
+
 @pytest.mark.parametrize("name", SMOOTH)
 def test_directional_derivatives_are_those_of_the_plant_set_beside(name: str, tmp_path: Path) -> None:
     """By start values of the states: central differences of fourth order, h = 1e-3, to 1e-7."""

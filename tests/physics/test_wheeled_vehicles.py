@@ -14,6 +14,7 @@ import gelenk
 
 from .running import assert_close, run
 from .vehicles import (
+    BASE,
     CORNERS,
     DECK,
     DECK_COM,
@@ -25,6 +26,7 @@ from .vehicles import (
     WHEEL,
     four_wheeled_cart,
     trailer,
+    tricycle,
     two_wheeled_cart,
     two_wheeled_rates,
 )
@@ -136,3 +138,26 @@ def test_normal_forces_of_the_robot_in_a_turn() -> None:
     aside = found["tyre_left.f_lat"] + found["tyre_right.f_lat"]
     assert_close("aside", aside, ROBOT_MASS * v * w, 1e-10, "round-off of 10 N")
     assert_close("shared", found["tyre_left.f_lat"], found["tyre_right.f_lat"], 1e-10, "least squares")
+
+
+def test_tricycle_goes_where_it_is_steered() -> None:
+    """Heading by v sin(steer)/L, ahead by v cos(steer), v that of the front wheel: no dynamics in that."""
+    times = np.linspace(0, 5, 51)
+    found = run(tricycle(), times, tolerance=1e-10)
+
+    def slope(t: float, y: np.ndarray) -> list[float]:
+        steer = 0.5 * np.sin(2 * np.pi * 0.3 * t)
+        v = 8.0 * RADIUS
+        return [v * np.sin(steer) / BASE, v * np.cos(steer) * np.cos(y[0]), v * np.cos(steer) * np.sin(y[0])]
+
+    heading, x, y = solve_ivp(slope, (0, 5), [0, 0, 0], "DOP853", times, rtol=1e-12, atol=1e-13).y
+    r = found.vector("flight.r")
+    assert_close("x", r[:, 0], x, 1e-8, "100 rtol")
+    assert_close("y", r[:, 1], y, 1e-8, "100 rtol")
+    assert_close("height", r[:, 2], RADIUS, 1e-11, "projected")
+    Q = found.vector("flight.Q")
+    assert_close("heading", 2 * np.arctan2(Q[:, 2], Q[:, 3]), heading, 1e-8, "100 rtol")
+    loads = sum(found[f"{name}_tyre.f_n"] for name in ("front", "left", "right"))
+    assert_close(
+        "load", loads, (25 + 1 + 3 * WHEEL) * GRAVITY, 1e-8, "round-off of 300 N, accelerations' 1e-10"
+    )

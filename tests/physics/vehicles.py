@@ -124,3 +124,32 @@ def trailer(angle: float, wheels: bool) -> Scene:
         out["joints"][name] = joint("revolute", frame("trailer", (-LENGTH, side, 0)), frame(name), **ABOUT_Y)
         out["constraints"][f"{name}_tyre"] = tyre(name)
     return out
+
+
+BASE = 1.1  # m, from the rear axle of the tricycle to its front wheel
+
+
+def tricycle() -> Scene:
+    """Its front wheel is turned at 8 rad/s and steered by a sine; wheels alone hold it up."""
+    corners = {"left": (0, HALF_TRACK, 0), "right": (0, -HALF_TRACK, 0)}
+    start = {"r": [0, 0, RADIUS], "Q": [0, 0, 0, 1], "fixed": True}
+    return scene(
+        {"frame": body(25.0, (0.4, 0, 0.2), (0.6, 1.2, 1.5)), "fork": body(1.0, inertia=(0.01, 0.01, 0.01))}
+        | {name: wheel_body() for name in ("front", *corners)},
+        {
+            "flight": joint("free", frame("ground"), frame("frame"), start=start),
+            "steer": joint("revolute", frame("frame", (BASE, 0, 0)), frame("fork"), axis=[0, 0, 1]),
+            "front_hub": joint("revolute", frame("fork"), frame("front"), **ABOUT_Y),
+        }
+        | {
+            name: joint("revolute", frame("frame", at), frame(name), **ABOUT_Y)
+            for name, at in corners.items()
+        },
+        name="Tricycle",
+        gravity=[0, 0, -GRAVITY],
+        constraints={
+            "bars": {"type": "motion", "joint": "steer", "sine": {"amplitude": 0.5, "frequency": 0.3}},
+            "pedals": {"type": "motion", "joint": "front_hub", "polynomial": [0.0, 8.0]},
+        }
+        | {f"{name}_tyre": tyre(name) for name in ("front", *corners)},
+    )
