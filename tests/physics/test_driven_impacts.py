@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A driven speed that jumps: all others jump with it as in an impact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gelenk
+
+from .driven import Array
+from .hybrid import Chain
+from .running import assert_close
+from .test_given_motions import TOLERANCE, rest
+
+
+def blow(chain: Chain, q: Array, change: float) -> Array:
+    """Changes of speeds when the driven one is changed by an impulse along it."""
+    M, _ = chain.terms(q, np.zeros(chain.n))
+    along = np.linalg.solve(M, np.eye(chain.n)[chain.driven])
+    out: Array = along * change / along[chain.driven]
+    return out
+
+
+JOINTS = [("revolute", "phi"), ("planar", "s_y"), ("universal", "phi_a")]
+
+
+@pytest.mark.parametrize(("kind", "coordinate"), JOINTS)
+@pytest.mark.parametrize("given", ["position", "speed"])
+@pytest.mark.parametrize("integrator", ["erk", "rk4", "cvode"])
+def test_a_jump_of_the_speed_is_an_impact(kind: str, coordinate: str, given: str, integrator: str) -> None:
+    chain = Chain(kind, coordinate)
+    solver = {"integrator": integrator, **({"step": 0.02} if integrator == "rk4" else {})}
+    plant = gelenk.Simulation(gelenk.load(chain.scene({"input": given}, rest(chain), solver=solver)))
+    name = plant.inputs[0].name
+
+    def give(position: float, speed: float) -> None:
+        plant.set_input(name, position if given == "position" else speed)
+        if given == "position":
+            plant.set_input_derivative(name, 1, speed)
+
+    give(0.0, 0.7)
+    plant.initialize(0.0, TOLERANCE)
+    plant.step_to(0.5)
+    q, before = plant.values(chain.names), plant.values(chain.speeds)
+    assert before[chain.driven] == pytest.approx(0.7, abs=1e-12)
+    give(float(q[chain.driven]), -0.6)
+    plant.step_to(0.5 + 1e-9)
+    jumps = plant.values(chain.speeds) - before
+    # Over 1 ns accelerations of up to 50 change speeds by 5e-8.
+    assert_close("speeds", jumps, blow(chain, q, -1.3), 1e-7, "see above")
+    assert_close("coordinates", plant.values(chain.names), q, 1e-8, "over 1 ns")
