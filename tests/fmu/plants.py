@@ -42,3 +42,64 @@ def gyroscope() -> Scene:
         },
         parameters=["probe.mass", "tie.stiffness"],
     )
+
+
+def driven() -> Scene:
+    """Two parts: a four-bar driven at its crank by a position, with a bob on its rocker, which a motor turns;
+    a slide that shakes by itself, with a pendulum on it, and a gear and a rack on that.
+    """
+    out = four_bar(0.7)
+    about_z = {"axis": [0, 0, 1]}
+    out["joints"]["A"]["start"] = {"phi": 0.7}
+    out["bodies"] |= {
+        "bob": body(0.3, (0.1, 0, 0), (0.001, 0.001, 0.001)),
+        "table": body(0.5),
+        "rod": body(0.4, (0.2, 0, 0), (0.002, 0.002, 0.002)),
+        "wheel": body(0.2, (0, 0, 0), (1e-4, 1e-4, 2e-4)),
+        "bar": body(0.1),
+    }
+    out["joints"] |= {
+        "bobs": joint("revolute", frame("rocker", (0.7, 0.1, 0)), frame("bob"), damping=0.02, **about_z),
+        "shakes": joint("prismatic", frame("ground", (5, 0, 0)), frame("table"), axis=[1, 0, 0]),
+        "swings": joint(
+            "revolute",
+            frame("table"),
+            frame("rod"),
+            damping=0.01,
+            start={"phi": -1.2, "fixed": True},
+            **about_z,
+        ),
+        "turns": joint("revolute", frame("table", (0, 0.3, 0)), frame("wheel"), **about_z),
+        "runs": joint("prismatic", frame("table", (0, 0.4, 0)), frame("bar"), axis=[1, 0, 0]),
+    }
+    out["motors"] = {"drive": {"joint": "bobs"}}
+    out["constraints"] = {
+        "crank": {"type": "motion", "joint": "A", "input": "position"},
+        "shake": {"type": "motion", "joint": "shakes", "sine": {"amplitude": 0.05, "frequency": 2.0}},
+        "mesh": {"type": "gear", "joint": "turns", "with": "swings", "ratio": -3},
+        "teeth": {"type": "rack", "rack": "runs", "pinion": "turns", "radius": 0.04},
+    }
+    out["sensors"] = {
+        "pin": reaction("C"),
+        "axle": reaction("turns"),
+        "tip": {"type": "frame", "body": "bob", "position": [0.2, 0, 0]},
+        "energy_meter": {"type": "energy"},
+    }
+    out["parameters"] = ["bobs.damping", "wheel.mass", "coupler.mass"]
+    out["name"] = "Driven"
+    return out
+
+
+def cranked() -> Scene:
+    """A four-bar whose crank turns at the speed of an input, with a bob on its rocker."""
+    out = driven()
+    for name in ("table", "rod", "wheel", "bar"):
+        del out["bodies"][name]
+    for name in ("shakes", "swings", "turns", "runs"):
+        del out["joints"][name]
+    del out["motors"], out["sensors"]["axle"]
+    out["constraints"] = {"crank": {"type": "motion", "joint": "A", "input": "speed"}}
+    out["joints"]["A"]["start"] = {"phi": 0.7, "fixed": ["phi"]}
+    out["parameters"] = ["bobs.damping"]
+    out["name"] = "Cranked"
+    return out

@@ -21,7 +21,7 @@ from gelenk.chart import mechanisms
 
 from .derivatives import DIRECTIONAL, IN_TIME, directional, in_time
 from .host import DISCARD, OK, Fmu, Slave, expect
-from .plants import crank_rocker, gyroscope
+from .plants import crank_rocker, cranked, driven, gyroscope
 
 
 def extracted(source: Scene, folder: Path) -> Fmu:
@@ -121,7 +121,7 @@ def test_singular_position_is_discarded_with_a_sentence(tmp_path: Path) -> None:
     assert directional(s, [state], {state: 1.0}) == [1.0]
 
 
-@pytest.mark.parametrize("plant", [crank_rocker, gyroscope, two_mechanisms])
+@pytest.mark.parametrize("plant", [crank_rocker, gyroscope, two_mechanisms, driven, cranked])
 def test_nothing_depends_on_what_is_not_declared(plant: Callable[[], Scene], tmp_path: Path) -> None:
     """Derivatives that do not vanish are among the dependencies that modelDescription.xml declares."""
     fmu = extracted(plant(), tmp_path)

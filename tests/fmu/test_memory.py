@@ -5,21 +5,34 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from mechanisms import Scene
 
 import gelenk
 
 from .c_hosts import extracted
-from .plants import crank_rocker
+from .plants import crank_rocker, cranked, driven
 
 HOST = "starved_host"
 
 
-@pytest.mark.parametrize("integrator", ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"])
-def test_allocations_that_fail_are_survived(integrator: str, host: Path, tmp_path: Path) -> None:
-    source = crank_rocker()
+INTEGRATORS = ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"]
+CASES = [
+    *((crank_rocker, name) for name in INTEGRATORS),
+    (driven, "auto"),
+    (driven, "ida"),
+    (cranked, "auto"),
+]
+
+
+@pytest.mark.parametrize(("plant", "integrator"), CASES)
+def test_allocations_that_fail_are_survived(
+    plant: Callable[[], Scene], integrator: str, host: Path, tmp_path: Path
+) -> None:
+    source = plant()
     source["solver"] = {"integrator": integrator}
     arguments = extracted(gelenk.export_fmu(source, tmp_path / "x.fmu"), tmp_path / "extracted")
     run = subprocess.run(
