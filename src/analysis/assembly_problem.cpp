@@ -70,9 +70,15 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
       tree_(tree),
       cuts_(cuts),
       free_q_(not_fixed(tree.q_fixed)),
-      free_v_(not_fixed(tree.v_fixed)) {
+      free_v_(not_fixed(tree.v_fixed)),
+      turns_(tree.turns) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
   const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    for (const CoordinateRow::Term& term : row.terms) {
+      if (row.holds_position) turns_[term.v] = false;
+    }
+  }
   cuts_fixed_ = any(cuts.q_fixed);
   cut_wishes_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
   const std::vector<bool> holds = mechanism.position_rows();
@@ -182,7 +188,7 @@ void AssemblyProblem::unwind(std::vector<double>& q) const {
   for (const Link& link : mechanism_.links) {
     for (int i = 0; i < link.nv; ++i) {
       const int k = link.iv + i;
-      if (tree_.q_fixed[k] || !tree_.turns[k]) continue;
+      if (tree_.q_fixed[k] || !turns_[k]) continue;
       double& angle = q[link.iq + i];
       angle -= 2 * M_PI * std::round((angle - tree_.q[link.iq + i]) / (2 * M_PI));
     }
@@ -215,7 +221,7 @@ double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<do
     if (link.parent < 0) continue;
     difference(link.nq, link.nv, a.data() + link.iq, b.data() + link.iq, d);
     for (int i = 0; i < link.nv; ++i) {
-      out = std::max(out, std::abs(tree_.turns[link.iv + i] ? std::remainder(d[i], 2 * M_PI) : d[i]));
+      out = std::max(out, std::abs(turns_[link.iv + i] ? std::remainder(d[i], 2 * M_PI) : d[i]));
     }
   }
   return out;

@@ -60,6 +60,7 @@ class AssemblyProblem {
   const Wishes& tree_;
   const Wishes& cuts_;
   std::vector<int> free_q_, free_v_;
+  std::vector<bool> turns_;         // Wishes::turns of the tree, but for angles that coordinate rows hold
   std::vector<int> position_rows_;  // rows that have a position level
   bool cuts_fixed_ = false, cut_wishes_ = false;
   double length_ = 1;
