@@ -35,18 +35,18 @@ void wished_coordinates(const Joint& joint, const JointPlace& place, double* q) 
   for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
 }
 
-void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, Wishes& out) {
+void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, Wishes& out) {
   const JointStart& start = joint.start;
   wished_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
-    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : silent_weight;
+    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : silent;
     out.q_given[place.iv + i] = start.q_given[c];
     out.turns[place.iv + i] = kind.q[c].unit == "rad";
     out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
     out.v_fixed[place.iv + i] = start.v_fixed[i];
-    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : silent_weight;
+    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : silent;
   }
 }
 
@@ -59,8 +59,8 @@ StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int is
     const Joint& joint = scene.joints[j];
     const JointKind& kind = *find_joint_kind(joint.type);
     const JointPlace& place = reduced.joints[j];
-    if (place.role == JointPlace::Role::tree) enter(joint, kind, place, out.tree);
-    if (place.role == JointPlace::Role::cut) enter(joint, kind, place, out.cuts);
+    if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
+    if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
     // The wishes of joints at a rod are heard while it is still a body (preparation.cpp): left are side and turn.
     if (place.role == JointPlace::Role::rod) wished_coordinates(joint, place, &out.cuts.q[place.iq]);
   }
