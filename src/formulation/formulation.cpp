@@ -9,6 +9,8 @@ namespace {
 
 // Newton stops here: relative to the mechanism's size, some tens of roundings.
 constexpr double closed = 1e-14;
+// rad: a wheel that lies this near to its plane is why a step fails.
+constexpr double nearly_flat = 0.05;
 
 double largest(const std::vector<double>& x) {
   double max = 0;
@@ -52,8 +54,13 @@ int Formulation::flat_wheel() const {
 
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
-  const int wheel = flat_wheel();
-  if (wheel < 0) return {};
+  const auto flat = [&](int c) {
+    const Eigen::Vector3d axis = dynamics_.cut_pose(c).R.col(2);
+    return std::hypot(axis.x(), axis.y()) < nearly_flat;
+  };
+  const auto found = std::ranges::find_if(wheels_, flat);
+  if (found == wheels_.end()) return {};
+  const int wheel = *found;
   return "the wheel of " + mechanism_.links[mechanism_.cuts[wheel].link_b].name +
          " has come to lie flat on its plane, where it has no point of contact";
 }

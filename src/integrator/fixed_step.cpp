@@ -29,7 +29,7 @@ double FixedStep::advance(double end, double* y) {
   for (long i = 0; i < count && (i == 0 || !system_.spent()); ++i) {
     make_step(start + static_cast<double>(i) * h, h);
     t_ = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
-    if (!system_.project(t_, y_.data())) throw IntegrationError(at_time(t_) + "the loops could not be closed again");
+    if (!system_.project(t_, y_.data())) refuse(system_, t_, y_.data(), "the loops could not be closed again");
     system_.accepted(t_, y_.data());
     ++steps_;
   }
@@ -38,7 +38,7 @@ double FixedStep::advance(double end, double* y) {
 }
 
 void FixedStep::evaluate(double t, const double* y) {
-  if (!system_.rhs(t, y, k_.data())) throw IntegrationError(at_time(t) + "the accelerations are not finite");
+  if (!system_.rhs(t, y, k_.data())) refuse(system_, t, y, "the accelerations are not finite");
 }
 
 }  // namespace gelenk

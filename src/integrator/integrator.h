@@ -86,8 +86,8 @@ std::unique_ptr<Integrator> make_newmark(Equations& system, const IntegratorOpti
 class Patience {
  public:
   Patience(double start, double end) : least_(1e-4 * (end - start)), mark_(start) {}
-  // Call after each step. Throws IntegrationError.
-  void step_to(double t);
+  // Call after each step. Empty, or why to give up.
+  std::string step_to(double t);
 
  private:
   static constexpr int window = 20000;  // steps; some tens of milliseconds for a small mechanism

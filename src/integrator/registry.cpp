@@ -34,14 +34,13 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
   return found->make(system, options);
 }
 
-void Patience::step_to(double t) {
-  if (++count_ < window) return;
-  if (t - mark_ < least_) {
-    throw IntegrationError(at_time(t) + "the last " + std::to_string(window) + " steps took the run only " +
-                           text::rounded(t - mark_) + " s further");
-  }
+std::string Patience::step_to(double t) {
+  if (++count_ < window) return {};
+  const double gained = t - mark_;
   count_ = 0;
   mark_ = t;
+  if (gained >= least_) return {};
+  return "the last " + std::to_string(window) + " steps took the run only " + text::rounded(gained) + " s further";
 }
 
 std::string at_time(double t) { return "t = " + text::rounded(t) + " s: "; }

@@ -112,15 +112,18 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     }
     jumped_ = false;
     if (step != Step::made) fail(step, start);
-    if (const double at = watched ? first_switch() : t_; at < t_) {
+    const double at = watched ? first_switch() : t_;
+    const bool back = at < t_;
+    if (back) {
       restart(start_t_, start_y_.data());
       prepare(target = at);
-      patience_.step_to(t_);
-      continue;
+    } else {
+      system_.accepted(t_, sundials::data(y_.get()));
     }
-    system_.accepted(t_, sundials::data(y_.get()));
-    patience_.step_to(t_);
-    if (system_.spent()) break;
+    if (const std::string why = patience_.step_to(t_); !why.empty()) {
+      refuse(system_, t_, sundials::data(y_.get()), why);
+    }
+    if (!back && system_.spent()) break;
   }
   count();
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
