@@ -248,8 +248,8 @@ std::vector<std::set<int>> initial_dependencies_of(const Catalogue& catalogue,
   std::set<int> parameters;
   const auto& variables = catalogue.variables();
   for (std::size_t i = 0; i < variables.size(); ++i) {
-    const bool acts = variables[i].source == Source::parameter && !variables[i].name.starts_with("solver.");
-    if (acts) parameters.insert(static_cast<int>(i));
+    const bool of_methods = variables[i].name.starts_with("solver.") && variables[i].name != "solver.start";
+    if (variables[i].source == Source::parameter && !of_methods) parameters.insert(static_cast<int>(i));
   }
   std::vector<std::set<int>> out(dependencies.size(), parameters);
   for (std::size_t i = 0; i < out.size(); ++i) {

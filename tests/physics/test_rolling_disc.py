@@ -285,7 +285,7 @@ def test_wheel_that_has_come_to_lie_flat_is_told(make: Callable[[Rolling], Scene
 
 
 def test_wheel_that_lies_flat_at_the_start_is_told() -> None:
-    with pytest.raises(gelenk.AssemblyError, match="constraints.tyre: found the wheel flat on its plane"):
+    with pytest.raises(gelenk.AssemblyError, match=r"constraints\.tyre: found the wheel flat on its plane"):
         gelenk.Simulation(gelenk.load(flying_disc(Rolling(np.pi / 2, 0.0, 0.0, 0.0)))).initialize()
 
 
