@@ -67,13 +67,24 @@ struct RowMaker {
     CoordinateRow row;
     add_term(row, c, c.joint, 0, 1);
     add_term(row, c, c.other, 0, -c.ratio);
-    if (!c.carrier.empty()) {
+    if (!c.carrier.empty() && moves(c, c.other) && moves(c, c.carrier)) {
       const double factor = (on_base(c, c.other) ? c.ratio : 0) - (on_base(c, c.joint) ? 1 : 0);
       if (factor != 0) add_term(row, c, c.carrier, 0, factor);
     }
     row.is_angle = c.type == ConstraintType::gear;
     row.constant = c.offset;
     return row;
+  }
+
+  std::string at(const Constraint& c) const {
+    return (scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": ";
+  }
+
+  // A joint between bodies that stand still is in no part that moves.
+  bool moves(const Constraint& c, const std::string& name) {
+    if (in_graph.contains(name)) return true;
+    errors.push_back(at(c) + "found joint " + name + " between bodies that stand still; expected a joint that moves");
+    return false;
   }
 
   // Whether a joint of a gear is on what the carrier turns on; else it is on the carrier.
@@ -83,20 +94,20 @@ struct RowMaker {
     const auto touches = [&](int group) { return joint.group_a == group || joint.group_b == group; };
     if (touches(carrier.group_b)) return false;
     if (touches(carrier.group_a)) return true;
-    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": found joint " + name +
-                     " neither on the carrier " + scene.joints[in_graph.at(c.carrier)].child.body + " nor on " +
+    errors.push_back(at(c) + "found joint " + name + " neither on the carrier " +
+                     scene.joints[in_graph.at(c.carrier)].child.body + " nor on " +
                      scene.joints[in_graph.at(c.carrier)].parent.body + ", which it turns on; expected one of them");
     return true;
   }
 
   // factor: of the user's coordinate.
   void add_term(CoordinateRow& row, const Constraint& c, const std::string& name, int component, double factor) {
+    if (!moves(c, name)) return;
     const JointPlace& place = places.joints[in_graph.at(name)];
     if (place.role != JointPlace::Role::tree) {
-      errors.push_back(
-          (scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": found joint " + name +
-          " in a loop in which every joint is constrained; expected a loop with at least one joint without "
-          "motion, gear or rack, where it can be cut");
+      errors.push_back(at(c) + "found joint " + name +
+                       " in a loop in which every joint is constrained; expected a loop with at least one joint "
+                       "without motion, gear or rack, where it can be cut");
       return;
     }
     row.terms.push_back({place.iq + component, place.iv + component, factor * place.q_sign[component]});
