@@ -75,7 +75,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   dynamics_.set_position(at);
   if (flat_wheel() >= 0) return false;
   if (!accelerate(t, at, ydot + nq_)) return false;
-  if (rows() > 0) passages_.seen(t, dynamics_.pivot_ratio());
+  if (rows() > 0 && factorises_rows()) passages_.seen(t, dynamics_.pivot_ratio());
   dynamics_.rate(at, at + nq_, ydot);
   return std::all_of(ydot, ydot + size(), [](double x) { return std::isfinite(x); });
 }
@@ -100,11 +100,10 @@ bool Formulation::meet(double t, double* y) {
   return close_velocity(y + nq_);
 }
 
-std::vector<double> Formulation::drives_at(double t) {
-  std::vector<double> out;
+void Formulation::drives_at(double t, std::vector<double>& out) {
+  out.clear();
   const double* s = targets_.at(t, inputs_);
   for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) out.insert(out.end(), {s[3 * i], s[3 * i + 1]});
-  return out;
 }
 
 void Formulation::allow(long evaluations) {

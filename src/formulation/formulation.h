@@ -65,7 +65,7 @@ class Formulation : public Equations {
   // False: not reached.
   bool meet(double t, double* y);
   // s and ds/dt of each coordinate row at t.
-  std::vector<double> drives_at(double t);
+  void drives_at(double t, std::vector<double>& out);
 
   // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
   // that wrote the record as in the one that reads it.
@@ -82,6 +82,8 @@ class Formulation : public Equations {
  protected:
   // The state at which rhs(y) evaluates; size() numbers. nullptr: none found near y.
   virtual const double* state_for(const double* y) { return y; }
+  // Whether accelerate() leaves factors of the rows, which tell singular positions.
+  virtual bool factorises_rows() const { return true; }
   // vdot at (t, y); dynamics_ is at its position, without velocities. False: as rhs.
   virtual bool accelerate(double t, const double* y, double* vdot);
   // Rows nq.. of df/dy into `out` (size() x size()), from slopes_ at the state of the last accelerate(); vdot: found

@@ -17,6 +17,7 @@ class Penalised : public Formulation {
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
 
  protected:
+  bool factorises_rows() const override { return false; }
   // M_, f_ and wish_ at the position of dynamics_ and the speeds v, and the factors of M + a J^T J. False: it has none.
   bool assemble(const double* v);
   // The penalised accelerations at y, their factors kept. False: M has none.

@@ -49,7 +49,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   dynamics_->limit_rank(prepared_.structure.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
-  if (follows_) followed_ = equations_->drives_at(time);
+  if (follows_) equations_->drives_at(time, followed_);
+  backup_followed_ = drives_ = followed_;  // steps ask nothing of the heap
 }
 
 void Island::start_integrator(double tolerance) {
@@ -94,7 +95,7 @@ double Island::advance(double end, long most_evaluations) {
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
     end = integrator_->advance(end, y_.data());
-    if (follows_) followed_ = equations_->drives_at(end);
+    if (follows_) equations_->drives_at(end, followed_);
   }
   time_ = end;
   return end;
@@ -103,10 +104,10 @@ double Island::advance(double end, long most_evaluations) {
 // An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
 // metric, as an impact would.
 void Island::meet_drives() {
-  const std::vector<double> now = equations_->drives_at(time_);
+  equations_->drives_at(time_, drives_);
   const auto same = [](double a, double b) { return std::abs(a - b) <= met * (1 + std::abs(a)); };
-  if (std::ranges::equal(now, followed_, same)) return;
-  followed_ = now;
+  if (std::ranges::equal(drives_, followed_, same)) return;
+  followed_ = drives_;
   if (!equations_->meet(time_, y_.data())) {
     throw IntegrationError("the motion that an input gives cannot be met from where the mechanism stands");
   }
