@@ -161,3 +161,22 @@ def test_tricycle_goes_where_it_is_steered() -> None:
     assert_close(
         "load", loads, (25 + 1 + 3 * WHEEL) * GRAVITY, 1e-8, "round-off of 300 N, accelerations' 1e-10"
     )
+
+
+def test_robot_stands_on_a_slope() -> None:
+    """Torque of the motors holds all of it, M g r sin(slope), and the chassis leans uphill to bear that."""
+    slope = 0.12
+    source = gelenk.load(READY / "balancing_robot.yaml").to_dict()
+    hill = {"axis": [0, 1, 0], "angle": slope}  # x points downhill
+    for tyre in source["constraints"].values():
+        tyre["on"] = {"body": "ground", "rotation": hill}
+    source["joints"]["ride"]["parent"] = {"body": "ground", "rotation": hill}
+    motors = ["motor_left.tau", "motor_right.tau"]
+    found = gelenk.equilibrium(source, solve_for=motors, hold={"ride.s_x": 0.0})
+    needed = ROBOT_MASS * GRAVITY * 0.1 * np.sin(slope)  # N m
+    for name in motors:
+        assert_close(name, found.inputs[name], -needed / 2, 1e-8, "residual 1e-8 rad/s2 of 1 kg m2")
+    lean = np.arcsin(needed / (8 * GRAVITY * 0.3))  # from the vertical; pitch is from the slope's normal
+    assert_close("lean", found.values["pitch.phi"], -lean - slope, 1e-8, "residual")
+    for name in LOADS:
+        assert_close(name, found.values[name], ROBOT_MASS * GRAVITY * np.cos(slope) / 2, 1e-7, "residual")
