@@ -180,3 +180,48 @@ def test_robot_stands_on_a_slope() -> None:
     assert_close("lean", found.values["pitch.phi"], -lean - slope, 1e-8, "residual")
     for name in LOADS:
         assert_close(name, found.values[name], ROBOT_MASS * GRAVITY * np.cos(slope) / 2, 1e-7, "residual")
+
+
+def test_speeds_of_wheels_are_inputs() -> None:
+    """A differential drive goes round the arcs that its wheels say; where a speed jumps it turns at once."""
+    source = two_wheeled_cart(0.0, 0.0)
+    source["joints"]["castors"]["start"] = {"s_x": 0.0, "s_y": 0.0, "phi": 0.0, "fixed": True}
+    del source["motors"]
+    for name in ("left", "right"):
+        source["constraints"][f"{name}_drive"] = {"type": "motion", "joint": name, "input": "speed"}
+    plant = gelenk.Simulation(gelenk.load(source))
+    x, y, phi = 0.0, 0.0, 0.0
+    for leg, (left, right) in enumerate([(3.0, 5.0), (-1.0, 5.0), (2.0, 2.0)]):
+        plant.set_input("left_drive.w_ref", left)
+        plant.set_input("right_drive.w_ref", right)
+        if leg == 0:
+            plant.initialize(0.0, 1e-10)
+        plant.step_to(1.0 * (leg + 1))
+        v, w = RADIUS * (left + right) / 2, RADIUS * (right - left) / (2 * HALF_TRACK)
+        x += v * (np.sin(phi + w) - np.sin(phi)) / w if w else v * np.cos(phi)
+        y -= v * (np.cos(phi + w) - np.cos(phi)) / w if w else -v * np.sin(phi)
+        phi += w
+        for name, expected in (("s_x", x), ("s_y", y), ("phi", phi), ("w", w)):
+            assert_close(name, plant.output(f"castors.{name}"), expected, 1e-8, "100 rtol")
+
+
+def test_wheels_that_a_gear_locks_together_cannot_turn_the_cart() -> None:
+    source = two_wheeled_cart(0.5, 0.0)
+    source["constraints"]["lock"] = {"type": "gear", "joint": "left", "with": "right", "ratio": 1}
+    found = run(source, np.linspace(0, 2, 21), inputs={"left_motor.tau": 0.3}, tolerance=1e-10)
+    assert_close("turning", found["castors.w"], 0, 1e-11, "projected")
+    du, _ = two_wheeled_rates(0.0, 0.0, 0.3, 0.0)
+    assert_close("ahead", found["castors.v_x"], 0.5 + du * found.time, 1e-9, "10 rtol")
+    source["joints"]["castors"]["start"]["w"] = 1.0
+    with pytest.raises(gelenk.AssemblyError, match="fixed start speeds of castors contradict"):
+        gelenk.Simulation(gelenk.load(source)).initialize()
+
+
+@pytest.mark.parametrize("formulation", ["index3", "stabilized-index2"])
+def test_forms_that_need_independent_rows_say_so(formulation: str) -> None:
+    """Both wheels of one axle hold it sideways."""
+    source = two_wheeled_cart(0.5, 0.0) | {"solver": {"formulation": formulation}}
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize()
+    with pytest.raises(gelenk.StepError, match=r"constraint rows of rank 3, and .* needs independent ones"):
+        plant.step_to(0.1)
