@@ -169,8 +169,8 @@ def cannot_act(source: dict[str, Any], name: str) -> bool:
 HELD = {"balancing_robot": ("lift", "roll")}
 
 
-# solver.start is refused in each situation where no rest is near, as of legs that slide freely, and changes nothing where
-# the start is one: without weight and springs any is.
+# Where solver.start is refused in each situation, as no rest is near legs that slide freely, and where it
+# changes nothing, as the start is a rest: without weight and springs any is.
 NO_OTHER_REST = ("stewart", "five_bar")
 
 
