@@ -93,8 +93,8 @@ PAIRS = [
     *((f, i) for f in ("index3", "stabilized-index2") for i in ("auto", "ida")),
     *(("index3", i) for i in SECOND_ORDER),
 ]
-# At a tolerance of 1e-8 errors of 2e-8 are seen, of penalties 1e-7; with steps of 1 ms 6e-2 of order 1, 2e-4 of
-# order 2.
+# At a tolerance of 1e-8 errors of 2e-8 are seen, of penalties 1e-7; with steps of 1 ms 6e-2 of order 1 and
+# 2e-4 of order 2.
 BOUNDS = {"euler": 0.15, **dict.fromkeys(SECOND_ORDER, 5e-4)}
 
 
@@ -113,6 +113,6 @@ def test_the_formulation_that_knows_no_constraints_of_speeds_alone_says_so() -> 
     with pytest.raises(gelenk.SceneError) as refused:
         error("speed", "independent", "auto")
     assert str(refused.value) == (
-        "scene: solver.formulation: found 'independent' with constraints.drive, which constrains speeds but no "
-        "position, expected another formulation, as projection"
+        "scene: solver.formulation: found 'independent' with constraints.drive, which constrains speeds but "
+        "no position, expected another formulation, as projection"
     )
