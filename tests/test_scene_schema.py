@@ -18,14 +18,18 @@ from gelenk import _core, yaml12
 BEYOND = {
     "at_and_position", "axes_parallel", "axis_not_finite", "axis_zero", "body_unknown",
     "body_unknown_many", "constraint_name_taken", "disconnected", "duplicate_field",
-    "experiment_step_longer_than_run", "inertia_impossible", "inertia_negative", "inertia_principal",
+    "experiment_step_longer_than_run", "gear_joints", "gear_name_taken", "gear_on_slide",
+    "gear_with_itself", "inertia_impossible", "inertia_negative", "inertia_principal",
     "inertia_products", "inertia_without_mass", "joint_to_itself", "knife_edge_itself", "mass_infinite",
-    "mass_nan", "motor_joint_unknown", "motor_on_spherical", "name_of_health_variable", "names_collide",
-    "parameter_of_missing_bound", "parameter_unknown", "rolling_independent", "rolling_parameter",
-    "rotation_matrix_mirror", "rotation_matrix_stretched", "rotation_quaternion_zero",
-    "sensor_joint_unknown", "solver_gain_without_baumgarte", "solver_partners", "solver_rho_inf",
-    "solver_rho_inf_unused", "spring_on_one_body", "start_nan", "start_quaternion_zero",
-    "start_weight_nan", "stop_bounds_crossed",
+    "mass_nan", "motion_coordinate_missing", "motion_coordinate_unknown", "motion_independent",
+    "motion_joint_unknown", "motion_of_ball", "motion_of_speed_name", "motion_parameter",
+    "motion_table_lengths", "motion_table_period", "motion_table_times", "motion_twice",
+    "motor_joint_unknown", "motor_on_spherical", "name_of_health_variable", "names_collide",
+    "parameter_of_missing_bound", "parameter_unknown", "rack_swapped", "rolling_independent",
+    "rolling_parameter", "rotation_matrix_mirror", "rotation_matrix_stretched",
+    "rotation_quaternion_zero", "sensor_joint_unknown", "solver_gain_without_baumgarte",
+    "solver_partners", "solver_rho_inf", "solver_rho_inf_unused", "spring_on_one_body", "start_nan",
+    "start_quaternion_zero", "start_weight_nan", "stop_bounds_crossed",
 }  # fmt: skip
 
 

@@ -37,9 +37,17 @@ struct Checker {
     return nullptr;
   }
 
+  // What could not be read is NaN, and has been told. False: so it is.
+  bool finite(const double* values, std::size_t n, const std::string& path) {
+    if (partial && std::any_of(values, values + n, [](double x) { return std::isnan(x); })) return false;
+    check_finite(values, n, path, faults);
+    return true;
+  }
+
   void table(const GivenMotion& motion, const std::string& path) {
-    check_finite(motion.times.data(), motion.times.size(), path + ".time", faults);
-    check_finite(motion.values.data(), motion.values.size(), path + ".value", faults);
+    const bool times = finite(motion.times.data(), motion.times.size(), path + ".time");
+    const bool values = finite(motion.values.data(), motion.values.size(), path + ".value");
+    if (!times || !values) return;
     if (motion.times.size() < 2 || motion.times.size() != motion.values.size()) {
       if (partial && (motion.times.empty() || motion.values.empty())) return;
       faults.add(path,
@@ -80,11 +88,11 @@ struct Checker {
       }
     }
     const GivenMotion& m = c.motion;
-    check_finite(m.polynomial.data(), m.polynomial.size(), path + ".polynomial", faults);
+    finite(m.polynomial.data(), m.polynomial.size(), path + ".polynomial");
     for (const auto& [value, field] :
          {std::pair(m.amplitude, "sine.amplitude"), std::pair(m.frequency, "sine.frequency"),
           std::pair(m.phase, "sine.phase"), std::pair(m.speed, "speed")}) {
-      check_finite(&value, 1, path + "." + field, faults);
+      finite(&value, 1, path + "." + field);
     }
     if (m.frequency < 0) faults.add(path + ".sine.frequency", text::number(m.frequency) + " Hz", "0 Hz or more");
     if (m.source == GivenMotion::Source::table) table(m, path + ".table");
@@ -97,8 +105,8 @@ struct Checker {
     if (!c.carrier.empty()) joint(c.carrier, path + ".carrier", {"revolute"});
     const bool twice = c.joint == c.other || c.joint == c.carrier || c.other == c.carrier;
     if (twice && !c.joint.empty() && !c.other.empty()) faults.add(path, "a joint twice", "different joints");
-    check_finite(&c.ratio, 1, path + (rack ? ".radius" : ".ratio"), faults);
-    check_finite(&c.offset, 1, path + ".offset", faults);
+    finite(&c.ratio, 1, path + (rack ? ".radius" : ".ratio"));
+    finite(&c.offset, 1, path + ".offset");
     if (c.ratio == 0) faults.add(path + (rack ? ".radius" : ".ratio"), "0", "a number other than 0");
   }
 

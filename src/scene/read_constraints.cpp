@@ -18,7 +18,8 @@ const JointKind* kind_of_joint(const Scene& scene, const std::string& name) {
 
 // Any number of numbers, at least `least`.
 std::vector<double> read_numbers(const Json& value, const std::string& path, Faults& faults, std::size_t least) {
-  const std::string expected = "a list of " + std::to_string(least) + " numbers or more";
+  const std::string expected =
+      least == 1 ? "a list of numbers" : "a list of " + std::to_string(least) + " numbers or more";
   if (!value.is_array() || value.size() < least) {
     faults.add(path, shown(value), expected);
     return {};

@@ -29,10 +29,9 @@ Json motion() {
   fields["speed"] = number("rad/s or m/s", "Constant speed, from wherever the coordinate starts");
   fields["input"] = {{"enum", words::motion_inputs}, {"description", "What an input of the model gives"}};
   Json out = object(fields, {"type", "joint"});
-  out["anyOf"] = Json::array();
-  for (const char* field : {"polynomial", "sine", "table", "speed", "input"}) {
-    out["anyOf"].push_back({{"required", {field}}});
-  }
+  const auto has = [](const char* field) { return Json{{"required", Json::array({field})}}; };
+  const Json formula = {{"anyOf", Json::array({has("polynomial"), has("sine")})}};
+  out["oneOf"] = Json::array({formula, has("table"), has("speed"), has("input")});
   return out;
 }
 
