@@ -133,7 +133,7 @@ class Formulation : public Equations {
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
   std::vector<int> wheels_;  // cuts
-  double length_;  // m: rounding of a closed loop grows with it
+  double length_;            // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };
 

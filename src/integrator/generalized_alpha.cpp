@@ -190,8 +190,8 @@ class GeneralizedAlpha final : public FixedStep {
   }
 
   // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the share of vdot+ in q
-  // (or in v): so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is turned on
-  // its way, by an angle of the order of h, is left out.
+  // (or in v): so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is
+  // turned on its way, by an angle of the order of h, is left out.
   bool make_matrix(double t, double h, const Shares& s) {
     if (!system_.residual_slopes(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
     N_ = -F_x_.block(0, nq_, nq_, nv_);

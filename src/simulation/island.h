@@ -87,9 +87,9 @@ class Island {
   std::vector<double> y_, vdot_;
   double backup_time_;
   std::vector<double> backup_;
-  bool follows_ = false;                           // some row follows an input
+  bool follows_ = false;                                     // some row follows an input
   std::vector<double> followed_, backup_followed_, drives_;  // what the rows were followed to (Formulation::drives_at)
-  Outputs::Needs fresh_ = Outputs::Needs::state;  // what dynamics_ holds for the present state and inputs
+  Outputs::Needs fresh_ = Outputs::Needs::state;             // what dynamics_ holds for the present state and inputs
   bool inputs_jumped_ = false;
   long evaluations_before_ = 0;  // made to prepare the run
 };
