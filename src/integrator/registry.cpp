@@ -36,11 +36,12 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
 
 std::string Patience::step_to(double t) {
   if (++count_ < window) return {};
-  const double gained = t - mark_;
+  if (t - mark_ < least_) {
+    return "the last " + std::to_string(window) + " steps took the run only " + text::rounded(t - mark_) + " s further";
+  }
   count_ = 0;
   mark_ = t;
-  if (gained >= least_) return {};
-  return "the last " + std::to_string(window) + " steps took the run only " + text::rounded(gained) + " s further";
+  return {};
 }
 
 std::string at_time(double t) { return "t = " + text::rounded(t) + " s: "; }
