@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -32,26 +32,20 @@ def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str) -> dict[str, i
     return dict(zip(("set", "step", "get", "tune"), map(int, run.stdout.split()), strict=True))
 
 
-# Plant, what is tuned, formulations that are left out. Penalties leave the driven plant errors that a warning
-# tells, once; the speed of `cranked` jumps, an impact, which is for `projection`.
-RIVALS = ("baumgarte", "udwadia-kalaba", "penalty", "augmented-lagrangian", "index3", "stabilized-index2")
-CASES = [
-    (crank_rocker, "A.damping", ()),
-    (driven, "bobs.damping", ("penalty", "augmented-lagrangian")),
-    (cranked, "bobs.damping", RIVALS),
-]
+# The speed of `cranked` jumps, which is an impact.
+PLANTS = [(crank_rocker, "A.damping"), (driven, "bobs.damping"), (cranked, "bobs.damping")]
 
 
-@pytest.mark.parametrize(("plant", "tunable", "without"), CASES)
+@pytest.mark.parametrize(("plant", "tunable"), PLANTS)
 def test_running_asks_nothing_of_the_heap(
-    plant: Callable[[], Scene], tunable: str, without: Sequence[str], host: Path, tmp_path: Path
+    plant: Callable[[], Scene], tunable: str, host: Path, tmp_path: Path
 ) -> None:
     """With every pair of methods."""
     source = plant()
     fmu = gelenk.export_fmu(source, tmp_path / "any.fmu")
     table = Fmu(fmpy.extract(str(fmu), str(tmp_path / "any")))
     found = {}
-    for formulation in choice(table, "solver.formulation").keys() - without:
+    for formulation in choice(table, "solver.formulation"):
         for integrator in choice(table, "solver.integrator"):
             source["solver"] = {"formulation": formulation, "integrator": integrator}
             try:
@@ -60,6 +54,6 @@ def test_running_asks_nothing_of_the_heap(
                 continue  # do not go together
             name = f"{formulation} {integrator}"
             found[name] = heap_calls(host, fmu, tmp_path / name, tunable)
-    assert len(found) > 40 - 7 * len(without)
+    assert len(found) > 30
     noisy = {name: calls for name, calls in found.items() if any(calls.values())}
     assert not noisy, "\n".join(f"{name}: {calls}" for name, calls in noisy.items())
