@@ -95,9 +95,16 @@ bool Formulation::meet(double t, double* y) {
   dynamics_.normalise(y);
   dynamics_.set_position(y);
   renew_factors();  // an impact is no small correction: no former factors will do
+  // By the least change in the mass metric, whatever corrects rounding afterwards.
+  dynamics_.correct(dynamics_.Phi().data(), dv_.data());
+  dynamics_.displace(y, dv_.data());
   if (!close_position(y)) return false;
   renew_factors();
-  return close_velocity(y + nq_);
+  double* v = y + nq_;
+  dynamics_.set_velocity(v);
+  dynamics_.correct(dynamics_.row_rates().data(), dv_.data());
+  for (int k = 0; k < nv_; ++k) v[k] += dv_[k];
+  return close_velocity(v);
 }
 
 void Formulation::drives_at(double t, std::vector<double>& out) {

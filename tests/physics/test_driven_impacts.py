@@ -22,15 +22,39 @@ def blow(chain: Chain, q: Array, change: float) -> Array:
     return out
 
 
+# Without index3 and ida: its speeds err by the tolerance over the step, here of 1 ns.
+METHODS = [
+    ("projection", "erk"),
+    ("projection", "rk4"),
+    ("projection", "cvode"),
+    ("baumgarte", "erk"),
+    ("udwadia-kalaba", "erk"),
+    ("penalty", "cvode"),
+    ("augmented-lagrangian", "erk"),
+    ("independent", "erk"),
+    ("index3", "generalized-alpha"),
+    ("stabilized-index2", "ida"),
+]
+CASES = [
+    (given, *methods)
+    for given in ("position", "speed")
+    for methods in METHODS
+    if (given, methods[0]) != ("speed", "independent")  # refused: test_driven_methods.py
+]
 JOINTS = [("revolute", "phi"), ("planar", "s_y"), ("universal", "phi_a")]
 
 
 @pytest.mark.parametrize(("kind", "coordinate"), JOINTS)
-@pytest.mark.parametrize("given", ["position", "speed"])
-@pytest.mark.parametrize("integrator", ["erk", "rk4", "cvode"])
-def test_a_jump_of_the_speed_is_an_impact(kind: str, coordinate: str, given: str, integrator: str) -> None:
+@pytest.mark.parametrize(("given", "formulation", "integrator"), CASES)
+def test_a_jump_of_the_speed_is_an_impact(
+    kind: str, coordinate: str, given: str, formulation: str, integrator: str
+) -> None:
     chain = Chain(kind, coordinate)
-    solver = {"integrator": integrator, **({"step": 0.02} if integrator == "rk4" else {})}
+    solver = {
+        "formulation": formulation,
+        "integrator": integrator,
+        "step": 0.02 if integrator == "rk4" else 1e-3,
+    }
     plant = gelenk.Simulation(gelenk.load(chain.scene({"input": given}, rest(chain), solver=solver)))
     name = plant.inputs[0].name
 
@@ -43,7 +67,7 @@ def test_a_jump_of_the_speed_is_an_impact(kind: str, coordinate: str, given: str
     plant.initialize(0.0, TOLERANCE)
     plant.step_to(0.5)
     q, before = plant.values(chain.names), plant.values(chain.speeds)
-    assert before[chain.driven] == pytest.approx(0.7, abs=1e-12)
+    assert before[chain.driven] == pytest.approx(0.7, abs=1e-7 if formulation == "penalty" else 1e-12)
     give(float(q[chain.driven]), -0.6)
     plant.step_to(0.5 + 1e-9)
     jumps = plant.values(chain.speeds) - before
