@@ -12,9 +12,11 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, reaction, scene
 
 from .driven import Array, Law, polynomial, run, sine
+from .modelica import G_N, fourbar1
 from .one_freedom import Jet, OneFreedom
 from .planar_loops import FourBar, uniform
 from .running import assert_close
+from .spatial_loops import ModelicaFourbar1
 
 LENGTHS = (0.5, 1.75, 1.5, 2.0)
 LINKS = FourBar(uniform(2, 0.5), uniform(2, 1.75), uniform(2, 1.5), 2.0)
@@ -198,3 +200,49 @@ def test_car_axis_ends_where_its_reference_does() -> None:
     assert_close("strut", found["at_strut.f[1]"][-1], ALONG_BASE * LENGTH, 1e-9, "as above")
     force = math.hypot(found["at_bar.f[1]"][-1], found["at_bar.f[2]"][-1])
     assert_close("bar", force, 2 * abs(ALONG_BAR) * LENGTH, 1e-9, "as above")
+
+
+# A loop in space: hinge, slide, ball and cross, Modelica's Fourbar1. By coordinate: its Jet of the crank's
+# angle, its speed's and acceleration's name.
+FOURBAR1 = ModelicaFourbar1()
+IN_SPACE: dict[str, tuple[Callable[[Jet], Jet], str, str]] = {
+    "j1.phi": (lambda phi: phi, "w", "a"),
+    "j2.s": (FOURBAR1.slider, "v", "a"),
+    "cross.phi_a": (lambda phi: FOURBAR1.rod(phi)[0], "w_a", "a_a"),
+    "cross.phi_b": (lambda phi: FOURBAR1.rod(phi)[1], "w_b", "a_b"),
+}
+
+
+@pytest.mark.parametrize("driven_at", list(IN_SPACE))
+def test_loop_in_space_driven_at_each_of_its_coordinates(driven_at: str) -> None:
+    """As the crank then moves so does all else; the drive's power is that of a torque at the crank."""
+    source = fourbar1()
+    name, _, coordinate = driven_at.partition(".")
+    law, speed, _ = IN_SPACE[driven_at]
+    begin = law(Jet(0.3, 1.0))
+    given = polynomial([begin.x, 1.5 * begin.d, 0.4 * begin.d])
+    source["joints"]["j1"]["start"] = {"phi": 0.3}
+    source["constraints"] = {
+        "drive": {
+            "type": "motion",
+            "joint": name,
+            "coordinate": coordinate,
+            "polynomial": [begin.x, 1.5 * begin.d, 0.4 * begin.d],
+        }
+    }
+    times = np.linspace(0, 0.35, 8)  # the cross comes to a dead centre at 0.38 s
+    found = run(source, times, 1e-8)
+    motion = OneFreedom(FOURBAR1.geometry, (0.0, -G_N, 0.0))
+    for i, t in enumerate(times):
+        phi, w, a = (found[f"j1.{q}"][i] for q in ("phi", "w", "a"))
+        for key, (angle, rate, change) in IN_SPACE.items():
+            x, joint_name = angle(Jet(phi, 1.0)), key.partition(".")[0]
+            expected = (x.x, x.d * w, x.dd * w * w + x.d * a)
+            seen = (found[key][i], found[f"{joint_name}.{rate}"][i], found[f"{joint_name}.{change}"][i])
+            assert_close(f"{key} at {t}", seen, expected, 1e-10, "closed form")
+        assert_close("motion", found[driven_at][i], given(float(t))[0], 1e-12, "given")
+        inertia = sum(moving.reduced()[0] for moving in FOURBAR1.geometry(Jet(phi, 1.0)))
+        at_crank = inertia * (a - motion.acceleration(0, phi, w))
+        force = found["drive.f" if coordinate == "s" else "drive.tau"][i]
+        power = force * found[f"{name}.{speed}"][i]
+        assert_close(f"power at {t}", power, at_crank * w, 1e-8, "of 200 W")
