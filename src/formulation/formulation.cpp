@@ -9,6 +9,8 @@ namespace {
 
 // Newton stops here: relative to the mechanism's size, some tens of roundings.
 constexpr double closed = 1e-14;
+// Pivots of the rows, the least over the largest, below which such a place is why a step fails.
+constexpr double dead = 0.1;
 // rad: a wheel that lies this near to its plane is why a step fails.
 constexpr double nearly_flat = 0.05;
 
@@ -52,6 +54,14 @@ int Formulation::flat_wheel() const {
   return -1;
 }
 
+// Where dynamics_ stands.
+std::string Formulation::dead_centre() {
+  if (!mechanism_.driven()) return {};
+  renew_factors();
+  if (dynamics_.pivot_ratio() > dead) return {};
+  return "a loop stands near a dead centre of what drives it, beyond which a given motion cannot be followed";
+}
+
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
   const auto flat = [&](int c) {
@@ -59,7 +69,7 @@ std::string Formulation::obstacle(const double* y) {
     return std::hypot(axis.x(), axis.y()) < nearly_flat;
   };
   const auto found = std::ranges::find_if(wheels_, flat);
-  if (found == wheels_.end()) return {};
+  if (found == wheels_.end()) return dead_centre();
   const int wheel = *found;
   return "the wheel of " + mechanism_.links[mechanism_.cuts[wheel].link_b].name +
          " has come to lie flat on its plane, where it has no point of contact";

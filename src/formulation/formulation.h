@@ -126,6 +126,7 @@ class Formulation : public Equations {
  private:
   double rounding(const double* q) const;
   int flat_wheel() const;
+  std::string dead_centre();
 
   Targets targets_;
   TurnCounter turns_;

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A given motion that a loop cannot follow: refused where it ends, not followed by another assembly."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from mechanisms import four_bar
+
+import gelenk
+
+CRANK, COUPLER, ROCKER, GROUND = 0.5, 1.75, 1.5, 2.0
+
+
+def dead_centres() -> tuple[float, float]:
+    """D.phi [rad] where crank and coupler are in line, stretched and folded: the rocker goes no further."""
+    return tuple(  # type: ignore[return-value]
+        math.pi - math.acos((GROUND**2 + ROCKER**2 - reach**2) / (2 * GROUND * ROCKER))
+        for reach in (COUPLER + CRANK, COUPLER - CRANK)
+    )
+
+
+@pytest.mark.parametrize("integrator", ["erk", "ida", "rk4", "cvode"])
+def test_a_rocker_is_not_driven_beyond_its_dead_centre(integrator: str) -> None:
+    source = four_bar(1.1)
+    source["joints"]["A"]["start"] = {"phi": 1.1}
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize()
+    start = plant.output("D.phi")
+    least, most = dead_centres()
+    assert least < start < most
+    source["constraints"] = {"follow": {"type": "motion", "joint": "D", "polynomial": [start, 0.5]}}
+    source["solver"] = {"integrator": integrator, "step": 1e-3}
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize()
+    before = plant.output("A.phi")
+    with pytest.raises(gelenk.StepError, match=r"dead centre of what drives it") as refused:
+        for k in range(1, 1000):
+            plant.step_to(0.005 * k)
+            # The crank's way is continuous: 0.005 s at a speed that grows as the root of what is left.
+            assert abs(plant.output("A.phi") - before) < 0.3
+            before = plant.output("A.phi")
+            assert plant.diagnostics["constraints.position"] < 1e-9  # closed to rounding
+    assert "beyond which a given motion cannot be followed" in str(refused.value)
+    # The plant stands at the last time it got to: a step of 0.5 rad/s times 0.005 s before the end, at most.
+    assert most - 0.0026 < plant.output("D.phi") < most
