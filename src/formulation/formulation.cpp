@@ -11,6 +11,9 @@ namespace {
 constexpr double closed = 1e-14;
 // Pivots of the rows, the least over the largest, below which such a place is why a step fails.
 constexpr double dead = 0.1;
+// Share of the mechanism's size [m], or rad for each metre of it, that corrections may move a driven one: beyond it
+// lies another assembly, where a motion leads that the loops cannot follow.
+constexpr double elsewhere = 0.3;
 // rad: a wheel that lies this near to its plane is why a step fails.
 constexpr double nearly_flat = 0.05;
 
@@ -229,6 +232,7 @@ bool Formulation::close_position(double* q) {
   if (mechanism_.rows == 0) return true;
   const double floor = rounding(q);
   double before = INFINITY;
+  double moved = 0;
   for (int i = 0; i < 30; ++i) {
     const double gap = largest(dynamics_.Phi());
     if (!std::isfinite(gap)) return false;
@@ -238,6 +242,8 @@ bool Formulation::close_position(double* q) {
     if (!factors_ || gap > 0.1 * before) renew_factors();
     before = gap;
     correction(dynamics_.Phi().data(), dv_.data());
+    moved += largest(dv_);
+    if (mechanism_.driven() && !(moved <= elsewhere * length_)) return false;
     dynamics_.displace(q, dv_.data());
     dynamics_.set_position(q);
   }

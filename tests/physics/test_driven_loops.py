@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, reaction, scene
 
+import gelenk
+
 from .driven import Array, Law, polynomial, run, sine
 from .modelica import G_N, fourbar1
 from .one_freedom import Jet, OneFreedom
@@ -246,3 +248,23 @@ def test_loop_in_space_driven_at_each_of_its_coordinates(driven_at: str) -> None
         force = found["drive.f" if coordinate == "s" else "drive.tau"][i]
         power = force * found[f"{name}.{speed}"][i]
         assert_close(f"power at {t}", power, at_crank * w, 1e-8, "of 200 W")
+
+
+@pytest.mark.parametrize("integrator", ["auto", "cvode", "rk4"])
+def test_a_motion_beyond_a_dead_centre_is_refused_there(integrator: str) -> None:
+    """The cross turns to 0.423 rad and back while the crank goes round: no motion leads further."""
+    source = fourbar1()
+    source["joints"]["j1"]["start"] = {"phi": 0.3}
+    begin = IN_SPACE["cross.phi_a"][0](Jet(0.3, 1.0)).x
+    motion = {"type": "motion", "joint": "cross", "coordinate": "phi_a", "polynomial": [begin, 0.6]}
+    source["constraints"] = {"drive": motion}
+    source["solver"] = {"integrator": integrator, "step": 1e-3}
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize()
+    most = max(IN_SPACE["cross.phi_a"][0](Jet(x, 1.0)).x for x in np.linspace(1.3, 1.6, 301))
+    dead = (most - begin) / 0.6
+    plant.step_to(dead - 0.01)
+    before = plant.values().tolist()
+    with pytest.raises(gelenk.StepError):
+        plant.step_to(dead + 0.01)
+    assert plant.values().tolist() == before
