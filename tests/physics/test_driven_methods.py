@@ -15,9 +15,9 @@ from scipy.integrate import solve_ivp
 import gelenk
 
 from .driven import Array, Law, polynomial, sine
+from .geared_five_bar import five_bar, five_bar_bodies
 from .one_freedom import Jet, OneFreedom
 from .test_driven_loops import LINKS, START, driven
-from .test_gears import five_bar, five_bar_bodies
 
 # On the rocker: kg, kg m2 about its centre, m to that, m and m of the pivot on the rocker.
 BOB, BOB_MOMENT, REACH, PIVOT = 0.3, 0.001, 0.1, (0.7, 0.1)
