@@ -35,13 +35,16 @@ def test_a_rocker_is_not_driven_beyond_its_dead_centre(integrator: str) -> None:
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize()
     before = plant.output("A.phi")
-    with pytest.raises(gelenk.StepError, match=r"dead centre of what drives it") as refused:
-        for k in range(1, 1000):
+    for k in range(1, 1000):
+        try:
             plant.step_to(0.005 * k)
-            # The crank's way is continuous: 0.005 s at a speed that grows as the root of what is left.
-            assert abs(plant.output("A.phi") - before) < 0.3
-            before = plant.output("A.phi")
-            assert plant.diagnostics["constraints.position"] < 1e-9  # closed to rounding
-    assert "beyond which a given motion cannot be followed" in str(refused.value)
+        except gelenk.StepError as refused:
+            words = str(refused)
+            break
+        # The crank's way is continuous: 0.005 s at a speed that grows as the root of what is left.
+        assert abs(plant.output("A.phi") - before) < 0.3
+        before = plant.output("A.phi")
+        assert plant.diagnostics["constraints.position"] < 1e-9  # closed to rounding
+    assert "dead centre of what drives it, beyond which a given motion cannot be followed" in words
     # The plant stands at the last time it got to: a step of 0.5 rad/s times 0.005 s before the end, at most.
     assert most - 0.0026 < plant.output("D.phi") < most
