@@ -84,7 +84,7 @@ void add_reductions(std::string& page, const Inspection& report) {
     if (!reduction.on) page += "<li>" + escaped(reduction.name) + ": switched off in the scene</li>\n";
   }
   page += "</ul>\n<p>" + degrees(report.reduced.freedoms) +
-          " of freedom; counting 6 for each body, less what the joints forbid, gives " +
+          " of freedom; counting 6 for each body, less what is constrained, gives " +
           std::to_string(report.counted_freedoms) + ".";
   for (const std::string& cause : report.mobility) page += " " + escaped(cause) + ".";
   page += "</p>\n";

@@ -118,9 +118,7 @@ def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
         assert re.search(rf" {name} [0-9.]+ us ", text), name
     assert "C: sliding along y, C: turning about x and C: turning about z" in text
     assert "leave open the reactions f[2], t[1], t[3] of A, B, C and D" in text
-    assert (
-        "mobility 1 freedom, where counting (6 for each body, less what the joints forbid) gives -2;" in text
-    )
+    assert "mobility 1 freedom, where counting (6 for each body, less what is constrained) gives -2;" in text
     assert max(map(len, lines)) <= 110
 
 

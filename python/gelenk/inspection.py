@@ -42,7 +42,7 @@ class Inspection:
         redundant_rows: rows that repeat others at every position: joint, and the motion it forbids in
             the joint's frame.
         undetermined_reactions: components of reactions that rigid bodies leave open ("A.f[3]").
-        counted_freedoms: by Gruebler's count: 6 for each body, less what the joints forbid.
+        counted_freedoms: by Gruebler's count: 6 for each body, less what is constrained.
         momentary_freedoms: at the start; more than `freedoms` where it is singular.
         mobility: why the freedoms are not as counted, in sentences.
         cost: of an evaluation as asked for.
@@ -218,7 +218,7 @@ def _reason(report: Inspection, key: str) -> str:
 
 def _counted(report: Inspection) -> str:
     freedoms = "1 freedom" if report.freedoms == 1 else f"{report.freedoms} freedoms"
-    rule = "6 for each body, less what the joints forbid"
+    rule = "6 for each body, less what is constrained"
     if report.counted_freedoms == report.freedoms == report.momentary_freedoms:
         return f"{freedoms}, as counted ({rule})"
     text = f"{freedoms}, where counting ({rule}) gives {report.counted_freedoms}"

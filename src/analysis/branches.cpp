@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "analysis/closing.h"
 
@@ -47,7 +48,8 @@ class Collector {
   std::size_t size() const { return found_.size(); }
 
   std::vector<Branch> nearest_first() && {
-    std::ranges::stable_sort(found_, {}, &Branch::distance);
+    std::ranges::sort(
+        found_, [](const Branch& a, const Branch& b) { return std::tie(a.distance, a.q) < std::tie(b.distance, b.q); });
     return std::move(found_);
   }
 
