@@ -88,15 +88,16 @@ std::vector<Named> all_named(const Scene& scene, const ReducedScene& reduced, in
 
 std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduced, int island,
                                   const CannotAssemble& fault) {
+  const std::string what = reduced.islands[island].driven() ? "the loops and given motions" : "the loops";
   const std::string left = std::string(": at best a rate of ") + fault.what() + " m/s (rad/s) is left (allowed 1e-9).";
   const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
-  if (values.empty()) return prefix(scene) + "the loops cannot all move as they are told to" + left;
+  if (values.empty()) return prefix(scene) + what + " cannot all move as they are told to" + left;
   std::vector<std::string> joints;
   for (const Named& value : values) {
     const std::string& name = scene.joints[value.joint].name;
     if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
   }
-  return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict the loops" + left +
+  return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict " + what + left +
          advice(fault.conflict, values);
 }
 
@@ -157,6 +158,12 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
                     position_text(scene, reduced, joints, fault.q) + " (allowed 1e-9 m). ";
   if (conflict) return out + blame();
   out += "Check the positions in joints " + text::list(names);
+  std::vector<std::string> motions;
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    const Constraint& c = scene.constraints[row.constraint];
+    if (row.moves() && std::ranges::find(names, c.joint) != names.end()) motions.push_back("constraints." + c.name);
+  }
+  if (!motions.empty()) out += ", the motion of " + text::list(motions) + " at the start";
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";
 }
