@@ -211,6 +211,27 @@ MatrixXd left_null_space(const MatrixXd& J, double nothing) {
   return Q.rightCols(J.rows() - qr.rank());
 }
 
+// Of the rows that hold positions, where they have been seen.
+int position_rank_of(const Mechanism& mechanism, const std::vector<MatrixXd>& seen, int rank, double nothing) {
+  const std::vector<bool> holds = mechanism.position_rows();
+  if (std::ranges::find(holds, false) == holds.end()) return rank;
+  int out = 0;
+  for (const MatrixXd& J : seen) out = std::max(out, rank_of(position_rows(mechanism, J), nothing));
+  return out;
+}
+
+// By cut; coordinate rows all stay.
+void list_needed(const Mechanism& mechanism, const std::vector<bool>& needed, Structure& out) {
+  for (const Cut& cut : mechanism.cuts) {
+    std::vector<int>& kept = out.needed.emplace_back();
+    for (int i = 0; i < cut.rows; ++i) {
+      if (needed[cut.first_row + i]) kept.push_back(cut.kept[i]);
+    }
+    out.needed_rows += static_cast<int>(kept.size());
+  }
+  out.needed_rows += static_cast<int>(mechanism.coordinate_rows.size());
+}
+
 }  // namespace
 
 Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
@@ -240,14 +261,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       standing.see(dynamics, explorer.free_motion());
     }
   }
-  const std::vector<bool> holds = mechanism.position_rows();
-  if (std::ranges::find(holds, false) == holds.end()) {
-    out.position_rank = out.rank;
-  } else {
-    for (const MatrixXd& J : seen) {
-      out.position_rank = std::max(out.position_rank, rank_of(position_rows(mechanism, J), explorer.nothing()));
-    }
-  }
+  out.position_rank = position_rank_of(mechanism, seen, out.rank, explorer.nothing());
   std::vector<bool> needed(mechanism.rows, true);
   // Factors can be called constant only where several positions were seen, or where there is but one.
   const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
@@ -268,14 +282,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
     // Positions all too near a singular one tell too little.
     if (std::ranges::count(needed, true) < out.rank) needed.assign(mechanism.rows, true);
   }
-  for (const Cut& cut : mechanism.cuts) {
-    std::vector<int>& kept = out.needed.emplace_back();
-    for (int i = 0; i < cut.rows; ++i) {
-      if (needed[cut.first_row + i]) kept.push_back(cut.kept[i]);
-    }
-    out.needed_rows += static_cast<int>(kept.size());
-  }
-  out.needed_rows += static_cast<int>(mechanism.coordinate_rows.size());
+  list_needed(mechanism, needed, out);
   explorer.stand(q, out.rank);
   return out;
 }
