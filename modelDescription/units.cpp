@@ -16,7 +16,7 @@ struct Symbol {
 
 constexpr Symbol symbols[] = {
     {"1", {0, 0, 0, 0}},   {"kg", {1, 0, 0, 0}}, {"m", {0, 1, 0, 0}},  {"s", {0, 0, 1, 0}},
-    {"rad", {0, 0, 0, 1}}, {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}},
+    {"rad", {0, 0, 0, 1}}, {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}}, {"Hz", {0, 0, -1, 0}},
 };
 
 // A symbol with an optional exponent: "m2".
@@ -51,6 +51,7 @@ constexpr Measured quantities[] = {
     {"kg.m2", "MomentOfInertia"},
     {"J", "Energy"},
     {"s", "Time"},
+    {"Hz", "Frequency"},
     {"N/m", "TranslationalSpringConstant"},
     {"N.m/rad", "RotationalSpringConstant"},
     {"N.s/m", "TranslationalDampingConstant"},

@@ -93,13 +93,15 @@ std::vector<std::string> constraint_suffixes(const Scene& scene, const Constrain
       const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
       if (kind == nullptr) return {};
       const MotionSignals signals = motion_signals(*kind, constraint);
-      return signals.input.empty() ? std::vector{signals.effort} : std::vector{signals.input, signals.effort};
+      std::vector<std::string> out = {signals.effort, "polynomial", "sine", "speed"};
+      if (!signals.input.empty()) out.push_back(signals.input);
+      return out;
     }
     case ConstraintType::gear:
     case ConstraintType::rack:
-      return {"tau", "f"};
+      return {"tau", "f", "ratio", "radius", "offset"};
     case ConstraintType::rolling:
-      return {"f_n", "f_long", "f_lat", "r"};
+      return {"f_n", "f_long", "f_lat", "r", "radius"};
     case ConstraintType::knife_edge:
       return {"f"};
   }

@@ -6,6 +6,7 @@
 #include "joint/registry.h"
 #include "scene/check.h"
 #include "scene/text.h"
+#include "scene/units.h"
 
 namespace gelenk {
 namespace {
@@ -40,7 +41,34 @@ std::string expected(const Split& path, const std::vector<Settable>& all) {
   }
   if (!fields.empty()) return text::one_of(path.base, fields, "fields");
   const std::string near = text::nearest(owner, owners);
-  return "gravity or a field of a body, joint, motor or force" + (near.empty() ? "" : "; did you mean '" + near + "'?");
+  return "gravity or a field of a body, joint, motor, force or constraint" +
+         (near.empty() ? "" : "; did you mean '" + near + "'?");
+}
+
+void add_settables(const Constraint& constraint, std::vector<Settable>& out) {
+  const std::string& name = constraint.name;
+  const GivenMotion& motion = constraint.motion;
+  switch (constraint.type) {
+    case ConstraintType::motion:
+      if (motion.source == GivenMotion::Source::speed) out.push_back({name + ".speed", 1});
+      if (!motion.polynomial.empty()) out.push_back({name + ".polynomial", static_cast<int>(motion.polynomial.size())});
+      if (has_sine(motion)) {
+        out.insert(out.end(),
+                   {{name + ".sine.amplitude", 1}, {name + ".sine.frequency", 1}, {name + ".sine.phase", 1}});
+      }
+      return;
+    case ConstraintType::gear:
+      out.insert(out.end(), {{name + ".ratio", 1}, {name + ".offset", 1}});
+      return;
+    case ConstraintType::rack:
+      out.insert(out.end(), {{name + ".radius", 1}, {name + ".offset", 1}});
+      return;
+    case ConstraintType::rolling:
+      out.push_back({name + ".radius", 1});
+      return;
+    case ConstraintType::knife_edge:
+      return;
+  }
 }
 
 }  // namespace
@@ -76,6 +104,7 @@ std::vector<Settable> settables(const Scene& scene) {
                  {{force.name + ".stiffness", 1}, {force.name + ".damping", 1}, {force.name + ".length", 1}});
     }
   }
+  for (const Constraint& constraint : scene.constraints) add_settables(constraint, out);
   return out;
 }
 

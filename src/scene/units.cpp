@@ -56,6 +56,10 @@ MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint
   return out;
 }
 
+bool has_sine(const GivenMotion& motion) {
+  return motion.source == GivenMotion::Source::function && (motion.polynomial.empty() || motion.amplitude != 0);
+}
+
 JointStart free_start(const JointKind& kind) {
   JointStart start;
   start.q.assign(kind.q_zero.begin(), kind.q_zero.end());

@@ -35,6 +35,8 @@ struct MotionSignals {
   std::string effort, effort_unit;  // on the coordinate: "tau", "f"
 };
 MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint);
+// Whether it is a sine, or has one.
+bool has_sine(const GivenMotion& motion);
 inline constexpr double default_start_weight = 1;
 
 // Start values of which nothing is given: the reference configuration at rest.

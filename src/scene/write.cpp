@@ -151,7 +151,7 @@ Json motion(const Constraint& constraint) {
   switch (m.source) {
     case Source::function:
       if (!m.polynomial.empty()) out["polynomial"] = list(m.polynomial);
-      if (m.polynomial.empty() || m.amplitude != 0) {
+      if (has_sine(m)) {
         out["sine"] = {{"amplitude", m.amplitude}, {"frequency", m.frequency}, {"phase", m.phase}};
       }
       break;

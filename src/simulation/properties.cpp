@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "joint/registry.h"
+#include "scene/units.h"
 
 namespace gelenk {
 namespace {
@@ -155,6 +156,58 @@ void add_force(Table& table, const Force& force, std::size_t f) {
   add("length", "m", "free length", &Force::length);
 }
 
+void add_motion(Table& table, const Scene& scene, std::size_t c) {
+  const Constraint& constraint = scene.constraints[c];
+  const std::string& name = constraint.name;
+  const auto joint = std::ranges::find(scene.joints, constraint.joint, &Joint::name);
+  const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
+  if (kind == nullptr) return;
+  const auto q = static_cast<std::size_t>(motion_signals(*kind, constraint).component);
+  const auto add = [&](const char* key, std::string_view unit, const char* what, double GivenMotion::* field) {
+    table.add(name, key, key, unit, what, [=](auto& s) -> auto& { return s.constraints[c].motion.*field; });
+  };
+  if (constraint.motion.source == GivenMotion::Source::speed) {
+    add("speed", kind->v[q].unit, "constant speed", &GivenMotion::speed);
+  }
+  if (constraint.motion.source != GivenMotion::Source::function) return;
+  for (std::size_t i = 0; i < constraint.motion.polynomial.size(); ++i) {
+    table.add(name, "polynomial", "polynomial[" + std::to_string(i + 1) + "]", i == 0 ? kind->q[q].unit : "",
+              "coefficient of t^" + std::to_string(i),
+              [=](auto& s) -> auto& { return s.constraints[c].motion.polynomial[i]; });
+  }
+  if (!has_sine(constraint.motion)) return;
+  add("sine.amplitude", kind->q[q].unit, "amplitude", &GivenMotion::amplitude);
+  add("sine.frequency", "Hz", "frequency", &GivenMotion::frequency);
+  add("sine.phase", "rad", "phase at t = 0", &GivenMotion::phase);
+}
+
+void add_constraint(Table& table, const Scene& scene, std::size_t c) {
+  const Constraint& constraint = scene.constraints[c];
+  const std::string& name = constraint.name;
+  const auto ratio = [c](auto& s) -> auto& { return s.constraints[c].ratio; };
+  const auto offset = [c](auto& s) -> auto& { return s.constraints[c].offset; };
+  switch (constraint.type) {
+    case ConstraintType::motion:
+      return add_motion(table, scene, c);
+    case ConstraintType::gear:
+      table.add(name, "ratio", "ratio", "1", "turns of the first joint for a turn of the other", ratio);
+      table.add(name, "offset", "offset", "rad", "angle of the first joint where the other is at 0", offset);
+      return;
+    case ConstraintType::rack:
+      table.add(name, "radius", "radius", "m", "travel of the rack for a radian of the pinion", ratio);
+      table.add(name, "offset", "offset", "m", "position of the rack where the pinion is at 0", offset);
+      return;
+    case ConstraintType::rolling:
+      table
+          .add(name, "radius", "radius", "m", "radius of the wheel",
+               [c](auto& s) -> auto& { return s.constraints[c].radius; })
+          .min = 0;
+      return;
+    case ConstraintType::knife_edge:
+      return;
+  }
+}
+
 }  // namespace
 
 std::vector<Property> scene_properties(const Scene& scene) {
@@ -163,6 +216,7 @@ std::vector<Property> scene_properties(const Scene& scene) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) add_joint(table, scene.joints[j], j);
   for (std::size_t m = 0; m < scene.motors.size(); ++m) add_motor(table, scene, m);
   for (std::size_t f = 0; f < scene.forces.size(); ++f) add_force(table, scene.forces[f], f);
+  for (std::size_t c = 0; c < scene.constraints.size(); ++c) add_constraint(table, scene, c);
   return table.take();
 }
 

@@ -25,6 +25,15 @@ TURNS = {
 }
 
 
+# Of constraints; a sine's are numbers in a mapping.
+NUMBERS = {
+    "motion": ("polynomial", "speed"),
+    "gear": ("ratio", "offset"),
+    "rack": ("radius", "offset"),
+    "rolling": ("radius",),
+}
+
+
 def settable_paths(source: Scene) -> list[str]:
     """Paths of everything in a scene that `parameters` may list, gravity aside."""
     paths = [f"{name}.{key}" for name in source["bodies"] for key in ("mass", "com", "inertia")]
@@ -42,6 +51,9 @@ def settable_paths(source: Scene) -> list[str]:
     for name, force in source.get("forces", {}).items():
         keys = ("force", "torque") if force["type"] == "wrench" else ("stiffness", "damping", "length")
         paths += [f"{name}.{key}" for key in keys]
+    for name, constraint in source.get("constraints", {}).items():
+        paths += [f"{name}.{key}" for key in NUMBERS.get(constraint["type"], ()) if key in constraint]
+        paths += [f"{name}.sine.{key}" for key in ("amplitude", "frequency", "phase") if "sine" in constraint]
     return paths
 
 
