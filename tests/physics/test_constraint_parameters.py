@@ -58,9 +58,10 @@ def test_a_parameter_is_the_number_in_the_scene(
 
 
 def test_a_wheel_of_no_radius_is_refused(tmp_path: Path) -> None:
+    upright = {"r": [0, 0, 0.3], "Q": [0, 0, 0, 1], "fixed": ["Q"]}
     source = scene(
         {"wheel": body(1.0, (0, 0, 0), (0.01, 0.02, 0.01))},
-        {"F": joint("free", frame("ground"), frame("wheel"), start={"r": [0, 0, 0.3], "Q": [0, 0, 0, 1], "fixed": ["Q"]})},
+        {"F": joint("free", frame("ground"), frame("wheel"), start=upright)},
         constraints={"tyre": {"type": "rolling", "body": "wheel", "radius": 0.3}}, parameters=["tyre.radius"],
     )  # fmt: skip
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
