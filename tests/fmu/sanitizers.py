@@ -19,7 +19,7 @@ from mechanisms import Scene
 
 import gelenk
 from fmu.c_hosts import compiled, extracted
-from fmu.plants import crank_rocker, gyroscope
+from fmu.plants import crank_rocker, driven, gyroscope
 from fmu.scenarios import SCENARIOS
 
 TESTS = Path(__file__).resolve().parent.parent
@@ -51,12 +51,13 @@ METHODS = ("auto", "rk4", "erk", "ida", "cvode", "dirk", "generalized-alpha")
 
 
 def plants() -> dict[str, Scene]:
-    """Scenes by name: a loop with each method, quaternions, and what the package ships."""
+    """Scenes by name: a loop with each method, quaternions, motions and gears, and what the package ships."""
     found = {}
     for integrator in METHODS:
         found[f"crank_rocker-{integrator}"] = {**crank_rocker(), "solver": {"integrator": integrator}}
     found["gyroscope"] = gyroscope()
-    for name in ("stewart", "slider_crank"):
+    found["driven"] = driven()
+    for name in ("stewart", "slider_crank", "bicycle"):
         found[name] = gelenk.load(TESTS.parent / "scenes" / f"{name}.yaml").to_dict()
     return found
 
