@@ -130,6 +130,7 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
                                      const std::vector<Pose3>& X_GB) {
   const BodyNumbers number(scene);
   std::vector<ContactEdge> out;
+  std::vector<std::string> errors;
   for (int i = 0; i < static_cast<int>(scene.constraints.size()); ++i) {
     const Constraint& c = scene.constraints[i];
     if (!is_contact(c)) continue;
@@ -148,8 +149,14 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
     edge.group_b = group_of[b];
     edge.X_AF = X_GB[a] * c.on.X_BF;
     edge.X_BM = X_GB[b] * c.at.X_BF * with_z_along(c.axis);
-    if (edge.group_a != edge.group_b) out.push_back(edge);
+    if (edge.group_a == edge.group_b) {
+      errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": found " +
+                       c.at.body + " welded to " + c.on.body +
+                       ", which it is on; expected bodies that can move against each other");
+    }
+    out.push_back(edge);
   }
+  if (!errors.empty()) throw SceneError(errors);
   return out;
 }
 

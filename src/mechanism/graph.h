@@ -78,7 +78,8 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
 // Joints whose coordinates constraints name (constraints.cpp).
 std::vector<std::string> constrained_joints(const Scene& scene);
 
-// The contacts of the scene, given where its bodies are: by body + 1, the ground first (constraints.cpp).
+// The contacts of the scene, given where its bodies are: by body + 1, the ground first. Throws SceneError for one
+// within a rigid body (constraints.cpp).
 std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>& group_of,
                                      const std::vector<Pose3>& X_GB);
 

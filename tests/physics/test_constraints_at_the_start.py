@@ -176,3 +176,15 @@ def test_an_input_that_cannot_be_followed_refuses_the_step_and_leaves_the_plant(
     plant.set_input("drive.phi_ref", plant.output("D.phi"))
     assert plant.values().tolist() == before
     plant.step_to(0.01)
+
+
+def test_a_wheel_welded_to_what_it_rolls_on_is_refused() -> None:
+    source = scene(
+        {"wheel": body(1.0, (0, 0, 0), (0.1, 0.2, 0.1))},
+        {"W": joint("weld", frame("ground"), frame("wheel"))},
+        constraints={"tyre": {"type": "rolling", "body": "wheel", "radius": 0.3}},
+    )
+    with pytest.raises(
+        gelenk.SceneError, match=r"constraints\.tyre: found wheel welded to ground, which it is on"
+    ):
+        gelenk.Simulation(gelenk.load(source))
