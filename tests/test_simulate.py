@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -224,3 +225,38 @@ def test_file_that_is_no_fmu_is_refused(tmp_path: Path) -> None:
     (tmp_path / "d.fmu").mkdir()
     with pytest.raises(IsADirectoryError):
         gelenk.simulate(tmp_path / "d.fmu")
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "signal", "bound"),
+    [
+        # Through five values, H = 0.01 s: the angle is up to 0.0035 H^5 max|f^(5)| / 120 = 1e-11 rad off in a
+        # step, its speed at the end 0.09 H^4 max|f^(5)| / 120 = 4e-8 rad/s, an impact that B feels.
+        ("position", "follow.phi_ref", lambda t: 0.5 * math.sin(2 * math.pi * t), 2e-7),
+        ("speed", "follow.w_ref", lambda t: math.pi * math.cos(2 * math.pi * t), 1e-9),
+    ],
+)
+def test_inputs_that_are_motions_follow_their_functions(
+    kind: str, name: str, signal: Callable[[float], float], bound: float, tmp_path: Path
+) -> None:
+    def hinges(**motion: Any) -> dict[str, Any]:
+        link = {"mass": 1.0, "com": [0, 0, -0.5], "inertia": [0.1, 0.1, 0.1]}
+        return {
+            "gelenk": 1,
+            "gravity": [0, 0, -9.81],
+            "bodies": {"a": link, "b": link},
+            "joints": {
+                "A": {"type": "revolute", "axis": [0, 1, 0], "parent": "ground", "child": "a"},
+                "B": {"type": "revolute", "axis": [0, 1, 0], "child": "b",
+                      "parent": {"body": "a", "position": [0, 0, -1]}},
+            },
+            "constraints": {"follow": {"type": "motion", "joint": "A", **motion}},
+            "experiment": {"stop": 1.0, "step": 0.01, "tolerance": 1e-10},
+        }  # fmt: skip
+
+    expected = gelenk.simulate(hinges(sine={"amplitude": 0.5, "frequency": 1}))
+    source = hinges(input=kind)
+    for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):
+        found = gelenk.simulate(plant, inputs={name: signal})
+        for output in ("A.phi", "A.w", "B.phi"):
+            assert found[output] == pytest.approx(expected[output], abs=bound)
