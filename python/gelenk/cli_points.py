@@ -17,6 +17,20 @@ from gelenk.errors import UsageError
 from gelenk.linearization import linear_model
 from gelenk.told import told
 
+# What these commands share.
+Plant = Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")]
+Given = Annotated[
+    list[str] | None,
+    typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
+]
+States = Annotated[
+    str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
+]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="For programs.")]
+
 
 def register(app: typer.Typer) -> None:
     """Makes commands of these functions."""
@@ -26,7 +40,7 @@ def register(app: typer.Typer) -> None:
 
 @told
 def linearize(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    plant: Plant,
     at: Annotated[
         list[str] | None,
         typer.Option(
@@ -45,14 +59,10 @@ def linearize(
     outputs: Annotated[
         str | None, typer.Option(metavar="LIST", help="Outputs of the model; by default all.")
     ] = None,
-    states: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
+    states: States = None,
+    settings: Settings = None,
     tolerance: Annotated[float | None, typer.Option(help="Relative tolerance on the way to a time.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Linear model of a scene or an FMU: states, A, B, C, D; what is no equilibrium is told on stderr."""
     model = linear_model(
@@ -67,28 +77,21 @@ def linearize(
 
 @told
 def modes(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    plant: Plant,
     at: Annotated[
         list[str] | None,
         typer.Option(metavar="T|NAME=VALUE", help="The point, as for linearize; repeatable."),
     ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
-    ] = None,
-    states: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Coordinates to be states; by default the plant's.")
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
+    given: Given = None,
+    states: States = None,
+    settings: Settings = None,
     animate: Annotated[
         int | None, typer.Option(metavar="MODE", help="Draw this mode's shape, into --output.")
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help=".gif, .html or .mp4.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Modes of a scene or an FMU: eigenvalues, frequencies, damping, shapes, and whether it is stable."""
     if (animate is None) != (output is None):
@@ -108,7 +111,7 @@ def modes(
 
 @told
 def equilibrium(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    plant: Plant,
     at: Annotated[
         list[str] | None,
         typer.Option(metavar="T|NAME=VALUE", help="The first pose, as for linearize; repeatable."),
@@ -124,14 +127,9 @@ def equilibrium(
     solve_for: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="An input to be found; repeatable.")
     ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the point; repeatable."),
-    ] = None,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    given: Given = None,
+    settings: Settings = None,
+    as_json: AsJson = False,
 ) -> None:
     """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there."""
     open_speeds = [text for text in steady or [] if "=" not in text]

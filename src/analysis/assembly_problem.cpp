@@ -85,8 +85,8 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   for (int r = 0; r < mechanism.rows; ++r) {
     if (holds[r]) position_rows_.push_back(r);
   }
-  for (const Link& link : mechanism.links) length_ = std::max(length_, link.X_PJ.p.norm());
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
+  length_ = std::max(length_, span_);
   for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
   span_ = span_ > 0 ? 1.5 * span_ : 1;  // slides and flights reach somewhat beyond
 }

@@ -31,9 +31,7 @@ class Finder {
         dynamics_(make_dynamics(mechanism, loads)),
         rest_(mechanism.nv, 0.0) {
     dynamics_->limit_rank(structure.rank);
-    std::vector<double> now;
-    for (const MotionLaw::Derivatives& s : targets) now.insert(now.end(), s.begin(), s.begin() + 3);
-    dynamics_->set_targets(now.data());
+    dynamics_->set_targets(with_two_derivatives(targets).data());
     for (const Link& link : mechanism.links) size_ += link.X_PJ.p.norm();
   }
 

@@ -51,6 +51,12 @@ void set_values(const VectorXd& from, std::vector<T>& to) {
 
 }  // namespace
 
+std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivatives>& targets) {
+  std::vector<double> out;
+  for (const MotionLaw::Derivatives& s : targets) out.insert(out.end(), s.begin(), s.begin() + 3);
+  return out;
+}
+
 Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure& structure,
                  const Independent& independent, int inputs)
     : mechanism_(mechanism),
@@ -89,9 +95,7 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   targets_ = targets;
   Dynamics& d = *dynamics_;
   d.set_cut_reference(cut_q);
-  std::vector<double> now;
-  for (const MotionLaw::Derivatives& s : targets_) now.insert(now.end(), s.begin(), s.begin() + 3);
-  d.set_targets(now.data());
+  d.set_targets(with_two_derivatives(targets_).data());
   d.set_position(q);
   d.factorise();
   d.set_velocity(v);
@@ -171,7 +175,7 @@ void Tangent::move_targets(const MatrixXd& du) {
 }
 
 // Moves the independent coordinates by dq, and the others as the rows want.
-void Tangent::move_position(const MatrixXd& dq) {
+void Tangent::move_position(const MatrixXd& dq, const MatrixXd& du) {
   const Index n = dq.cols();
   MatrixXd z = MatrixXd::Zero(mechanism_.nv, n);  // speeds times time
   for (Index k = 0; k < n; ++k) {
@@ -185,17 +189,19 @@ void Tangent::move_position(const MatrixXd& dq) {
     }
   }
   for (const int k : of_positions_.dependent) z.row(k).setZero();
-  MatrixXd moved(mechanism_.nq, n);
-  const auto place = [&] {
-    for (Index k = 0; k < n; ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
-    set_slopes(moved, moved_.q);
-    moved_.equations->set_position(moved_.q.data());
-  };
   if (mechanism_.rows > 0) {
-    place();
-    z += of_positions_.solve(slopes(moved_.equations->Phi(), n), mechanism_.nv);
+    MatrixXd residuals = J_ * z;  // less what the rows' targets move
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || !row.holds_position) continue;
+      residuals.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
+    z += of_positions_.solve(residuals, mechanism_.nv);
   }
-  place();
+  MatrixXd moved(mechanism_.nq, n);
+  for (Index k = 0; k < n; ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
+  set_slopes(moved, moved_.q);
+  moved_.equations->set_position(moved_.q.data());
 }
 
 Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
@@ -207,7 +213,7 @@ Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const Matri
   begin(moved_);
   set_slopes(du, moved_.u);
   move_targets(du);
-  move_position(dq);
+  move_position(dq, du);
   MatrixXd idle = MatrixXd::Zero(mechanism_.rows, dq.cols());
   if (redundant_) {
     // lambda = J x, so what of its change no equation of motion shows is that of dJ x.

@@ -32,6 +32,9 @@ class Undetermined : public std::runtime_error {
   What what_;
 };
 
+// As Dynamics::set_targets takes them.
+std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivatives>& targets);
+
 // State, inputs and solution as numbers T, and the equations that stand there.
 template <class T>
 struct Carried {
@@ -76,7 +79,7 @@ class Tangent {
   void set_targets(Carried<T>& at, Target target);
   void move_targets(const Eigen::MatrixXd& du);
   void follow_targets(const double* udot, const double* uddot);
-  void move_position(const Eigen::MatrixXd& dq);
+  void move_position(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du);
   void move_velocity(const Eigen::MatrixXd& dv);
   void move_acceleration(const Eigen::MatrixXd& idle);
   void follow_acceleration(int k);

@@ -6,17 +6,15 @@
 namespace gelenk {
 namespace {
 
-// derivative(order): of the input.
+// derivative(order): of the input, orders 0 to 2; of the others none are known.
 template <class Derivative>
-MotionLaw::Derivatives of_row(const CoordinateRow& row, double t, int orders, Derivative derivative) {
+MotionLaw::Derivatives of_row(const CoordinateRow& row, double t, Derivative derivative) {
   if (row.law) return row.law->at(t);
   MotionLaw::Derivatives out{};
   out[0] = row.constant;
   if (row.input < 0) return out;
   const int first = row.holds_position ? 0 : 1;
-  for (int order = 0; order < orders && first + order < MotionLaw::orders; ++order) {
-    out[first + order] = derivative(order);
-  }
+  for (int order = 0; order < 3; ++order) out[first + order] = derivative(order);
   return out;
 }
 
@@ -33,8 +31,7 @@ const double* Targets::fill(Of derivatives_of) {
 
 const double* Targets::at(double t, const Inputs& inputs) {
   return fill([&](int i) {
-    return of_row(rows_[i], t, MotionLaw::orders,
-                  [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
+    return of_row(rows_[i], t, [&](int order) { return inputs.derivative_at(rows_[i].input, order, t); });
   });
 }
 
@@ -43,8 +40,7 @@ const double* Targets::as_read(double t, const Inputs& inputs) {
 }
 
 MotionLaw::Derivatives Targets::derivatives(int row, double t, const Inputs& inputs) const {
-  constexpr int known = 3;
-  return of_row(rows_[row], t, known, [&](int order) {
+  return of_row(rows_[row], t, [&](int order) {
     return order == 0 ? inputs.value(rows_[row].input) : inputs.rate(rows_[row].input, order);
   });
 }

@@ -14,6 +14,11 @@ bool is_contact(const Constraint& c) {
   return c.type == ConstraintType::rolling || c.type == ConstraintType::knife_edge;
 }
 
+// "scene.yaml: constraints.mesh: ".
+std::string at(const Scene& scene, const Constraint& c) {
+  return (scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": ";
+}
+
 // From a frame's axes to such with z along the unit vector `axis`.
 Pose3 with_z_along(const Eigen::Vector3d& axis) { return {rotation_taking_z_to(axis), Eigen::Vector3d::Zero()}; }
 
@@ -76,14 +81,11 @@ struct RowMaker {
     return row;
   }
 
-  std::string at(const Constraint& c) const {
-    return (scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": ";
-  }
-
   // A joint between bodies that stand still is in no part that moves.
   bool moves(const Constraint& c, const std::string& name) {
     if (in_graph.contains(name)) return true;
-    errors.push_back(at(c) + "found joint " + name + " between bodies that stand still; expected a joint that moves");
+    errors.push_back(at(scene, c) + "found joint " + name +
+                     " between bodies that stand still; expected a joint that moves");
     return false;
   }
 
@@ -94,7 +96,7 @@ struct RowMaker {
     const auto touches = [&](int group) { return joint.group_a == group || joint.group_b == group; };
     if (touches(carrier.group_b)) return false;
     if (touches(carrier.group_a)) return true;
-    errors.push_back(at(c) + "found joint " + name + " neither on the carrier " +
+    errors.push_back(at(scene, c) + "found joint " + name + " neither on the carrier " +
                      scene.joints[in_graph.at(c.carrier)].child.body + " nor on " +
                      scene.joints[in_graph.at(c.carrier)].parent.body + ", which it turns on; expected one of them");
     return true;
@@ -105,7 +107,7 @@ struct RowMaker {
     if (!moves(c, name)) return;
     const JointPlace& place = places.joints[in_graph.at(name)];
     if (place.role != JointPlace::Role::tree) {
-      errors.push_back(at(c) + "found joint " + name +
+      errors.push_back(at(scene, c) + "found joint " + name +
                        " in a loop in which every joint is constrained; expected a loop with at least one joint "
                        "without motion, gear or rack, where it can be cut");
       return;
@@ -116,11 +118,11 @@ struct RowMaker {
 
 }  // namespace
 
-std::vector<std::string> constrained_joints(const Scene& scene) {
-  std::vector<std::string> out;
+std::vector<std::string_view> constrained_joints(const Scene& scene) {
+  std::vector<std::string_view> out;
   for (const Constraint& c : scene.constraints) {
     for (const std::string* name : {&c.joint, &c.other, &c.carrier}) {
-      if (!name->empty()) out.push_back(*name);
+      if (!name->empty()) out.emplace_back(*name);
     }
   }
   return out;
@@ -150,8 +152,7 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
     edge.X_AF = X_GB[a] * c.on.X_BF;
     edge.X_BM = X_GB[b] * c.at.X_BF * with_z_along(c.axis);
     if (edge.group_a == edge.group_b) {
-      errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": found " +
-                       c.at.body + " welded to " + c.on.body +
+      errors.push_back(at(scene, c) + "found " + c.at.body + " welded to " + c.on.body +
                        ", which it is on; expected bodies that can move against each other");
     }
     out.push_back(edge);

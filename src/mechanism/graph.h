@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -76,7 +77,7 @@ Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const Stand
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
 
 // Joints whose coordinates constraints name (constraints.cpp).
-std::vector<std::string> constrained_joints(const Scene& scene);
+std::vector<std::string_view> constrained_joints(const Scene& scene);
 
 // The contacts of the scene, given where its bodies are: by body + 1, the ground first. Throws SceneError for one
 // within a rigid body (constraints.cpp).

@@ -27,8 +27,8 @@ class Busy {
       bodies_.insert(spring ? force.from.body : force.at.body);
       if (spring) bodies_.insert(force.to.body);
     }
+    for (const std::string_view joint : constrained_joints(scene)) joints_.insert(joint);
     for (const Constraint& c : scene.constraints) {
-      for (const std::string* joint : {&c.joint, &c.other, &c.carrier}) joints_.insert(*joint);
       const bool contact = c.joint.empty();
       if (contact) bodies_.insert({c.at.body, c.on.body});
     }

@@ -80,10 +80,11 @@ MotionLaw::Derivatives MotionLaw::at(double t) const {
         }
       }
       const double omega = 2 * M_PI * motion_.frequency;
+      const double sine = std::sin(omega * t + motion_.phase);
+      const double cosine = std::cos(omega * t + motion_.phase);
+      const double around[] = {sine, cosine, -sine, -cosine, sine};
       double size = motion_.amplitude;
-      for (int k = 0; k < orders; ++k, size *= omega) {
-        out[k] += size * std::sin(omega * t + motion_.phase + k * M_PI / 2);
-      }
+      for (int k = 0; k < orders; ++k, size *= omega) out[k] += size * around[k];
     }
   }
   return out;

@@ -25,9 +25,7 @@ class Preferences {
       wanted_.insert(motor.joint);
       if (motor.rotor_inertia > 0) inertia_.insert(motor.joint);
     }
-    for (const Constraint& c : scene.constraints) {
-      for (const std::string* joint : {&c.joint, &c.other, &c.carrier}) inertia_.insert(*joint);
-    }
+    for (const std::string_view joint : constrained_joints(scene)) inertia_.insert(joint);
   }
 
   Preference operator()(const Edge& edge) const {

@@ -25,6 +25,9 @@ void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
 void check_constraints(const Scene& scene, Faults& faults, bool partial);
 void check_elements(const Scene& scene, Faults& faults, bool partial);
+// The joint of that name; a fault and nullptr if there is none.
+const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
+                              bool partial);
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful);
 
 // A frame whose numbers are finite and whose rotation is one, on a body there is.

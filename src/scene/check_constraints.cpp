@@ -22,15 +22,9 @@ struct Checker {
 
   // The joint, if it is there and of one of these kinds.
   const Joint* joint(const std::string& name, const std::string& path, const std::vector<std::string>& kinds) {
-    if (partial && name.empty()) return nullptr;
-    const auto found = std::ranges::find(scene.joints, name, &Joint::name);
-    if (found == scene.joints.end()) {
-      std::vector<std::string> names;
-      for (const Joint& j : scene.joints) names.push_back(j.name);
-      faults.add(path, text::quoted(name), text::one_of(name, names, "joints"));
-      return nullptr;
-    }
-    if (kinds.empty() || std::ranges::find(kinds, found->type) != kinds.end()) return &*found;
+    const Joint* found = check_joint_name(scene, name, path, faults, partial);
+    if (found == nullptr) return nullptr;
+    if (kinds.empty() || std::ranges::find(kinds, found->type) != kinds.end()) return found;
     if (find_joint_kind(found->type) != nullptr) {
       faults.add(path, text::quoted(name) + ", a " + found->type + " joint", "a " + text::list(kinds) + " joint");
     }

@@ -14,17 +14,6 @@ const Joint* find_joint(const Scene& scene, const std::string& name) {
   return found == scene.joints.end() ? nullptr : &*found;
 }
 
-const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
-                              bool partial) {
-  if (partial && name.empty()) return nullptr;
-  const Joint* joint = find_joint(scene, name);
-  if (joint != nullptr) return joint;
-  std::vector<std::string> names;
-  for (const Joint& j : scene.joints) names.push_back(j.name);
-  faults.add(path, text::quoted(name), text::one_of(name, names, "joints"));
-  return nullptr;
-}
-
 void check_motor(const Scene& scene, const Motor& motor, Faults& faults, bool partial) {
   const std::string path = "motors." + text::printable(motor.name);
   check_finite(&motor.gear_ratio, 1, path + ".gear_ratio", faults);
@@ -72,6 +61,17 @@ void check_sensor(const Scene& scene, const Sensor& sensor, Faults& faults, bool
 }
 
 }  // namespace
+
+const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
+                              bool partial) {
+  if (partial && name.empty()) return nullptr;
+  const Joint* joint = find_joint(scene, name);
+  if (joint != nullptr) return joint;
+  std::vector<std::string> names;
+  for (const Joint& j : scene.joints) names.push_back(j.name);
+  faults.add(path, text::quoted(name), text::one_of(name, names, "joints"));
+  return nullptr;
+}
 
 void check_elements(const Scene& scene, Faults& faults, bool partial) {
   for (const Motor& motor : scene.motors) check_motor(scene, motor, faults, partial);

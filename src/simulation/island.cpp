@@ -152,6 +152,14 @@ void Island::refresh(Outputs::Needs needs) {
 
 Reading Island::reading() const { return {*dynamics_, q(), v(), vdot_.data(), cut_coordinates().data()}; }
 
+std::vector<MotionLaw::Derivatives> Island::targets() const {
+  std::vector<MotionLaw::Derivatives> out;
+  for (std::size_t row = 0; row < mechanism().coordinate_rows.size(); ++row) {
+    out.push_back(equations_->target(static_cast<int>(row), time_));
+  }
+  return out;
+}
+
 double Island::position_gap() const { return largest(dynamics_->Phi()); }
 double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }
 

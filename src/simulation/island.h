@@ -53,8 +53,8 @@ class Island {
   Dynamics& dynamics() { return *dynamics_; }
   double position_gap() const;  // largest |Phi|, after refresh
   double velocity_gap() const;  // largest |J v - b|, likewise
-  // Of a coordinate row (Targets::derivatives).
-  MotionLaw::Derivatives target(int row) const { return equations_->target(row, time_); }
+  // Of all coordinate rows, where it stands (Targets::derivatives).
+  std::vector<MotionLaw::Derivatives> targets() const;
 
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }

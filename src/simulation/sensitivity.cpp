@@ -35,11 +35,7 @@ Tangent& Sensitivity::stand(int island) {
   at_ = island;
   const Island& from = *islands_[island];
   const double* y = from.state().data();
-  std::vector<MotionLaw::Derivatives> targets;
-  for (int row = 0; row < static_cast<int>(from.mechanism().coordinate_rows.size()); ++row) {
-    targets.push_back(from.target(row));
-  }
-  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data(), targets);
+  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data(), from.targets());
   return *tangents_[island];
 }
 

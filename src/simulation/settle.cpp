@@ -13,10 +13,9 @@ void Simulation::Impl::settle() {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
     const Mechanism& mechanism = island.mechanism();
-    std::vector<MotionLaw::Derivatives> targets;
-    for (std::size_t row = 0; row < mechanism.coordinate_rows.size(); ++row) {
-      targets.push_back(island.target(static_cast<int>(row)));
-      if (targets.back()[1] == 0) continue;
+    const std::vector<MotionLaw::Derivatives> targets = island.targets();
+    for (std::size_t row = 0; row < targets.size(); ++row) {
+      if (targets[row][1] == 0) continue;
       throw AssemblyError(describe_moving_drive(scene, mechanism.coordinate_rows[row].constraint));
     }
     Assembled& start = prepared.islands[i].start;
