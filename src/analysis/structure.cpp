@@ -326,39 +326,4 @@ MatrixXd position_rows(const Mechanism& mechanism, MatrixXd J) {
   return J;
 }
 
-std::vector<int> independent_columns(MatrixXd J, int rank, const std::vector<bool>& prefer) {
-  std::vector<bool> dependent(J.cols(), false);
-  std::vector<bool> used(J.rows(), false);
-  const double largest = J.size() > 0 ? J.lpNorm<Eigen::Infinity>() : 0;
-  // Gaussian elimination with full pivoting makes speeds dependent, those nobody asked for first.
-  for (int step = 0, pass = 0; step < rank && pass < 2;) {
-    Index row = -1;
-    Index column = -1;
-    double pivot = (pass == 0 ? 1e-3 : same_row) * largest;
-    for (Index r = 0; r < J.rows(); ++r) {
-      for (Index k = 0; k < J.cols(); ++k) {
-        if (used[r] || dependent[k] || (pass == 0 && prefer[k])) continue;
-        if (std::abs(J(r, k)) <= pivot) continue;
-        pivot = std::abs(J(r, k));
-        row = r;
-        column = k;
-      }
-    }
-    if (row < 0) {
-      ++pass;
-      continue;
-    }
-    for (Index r = 0; r < J.rows(); ++r) {
-      if (r != row) J.row(r) -= J(r, column) / J(row, column) * J.row(row);
-    }
-    used[row] = dependent[column] = true;
-    ++step;
-  }
-  std::vector<int> out;
-  for (Index k = 0; k < J.cols(); ++k) {
-    if (!dependent[k]) out.push_back(static_cast<int>(k));
-  }
-  return out;
-}
-
 }  // namespace gelenk

@@ -43,8 +43,6 @@ struct Independent {
   std::vector<int> coordinates, speeds;
 };
 
-// Columns of J (rows x nv) that may serve as independent ones: nv - rank of them. prefer[k]: wanted among them.
-std::vector<int> independent_columns(Eigen::MatrixXd J, int rank, const std::vector<bool>& prefer);
 // J's rows that hold positions; the others 0.
 Eigen::MatrixXd position_rows(const Mechanism& mechanism, Eigen::MatrixXd J);
 

@@ -28,8 +28,8 @@ void coordinate_row_positions(const Model<A>& model, const typename A::Scalar* q
 template <class A>
 void coordinate_row_jacobian(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
-    double* row = ws.J.data() + (model.first_coordinate_row + i) * model.nv;
-    for (const CoordinateRow::Term& term : model.coordinate_rows[i].terms) row[term.v] = term.factor;
+    double* value = ws.J.values(model.first_coordinate_row + static_cast<int>(i));
+    for (const CoordinateRow::Term& term : model.coordinate_rows[i].terms) *value++ = term.factor;
   }
 }
 

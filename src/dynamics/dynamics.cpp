@@ -8,28 +8,14 @@
 #include "dynamics/coordinate_rows.h"
 #include "dynamics/kernels.h"
 #include "dynamics/load_kernels.h"
+#include "dynamics/mass_factor.h"
 #include "dynamics/output_kernels.h"
 #include "dynamics/visit.h"
+#include "dynamics/whitened_rows.h"
 #include "dynamics/with_readings.h"
 
 namespace gelenk {
 namespace {
-
-// parent[k]: the speed before k on the way to the ground.
-std::vector<int> speed_parents(const Mechanism& mechanism) {
-  std::vector<int> parent(mechanism.nv, -1);
-  std::vector<int> last(mechanism.links.size(), -1);  // by link: its outermost speed, or its ancestors'
-  for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
-    const Link& link = mechanism.links[i];
-    int before = last[link.parent];
-    for (int k = link.iv; k < link.iv + link.nv; ++k) {
-      parent[k] = before;
-      before = k;
-    }
-    last[i] = before;
-  }
-  return parent;
-}
 
 // Links whose poses in the root frame the loads ask for, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
@@ -72,8 +58,8 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
         everything_(everything),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        M_(speed_parents(mechanism)),
-        Y_(model_.nv, model_.rows),
+        M_(model_, ws_, loads.reflected_inertia),
+        Y_(M_, ws_.J, model_.nv),
         max_rank_(model_.rows),
         w_(model_.nv),
         expected_(model_.nv),
@@ -92,16 +78,9 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_targets(const double* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
 
   void factorise() override {
-    fill_mass_matrix();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows == 0) return;
     fill_jacobian();
-    for (int r = 0; r < model_.rows; ++r) {
-      double* y = Y_.column(r);
-      const double* row = ws_.J.data() + static_cast<std::size_t>(r) * model_.nv;
-      std::copy(row, row + model_.nv, y);
-      M_.solve_transposed(y);
-    }
     Y_.factorise(max_rank_);
   }
 
@@ -133,11 +112,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_row_shift(const double* shift) override { row_shift_ = shift; }
 
   void assemble(const double* u, double* M, double* f) override {
-    fill_mass_matrix();
-    const int n = model_.nv;
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = M_.at(i, j);
-    }
+    M_.matrix(M);
     if (model_.rows > 0) fill_jacobian();
     forces(u, f);
   }
@@ -205,7 +180,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   const std::vector<double>& row_rates() const override { return ws_.rate; }
   const std::vector<double>& gamma() const override { return ws_.gamma; }
   const std::vector<double>& lambda() const override { return ws_.lambda; }
-  Eigen::Map<const RowMatrix> J() const override { return {ws_.J.data(), model_.rows, model_.nv}; }
+  Eigen::Map<const RowMatrix> J() const override {
+    ws_.J.write(J_, model_.nv);
+    return {J_.data(), model_.rows, model_.nv};
+  }
   const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.pivot_ratio(); }
@@ -230,11 +208,6 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   long evaluations() const override { return evaluations_; }
 
  private:
-  void fill_mass_matrix() {
-    kernels::mass_matrix(model_, ws_, M_);
-    for (int k = 0; k < model_.nv; ++k) M_.at(k, k) += loads_.reflected_inertia[k];
-  }
-
   void fill_jacobian() {
     kernels::loop_jacobian(model_, ws_);
     kernels::coordinate_row_jacobian(model_, ws_);
@@ -265,12 +238,13 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   bool everything_;
   std::vector<int> all_links_, loaded_links_;
-  SparseFactor M_;
-  RowFactor Y_;
+  MassFactor<A> M_;
+  WhitenedRows<A> Y_;
   int max_rank_;
   bool follows_ = false;  // the last solve() had something expected
   std::vector<double> w_, expected_, nothing_, tau_, shifted_;
   const double* row_shift_ = nullptr;
+  mutable std::vector<double> J_;  // as last asked for
   std::unique_ptr<Differentiator> differentiator_;
   Energy energy_;
   long evaluations_ = 0;

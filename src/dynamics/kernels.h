@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "dynamics/model.h"
-#include "dynamics/row_factor.h"
 #include "dynamics/sparse_factor.h"
+#include "dynamics/sparse_rows.h"
 
 namespace gelenk {
 
@@ -36,7 +36,7 @@ struct Workspace {
   // by row
   std::vector<Row<A>> row;
   std::vector<typename A::Scalar> Phi, rate, gamma, lambda;
-  std::vector<double> J;  // rows x nv
+  SparseRows J;
 };
 
 namespace kernels {

@@ -40,15 +40,17 @@ typename A::Pose from_ancestor(const Workspace<A>& ws, const std::vector<int>& p
   return X;
 }
 
-// Adds the generalised force of F (on a link, in it) to row, from the link down its path.
+// Writes the generalised force of F (on a link, in it) along the speeds from the link down its path. Returns the place
+// behind.
 template <class A>
-void transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<int>& path, typename A::Force F,
-              double sign, double* row) {
+double* transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<int>& path, typename A::Force F,
+                 double sign, double* row) {
   for (const int i : path) {
     const auto& link = model.links[i];
-    for (int k = link.iv; k < link.iv + link.nv; ++k) row[k] += sign * A::dot(ws.S[k], F);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) *row++ = sign * A::dot(ws.S[k], F);
     F = ws.X_PL[i].to_parent(F);
   }
+  return row;
 }
 
 // The rows of a cut that are kept.
@@ -128,15 +130,13 @@ void loop_positions(const Model<A>& model, Workspace<A>& ws) {
 
 template <class A>
 void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
-  std::fill(ws.J.begin(), ws.J.end(), 0.0);
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
     const typename A::Pose shift = shift_to_M<A>(ws.X_FM[c]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) {
-      double* row = ws.J.data() + static_cast<std::size_t>(r) * model.nv;
       const typename A::Force F_F = shift.to_parent(ws.row[r].w);  // about F's origin
-      transmit(model, ws, cut.path_a, cut.X_AF.to_parent(F_F), -1.0, row);
-      transmit(model, ws, cut.path_b, cut.X_BM.to_parent(ws.X_FM[c].to_child(F_F)), 1.0, row);
+      double* const then = transmit(model, ws, cut.path_a, cut.X_AF.to_parent(F_F), -1.0, ws.J.values(r));
+      transmit(model, ws, cut.path_b, cut.X_BM.to_parent(ws.X_FM[c].to_child(F_F)), 1.0, then);
     }
   }
 }

@@ -47,8 +47,23 @@ Workspace<A>::Workspace(const Model<A>& model)
       Phi(model.rows),
       rate(model.rows),
       gamma(model.rows),
-      lambda(model.rows),
-      J(static_cast<std::size_t>(model.rows) * model.nv, 0.0) {}
+      lambda(model.rows) {
+  // In the order in which loop_jacobian() comes by them.
+  for (const auto& cut : model.cuts) {
+    std::vector<int> speeds;
+    for (const std::vector<int>* path : {&cut.path_a, &cut.path_b}) {
+      for (const int i : *path) {
+        for (int k = 0; k < model.links[i].nv; ++k) speeds.push_back(model.links[i].iv + k);
+      }
+    }
+    for (int r = 0; r < cut.rows; ++r) J.append(speeds);
+  }
+  for (const CoordinateRow& row : model.coordinate_rows) {
+    std::vector<int> speeds;
+    for (const CoordinateRow::Term& term : row.terms) speeds.push_back(term.v);
+    J.append(speeds);
+  }
+}
 
 template struct Model<Planar>;
 template struct Model<Spatial>;

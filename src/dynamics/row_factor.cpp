@@ -8,10 +8,6 @@
 namespace gelenk {
 namespace {
 
-// Pivots below this fraction of the largest are rounding: rows here come from products of some tens of poses,
-// each exact to 1e-16, at positions closed to about 1e-14.
-constexpr double rank_threshold = 1e-12;
-
 double dot(const double* a, const double* b, int n) {
   double sum = 0;
   for (int i = 0; i < n; ++i) sum += a[i] * b[i];
@@ -22,10 +18,9 @@ void add(double factor, const double* a, double* b, int n) {
   for (int i = 0; i < n; ++i) b[i] += factor * a[i];
 }
 
-// Turns x (n numbers) into a Householder vector in place; returns the new first entry of the reflected x
+// Turns x, of this norm, into a Householder vector in place; returns the new first entry of the reflected x
 // and 2 / |u|^2 in scale.
-double householder(double* x, int n, double& scale) {
-  const double norm = std::sqrt(dot(x, x, n));
+double householder(double* x, double norm, double& scale) {
   if (norm == 0) {
     scale = 0;
     return 0;
@@ -54,6 +49,12 @@ RowFactor::RowFactor(int speeds, int rows)
       e_(std::max(speeds, rows)),
       f_(std::max(speeds, rows)) {}
 
+double RowFactor::operations(int speeds, int rows) {
+  double sum = 0;
+  for (int k = 0; k < std::min(speeds, rows); ++k) sum += 6.0 * (rows - k) * (speeds - k);
+  return sum;
+}
+
 void RowFactor::factorise(int max_rank) {
   factorise_rows(std::min({max_rank, n_, m_}));
   if (rank_ < m_) factorise_redundant();
@@ -79,7 +80,7 @@ void RowFactor::factorise_rows(int max_rank) {
     if (!(pivot > rank_threshold * first)) break;
     ratio_ = pivot / first;
     double* u = column(k) + k;
-    diagonal_[k] = householder(u, n_ - k, scale_[k]);
+    diagonal_[k] = householder(u, pivot, scale_[k]);
     for (int j = k + 1; j < m_; ++j) {
       double* y = column(j) + k;
       add(-scale_[k] * dot(u, y, n_ - k), u, y, n_ - k);
@@ -96,7 +97,7 @@ void RowFactor::factorise_redundant() {
   }
   for (int k = 0; k < rank_; ++k) {
     double* u = &Z_[static_cast<std::size_t>(k) * m_] + k;
-    T_diagonal_[k] = householder(u, m_ - k, Z_scale_[k]);
+    T_diagonal_[k] = householder(u, std::sqrt(dot(u, u, m_ - k)), Z_scale_[k]);
     for (int j = k + 1; j < rank_; ++j) {
       double* z = &Z_[static_cast<std::size_t>(j) * m_] + k;
       add(-Z_scale_[k] * dot(u, z, m_ - k), u, z, m_ - k);

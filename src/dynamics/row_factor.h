@@ -15,7 +15,13 @@ namespace gelenk {
 
 class RowFactor {
  public:
+  // Pivots below this fraction of the largest are rounding: rows here come from products of some tens of poses, each
+  // exact to 1e-16, at positions closed to about 1e-14.
+  static constexpr double rank_threshold = 1e-12;
+
   RowFactor(int speeds, int rows);
+  // Multiplications and additions of factorise(), about.
+  static double operations(int speeds, int rows);
 
   // Column r of Y (whitened row r), to be filled before factorise().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }

@@ -2,49 +2,75 @@
 #include "dynamics/sparse_factor.h"
 
 #include <cmath>
-#include <utility>
 
 namespace gelenk {
 
-SparseFactor::SparseFactor(std::vector<int> parent)
-    : n_(static_cast<int>(parent.size())), parent_(std::move(parent)), L_(parent_.size() * parent_.size(), 0.0) {}
+SparseFactor::SparseFactor(const std::vector<int>& parent) {
+  for (int i = 0; i < static_cast<int>(parent.size()); ++i) {
+    depth_.push_back(parent[i] < 0 ? 0 : depth_[parent[i]] + 1);
+    first_.push_back(static_cast<int>(ancestors_.size()));
+    for (int d = 0; d < depth_[i]; ++d) {
+      const int ancestor = ancestors_[first_[parent[i]] + d];
+      ancestors_.push_back(ancestor);
+    }
+    ancestors_.push_back(i);
+  }
+  L_.assign(ancestors_.size(), 0.0);
+  inverse_.assign(depth_.size(), 0.0);
+}
 
 int SparseFactor::factorise() {
-  for (int k = n_ - 1; k >= 0; --k) {
-    double* row_k = &L_[static_cast<std::size_t>(k) * n_];
-    if (row_k[k] <= 0) return k;  // what is no number shows in the accelerations
-    row_k[k] = std::sqrt(row_k[k]);
-    const double inverse = 1 / row_k[k];
-    for (int i = parent_[k]; i >= 0; i = parent_[i]) row_k[i] *= inverse;
-    for (int i = parent_[k]; i >= 0; i = parent_[i]) {
-      double* row_i = &L_[static_cast<std::size_t>(i) * n_];
-      for (int j = i; j >= 0; j = parent_[j]) row_i[j] -= row_k[i] * row_k[j];
+  for (int k = size() - 1; k >= 0; --k) {
+    double* row_k = row(k);
+    const int depth = depth_[k];
+    if (row_k[depth] <= 0) return k;  // what is no number shows in the accelerations
+    row_k[depth] = std::sqrt(row_k[depth]);
+    const double inverse = 1 / row_k[depth];
+    inverse_[k] = inverse;
+    for (int d = 0; d < depth; ++d) row_k[d] *= inverse;
+    const int* inner = ancestors(k);
+    for (int d = 0; d < depth; ++d) {
+      double* row_i = row(inner[d]);
+      const double factor = row_k[d];
+      for (int e = 0; e <= d; ++e) row_i[e] -= factor * row_k[e];
     }
   }
   return -1;
 }
 
+inline void SparseFactor::carry_inwards(int i, double* x) const {
+  const double* L = row(i);
+  const int* inner = ancestors(i);
+  const int depth = depth_[i];
+  x[i] *= inverse_[i];
+  for (int d = 0; d < depth; ++d) x[inner[d]] -= L[d] * x[i];
+}
+
 void SparseFactor::solve_transposed(double* x) const {
-  for (int i = n_ - 1; i >= 0; --i) {
-    const double* row = &L_[static_cast<std::size_t>(i) * n_];
-    x[i] /= row[i];
-    for (int j = parent_[i]; j >= 0; j = parent_[j]) x[j] -= row[j] * x[i];
-  }
+  for (int i = size() - 1; i >= 0; --i) carry_inwards(i, x);
+}
+
+void SparseFactor::solve_transposed(double* x, const std::vector<int>& speeds) const {
+  for (auto i = speeds.rbegin(); i != speeds.rend(); ++i) carry_inwards(*i, x);
 }
 
 void SparseFactor::solve(double* x) const {
-  for (int i = 0; i < n_; ++i) {
-    const double* row = &L_[static_cast<std::size_t>(i) * n_];
-    for (int j = parent_[i]; j >= 0; j = parent_[j]) x[i] -= row[j] * x[j];
-    x[i] /= row[i];
+  for (int i = 0; i < size(); ++i) {
+    const double* L = row(i);
+    const int* inner = ancestors(i);
+    const int depth = depth_[i];
+    double sum = x[i];
+    for (int d = 0; d < depth; ++d) sum -= L[d] * x[inner[d]];
+    x[i] = sum * inverse_[i];
   }
 }
 
 void SparseFactor::multiply(const double* x, double* y) const {
-  for (int i = 0; i < n_; ++i) {
-    const double* row = &L_[static_cast<std::size_t>(i) * n_];
+  for (int i = 0; i < size(); ++i) {
+    const double* L = row(i);
+    const int* inner = ancestors(i);
     y[i] = 0;
-    for (int j = i; j >= 0; j = parent_[j]) y[i] += row[j] * x[j];
+    for (int d = depth_[i]; d >= 0; --d) y[i] += L[d] * x[inner[d]];
   }
 }
 

@@ -73,12 +73,14 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model.links[i];
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
+      double* const row = M.row(k);
+      int d = M.depth(k);
       typename A::Force F = ws.G_tree[i] * ws.S[k];
-      for (int j = link.iv; j <= k; ++j) M.at(k, j) = A::dot(ws.S[j], F);
+      for (int j = k; j >= link.iv; --j) row[d--] = A::dot(ws.S[j], F);
       for (int outer = i, p = link.parent; p > 0; outer = p, p = model.links[p].parent) {
         F = ws.X_PL[outer].to_parent(F);
         const auto& inner = model.links[p];
-        for (int j = inner.iv; j < inner.iv + inner.nv; ++j) M.at(k, j) = A::dot(ws.S[j], F);
+        for (int j = inner.iv + inner.nv - 1; j >= inner.iv; --j) row[d--] = A::dot(ws.S[j], F);
       }
     }
     if (link.parent > 0) ws.G_tree[link.parent] += ws.G_tree[i].moved_by(ws.X_PL[i]);

@@ -105,6 +105,52 @@ struct PlanarAlgebra {
     }
   };
 
+  // Inertia of a body that others hang on: any symmetric 3x3 matrix (Featherstone 2008, sec. 7.1).
+  struct ArticulatedInertia {
+    T nw{0};         // torque for an angular acceleration
+    T xw{0}, yw{0};  // forces for it; torques for accelerations along x, y
+    T xx{0}, xy{0}, yy{0};
+
+    ArticulatedInertia() = default;
+    explicit ArticulatedInertia(const Inertia& G) : nw(G.I), xw(-G.hy), yw(G.hx), xx(G.m), xy(0), yy(G.m) {}
+    Force operator*(const Motion& V) const {
+      return {nw * V.w + xw * V.x + yw * V.y, xw * V.w + xx * V.x + xy * V.y, yw * V.w + xy * V.x + yy * V.y};
+    }
+    // Less U (s U)^T.
+    void subtract(const Force& U, const T& s) {
+      const T n = s * U.n;
+      const T x = s * U.x;
+      const T y = s * U.y;
+      nw -= n * U.n;
+      xw -= n * U.x;
+      yw -= n * U.y;
+      xx -= x * U.x;
+      xy -= x * U.y;
+      yy -= y * U.y;
+    }
+    // Adds one given at B in B, told at A in A (X = X_AB).
+    void add_moved(const ArticulatedInertia& b, const Pose& X) {
+      const T tx = -X.py;
+      const T ty = X.px;
+      const T ax = X.c * b.xw - X.s * b.yw;
+      const T ay = X.s * b.xw + X.c * b.yw;
+      const T cc = X.c * X.c;
+      const T ss = X.s * X.s;
+      const T cs = X.c * X.s;
+      const T Bxx = cc * b.xx - T(2) * cs * b.xy + ss * b.yy;
+      const T Byy = ss * b.xx + T(2) * cs * b.xy + cc * b.yy;
+      const T Bxy = cs * (b.xx - b.yy) + (cc - ss) * b.xy;
+      const T mx = ax + Bxx * tx + Bxy * ty;
+      const T my = ay + Bxy * tx + Byy * ty;
+      nw += b.nw + tx * (ax + mx) + ty * (ay + my);
+      xw += mx;
+      yw += my;
+      xx += Bxx;
+      xy += Bxy;
+      yy += Byy;
+    }
+  };
+
   static T dot(const Motion& V, const Force& F) { return V.w * F.n + V.x * F.x + V.y * F.y; }
   static Motion cross(const Motion& V, const Motion& A) { return {T(0), V.y * A.w - V.w * A.y, V.w * A.x - V.x * A.w}; }
   static Force cross_force(const Motion& V, const Force& F) { return {V.x * F.y - V.y * F.x, -V.w * F.y, V.w * F.x}; }

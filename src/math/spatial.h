@@ -122,6 +122,35 @@ struct SpatialAlgebra {
     }
   };
 
+  // Inertia of a body that others hang on: any symmetric 6x6 matrix [I H; H^T M] (Featherstone 2008, sec. 7.1).
+  struct ArticulatedInertia {
+    Matrix3<T> I{Matrix3<T>::Zero()};
+    Matrix3<T> H{Matrix3<T>::Zero()};
+    Matrix3<T> M{Matrix3<T>::Zero()};
+
+    ArticulatedInertia() = default;
+    explicit ArticulatedInertia(const Inertia& G) : I(G.I), H(cross_matrix(G.h)), M(G.m * Matrix3<T>::Identity()) {}
+    Force operator*(const Motion& V) const { return {I * V.w + H * V.v, H.transpose() * V.w + M * V.v}; }
+    // Less U (s U)^T.
+    void subtract(const Force& U, const T& s) {
+      const Vector3<T> n = s * U.n;
+      const Vector3<T> f = s * U.f;
+      I -= U.n * n.transpose();
+      H -= U.n * f.transpose();
+      M -= U.f * f.transpose();
+    }
+    // Adds one given at B in B, told at A in A (X = X_AB).
+    void add_moved(const ArticulatedInertia& b, const Pose& X) {
+      const Matrix3<T> P = cross_matrix(X.p);
+      const Matrix3<T> M_A = X.R * b.M * X.R.transpose();
+      const Matrix3<T> H_A = X.R * b.H * X.R.transpose();
+      const Matrix3<T> H_moved = H_A + P * M_A;
+      M += M_A;
+      H += H_moved;
+      I += X.R * b.I * X.R.transpose() - H_A * P + P * H_moved.transpose();
+    }
+  };
+
   static T dot(const Motion& V, const Force& F) { return V.w.dot(F.n) + V.v.dot(F.f); }
   // V x A, the rate of a motion vector carried along by V (Featherstone 2008, eq. 2.31).
   static Motion cross(const Motion& V, const Motion& A) { return {V.w.cross(A.w), V.w.cross(A.v) + V.v.cross(A.w)}; }

@@ -2,6 +2,7 @@
 // The states of a simulation, and derivatives by them and by time.
 #include <algorithm>
 
+#include "analysis/independent_columns.h"
 #include "simulation/report.h"
 #include "simulation/simulation_impl.h"
 #include "simulation/start.h"

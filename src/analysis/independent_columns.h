@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which speeds of a mechanism may stand for all, by its rows.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace gelenk {
+
+// Columns of J (rows x nv) that may serve as independent ones: nv - rank of them. prefer[k]: wanted among them.
+std::vector<int> independent_columns(const Eigen::MatrixXd& J, int rank, const std::vector<bool>& prefer);
+
+}  // namespace gelenk

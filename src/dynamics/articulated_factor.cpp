@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dynamics/articulated_factor.h"
+
+namespace gelenk {
+
+template <class A>
+int ArticulatedFactor<A>::factorise(const std::vector<double>& added) {
+  const int n = static_cast<int>(model_.links.size());
+  for (int i = 1; i < n; ++i) G_[i] = typename A::ArticulatedInertia(model_.links[i].G);
+  for (int i = n - 1; i >= 1; --i) {
+    const auto& link = model_.links[i];
+    for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
+      U_[k] = G_[i] * ws_.S[k];
+      const double D = A::dot(ws_.S[k], U_[k]) + added[k];
+      if (D <= 0) return k;  // what is no number shows in the accelerations
+      root_[k] = 1 / std::sqrt(D);
+      inverse_[k] = 1 / D;
+      G_[i].subtract(U_[k], inverse_[k]);
+    }
+    if (link.parent > 0) G_[link.parent].add_moved(G_[i], ws_.X_PL[i]);
+  }
+  return -1;
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve_transposed(double* x) const {
+  const int n = static_cast<int>(model_.links.size());
+  for (int i = 1; i < n; ++i) p_[i] = {};
+  for (int i = n - 1; i >= 1; --i) {
+    const auto& link = model_.links[i];
+    for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
+      const double left = x[k] - A::dot(ws_.S[k], p_[i]);
+      p_[i] += (left * inverse_[k]) * U_[k];
+      x[k] = left * root_[k];
+    }
+    if (link.parent > 0) p_[link.parent] += ws_.X_PL[i].to_parent(p_[i]);
+  }
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve(double* x) const {
+  const int n = static_cast<int>(model_.links.size());
+  for (int i = 1; i < n; ++i) {
+    const auto& link = model_.links[i];
+    Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) {
+      x[k] = x[k] * root_[k] - A::dot(a, U_[k]) * inverse_[k];
+      a += x[k] * ws_.S[k];
+    }
+    a_[i] = a;
+  }
+}
+
+template <class A>
+void ArticulatedFactor<A>::multiply(const double* x, double* y) const {
+  const int n = static_cast<int>(model_.links.size());
+  for (int i = 1; i < n; ++i) {
+    const auto& link = model_.links[i];
+    Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) {
+      y[k] = (x[k] + A::dot(a, U_[k]) * inverse_[k]) / root_[k];
+      a += x[k] * ws_.S[k];
+    }
+    a_[i] = a;
+  }
+}
+
+template class ArticulatedFactor<Planar>;
+template class ArticulatedFactor<Spatial>;
+
+}  // namespace gelenk

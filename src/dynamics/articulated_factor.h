@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// M = L^T L as SparseFactor has it, to the last sign, but never written down: L is applied by recursions along the tree
+// (Featherstone 2008, sec. 7.3; Rodriguez, Jain & Kreutz-Delgado 1992, eq. 3.23), each linear in the number of links.
+// For long branches, whose M is large and full.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "dynamics/kernels.h"
+
+namespace gelenk {
+
+template <class A>
+class ArticulatedFactor {
+ public:
+  // model and ws outlive it. ws: poses and motion spaces of the position, read by all functions.
+  ArticulatedFactor(const Model<A>& model, const Workspace<A>& ws)
+      : model_(model),
+        ws_(ws),
+        G_(model.links.size()),
+        p_(model.links.size()),
+        a_(model.links.size()),
+        U_(model.nv),
+        root_(model.nv),
+        inverse_(model.nv) {}
+
+  // added: to the diagonal of M, by speed. Returns -1, or the speed at which M has no inertia.
+  int factorise(const std::vector<double>& added);
+
+  void solve_transposed(double* x) const;           // x <- L^-T x
+  void solve(double* x) const;                      // x <- L^-1 x
+  void multiply(const double* x, double* y) const;  // y = L x
+
+ private:
+  using Force = typename A::Force;
+  using Motion = typename A::Motion;
+
+  const Model<A>& model_;
+  const Workspace<A>& ws_;
+  std::vector<typename A::ArticulatedInertia> G_;  // by link
+  mutable std::vector<Force> p_;
+  mutable std::vector<Motion> a_;
+  std::vector<Force> U_;                // by speed: G_ times its motion, when the speeds after it are free
+  std::vector<double> root_, inverse_;  // of D = S . U: the root's inverse, the inverse
+};
+
+extern template class ArticulatedFactor<Planar>;
+extern template class ArticulatedFactor<Spatial>;
+
+}  // namespace gelenk
