@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dynamics/articulated_factor.h"
 
+#include "dynamics/turning.h"
+
 namespace gelenk {
 
 template <class A>
@@ -10,8 +12,8 @@ int ArticulatedFactor<A>::factorise(const std::vector<double>& added) {
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
-      U_[k] = G_[i] * ws_.S[k];
-      const double D = A::dot(ws_.S[k], U_[k]) + added[k];
+      U_[k] = kernels::times<A>(link.turns, G_[i], ws_.S[k]);
+      const double D = kernels::along<A>(link.turns, ws_.S[k], U_[k]) + added[k];
       if (D <= 0) return k;  // what is no number shows in the accelerations
       root_[k] = 1 / std::sqrt(D);
       inverse_[k] = 1 / D;
@@ -29,7 +31,7 @@ void ArticulatedFactor<A>::solve_transposed(double* x) const {
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
-      const double left = x[k] - A::dot(ws_.S[k], p_[i]);
+      const double left = x[k] - kernels::along<A>(link.turns, ws_.S[k], p_[i]);
       p_[i] += (left * inverse_[k]) * U_[k];
       x[k] = left * root_[k];
     }
@@ -45,7 +47,7 @@ void ArticulatedFactor<A>::solve(double* x) const {
     Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       x[k] = x[k] * root_[k] - A::dot(a, U_[k]) * inverse_[k];
-      a += x[k] * ws_.S[k];
+      kernels::add_motion<A>(link.turns, x[k], ws_.S[k], a);
     }
     a_[i] = a;
   }
@@ -59,7 +61,7 @@ void ArticulatedFactor<A>::multiply(const double* x, double* y) const {
     Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       y[k] = (x[k] + A::dot(a, U_[k]) * inverse_[k]) / root_[k];
-      a += x[k] * ws_.S[k];
+      kernels::add_motion<A>(link.turns, x[k], ws_.S[k], a);
     }
     a_[i] = a;
   }

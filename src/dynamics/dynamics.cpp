@@ -58,6 +58,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
         everything_(everything),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
+        all_plain_(std::ranges::all_of(model_.links, [](const auto& link) { return link.plain || link.nv == 0; })),
         M_(model_, ws_, loads.reflected_inertia),
         Y_(M_, ws_.J, model_.nv),
         max_rank_(model_.rows),
@@ -125,6 +126,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void rate(const double* q, const double* v, double* qdot) const override {
+    if (all_plain_) {
+      std::copy_n(v, model_.nv, qdot);
+      return;
+    }
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       visit_joint<A>(link.joint, [&](const auto& joint) { joint.rate(q + link.iq, v + link.iv, qdot + link.iq); });
@@ -132,6 +137,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void displace(double* q, const double* dv) const override {
+    if (all_plain_) {
+      for (int k = 0; k < model_.nv; ++k) q[k] += dv[k];
+      return;
+    }
     double dq[7];
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
@@ -145,6 +154,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void normalise(double* q) const override {
+    if (all_plain_) return;
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       if (link.nq == link.nv) continue;
@@ -238,6 +248,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   bool everything_;
   std::vector<int> all_links_, loaded_links_;
+  bool all_plain_;  // qdot = v
   MassFactor<A> M_;
   WhitenedRows<A> Y_;
   int max_rank_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "dynamics/kernels.h"
+#include "dynamics/turning.h"
 #include "dynamics/visit.h"
 #include "math/dual.h"
 
@@ -45,10 +46,10 @@ typename A::Pose from_ancestor(const Workspace<A>& ws, const std::vector<int>& p
 template <class A>
 double* transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<int>& path, typename A::Force F,
                  double sign, double* row) {
-  for (const int i : path) {
+  for (const int& i : path) {
     const auto& link = model.links[i];
-    for (int k = link.iv; k < link.iv + link.nv; ++k) *row++ = sign * A::dot(ws.S[k], F);
-    F = ws.X_PL[i].to_parent(F);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) *row++ = sign * along<A>(link.turns, ws.S[k], F);
+    if (&i != &path.back()) F = ws.X_PL[i].to_parent(F);
   }
   return row;
 }

@@ -2,6 +2,7 @@
 #include "dynamics/model.h"
 
 #include "dynamics/kernels.h"
+#include "dynamics/turning.h"
 #include "math/dual.h"
 #include "math/series.h"
 
@@ -18,7 +19,8 @@ Model<A>::Model(const Mechanism& mechanism)
       first_coordinate_row(mechanism.first_coordinate_row()) {
   for (const gelenk::Link& link : mechanism.links) {
     const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
-    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, link.joint, pose_in<A>(link.X_PJ),
+    const bool turns = std::holds_alternative<Revolute>(link.joint);
+    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, turns, link.joint, pose_in<A>(link.X_PJ),
                      inertia_in<A>(link.G)});
   }
   for (const gelenk::Cut& cut : mechanism.cuts) {
@@ -48,6 +50,9 @@ Workspace<A>::Workspace(const Model<A>& model)
       rate(model.rows),
       gamma(model.rows),
       lambda(model.rows) {
+  for (const auto& link : model.links) {
+    if (link.turns) kernels::add_turn<A>(typename A::Scalar(1), S[link.iv]);
+  }
   // In the order in which loop_jacobian() comes by them.
   for (const auto& cut : model.cuts) {
     std::vector<int> speeds;

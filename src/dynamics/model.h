@@ -143,6 +143,7 @@ struct Model {
     int parent;
     int iq, iv, nq, nv;
     bool plain;  // S constant, qdot = v (PlainJoint with constant axis): no visit needed for either
+    bool turns;  // revolute: turning.h
     TreeJoint joint;
     typename A::Pose X_PJ;
     typename A::Inertia G;

@@ -4,6 +4,7 @@
 #include "dynamics/output_kernels.h"
 
 #include "dynamics/load_kernels.h"
+#include "dynamics/turning.h"
 #include "dynamics/visit.h"
 #include "math/dual.h"
 
@@ -46,7 +47,7 @@ void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Worksp
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
     added[i] = ws.X_PL[i].to_child(added[link.parent]);
-    for (int k = link.iv; k < link.iv + link.nv; ++k) added[i] += vdot[k] * ws.S[k];
+    for (int k = link.iv; k < link.iv + link.nv; ++k) add_motion<A>(link.turns, vdot[k], ws.S[k], added[i]);
   }
   for (int i = 0; i < n; ++i) ws.A_full[i] += ws.A_bias[i];
   ws.F[0] = {};

@@ -14,7 +14,7 @@ double dot(const double* a, const double* b, int n) {
   return sum;
 }
 
-void add(double factor, const double* a, double* b, int n) {
+void add(double factor, const double* __restrict a, double* __restrict b, int n) {
   for (int i = 0; i < n; ++i) b[i] += factor * a[i];
 }
 

@@ -30,9 +30,10 @@ int SparseFactor::factorise() {
     for (int d = 0; d < depth; ++d) row_k[d] *= inverse;
     const int* inner = ancestors(k);
     for (int d = 0; d < depth; ++d) {
-      double* row_i = row(inner[d]);
-      const double factor = row_k[d];
-      for (int e = 0; e <= d; ++e) row_i[e] -= factor * row_k[e];
+      double* __restrict row_i = row(inner[d]);
+      const double* __restrict factors = row_k;
+      const double factor = factors[d];
+      for (int e = 0; e <= d; ++e) row_i[e] -= factor * factors[e];
     }
   }
   return -1;
