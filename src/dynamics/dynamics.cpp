@@ -2,6 +2,7 @@
 #include "dynamics/dynamics.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -69,6 +70,9 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
         shifted_(model_.rows) {}
 
   void set_position(const double* q) override {
+    if (placed_ && same(q, q_)) return;
+    placed_ = true;
+    moving_ = false;
     std::copy(q, q + model_.nq, q_.begin());
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, loaded_links_, ws_);
@@ -76,7 +80,11 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     kernels::coordinate_row_positions(model_, q, targets_, ws_);
   }
 
-  void set_targets(const double* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
+  void set_targets(const double* targets) override {
+    if (same(targets, targets_)) return;
+    placed_ = moving_ = false;
+    std::copy_n(targets, targets_.size(), targets_.begin());
+  }
 
   void factorise() override {
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
@@ -86,6 +94,9 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void set_velocity(const double* v) override {
+    if (moving_ && same(v, v_) && gravity_ == loads_.gravity) return;
+    moving_ = true;
+    gravity_ = loads_.gravity;
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
@@ -123,6 +134,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_acceleration(const double* vdot) override {
     if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
     kernels::accelerations(model_, vdot, ws_);
+    moving_ = false;  // the cuts' biases are overwritten
   }
 
   void rate(const double* q, const double* v, double* qdot) const override {
@@ -246,6 +258,16 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     throw SingularMass("?");
   }
 
+  // To the bit, so that a run does not depend on what was computed before.
+  static bool same(const double* x, const std::vector<double>& as) {
+    return as.empty() || std::memcmp(x, as.data(), as.size() * sizeof *x) == 0;
+  }
+
+  // What the workspace holds is of q_ and targets_; of v_ and gravity_ too. Steps end where outputs are read and the
+  // next one begins.
+  bool placed_ = false;
+  bool moving_ = false;
+  Eigen::Vector3d gravity_{0, 0, 0};
   bool everything_;
   std::vector<int> all_links_, loaded_links_;
   bool all_plain_;  // qdot = v

@@ -75,7 +75,9 @@ class Formulation : public Equations {
   // Singular positions since the start.
   const Passages& passages() const { return passages_; }
 
+  // Of the cut joints, at the state accepted last.
   const std::vector<double>& cut_coordinates() const { return turns_.coordinates(); }
+  const std::vector<double>& cut_speeds() const { return turns_.speeds(); }
   // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
 

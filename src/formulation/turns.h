@@ -15,6 +15,8 @@ class TurnCounter {
 
   // Coordinates of the cut joints with their angles counted through all turns; cut_nq numbers.
   const std::vector<double>& coordinates() const { return q_; }
+  // Their speeds, where they were counted last; cut_nv numbers.
+  const std::vector<double>& speeds() const { return v_last_; }
   // Starts counting: angles nearest to the numbers given. y = (q, v).
   void count_from(const std::vector<double>& cut_q, double t, const double* y);
   // The counts, for the state at which the run stands.

@@ -150,7 +150,9 @@ void Island::refresh(Outputs::Needs needs) {
   fresh_ = needs;
 }
 
-Reading Island::reading() const { return {*dynamics_, q(), v(), vdot_.data(), cut_coordinates().data()}; }
+Reading Island::reading() const {
+  return {*dynamics_, q(), v(), vdot_.data(), cut_coordinates().data(), equations_->cut_speeds().data()};
+}
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
   std::vector<MotionLaw::Derivatives> out;
@@ -167,9 +169,12 @@ double Island::evaluation_cost(double budget) {
   if (mechanism().nv == 0) return 0;
   fresh_ = Outputs::Needs::state;
   std::vector<double> ydot(y_.size());
+  // Elsewhere each time: what is known of where the equations stand is not computed again.
+  std::vector<double> beside = y_;
+  for (double& y : beside) y += 1e-9;
   const auto time_of = [&](int calls) {
     const double begin = cpu_time();
-    for (int i = 0; i < calls; ++i) equations_->rhs(time_, y_.data(), ydot.data());
+    for (int i = 0; i < calls; ++i) equations_->rhs(time_, (i % 2 == 0 ? beside : y_).data(), ydot.data());
     return (cpu_time() - begin) / calls;
   };
   const long before = dynamics_->evaluations();

@@ -35,15 +35,16 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
   source.island = place.island;
   const Mechanism& mechanism = reduced_.islands[place.island];
   source.sign = signal.level == 0 ? place.q_sign[c] : place.v_sign[c];
-  static constexpr Needs needs[] = {Needs::state, Needs::state, Needs::accelerations};
   if (place.role == JointPlace::Role::tree) {
-    source.kind = Kind::tree;
+    static constexpr Kind kinds[] = {Kind::tree_q, Kind::tree_v, Kind::tree_a};
+    static constexpr Needs needs[] = {Needs::state, Needs::state, Needs::accelerations};
+    source.kind = kinds[signal.level];
     source.needs = needs[signal.level];
-    source.index = signal.level == 0 ? place.iq + c : mechanism.nq + (signal.level - 1) * mechanism.nv + place.iv + c;
+    source.index = (signal.level == 0 ? place.iq : place.iv) + c;
     return source;
   }
   static constexpr Kind kinds[] = {Kind::cut_q, Kind::cut_v, Kind::cut_a};
-  static constexpr Needs cut_needs[] = {Needs::state, Needs::velocities, Needs::accelerations};
+  static constexpr Needs cut_needs[] = {Needs::state, Needs::state, Needs::accelerations};
   source.kind = kinds[signal.level];
   source.needs = cut_needs[signal.level];
   source.index = signal.level == 0 ? place.iq + c : place.index;

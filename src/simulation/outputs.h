@@ -10,7 +10,8 @@
 
 namespace gelenk {
 
-// What outputs of an island are computed from: q, v, vdot of the tree; cut_q: coordinates of cut joints, turns counted.
+// What outputs of an island are computed from: q, v, vdot of the tree; cut_q: coordinates of cut joints, turns counted;
+// cut_v: their speeds, where they are known as double.
 // T: double, or numbers that carry derivatives.
 template <class T>
 struct ReadingOf {
@@ -19,6 +20,7 @@ struct ReadingOf {
   const T* v;
   const T* vdot;
   const T* cut_q;
+  const T* cut_v = nullptr;
 };
 using Reading = ReadingOf<double>;
 
@@ -47,7 +49,9 @@ class Outputs {
   enum class Kind {
     constant,
     standing_pose,
-    tree,
+    tree_q,
+    tree_v,
+    tree_a,
     cut_q,
     cut_v,
     cut_a,
@@ -62,13 +66,11 @@ class Outputs {
     Kind kind = Kind::constant;
     Needs needs = Needs::state;
     int island = none;
-    int index = 0;      // tree: in (q, v, vdot); cut and sensors: which; coordinate_force: row
+    int index = 0;      // tree: in q, v or vdot; in cut_q; other cuts and sensors: which; coordinate_force: row
     int component = 0;  // within a cut joint or sensor
     double sign = 1;    // constant: the value
   };
   Source joint_source(const Signal& signal) const;
-  template <class T>
-  T tree_value(const Source& source, const ReadingOf<T>& reading) const;
   template <class T>
   T pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const;
   void add_sensor(const Scene& scene, const Sensor& sensor);

@@ -18,28 +18,28 @@ T quaternion_component(const Matrix3<T>& R, int i) {
 }  // namespace detail
 
 template <class T>
-T Outputs::tree_value(const Source& source, const ReadingOf<T>& reading) const {
-  const Mechanism& mechanism = reduced_.islands[source.island];
-  const int speed = source.index - mechanism.nq;
-  if (speed < 0) return reading.q[source.index];
-  return speed < mechanism.nv ? reading.v[speed] : reading.vdot[speed - mechanism.nv];
-}
-
-template <class T>
 T Outputs::value(int output, const ReadingOf<T>& reading) const {
   const Source& s = sources_[output];
-  T joint[max_cut_nv] = {};
+  const auto component = [&s](auto&& read) {
+    T joint[max_cut_nv] = {};
+    read(joint);
+    return T(s.sign) * joint[s.component];
+  };
   switch (s.kind) {
-    case Kind::tree:
-      return T(s.sign) * tree_value(s, reading);
+    case Kind::tree_q:
+      return T(s.sign) * reading.q[s.index];
+    case Kind::tree_v:
+      return T(s.sign) * reading.v[s.index];
+    case Kind::tree_a:
+      return T(s.sign) * reading.vdot[s.index];
     case Kind::cut_q:
       return T(s.sign) * reading.cut_q[s.index];
     case Kind::cut_v:
-      reading.dynamics.cut_speeds(s.index, joint);
-      return T(s.sign) * joint[s.component];
+      if (reading.cut_v != nullptr)
+        return T(s.sign) * reading.cut_v[reduced_.islands[s.island].cuts[s.index].iv + s.component];
+      return component([&](T* joint) { reading.dynamics.cut_speeds(s.index, joint); });
     case Kind::cut_a:
-      reading.dynamics.cut_accelerations(s.index, joint);
-      return T(s.sign) * joint[s.component];
+      return component([&](T* joint) { reading.dynamics.cut_accelerations(s.index, joint); });
     case Kind::reaction:
       return reactions_[s.index].component(s.component, reading.dynamics);
     case Kind::pose:
