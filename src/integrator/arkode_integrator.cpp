@@ -8,7 +8,44 @@ namespace {
 
 constexpr double most_first_growth = 1e4;  // ARKODE's own
 
+// out = sum of c[j] x[j], in one pass: the vectors are short. out may be one of them.
+template <int count>
+void combine(const double* c, N_Vector* x, N_Vector out) {
+  const double* from[count];
+  for (int j = 0; j < count; ++j) from[j] = NV_DATA_S(x[j]);
+  double* to = NV_DATA_S(out);
+  const sunindextype n = NV_LENGTH_S(out);
+  for (sunindextype i = 0; i < n; ++i) {
+    double sum = c[0] * from[0][i];
+    for (int j = 1; j < count; ++j) sum += c[j] * from[j][i];
+    to[i] = sum;
+  }
+}
+
+SUNErrCode combine_any(int count, sunrealtype* c, N_Vector* x, N_Vector out) {
+  switch (count) {
+    case 2:
+      return combine<2>(c, x, out), SUN_SUCCESS;
+    case 3:
+      return combine<3>(c, x, out), SUN_SUCCESS;
+    case 4:
+      return combine<4>(c, x, out), SUN_SUCCESS;
+    case 5:
+      return combine<5>(c, x, out), SUN_SUCCESS;
+    case 6:
+      return combine<6>(c, x, out), SUN_SUCCESS;
+    case 7:
+      return combine<7>(c, x, out), SUN_SUCCESS;
+    default:
+      return N_VLinearCombination_Serial(count, c, x, out);
+  }
+}
+
 }  // namespace
+
+ArkodeIntegrator::ArkodeIntegrator(Equations& system) : SundialsIntegrator(system) {
+  y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are made like y_
+}
 
 ArkodeIntegrator::~ArkodeIntegrator() {
   for (Stepper& stepper : steppers_) ARKodeFree(&stepper.memory);

@@ -19,7 +19,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   void exchange(Record& record) override;
 
  protected:
-  using SundialsIntegrator::SundialsIntegrator;
+  explicit ArkodeIntegrator(Equations& system);
 
   static constexpr double most_growth = 20;  // of a step over the one before; ARKODE's own
 

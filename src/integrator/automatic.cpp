@@ -19,7 +19,8 @@ constexpr double suspicious = 2.0;
 constexpr double stable_reach = 4.0;
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
-constexpr int iterations = 8;          // of the power method for that eigenvalue
+constexpr int iterations = 8;          // of the power method for that eigenvalue, at most,
+constexpr double settled = 0.1;        // when it has not changed by more, relatively
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
 constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
 
@@ -192,12 +193,14 @@ class Automatic final : public Integrator {
       if (!(length > 0 && std::isfinite(length))) break;
       for (int k = 0; k < n_; ++k) beside_[k] = y_[k] + h * direction_[k] / length;
       if (!system_.rhs(t_, beside_.data(), f_beside_.data())) break;
+      const double before = rate;
       rate = 0;
       for (int k = 0; k < n_; ++k) {
         direction_[k] = (f_beside_[k] - f_[k]) / h;
         rate += direction_[k] * direction_[k];
       }
       rate = std::sqrt(rate);
+      if (std::abs(rate - before) < settled * rate) break;
     }
     if (!(rate > 0 && std::isfinite(rate))) std::ranges::fill(direction_, 1.0);
     return rate;
