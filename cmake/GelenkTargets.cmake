@@ -11,6 +11,7 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # What reads scenes and describes plants runs once: made small, since every FMU carries it.
 set(read_once ${core_sources})
 list(FILTER read_once INCLUDE REGEX "/(scene|modelDescription)/[^/]*$")
+list(FILTER read_once EXCLUDE REGEX "/plant\\.cpp$")  # which every step goes through
 set_source_files_properties(${read_once} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 
 add_library(gelenk_core STATIC ${core_sources})

@@ -64,10 +64,6 @@ Catalogue::Catalogue(const Scene& scene) {
   add_sizes(scene);
 }
 
-const Variable* Catalogue::find(unsigned value_reference) const {
-  return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
-}
-
 void Catalogue::add_inputs(const Scene& scene) {
   const std::vector<Signal> signals = input_signals(scene);
   for (std::size_t i = 0; i < signals.size(); ++i) {

@@ -64,7 +64,9 @@ class Catalogue {
 
   // In this order: inputs, outputs, parameters, rates, diagnostics. A variable's value reference is its index.
   const std::vector<Variable>& variables() const { return variables_; }
-  const Variable* find(unsigned value_reference) const;
+  const Variable* find(unsigned value_reference) const {
+    return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
+  }
 
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const std::vector<Rate>& rates() const { return rates_; }
