@@ -8,11 +8,22 @@ namespace {
 
 void copy(const double* from, std::vector<Dual>& to) { std::copy_n(from, to.size(), to.begin()); }
 
-void column(const std::vector<Dual>& from, int k, Eigen::MatrixXd& to, int c) {
+template <class Matrix>
+void column(const std::vector<Dual>& from, int k, Matrix& to, Eigen::Index c) {
   for (std::size_t i = 0; i < from.size(); ++i) to(static_cast<Eigen::Index>(i), c) = from[i].slope()[k];
 }
 
 }  // namespace
+
+void Slopes::clear(int nq, int nv, int rows, int inputs) {
+  r.setZero(nv, nq + nv);
+  c.setZero(rows, nq + nv);
+  qdot_q.setZero(nq, nq);
+  qdot_v.setZero(nq, nv);
+  if (of_rows) Phi_q.setZero(rows, nq);
+  if (of_rows) rate_q.setZero(rows, nq);
+  if (of_inputs) r_u.setZero(nv, inputs);
+}
 
 Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs)
     : equations_(make_extended<Dual>(mechanism, loads)),
@@ -47,18 +58,8 @@ void Differentiator::sweep(const Point& at, std::vector<Dual>& in, Take take) {
 }
 
 void Differentiator::operator()(const Point& at, Slopes& out) {
-  const auto nq = static_cast<Eigen::Index>(q_.size());
-  const auto nv = static_cast<Eigen::Index>(v_.size());
-  const auto rows = static_cast<Eigen::Index>(lambda_.size());
-  out.r_q.resize(nv, nq);
-  out.r_v.resize(nv, nv);
-  out.r_u.resize(nv, static_cast<Eigen::Index>(u_.size()));
-  out.c_q.resize(rows, nq);
-  out.c_v.resize(rows, nv);
-  out.Phi_q.resize(rows, nq);
-  out.rate_q.resize(rows, nq);
-  out.qdot_q.resize(nq, nq);
-  out.qdot_v.resize(nq, nv);
+  const auto nq = static_cast<int>(q_.size());
+  out.clear(nq, static_cast<int>(v_.size()), static_cast<int>(lambda_.size()), static_cast<int>(u_.size()));
   copy(at.q, q_);
   copy(at.v, v_);
   copy(at.u, u_);
@@ -67,18 +68,19 @@ void Differentiator::operator()(const Point& at, Slopes& out) {
   copy(at.targets, targets_);
   const Extended<Dual>& e = *equations_;
   sweep(at, q_, [&](int c, int k) {
-    column(e.force_residual(), k, out.r_q, c);
-    column(e.acceleration_residual(), k, out.c_q, c);
+    column(e.force_residual(), k, out.r, c);
+    column(e.acceleration_residual(), k, out.c, c);
+    column(e.qdot(), k, out.qdot_q, c);
+    if (!out.of_rows) return;
     column(e.Phi(), k, out.Phi_q, c);
     column(e.row_rates(), k, out.rate_q, c);
-    column(e.qdot(), k, out.qdot_q, c);
   });
   sweep(at, v_, [&](int c, int k) {
-    column(e.force_residual(), k, out.r_v, c);
-    column(e.acceleration_residual(), k, out.c_v, c);
+    column(e.force_residual(), k, out.r, nq + c);
+    column(e.acceleration_residual(), k, out.c, nq + c);
     column(e.qdot(), k, out.qdot_v, c);
   });
-  sweep(at, u_, [&](int c, int k) { column(e.force_residual(), k, out.r_u, c); });
+  if (out.of_inputs) sweep(at, u_, [&](int c, int k) { column(e.force_residual(), k, out.r_u, c); });
 }
 
 }  // namespace gelenk

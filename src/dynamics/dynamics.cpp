@@ -11,6 +11,7 @@
 #include "dynamics/load_kernels.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/output_kernels.h"
+#include "dynamics/recursive_slopes.h"
 #include "dynamics/visit.h"
 #include "dynamics/whitened_rows.h"
 #include "dynamics/with_readings.h"
@@ -174,11 +175,18 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     }
   }
 
-  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out, const double* lambda) override {
-    if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
+  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out, const double* lambda,
+                     bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    (*differentiator_)({q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data()}, out);
+    const Point at{q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data()};
+    if (!by_duals && RecursiveSlopes<A>::covers(loads_)) {
+      if (!recursion_) recursion_ = std::make_unique<RecursiveSlopes<A>>(model_, ws_, loads_);
+      (*recursion_)(at, inputs, out);
+      return;
+    }
+    if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
+    (*differentiator_)(at, out);
   }
 
   void solve_linear(double* r, const double* c, double* l) const override {
@@ -187,6 +195,12 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (model_.rows > 0) Y_.constrain(r, c, follows_ ? nothing_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
+  }
+
+  void solve_linear_columns(double* r, const double* c, int columns) const override {
+    M_.solve_transposed(r, columns);
+    if (model_.rows > 0) Y_.constrain(r, c, columns, follows_);
+    M_.solve(r, columns);
   }
 
   const std::vector<double>& Phi() const override { return ws_.Phi; }
@@ -278,6 +292,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   std::vector<double> w_, expected_, nothing_, tau_, shifted_;
   const double* row_shift_ = nullptr;
   mutable std::vector<double> J_;  // as last asked for
+  std::unique_ptr<RecursiveSlopes<A>> recursion_;
   std::unique_ptr<Differentiator> differentiator_;
   Energy energy_;
   long evaluations_ = 0;

@@ -22,8 +22,6 @@ class SingularMass : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 class Dynamics : public Readings<double> {
  public:
   // The time, for rows that change with it: of each coordinate row s, ds/dt, d2s/dt2. From the next set_position on.
@@ -57,11 +55,14 @@ class Dynamics : public Readings<double> {
 
   // Exact derivatives of the residuals at the state of the last solve(), with its vdot and lambda; or those of
   // assemble(), with any vdot and lambda. u: `inputs` numbers. Allocates when first called.
+  // by_duals: as for mechanisms that recursion does not cover.
   virtual void differentiate(const double* u, int inputs, const double* vdot, Slopes& out,
-                             const double* lambda = nullptr) = 0;
+                             const double* lambda = nullptr, bool by_duals = false) = 0;
   // [M J^T; J 0] [x; l] = [r; c] with the last factors; r is overwritten by x. Where the last solve() followed
   // something expected, x = 0 is followed there. l: of minimum norm, or null.
   virtual void solve_linear(double* r, const double* c, double* l = nullptr) const = 0;
+  // The same for many right sides at a time, without l: r (nv x columns) and c (rows x columns) row by row.
+  virtual void solve_linear_columns(double* r, const double* c, int columns) const = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
   virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m

@@ -39,6 +39,9 @@ class RowFactor {
   // w <- the w nearest to a (given in w) with Y^T w = gamma. expected: n numbers that weak pivots' directions follow,
   // or null: no pivot is taken as weak.
   void constrain(double* w, const double* gamma, const double* expected) const;
+  // The same for the columns of w (n x columns) and gamma (m x columns), stored row by row; follows: what is expected
+  // along weak pivots is 0, else none is weak. Leaves nothing for multipliers().
+  void constrain(double* w, const double* gamma, int columns, bool follows) const;
   // The multipliers of the last constrain(), minimum norm.
   void multipliers(double* lambda) const;
   // w <- the shortest w with Y^T w = residual.
@@ -47,10 +50,11 @@ class RowFactor {
  private:
   void factorise_rows(int max_rank);
   void factorise_redundant();
-  double share(int k) const;                            // of pivot k, see set_weak
-  void reflect(double* x) const;                        // x <- Q^T x
-  void unreflect(double* x) const;                      // x <- Q x
-  void from_rows(const double* in, double* d) const;    // d = least-squares solution of R_1^T d = P^T in
+  double share(int k) const;                          // of pivot k, see set_weak
+  void reflect(double* x) const;                      // x <- Q^T x
+  void unreflect(double* x) const;                    // x <- Q x
+  void from_rows(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in
+  void from_rows(const double* in, int columns, double* d, double* sum) const;
   void to_rows(const double* d, double* lambda) const;  // lambda = minimum-norm solution of R_1 P^T lambda = d
 
   int n_, m_;
@@ -64,6 +68,7 @@ class RowFactor {
   std::vector<double> norms_;                     // squared norms of what is left of each column
   std::vector<double> Z_, T_diagonal_, Z_scale_;  // of R_1^T, m x rank, column-major
   mutable std::vector<double> d_, e_, f_;
+  mutable std::vector<double> columns_;
 };
 
 }  // namespace gelenk

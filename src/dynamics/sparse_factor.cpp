@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "dynamics/columns.h"
+
 namespace gelenk {
 
 SparseFactor::SparseFactor(const std::vector<int>& parent) {
@@ -63,6 +65,28 @@ void SparseFactor::solve(double* x) const {
     double sum = x[i];
     for (int d = 0; d < depth; ++d) sum -= L[d] * x[inner[d]];
     x[i] = sum * inverse_[i];
+  }
+}
+
+void SparseFactor::solve_transposed(double* x, int columns) const {
+  for (int i = n_ - 1; i >= 0; --i) {
+    const double* row = &L_[static_cast<std::size_t>(i) * n_];
+    double* const x_i = x + static_cast<std::size_t>(i) * columns;
+    columns::scale(1 / row[i], x_i, columns);
+    for (int j = parent_[i]; j >= 0; j = parent_[j]) {
+      columns::add(-row[j], x_i, x + static_cast<std::size_t>(j) * columns, columns);
+    }
+  }
+}
+
+void SparseFactor::solve(double* x, int columns) const {
+  for (int i = 0; i < n_; ++i) {
+    const double* row = &L_[static_cast<std::size_t>(i) * n_];
+    double* const x_i = x + static_cast<std::size_t>(i) * columns;
+    for (int j = parent_[i]; j >= 0; j = parent_[j]) {
+      columns::add(-row[j], x + static_cast<std::size_t>(j) * columns, x_i, columns);
+    }
+    columns::scale(1 / row[i], x_i, columns);
   }
 }
 

@@ -29,6 +29,9 @@ class SparseFactor {
   void solve_transposed(double* x, const std::vector<int>& speeds) const;
   void solve(double* x) const;                      // x <- L^-1 x: from whitened to speeds
   void multiply(const double* x, double* y) const;  // y = L x: whitens speeds
+  // The same for the columns of x, which is stored row by row.
+  void solve_transposed(double* x, int columns) const;
+  void solve(double* x, int columns) const;
 
  private:
   void carry_inwards(int i, double* x) const;

@@ -34,8 +34,8 @@ class Baumgarte final : public Formulation {
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
-    slopes_.c_q += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;
-    slopes_.c_v += 2 * alpha_ * J();
+    slopes_.c_q() += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;
+    slopes_.c_v() += 2 * alpha_ * J();
     solve_slopes(out);
   }
 

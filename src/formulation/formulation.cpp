@@ -165,16 +165,10 @@ void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>&
   solve_slopes(out);
 }
 
-// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc).
+// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). slopes_.r is lost.
 void Formulation::solve_slopes(Eigen::Map<Eigen::MatrixXd>& out) {
-  out.bottomLeftCorner(nv_, nq_) = -slopes_.r_q;
-  out.bottomRightCorner(nv_, nv_) = -slopes_.r_v;
-  slopes_.c_q = -slopes_.c_q;
-  slopes_.c_v = -slopes_.c_v;
-  for (int k = 0; k < size(); ++k) {
-    const double* c = k < nq_ ? slopes_.c_q.col(k).data() : slopes_.c_v.col(k - nq_).data();
-    dynamics_.solve_linear(out.col(k).data() + nq_, c);
-  }
+  dynamics_.solve_linear_columns(slopes_.r.data(), slopes_.c.data(), size());
+  out.bottomRows(nv_) = -slopes_.r;
 }
 
 bool Formulation::project(double, double* y) {

@@ -30,11 +30,11 @@ class Penalty final : public Penalised {
     stabilise_slopes();
     auto by_q = out.bottomLeftCorner(nv_, nq_);
     auto by_v = out.bottomRightCorner(nv_, nv_);
-    by_q = -slopes_.r_q;
-    by_v = -slopes_.r_v;
+    by_q = -slopes_.r_q();
+    by_v = -slopes_.r_v();
     if (rows() > 0) {
-      by_q.noalias() -= a_ * J().transpose() * slopes_.c_q;
-      by_v.noalias() -= a_ * J().transpose() * slopes_.c_v;
+      by_q.noalias() -= a_ * J().transpose() * slopes_.c_q();
+      by_v.noalias() -= a_ * J().transpose() * slopes_.c_v();
     }
     auto slopes = out.bottomRows(nv_);
     factor_.solveInPlace(slopes);
@@ -86,8 +86,8 @@ bool Penalised::assemble(const double* v) {
 
 void Penalised::stabilise_slopes() {
   if (rows() == 0) return;
-  slopes_.c_q += 2 * Omega * mu * slopes_.rate_q + Omega * Omega * slopes_.Phi_q;
-  slopes_.c_v += 2 * Omega * mu * J();
+  slopes_.c_q() += 2 * Omega * mu * slopes_.rate_q + Omega * Omega * slopes_.Phi_q;
+  slopes_.c_v() += 2 * Omega * mu * J();
 }
 
 std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,

@@ -32,6 +32,7 @@ class Projection final : public Formulation {
         before_(nv_),
         after_(nv_),
         seen_(inputs) {
+    slopes_.of_rows = false;
     for (auto& acceleration : accelerations_) acceleration.resize(nv_);
   }
   bool project(double t, double* y) override;

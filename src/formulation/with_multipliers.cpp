@@ -77,8 +77,8 @@ bool WithMultipliers::slopes_of_motion(double t, const double* x, const double* 
   F_x.setZero();
   F_x.topLeftCorner(nq_, nq_) = -slopes_.qdot_q;
   F_x.block(0, nq_, nq_, nv_) = -slopes_.qdot_v;
-  F_x.block(nq_, 0, nv_, nq_) = slopes_.r_q;
-  F_x.block(nq_, nq_, nv_, nv_) = slopes_.r_v;
+  F_x.block(nq_, 0, nv_, nq_) = slopes_.r_q();
+  F_x.block(nq_, nq_, nv_, nv_) = slopes_.r_v();
   if (rows() > 0) F_x.block(nq_, size(), nv_, rows()) = J().transpose();
   F_xdot.setZero();
   F_xdot.topLeftCorner(nq_, nq_).setIdentity();

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The derivatives of derivatives.h by recursion along the tree: a motion that one speed gives everything outwards meets
+// the sums of inertias and forces there, so that each entry of r costs a few scalar products (Carpentier & Mansard
+// 2018; Singh, Russell & Wensing 2022). The rows of loops likewise; docs/methods.md has the derivation.
+//
+// All is written in the root's axes, about a point that moves with the first link: far from the root nothing is lost.
+// S_k being the motion that speed k of link i gives, a turn along it moves everything outwards by S_k and, beyond that,
+// changes velocities by P_k and accelerations by P_k x V + Q_k; speed k itself changes velocities by S_k and
+// accelerations by S_k x V + R_k. With the link p inwards of i
+//   P_k = V_p x S_k + e_k,   Q_k = A_p x S_k + V_p x P_k + V_i x e_k + E_k,   R_k = V_p x S_k + V_i x S_k + b_k,
+// where e, E, b are of joints whose motions S change with their coordinates: the slopes in M of S v and of
+// S vdot + Sdot v by the turn, and of Sdot v by the speed.
+#pragma once
+
+#include <vector>
+
+#include "dynamics/coriolis.h"
+#include "dynamics/derivatives.h"
+#include "dynamics/kernels.h"
+#include "dynamics/motion_columns.h"
+
+namespace gelenk {
+
+template <class A>
+class RecursiveSlopes {
+ public:
+  // Whether it knows all that acts there. Joints it knows all.
+  static bool covers(const Loads& loads);
+
+  // model, ws and loads outlive it. ws: poses, motion spaces and rows of the position.
+  RecursiveSlopes(const Model<A>& model, const Workspace<A>& ws, const Loads& loads);
+
+  // inputs: number of the scene's inputs. Allocates when `out` has other sizes.
+  void operator()(const Point& at, int inputs, Slopes& out);
+
+ private:
+  using Motion = typename A::Motion;
+  using Force = typename A::Force;
+  using Pose = typename A::Pose;
+
+  struct Body {
+    Pose X;
+    Motion V, acc;
+    // Of everything from it outwards, the force that the motion needs, and that for the rows' forces.
+    typename A::Inertia G;
+    Coriolis<A> B;
+    Force f, of_rows;
+  };
+
+  void move_outwards(const Point& at);
+  void set_speeds(int i, const Point& at, const Motion& V_J);
+  void gather_inwards(const Point& at, Slopes& by);
+  void add_pairs(int i, int k, Slopes& by);
+  void joint_loads(const Point& at, int inputs, Slopes& out) const;
+  void to_numbers(const Point& at, const Slopes& by, Slopes& out) const;
+
+  // Of joints whose motions change with their coordinates: what they add (recursive_slopes_joints.cpp).
+  void add_turning(int i, const Point& at);
+  void add_projection(int i, const Point& at, Slopes& by) const;
+
+  // Loops (recursive_slopes_rows.cpp).
+  // What the rows of a cut are like where it stands; all in F's axes about M's origin.
+  struct LocalRows {
+    Pose X;       // F's axes at M's origin
+    Motion V, W;  // of M in F: velocity, its rate
+    bool moving;  // w changes with X
+    // By row: slopes by the turns and shifts of M; those of w and of the bias only where w moves.
+    Force Phi[6], bias_X[6], bias_V[6];
+    Force w[6][A::dimension];  // by direction
+  };
+  void cut_wrench(int c, const Point& at);
+  void cut_slopes(int c, const Point& at, Slopes& by);
+  void row_slopes(int c, const LocalRows& at, Slopes& by);
+  void wrench_slopes(int c, const LocalRows& at, const Point& point, Slopes& by);
+
+  const Model<A>& model_;
+  const Workspace<A>& ws_;
+  const Loads& loads_;
+  std::vector<Body> body_;
+  std::vector<Motion> S_of_, P_of_, Q_of_, R_of_;  // by speed
+  MotionColumns<A> S_, P_, Q_, R_;                 // the same
+  std::vector<std::vector<Run>> inwards_;          // by link: the speeds from the ground to it, its own included
+  std::vector<std::vector<Run>> path_a_, path_b_;  // by cut: the speeds of its paths
+  std::vector<Force> wrench_;                      // by cut: J^T lambda as a force that b needs
+  bool other_numbers_ = false;                     // than turns are in q
+  Slopes turned_;                                  // by turns, if so
+  LocalRows local_;
+  std::vector<double> column_q_, column_v_;
+};
+
+extern template class RecursiveSlopes<Planar>;
+extern template class RecursiveSlopes<Spatial>;
+
+}  // namespace gelenk
