@@ -148,6 +148,16 @@ std::vector<Vector> linearize(Plant& plant) {
   return {flat(l.A), flat(l.B), flat(l.C), flat(l.D), flat(l.xdot)};
 }
 
+std::vector<Vector> residual_slopes(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
+  gelenk::Slopes s = plant.with([&](Simulation& of) { return of.residual_slopes(island, x, by_duals); });
+  std::vector<Vector> out;
+  for (const Eigen::MatrixXd& part : {Eigen::MatrixXd(s.r), Eigen::MatrixXd(s.r_u), Eigen::MatrixXd(s.c),
+                                      Eigen::MatrixXd(s.Phi_q), Eigen::MatrixXd(s.rate_q), s.qdot_q, s.qdot_v}) {
+    out.push_back(flat(part));
+  }
+  return out;
+}
+
 std::vector<Vector> slope_along(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
   const gelenk::Slope slope = plant.with([&](Simulation& s) { return s.slope_along(dx, du); });
   return {flat(slope.outputs), flat(slope.rates)};
@@ -232,6 +242,9 @@ void bind_checks(nb::class_<Plant>& simulation) {
   simulation.def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
       .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
            "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
+      .def("_residual_slopes", residual_slopes, nb::arg("island"), nb::arg("x"), nb::arg("by_duals"),
+           "Derivatives of its residuals at x = (q, v, vdot, lambda): r, r_u, c, Phi_q, rate_q, qdot_q, qdot_v; for "
+           "checks.")
       .def("_consistent", consistent_at, nb::arg("island"),
            "Unknowns x, multipliers behind (q, v), and xdot at the present state, one after the other; for checks.")
       .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("slopes"),

@@ -82,6 +82,7 @@ Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure
     if (holds[r]) of_positions_.rows.push_back(r);
   }
   dynamics_->limit_rank(rank_);
+  slopes_.of_inputs = true;
   moved_.equations = make_extended<Dual>(mechanism, loads);
   path_.equations = make_extended<Series>(mechanism, loads);
 }
@@ -101,7 +102,7 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   d.set_velocity(v);
   d.solve(u, vdot_.data());
   d.set_acceleration(vdot_.data());
-  partition_known_ = false;
+  partition_known_ = slopes_known_ = false;
   redundant_ = false;
   if (mechanism_.rows == 0) return;
   if (d.rank() < rank_ || (rank_ > 0 && d.pivot_ratio() < singular)) throw Undetermined(Undetermined::What::rows);
@@ -174,8 +175,8 @@ void Tangent::move_targets(const MatrixXd& du) {
   });
 }
 
-// Moves the independent coordinates by dq, and the others as the rows want.
-void Tangent::move_position(const MatrixXd& dq, const MatrixXd& du) {
+// The independent coordinates moved by dq, and the others as the rows want.
+MatrixXd Tangent::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
   const Index n = dq.cols();
   MatrixXd z = MatrixXd::Zero(mechanism_.nv, n);  // speeds times time
   for (Index k = 0; k < n; ++k) {
@@ -200,20 +201,68 @@ void Tangent::move_position(const MatrixXd& dq, const MatrixXd& du) {
   }
   MatrixXd moved(mechanism_.nq, n);
   for (Index k = 0; k < n; ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
-  set_slopes(moved, moved_.q);
-  moved_.equations->set_position(moved_.q.data());
+  return moved;
+}
+
+VectorXd Tangent::point() const {
+  VectorXd out(mechanism_.nq + 2 * mechanism_.nv);
+  out << q_, v_, vdot_;
+  return out;
+}
+
+VectorXd Tangent::qdot() const {
+  VectorXd out(mechanism_.nq);
+  dynamics_->rate(q_.data(), v_.data(), out.data());
+  return out;
+}
+
+void Tangent::know_partition() {
+  if (mechanism_.rows == 0 || partition_known_) return;
+  of_positions_.compute(J_, position_rank_);
+  of_speeds_.compute(J_, rank_);
+  partition_known_ = true;
+}
+
+MovedState Tangent::move_state(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
+  know_partition();
+  if (!slopes_known_) dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), slopes_, lambda_.data());
+  slopes_known_ = true;
+  const Index nq = mechanism_.nq;
+  const Index nv = mechanism_.nv;
+  const Index n = dq.cols();
+  MovedState out;
+  out.y.resize(nq + 2 * nv, n);
+  auto q = out.y.topRows(nq);
+  auto v = out.y.middleRows(nq, nv);
+  q = whole_dq(dq, du);
+  v = dv;
+  for (const int k : of_speeds_.dependent) v.row(k).setZero();
+  RowMatrix r = slopes_.r_u * du;
+  RowMatrix c(mechanism_.rows, n);
+  if (mechanism_.rows > 0) {
+    MatrixXd rates = slopes_.rate_q * q + J_ * v;  // less what the rows' targets move
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || row.holds_position) continue;
+      rates.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
+    v += of_speeds_.solve(rates, nv);
+    c.noalias() = slopes_.c * out.y.topRows(nq + nv);
+  }
+  r.noalias() += slopes_.r * out.y.topRows(nq + nv);
+  dynamics_->solve_linear_columns(r.data(), c.data(), static_cast<int>(n));
+  out.y.bottomRows(nv) = -r;
+  out.qdot = slopes_.qdot_q * q + slopes_.qdot_v * v;
+  return out;
 }
 
 Carried<Dual>& Tangent::move(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
-  if (mechanism_.rows > 0 && !partition_known_) {
-    of_positions_.compute(J_, position_rank_);
-    of_speeds_.compute(J_, rank_);
-    partition_known_ = true;
-  }
+  know_partition();
   begin(moved_);
   set_slopes(du, moved_.u);
   move_targets(du);
-  move_position(dq, du);
+  set_slopes(whole_dq(dq, du), moved_.q);
+  moved_.equations->set_position(moved_.q.data());
   MatrixXd idle = MatrixXd::Zero(mechanism_.rows, dq.cols());
   if (redundant_) {
     // lambda = J x, so what of its change no equation of motion shows is that of dJ x.

@@ -42,6 +42,11 @@ struct Carried {
   std::unique_ptr<Extended<T>> equations;
 };
 
+// How a state moves, by columns: (dq, dv, dvdot) one below the other, and the change of qdot.
+struct MovedState {
+  Eigen::MatrixXd y, qdot;
+};
+
 // Works in memory of its own, so asking it changes no run. Allocates.
 class Tangent {
  public:
@@ -55,10 +60,16 @@ class Tangent {
   void stand(const double* q, const double* v, const double* u, const double* cut_q,
              const std::vector<MotionLaw::Derivatives>& targets);
 
+  // Where it stands: (q, v, vdot) one below the other, and qdot.
+  Eigen::VectorXd point() const;
+  Eigen::VectorXd qdot() const;
+
   // Moves along up to dual_directions directions, the columns: dq (nq), dv (nv), du (inputs). Of dq only what belongs
   // to independent coordinates counts, of dv to independent speeds; of a quaternion only what turns, as if it were
   // normalised afterwards. Throws Undetermined where these do not determine the others.
   Carried<Dual>& move(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv, const Eigen::MatrixXd& du);
+  // The same of the state alone, along any number of directions: from the matrices of the equations' derivatives.
+  MovedState move_state(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv, const Eigen::MatrixXd& du);
 
   // Follows the motion in time, under inputs with these first and second derivatives.
   Carried<Series>& follow(const double* udot, const double* uddot);
@@ -79,7 +90,8 @@ class Tangent {
   void set_targets(Carried<T>& at, Target target);
   void move_targets(const Eigen::MatrixXd& du);
   void follow_targets(const double* udot, const double* uddot);
-  void move_position(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du);
+  void know_partition();
+  Eigen::MatrixXd whole_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;
   void move_velocity(const Eigen::MatrixXd& dv);
   void move_acceleration(const Eigen::MatrixXd& idle);
   void follow_acceleration(int k);
@@ -93,6 +105,8 @@ class Tangent {
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;
   bool partition_known_ = false;  // both are of J_
+  bool slopes_known_ = false;
+  Slopes slopes_;
   Partition of_positions_, of_speeds_;
   std::vector<MotionLaw::Derivatives> targets_;
   // Where rows repeat others: the multipliers of minimum norm are lambda = J x. idle_: what they leave out, an

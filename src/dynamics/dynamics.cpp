@@ -180,7 +180,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
     const Point at{q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data()};
-    if (!by_duals && RecursiveSlopes<A>::covers(loads_)) {
+    if (!by_duals) {
       if (!recursion_) recursion_ = std::make_unique<RecursiveSlopes<A>>(model_, ws_, loads_);
       (*recursion_)(at, inputs, out);
       return;

@@ -18,47 +18,78 @@
 #include "dynamics/derivatives.h"
 #include "dynamics/kernels.h"
 #include "dynamics/motion_columns.h"
+#include "math/dual.h"
 
 namespace gelenk {
 
 template <class A>
 class RecursiveSlopes {
  public:
-  // Whether it knows all that acts there. Joints it knows all.
-  static bool covers(const Loads& loads);
-
   // model, ws and loads outlive it. ws: poses, motion spaces and rows of the position.
   RecursiveSlopes(const Model<A>& model, const Workspace<A>& ws, const Loads& loads);
 
-  // inputs: number of the scene's inputs. Allocates when `out` has other sizes.
+  // inputs: number of the scene's inputs. Allocates when called first, and when `out` has other sizes.
   void operator()(const Point& at, int inputs, Slopes& out);
 
  private:
   using Motion = typename A::Motion;
   using Force = typename A::Force;
   using Pose = typename A::Pose;
+  using Dually = std::conditional_t<A::planar, PlanarAlgebra<Dual>, SpatialAlgebra<Dual>>;
 
   struct Body {
     Pose X;
     Motion V, acc;
-    // Of everything from it outwards, the force that the motion needs, and that for the rows' forces.
+    // Of everything from it outwards: also the force that the motion needs, and that against rows and loads.
     typename A::Inertia G;
     Coriolis<A> B;
-    Force f, of_rows;
+    Force f, against;
   };
 
   void move_outwards(const Point& at);
   void set_speeds(int i, const Point& at, const Motion& V_J);
   void gather_inwards(const Point& at, Slopes& by);
   void add_pairs(int i, int k, Slopes& by);
-  void joint_loads(const Point& at, int inputs, Slopes& out) const;
+  void joint_loads(const Point& at, Slopes& out) const;
   void to_numbers(const Point& at, const Slopes& by, Slopes& out) const;
 
   // Of joints whose motions change with their coordinates: what they add (recursive_slopes_joints.cpp).
   void add_turning(int i, const Point& at);
   void add_projection(int i, const Point& at, Slopes& by) const;
 
-  // Loops (recursive_slopes_rows.cpp).
+  // What acts between two links, up to their nearest common ancestor.
+  struct Pair {
+    std::vector<int> a, b;            // links, from the outermost inwards
+    std::vector<Run> runs_a, runs_b;  // their speeds
+    Force needed;                     // what b needs against it, and a the other way
+  };
+  // S . L's slopes for the motion S of a speed, L being what b needs: by where b stands and how it moves, seen from a.
+  struct Change {
+    Force by_X, by_U;
+  };
+  Pair pair(std::vector<int> a, std::vector<int> b) const;
+  void need(Pair& of, int a, int b, const Force& force);
+  template <bool damped, class Changes>
+  void add_pair(const Pair& of, const Motion& V_b, Changes changes, Slopes& by) const;
+
+  // Loads (recursive_slopes_loads_impl.h).
+  struct Spring {
+    Eigen::Vector3d p, e = Eigen::Vector3d::Zero();  // its end on `to`, its direction there
+    Eigen::Vector3d w, u;                            // how `to` turns against `from`, and how fast p moves
+    double length = 0, tension = 0;
+  };
+  Spring spring(const PointSpring& s) const;
+  Force applied(const Wrench& w, const Eigen::Vector3d& f, const Eigen::Vector3d& n) const;
+  typename Dually::Force cut_force(int c, const typename Dually::Pose& X, const typename Dually::Motion& V,
+                                   const Point& at) const;
+  void set_loads(const Point& at, int inputs);
+  void load_slopes(const Point& at, Slopes& by, Slopes& out);
+  void spring_slopes(const PointSpring& s, const Pair& of, Slopes& by) const;
+  void wrench_slopes(const Wrench& w, const Pair& of, Slopes& by, Slopes& out) const;
+  void cut_load_slopes(int c, const Point& at, Slopes& by, Slopes& out);
+  void cut_input_slopes(int c, const Point& at, Slopes& out);
+
+  // Rows of loops (recursive_slopes_rows_impl.h).
   // What the rows of a cut are like where it stands; all in F's axes about M's origin.
   struct LocalRows {
     Pose X;       // F's axes at M's origin
@@ -68,10 +99,11 @@ class RecursiveSlopes {
     Force Phi[6], bias_X[6], bias_V[6];
     Force w[6][A::dimension];  // by direction
   };
+  Pose at_M(int c) const;
   void cut_wrench(int c, const Point& at);
   void cut_slopes(int c, const Point& at, Slopes& by);
   void row_slopes(int c, const LocalRows& at, Slopes& by);
-  void wrench_slopes(int c, const LocalRows& at, const Point& point, Slopes& by);
+  void reaction_slopes(int c, const LocalRows& at, const Point& point, Slopes& by) const;
 
   const Model<A>& model_;
   const Workspace<A>& ws_;
@@ -80,10 +112,10 @@ class RecursiveSlopes {
   std::vector<Motion> S_of_, P_of_, Q_of_, R_of_;  // by speed
   MotionColumns<A> S_, P_, Q_, R_;                 // the same
   std::vector<std::vector<Run>> inwards_;          // by link: the speeds from the ground to it, its own included
-  std::vector<std::vector<Run>> path_a_, path_b_;  // by cut: the speeds of its paths
-  std::vector<Force> wrench_;                      // by cut: J^T lambda as a force that b needs
-  bool other_numbers_ = false;                     // than turns are in q
-  Slopes turned_;                                  // by turns, if so
+  std::vector<Pair> cuts_, cut_loads_, springs_, wrenches_;
+  std::vector<Dual> u_;
+  bool other_numbers_ = false;  // than turns are in q
+  Slopes turned_;               // by turns, if so
   LocalRows local_;
   std::vector<double> column_q_, column_v_;
 };

@@ -30,16 +30,15 @@ std::vector<Run> speeds_of(const Model<A>& model, const std::vector<int>& path) 
   return out;
 }
 
-}  // namespace detail
-
+// Links from i to the ground.
 template <class A>
-bool RecursiveSlopes<A>::covers(const Loads& loads) {
-  if (!loads.springs.empty() || !loads.wrenches.empty()) return false;
-  for (const JointLoads& cut : loads.cuts) {
-    if (!cut.empty()) return false;
-  }
-  return true;
+std::vector<int> path_of(const Model<A>& model, int i) {
+  std::vector<int> out;
+  for (; i > 0; i = model.links[i].parent) out.push_back(i);
+  return out;
 }
+
+}  // namespace detail
 
 template <class A>
 RecursiveSlopes<A>::RecursiveSlopes(const Model<A>& model, const Workspace<A>& ws, const Loads& loads)
@@ -56,7 +55,6 @@ RecursiveSlopes<A>::RecursiveSlopes(const Model<A>& model, const Workspace<A>& w
       Q_(model.nv),
       R_(model.nv),
       inwards_(model.links.size()),
-      wrench_(model.cuts.size()),
       other_numbers_(model.nq != model.nv),
       column_q_(model.nv),
       column_v_(model.nv) {
@@ -65,10 +63,26 @@ RecursiveSlopes<A>::RecursiveSlopes(const Model<A>& model, const Workspace<A>& w
     inwards_[i] = inwards_[link.parent];
     detail::extend(inwards_[i], link.iv, link.iv + link.nv);
   }
-  for (const auto& cut : model.cuts) {
-    path_a_.push_back(detail::speeds_of(model, cut.path_a));
-    path_b_.push_back(detail::speeds_of(model, cut.path_b));
-  }
+  for (const auto& cut : model.cuts) cuts_.push_back(pair(cut.path_a, cut.path_b));
+  cut_loads_ = cuts_;
+  const auto between = [&](int a, int b) {
+    std::vector<int> from_a = detail::path_of(model, a);
+    std::vector<int> from_b = detail::path_of(model, b);
+    for (; !from_a.empty() && !from_b.empty() && from_a.back() == from_b.back(); from_b.pop_back()) from_a.pop_back();
+    return pair(from_a, from_b);
+  };
+  for (const PointSpring& s : loads.springs) springs_.push_back(between(s.from.link, s.to.link));
+  for (const Wrench& w : loads.wrenches) wrenches_.push_back(between(0, w.at.link));
+}
+
+template <class A>
+typename RecursiveSlopes<A>::Pair RecursiveSlopes<A>::pair(std::vector<int> a, std::vector<int> b) const {
+  Pair out;
+  out.runs_a = detail::speeds_of(model_, a);
+  out.runs_b = detail::speeds_of(model_, b);
+  out.a = std::move(a);
+  out.b = std::move(b);
+  return out;
 }
 
 template <class A>
@@ -80,15 +94,26 @@ void RecursiveSlopes<A>::operator()(const Point& at, int inputs, Slopes& out) {
   }
   Slopes& by = other_numbers_ ? turned_ : out;
   move_outwards(at);
-  for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) cut_wrench(c, at);
+  const int cuts = static_cast<int>(model_.cuts.size());
+  for (int c = 0; c < cuts; ++c) cut_wrench(c, at);
+  set_loads(at, inputs);
   gather_inwards(at, by);
-  for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) cut_slopes(c, at, by);
+  for (int c = 0; c < cuts; ++c) cut_slopes(c, at, by);
+  load_slopes(at, by, out);
   if (other_numbers_) {
     to_numbers(at, by, out);
   } else {
     out.qdot_v.setIdentity();
   }
-  joint_loads(at, inputs, out);
+  joint_loads(at, out);
+  if (!out.of_rows) return;
+  // Rows in coordinates are linear, and their forces constant.
+  for (std::size_t i = 0; i < model_.coordinate_rows.size(); ++i) {
+    const CoordinateRow& row = model_.coordinate_rows[i];
+    if (!row.holds_position) continue;
+    const auto r = model_.first_coordinate_row + static_cast<Eigen::Index>(i);
+    for (const CoordinateRow::Term& term : row.terms) out.Phi_q(r, term.q) += term.factor;
+  }
 }
 
 template <class A>
@@ -96,7 +121,7 @@ void RecursiveSlopes<A>::move_outwards(const Point& at) {
   const int n = static_cast<int>(model_.links.size());
   body_[0].V = {};
   body_[0].acc = kernels::root_acceleration<A>(loads_);
-  body_[0].of_rows = {};
+  body_[0].against = {};
   // The first link's inner frame is where positions are counted from.
   Pose& root = body_[0].X;
   if (n > 1) {
@@ -122,7 +147,7 @@ void RecursiveSlopes<A>::move_outwards(const Point& at) {
     const Force momentum = b.G * b.V;
     b.B = Coriolis<A>(b.G, b.V, momentum);
     b.f = b.G * b.acc + A::cross_force(b.V, momentum);
-    b.of_rows = {};
+    b.against = {};
   }
 }
 
@@ -161,7 +186,7 @@ void RecursiveSlopes<A>::gather_inwards(const Point& at, Slopes& by) {
     inner.G += b.G;
     inner.B += b.B;
     inner.f += b.f;
-    inner.of_rows += b.of_rows;
+    inner.against += b.against;
   }
 }
 
@@ -219,7 +244,7 @@ void RecursiveSlopes<A>::add_pairs(int i, int k, Slopes& by) {
 }
 
 template <class A>
-void RecursiveSlopes<A>::joint_loads(const Point& at, int, Slopes& out) const {
+void RecursiveSlopes<A>::joint_loads(const Point& at, Slopes& out) const {
   auto r_q = out.r_q();
   auto r_v = out.r_v();
   for (const JointSpring& s : loads_.tree.springs) {

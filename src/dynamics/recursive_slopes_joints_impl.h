@@ -8,9 +8,6 @@
 namespace gelenk {
 namespace detail {
 
-template <class A>
-using DualOf = std::conditional_t<A::planar, PlanarAlgebra<Dual>, SpatialAlgebra<Dual>>;
-
 inline Planar::Motion values(const PlanarAlgebra<Dual>::Motion& V) { return {V.w.value(), V.x.value(), V.y.value()}; }
 inline Planar::Motion slope(const PlanarAlgebra<Dual>::Motion& V, int k) {
   return {V.w.slope()[k], V.x.slope()[k], V.y.slope()[k]};
@@ -23,6 +20,11 @@ inline Spatial::Motion values(const SpatialAlgebra<Dual>::Motion& V) {
   return {V.w.unaryExpr(value), V.v.unaryExpr(value)};
 }
 inline Spatial::Motion slope(const SpatialAlgebra<Dual>::Motion& V, int k) { return {slope(V.w, k), slope(V.v, k)}; }
+inline Planar::Force values(const PlanarAlgebra<Dual>::Force& F) { return {F.n.value(), F.x.value(), F.y.value()}; }
+inline Spatial::Force values(const SpatialAlgebra<Dual>::Force& F) {
+  const auto value = [](const Dual& x) { return x.value(); };
+  return {F.n.unaryExpr(value), F.f.unaryExpr(value)};
+}
 inline Planar::Force slope(const PlanarAlgebra<Dual>::Force& F, int k) {
   return {F.n.slope()[k], F.x.slope()[k], F.y.slope()[k]};
 }
@@ -48,7 +50,7 @@ void by_turns(const Joint& joint, const double* q, Dual* out) {
 
 template <class A>
 void RecursiveSlopes<A>::add_turning(int i, const Point& at) {
-  using D = detail::DualOf<A>;
+  using D = Dually;
   const auto& link = model_.links[i];
   if (std::holds_alternative<Spherical>(link.joint)) return;  // S is constant
   Body& b = body_[i];
@@ -80,11 +82,11 @@ void RecursiveSlopes<A>::add_turning(int i, const Point& at) {
 // The change of S^T F at fixed F.
 template <class A>
 void RecursiveSlopes<A>::add_projection(int i, const Point& at, Slopes& by) const {
-  using D = detail::DualOf<A>;
+  using D = Dually;
   const auto& link = model_.links[i];
   if (std::holds_alternative<Spherical>(link.joint)) return;
   const Body& b = body_[i];
-  const auto F = detail::constant(b.X.to_child(b.f + b.of_rows));
+  const auto F = detail::constant(b.X.to_child(b.f + b.against));
   visit_joint<D>(link.joint, [&](const auto& joint) {
     Dual q[8], tau[6];
     detail::by_turns(joint, at.q + link.iq, q);
@@ -98,7 +100,7 @@ void RecursiveSlopes<A>::add_projection(int i, const Point& at, Slopes& by) cons
 // From slopes by turns to those by the numbers in q, of which a quaternion's length turns nothing.
 template <class A>
 void RecursiveSlopes<A>::to_numbers(const Point& at, const Slopes& by, Slopes& out) const {
-  using D = detail::DualOf<A>;
+  using D = Dually;
   const Eigen::Index nv = model_.nv;
   out.r.rightCols(nv) = by.r.rightCols(nv);
   out.c.rightCols(nv) = by.c.rightCols(nv);

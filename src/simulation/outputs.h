@@ -39,6 +39,16 @@ class Outputs {
     return sources_[output].kind == Kind::energy ? sources_[output].component : none;
   }
 
+  // Of an output that is sign times an entry of its island's (q, v, vdot): which. index none: of all others.
+  struct Entry {
+    int index;
+    double sign;
+  };
+  Entry entry(int output) const {
+    const Source& s = sources_[output];
+    return s.kind == Kind::tree ? Entry{s.index, s.sign} : Entry{none, 0};
+  }
+
   // reading: of the output's island.
   template <class T>
   T value(int output, const ReadingOf<T>& reading) const;

@@ -68,25 +68,54 @@ void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
     (coordinate ? dq : dv).row(component_of(states_[s])) = sign * directions.row(static_cast<Index>(s));
   }
   const MatrixXd du = directions.bottomRows(static_cast<Index>(u_.size()));
-  Carried<Dual>& moved = tangents_[i]->move(dq, dv, du);
-  read(i, moved, [&](int k, const Dual& value) { out.outputs.row(k) += value.slope().head(n).matrix().transpose(); });
+  const MovedState moved = tangents_[i]->move_state(dq, dv, du);
   add_rates(i, moved, out);
+  for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
+    const Outputs::Entry entry = readings_.entry(k);
+    if (entry.index != Outputs::none && readings_.island(k) == i) {
+      out.outputs.row(k) += entry.sign * moved.y.row(entry.index);
+    }
+  }
+  if (!reads(i)) return;
+  for (Index first = 0; first < n; first += dual_directions) {
+    const Index width = std::min<Index>(dual_directions, n - first);
+    const auto some = [&](const MatrixXd& of) -> MatrixXd { return of.middleCols(first, width); };
+    Carried<Dual>& at = tangents_[i]->move(some(dq), some(dv), some(du));
+    read(i, at, [&](int k, const Dual& value) {
+      if (readings_.entry(k).index != Outputs::none) return;
+      out.outputs.row(k).segment(first, width) += value.slope().head(width).matrix().transpose();
+    });
+  }
 }
 
-void Sensitivity::add_rates(int i, const Carried<Dual>& moved, Slope& out) const {
+bool Sensitivity::reads(int i) const {
+  for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
+    if (readings_.energy_part(k) != Outputs::none) return true;
+    if (readings_.island(k) == i && readings_.entry(k).index == Outputs::none) return true;
+  }
+  return false;
+}
+
+void Sensitivity::add_rates(int i, const MovedState& moved, Slope& out) const {
+  const Mechanism& mechanism = islands_[i]->mechanism();
+  const Eigen::VectorXd y = tangents_[i]->point();
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const StateVariable& state = states_[s];
     const JointPlace& place = place_of(state);
     if (place.island != i) continue;
     const Signal& signal = signals_[state.output];
-    // A coordinate that has a speed stands before it in the same place.
-    const int speed = place.iv + signal.component;
-    const Dual& rate = state.derivative == StateVariable::none ? moved.equations->qdot()[component_of(state)]
-                       : signal.level == 0                     ? moved.v[speed]
-                                                               : moved.vdot[speed];
     const double sign = (signal.level == 0 ? place.q_sign : place.v_sign)[signal.component];
-    out.xdot[static_cast<Index>(s)] = sign * rate.value();
-    out.rates.row(static_cast<Index>(s)) = sign * rate.slope().head(out.rates.cols()).matrix().transpose();
+    const auto row = static_cast<Index>(s);
+    if (state.derivative == StateVariable::none) {
+      out.xdot[row] = sign * tangents_[i]->qdot()[component_of(state)];
+      out.rates.row(row) = sign * moved.qdot.row(component_of(state));
+      continue;
+    }
+    // A coordinate that has a speed stands before it in the same place.
+    const int level = signal.level == 0 ? 0 : mechanism.nv;
+    const int entry = mechanism.nq + level + place.iv + signal.component;
+    out.xdot[row] = sign * y[entry];
+    out.rates.row(row) = sign * moved.y.row(entry);
   }
 }
 
@@ -129,18 +158,15 @@ Linearization Sensitivity::linearize() {
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     const std::vector<int> columns = columns_of(i);
     stand(i);
-    for (std::size_t first = 0; first < columns.size(); first += dual_directions) {
-      const std::size_t n = std::min<std::size_t>(dual_directions, columns.size() - first);
-      const auto width = static_cast<Index>(n);
-      MatrixXd directions = MatrixXd::Zero(nx + nu, width);
-      for (std::size_t k = 0; k < n; ++k) directions(columns[first + k], static_cast<Index>(k)) = 1;
-      Slope part = nothing(signals_.size(), states_.size(), width);
-      add(i, directions, part);
-      if (first == 0) all.xdot += part.xdot;
-      for (std::size_t k = 0; k < n; ++k) {
-        all.outputs.col(columns[first + k]) += part.outputs.col(static_cast<Index>(k));
-        all.rates.col(columns[first + k]) += part.rates.col(static_cast<Index>(k));
-      }
+    const auto width = static_cast<Index>(columns.size());
+    MatrixXd directions = MatrixXd::Zero(nx + nu, width);
+    for (Index k = 0; k < width; ++k) directions(columns[k], k) = 1;
+    Slope part = nothing(signals_.size(), states_.size(), width);
+    add(i, directions, part);
+    all.xdot += part.xdot;
+    for (Index k = 0; k < width; ++k) {
+      all.outputs.col(columns[k]) += part.outputs.col(k);
+      all.rates.col(columns[k]) += part.rates.col(k);
     }
   }
   out.xdot = all.xdot;

@@ -53,9 +53,11 @@ class Sensitivity {
 
  private:
   Tangent& stand(int island);
-  // Adds what island `i` does along these directions (states; inputs), dual_directions at most.
+  // Adds what island `i` does along these directions (states; inputs), where it stands.
   void add(int i, const Eigen::MatrixXd& directions, Slope& out);
-  void add_rates(int i, const Carried<Dual>& moved, Slope& out) const;
+  void add_rates(int i, const MovedState& moved, Slope& out) const;
+  // Whether some output of the island is more than an entry of its state.
+  bool reads(int i) const;
   template <class T, class Take>
   void read(int i, Carried<T>& at, Take take) const;
   std::vector<int> columns_of(int island) const;

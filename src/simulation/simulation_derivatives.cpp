@@ -179,4 +179,21 @@ Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot,
   return differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
 }
 
+Slopes Simulation::residual_slopes(int island, const std::vector<double>& x, bool by_duals) const {
+  const Island& of = *impl_->islands.at(island);
+  const Mechanism& m = of.mechanism();
+  check_size("x", x.size(), m.nq + 2 * m.nv + m.rows);
+  const double* const v = x.data() + m.nq;
+  const std::vector<double>& u = impl_->u.now();
+  const auto dynamics = make_dynamics(m, of.loads());  // the run's own stays as it is
+  dynamics->set_cut_reference(of.cut_coordinates().data());
+  dynamics->set_targets(with_two_derivatives(of.targets()).data());
+  dynamics->set_position(x.data());
+  dynamics->set_velocity(v);
+  Slopes out;
+  out.of_inputs = true;
+  dynamics->differentiate(u.data(), static_cast<int>(u.size()), v + m.nv, out, v + 2 * m.nv, by_duals);
+  return out;
+}
+
 }  // namespace gelenk
