@@ -8,6 +8,7 @@
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
 # make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
+# make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
@@ -32,9 +33,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time bench sanitize fuzz win64 clean
 help:
-	@sed -n '2,16s/^# //p' Makefile
+	@sed -n '2,17s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -71,6 +72,14 @@ tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py
+
+# Some minutes of compiling and installing the first time (the other engines come from PyPI), then some twenty.
+QUICK ?=
+bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PATH="$(abspath $(BIN)):$$PATH" cmake --preset release -B build/bench -DPython_EXECUTABLE=$(abspath $(BIN))/python \
+	  -DGELENK_BENCHMARKS=ON -DGELENK_SCENES=OFF
+	PATH="$(abspath $(BIN)):$$PATH" cmake --build build/bench -j $(JOBS) --target gelenk-kernels gelenk-runs
+	$(BIN)/python -m benchmarks.speed $(if $(QUICK),--quick)
 
 # Two native builds, and some ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp

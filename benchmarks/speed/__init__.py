@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What Gelenk's kernels and runs cost beside other engines: `make bench`."""

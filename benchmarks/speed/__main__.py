@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the tables and pictures of docs/performance.md: `make bench`.
+
+Every figure goes as CSV to out/bench/, pictures to docs/pictures/. What stands between the markers of the
+page is made anew, all else stays. `--quick` does a small part, into out/bench/ alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import time
+from pathlib import Path
+
+from benchmarks.speed import families, figures, page, timings, tools
+from benchmarks.speed.tools import ROOT, Tools
+
+OUT = ROOT / "out" / "bench"
+STEPPED = ("fourbar", "slidercrank", "arm7", "stewart")
+QUICK_SIZES = {1, 8, 10, 16, 32, 40, 64, 128}
+
+
+def say(words: str) -> None:
+    print(words, flush=True)
+
+
+def chosen(quick: bool, only: str | None) -> list[str]:
+    """Names of the mechanisms, those of one size first."""
+    if only:
+        return [name for name in families.MAKERS if any(part in name for part in only.split(","))]
+    sized = [
+        f"{family}_{n}"
+        for family, members in families.FAMILIES.items()
+        for n in members
+        if not quick or n in QUICK_SIZES
+    ]
+    return [*families.SINGLE, *sized]
+
+
+def kernel_parts(found: list[timings.Timing], names: list[str], pictures: Path) -> dict[str, str]:
+    single = [name for name in names if name in families.SINGLE]
+    figures.draw_forward(found, pictures / "speed-forward.png")
+    figures.draw_kernels(found, pictures / "speed-kernels.png")
+    figures.draw_single(found, single, pictures / "speed-single.png")
+    return {
+        "forward": page.forward_table(found, names),
+        "exponents": page.exponents(found),
+        "kernels": page.kernel_table(found, names),
+        "methods": page.method_table(found, names),
+        "faults": page.faults(found),
+    }
+
+
+def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> dict[str, str]:
+    """All kernels of Gelenk, and the accelerations of the peers."""
+    found = timings.study(made, names, "forward", rounds, tell=say)
+    timings.write_csv(found, OUT / "kernels.csv")
+    return kernel_parts(found, names, pictures)
+
+
+def machine() -> str:
+    """What the figures were taken on."""
+    return (
+        f"{platform.machine().replace('_', '-')}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument(
+        "--scenes", help="those whose names hold one of these words, A,B,...; into out/bench/ alone"
+    )
+    parser.add_argument("--programs", type=Path, default=ROOT / "build" / "bench" / "benchmarks" / "speed",
+                        help="where gelenk-kernels and gelenk-runs are")  # fmt: skip
+    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "bench" / "speed",
+                        help="for the peers and what is compiled around them")  # fmt: skip
+    given = parser.parse_args()
+    begin = time.monotonic()
+    private = given.quick or given.scenes
+    pictures = OUT if private else ROOT / "docs" / "pictures"
+    OUT.mkdir(parents=True, exist_ok=True)
+    made = tools.prepare(given.folder, given.programs, None, say)
+    for name, why in made.missing.items():
+        say(f"{name}: {why}")
+    names = chosen(given.quick, given.scenes)
+    parts = kernels(made, names, 1 if given.quick else 3, pictures)
+    parts["machine"] = f"{machine()}; {time.monotonic() - begin:.0f} s in all."
+    target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
+    if private:
+        target.write_text("", encoding="utf-8")
+    page.put(target, parts)
+    say(f"{target.relative_to(ROOT)}: {len(parts)} parts are new")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * What MuJoCo must not be charged for: loops in Python. Loaded beside the wheel's library. */
+#include <math.h>
+#include <mujoco/mujoco.h>
+
+#include "ref_kernel.h"
+
+/* By joint of the model: tau, amplitude, omega, phase, stiffness, reference. Friction is the joint's own. */
+static const double* motors;
+static int joints;
+
+static void drive(const mjModel* m, mjData* d) {
+  (void)m;
+  for (int i = 0; i < joints; ++i) {
+    const double* p = motors + 6 * i;
+    double force = p[0];
+    if (p[1] != 0) force += p[1] * sin(p[2] * d->time + p[3]);
+    if (p[4] != 0) force -= p[4] * (d->qpos[i] - p[5]);
+    d->qfrc_applied[i] = force;
+  }
+}
+
+/* numbers: kept, not copied; n = 0: no motors. */
+void set_motors(int n, const double* numbers) {
+  joints = n;
+  motors = numbers;
+  mjcb_control = n > 0 ? drive : 0;
+}
+
+/* s of one mj_forward. */
+double time_forward(const mjModel* m, mjData* d, int calls) {
+  const double q = d->qpos[0], begin = cpu_seconds();
+  for (int i = 0; i < calls; ++i) {
+    d->qpos[0] = q + 1e-9 * (i % 8);
+    mj_forward(m, d);
+  }
+  d->qpos[0] = q;
+  return (cpu_seconds() - begin) / calls;
+}
+
+/* s of `steps` mj_step. */
+double time_steps(const mjModel* m, mjData* d, int steps) {
+  const double begin = cpu_seconds();
+  for (int i = 0; i < steps; ++i) mj_step(m, d);
+  return cpu_seconds() - begin;
+}
+
+/* s of one mj_step under another force on the first joint, by the row of the table. */
+double time_driven_steps(const mjModel* m, mjData* d, int steps, const double* forces) {
+  const int n = m->nv;
+  const double begin = cpu_seconds();
+  for (int i = 0; i < steps; ++i) {
+    for (int k = 0; k < n; ++k) d->qfrc_applied[k] = forces[i * n + k];
+    mj_step(m, d);
+  }
+  return (cpu_seconds() - begin) / steps;
+}

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The tables of docs/performance.md, between their markers; what stands around them is written by hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from benchmarks.speed import families
+from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
+
+BEGIN, END = "<!-- made by benchmarks/speed: {} -->", "<!-- end of {} -->"
+FITS = {"chain_p": 16, "chain_s": 16, "nfourbar": 10}  # exponents are fitted from here on
+KERNELS = ("positions", "constraint rows", "inverse dynamics", "mass matrix", "factorise",
+           "forward dynamics", "derivatives", "projection")  # fmt: skip
+
+
+def put(page: Path, parts: dict[str, str]) -> None:
+    """Replaces the parts of a page by their names; a part without a place goes to the end."""
+    text = page.read_text(encoding="utf-8") if page.exists() else ""
+    for name, content in parts.items():
+        begin, end = BEGIN.format(name), END.format(name)
+        block = f"{begin}\n{content.strip()}\n{end}"
+        if begin in text:
+            before, rest = text.split(begin)
+            text = before + block + rest.split(end, 1)[1]
+        else:
+            text += f"\n{block}\n"
+    page.write_text(text, encoding="utf-8")
+
+
+def rows(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    out = ["| " + " | ".join(header) + " |", "|" + " --- |" * len(header)]
+    return "\n".join(out + ["| " + " | ".join(line) + " |" for line in lines])
+
+
+def figure(x: float) -> str:
+    """Three digits; empty for what there is none of."""
+    if not math.isfinite(x):
+        return ""
+    return f"{x:.0f}" if x >= 1000 else f"{x:.3g}"
+
+
+def _value(timings: Sequence[Timing], scene: str, engine: str) -> float:
+    found = forward_of(timings, scene, engine)
+    return found.ratio if found else math.nan
+
+
+def forward_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
+    """By mechanism: every engine's accelerations over `ref`, and Gelenk's over the cheapest."""
+    lines = []
+    for scene in scenes:
+        values = {engine: _value(timings, scene, engine) for engine in ENGINES}
+        others = [x for engine, x in values.items() if engine != "gelenk" and math.isfinite(x)]
+        cells = [figure(values[engine]) for engine in ENGINES]
+        pinocchio = values["gelenk"] / values["pinocchio"]
+        best = values["gelenk"] / min(others) if others else math.nan
+        lines.append([scene, *cells, figure(pinocchio), figure(best)])
+    return rows(["mechanism", *ENGINES, "gelenk / pinocchio", "gelenk / cheapest of the others"], lines)
+
+
+def family_scenes(timings: Sequence[Timing], family: str, least: int = 0) -> list[tuple[int, str]]:
+    there = {t.scene for t in timings}
+    members = [(n, f"{family}_{n}") for n in families.FAMILIES[family] if n >= least]
+    return [(n, scene) for n, scene in members if scene in there]
+
+
+def exponents(timings: Sequence[Timing]) -> str:
+    """Of n in the cost of accelerations, from where the large ones begin."""
+    lines = []
+    for family, least in FITS.items():
+        members = family_scenes(timings, family, least)
+        cells = []
+        for engine in ENGINES:
+            values = [_value(timings, scene, engine) for _, scene in members]
+            reached = [n for (n, _), x in zip(members, values, strict=True) if math.isfinite(x)]
+            fitted = slope([n for n, _ in members], values)
+            cells.append(f"{fitted:.2f} (to {reached[-1]})" if math.isfinite(fitted) else "")
+        lines.append([family, f"{least} …", *cells])
+    return rows(["family", "n", *ENGINES], lines)
+
+
+def kernel_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
+    """Gelenk's kernels by mechanism, over the arithmetic kernel."""
+    found = {(t.scene, t.kernel): t.ratio for t in timings if t.engine == "gelenk"}
+    lines = [[s, *(figure(found.get((s, kernel), math.nan)) for kernel in KERNELS)] for s in scenes]
+    return rows(["mechanism", *KERNELS], lines)
+
+
+def method_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
+    """A step of 1 ms by every method, over the arithmetic kernel."""
+    found = {(t.scene, t.kernel): t.ratio for t in timings if t.engine == "gelenk"}
+    methods = list(dict.fromkeys(k for _, k in found if k.startswith("step ")))
+    lines = [[s, *(figure(found.get((s, m), math.nan)) for m in methods)] for s in scenes]
+    return rows(["mechanism", *(m.removeprefix("step ") for m in methods)], lines)
+
+
+def step_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
+    """A step of 1 ms under another torque, by engine and method, over the arithmetic kernel."""
+    kinds = list(dict.fromkeys((t.engine, t.kernel) for t in timings if not t.fault))
+    found = {(t.scene, t.engine, t.kernel): t.ratio for t in timings}
+    lines = []
+    for engine, kernel in kinds:
+        cells = [figure(found.get((s, engine, kernel), math.nan)) for s in scenes]
+        lines.append([f"{engine}: {kernel}", *cells])
+    return rows(["engine: method", *scenes], lines)
+
+
+def faults(timings: Sequence[Timing]) -> str:
+    """What gave no figure, and why."""
+    lines = [[t.scene, f"{t.engine}: {t.kernel}", t.fault.replace("|", "/")] for t in timings if t.fault]
+    return rows(["mechanism", "engine: kernel", "why"], lines) if lines else "Every kernel gave a figure."

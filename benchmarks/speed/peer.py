@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the scripts that run another engine share; they run in a virtualenv of their own, without Gelenk.
+
+Arguments: forward NAME ..., step NAME ..., or run NAME METHOD=SETTING ... A line of JSON for each figure,
+with the mechanism under "scene"; of what fails one with the reason under "fault".
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from benchmarks.speed import families
+from benchmarks.speed.tree import Array, Tree
+
+# Of joints at every sample, the start first.
+type Samples = list[list[float]]
+LONGEST = 20.0  # s, of one run
+
+
+def library(name: str) -> ctypes.CDLL:
+    """A library that the study has compiled."""
+    return ctypes.CDLL(str(os.environ["GELENK_BENCH_LIBRARIES"]) + f"/{name}", mode=ctypes.RTLD_GLOBAL)
+
+
+def ref_us() -> float:
+    """The arithmetic kernel, now."""
+    kernel = library("libref_kernel.so").ref_kernel
+    kernel.restype = ctypes.c_double
+    return 1e6 * float(kernel(100))
+
+
+def tell(**line: Any) -> None:
+    print(json.dumps(line), flush=True)
+
+
+def tell_time(scene: str, kernel: str, seconds: float) -> None:
+    tell(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us())
+
+
+def tell_run(scene: str, method: str, setting: float, cpu: float, samples: Samples, finished: bool) -> None:
+    tell(
+        scene=scene,
+        method=method,
+        setting=setting,
+        cpu_s=cpu,
+        finished=finished and bool(np.all(np.isfinite(samples))),
+        ref_us=ref_us(),
+        samples=np.nan_to_num(samples, nan=1e300, posinf=1e300, neginf=-1e300).tolist(),
+    )
+
+
+def torques(tree: Tree, steps: int, step: float = 1e-3) -> Array:
+    """A master's: another at each step; by joint."""
+    out = [[tree.torque(i, k * step) for i in range(len(tree.bodies))] for k in range(steps)]
+    for k, row in enumerate(out):
+        row[0] += 1e-3 * (k % 7)
+    return np.array(out)
+
+
+def least(call: Callable[[], float], rounds: int = 5) -> float:
+    return min(call() for _ in range(rounds))
+
+
+def timed(call: Callable[[], Any]) -> float:
+    begin = time.thread_time()
+    call()
+    return time.thread_time() - begin
+
+
+type Measure = Callable[[Tree], None]
+
+
+def main(forward: Measure, step: Measure, run: Callable[[Tree, str, float], None]) -> None:
+    """Does what the arguments say."""
+    what, *rest = sys.argv[1:]
+    if what == "run":
+        name, *settings = rest
+        for setting in settings:
+            method, value = setting.split("=")
+            attempt(name, run, method, float(value))
+        return
+    for name in rest:
+        attempt(name, forward if what == "forward" else step)
+
+
+def attempt(scene: str, measure: Callable[..., None], *arguments: Any) -> None:
+    """A fault of one mechanism is told, and no hindrance to the next."""
+    try:
+        measure(families.make(scene), *arguments)
+    except Exception as fault:
+        tell(scene=scene, fault=f"{type(fault).__name__}: {str(fault)[:200]}")

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What kernels cost: every engine on every mechanism, in turns, the least of all rounds."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from benchmarks.speed import families, tree
+from benchmarks.speed.tools import ROOT, Tools
+
+ENGINES = ("gelenk", "pinocchio", "mujoco", "drake", "exudyn")
+# s of processor time: a kernel whose one call takes longer is given up, and a process that runs on.
+LONGEST_CALL, LONGEST_PROCESS = 1.0, 60.0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """A kernel of an engine on a mechanism, and `ref` beside it [us]; or why there is none."""
+
+    scene: str
+    engine: str
+    kernel: str
+    us: float = math.nan
+    ref_us: float = math.nan
+    fault: str = ""
+
+    @property
+    def ratio(self) -> float:
+        """To the arithmetic kernel."""
+        return self.us / self.ref_us
+
+
+def write_scene(tools: Tools, name: str) -> tuple[Path, Path]:
+    """The mechanism as a scene of Gelenk, and as plain numbers."""
+    made = families.make(name)
+    scene, text = tools.scenes / f"{name}.json", tools.scenes / f"{name}.txt"
+    scene.write_text(json.dumps(tree.to_scene(made)), encoding="utf-8")
+    text.write_text(tree.to_text(made), encoding="utf-8")
+    return scene, text
+
+
+def command(tools: Tools, engine: str, what: str, name: str) -> list[str]:
+    """Of the process that measures `forward` or `step`."""
+    scene, text = tools.scenes / f"{name}.json", tools.scenes / f"{name}.txt"
+    if engine == "gelenk":
+        return [str(tools.gelenk_kernels), str(scene), str(LONGEST_CALL)]
+    if engine == "pinocchio":
+        return [str(tools.pinocchio), what, str(text)]
+    return tools.peer(engine, what, name)
+
+
+def lines(tools: Tools, command: Sequence[str], timeout: float) -> tuple[list[dict[str, object]], str]:
+    """The lines of JSON that a process prints, and what went wrong."""
+    fault = ""
+    try:
+        done = subprocess.run(
+            list(command), capture_output=True, text=True, timeout=timeout, env=tools.environment, cwd=ROOT
+        )
+        out, err = done.stdout, done.stderr
+        if done.returncode != 0:
+            fault = " ".join(err.split())[-160:] or f"exit {done.returncode}"
+    except subprocess.TimeoutExpired as late:
+        raw = late.stdout or b""
+        out = raw.decode() if isinstance(raw, bytes) else raw
+        fault = f"no end within {timeout:.0f} s"
+    found = [json.loads(line) for line in out.splitlines() if line.startswith("{") and line.endswith("}")]
+    return found, fault
+
+
+def measure(tools: Tools, engine: str, what: str, name: str) -> list[Timing]:
+    """One process."""
+    if engine in tools.missing:
+        return [Timing(name, engine, what, fault=tools.missing[engine])]
+    found, fault = lines(tools, command(tools, engine, what, name), LONGEST_PROCESS)
+    out = []
+    for line in found:
+        if "us" in line:
+            us, ref = float(str(line["us"])), float(str(line["ref_us"]))
+            out.append(Timing(name, engine, str(line["kernel"]), us, ref))
+        elif "fault" in line:
+            out.append(Timing(name, engine, str(line.get("kernel", what)), fault=str(line["fault"])))
+    if fault:
+        out.append(Timing(name, engine, what, fault=fault))
+    return out
+
+
+def least(timings: Iterable[Timing]) -> list[Timing]:
+    """Of each kernel on each mechanism; of `ref` over all engines, since they ran in turns."""
+    best: dict[tuple[str, str, str], Timing] = {}
+    refs: dict[str, float] = {}
+    for t in timings:
+        key = (t.scene, t.engine, t.kernel)
+        if key not in best or not t.us >= best[key].us:
+            best[key] = t if math.isfinite(t.us) or key not in best else best[key]
+        if math.isfinite(t.ref_us):
+            refs[t.scene] = min(refs.get(t.scene, math.inf), t.ref_us)
+    return [replace(t, ref_us=refs.get(t.scene, math.nan)) for t in best.values()]
+
+
+def study(
+    tools: Tools,
+    names: Sequence[str],
+    what: str = "forward",
+    rounds: int = 3,
+    engines: Sequence[str] = ENGINES,
+    tell: Callable[[str], None] = print,
+) -> list[Timing]:
+    """All engines on all mechanisms, in turns."""
+    out: list[Timing] = []
+    for name in names:
+        write_scene(tools, name)
+        found: list[Timing] = []
+        hopeless: set[str] = set()
+        for _ in range(rounds):
+            for engine in engines:
+                if engine in hopeless:
+                    continue
+                mine = measure(tools, engine, what, name)
+                found += mine
+                if any(t.fault.startswith("no end") for t in mine):
+                    hopeless.add(engine)
+        out += least(found)
+        tell(f"{name}: {told(out, name)}")
+    return out
+
+
+def forward_of(timings: Iterable[Timing], scene: str, engine: str) -> Timing | None:
+    """The cheapest way to an engine's accelerations."""
+    kernels = {"gelenk": {"forward dynamics"}}.get(engine)
+    mine = [
+        t
+        for t in timings
+        if t.scene == scene
+        and t.engine == engine
+        and math.isfinite(t.us)
+        and (kernels is None or t.kernel in kernels)
+    ]
+    return min(mine, key=lambda t: t.us, default=None)
+
+
+def told(timings: Sequence[Timing], scene: str) -> str:
+    """Microseconds of the accelerations, by engine."""
+    found = {engine: forward_of(timings, scene, engine) for engine in ENGINES}
+    return ", ".join(f"{engine} {t.us:.3g} us" for engine, t in found.items() if t is not None)
+
+
+def slope(sizes: Sequence[int], values: Sequence[float]) -> float:
+    """The exponent of the power of n that fits best, over the pairs that are there."""
+    pairs = [(math.log(n), math.log(x)) for n, x in zip(sizes, values, strict=True) if math.isfinite(x)]
+    if len(pairs) < 2:
+        return math.nan
+    mean_x, mean_y = (sum(p[i] for p in pairs) / len(pairs) for i in (0, 1))
+    across = sum((x - mean_x) ** 2 for x, _ in pairs)
+    return sum((x - mean_x) * (y - mean_y) for x, y in pairs) / across
+
+
+def write_csv(timings: Sequence[Timing], path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["scene", "engine", "kernel", "us", "ref_us", "ratio", "fault"])
+        for t in timings:
+            numbers = [f"{x:.5g}" if math.isfinite(x) else "" for x in (t.us, t.ref_us, t.ratio)]
+            writer.writerow([t.scene, t.engine, t.kernel, *numbers, t.fault])
