@@ -43,7 +43,8 @@ def _finish(axis: Any, title: str) -> None:
     axis.set_title(title, fontsize=10)
     axis.set_xlabel("n")
     axis.grid(which="major", alpha=0.35)
-    axis.legend(fontsize=8)
+    if axis.lines:
+        axis.legend(fontsize=8)
 
 
 def draw_forward(timings: Sequence[Timing], path: Path) -> None:
