@@ -13,11 +13,12 @@ import platform
 import time
 from pathlib import Path
 
-from benchmarks.speed import families, figures, page, timings, tools
+from benchmarks.speed import errors, families, figures, masters, page, timings, tools
 from benchmarks.speed.tools import ROOT, Tools
 
 OUT = ROOT / "out" / "bench"
 STEPPED = ("fourbar", "slidercrank", "arm7", "stewart")
+QUICK_ERRORS = ("fourbar", "arm7")
 QUICK_SIZES = {1, 8, 10, 16, 32, 40, 64, 128}
 
 
@@ -59,6 +60,28 @@ def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> dict[
     return kernel_parts(found, names, pictures)
 
 
+def steps(made: Tools, names: list[str]) -> dict[str, str]:
+    """What a master pays."""
+    found = masters.study(made, names, say)
+    masters.write_csv(found, OUT / "steps.csv")
+    return {"steps": page.step_table(found)}
+
+
+def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> dict[str, str]:
+    """Processor time against error."""
+    runs, truths = errors.study(made, names, rounds, say)
+    errors.write_csv(runs, OUT / "errors.csv")
+    parts = {"errors": page.error_table(runs, (1e-4, 1e-6, 1e-8))}
+    for name in names:
+        picture = pictures / f"speed-errors-{name}.png"
+        figures.draw_errors([run for run in runs if run.scene == name], truths[name], picture)
+        parts[f"errors-{name}"] = (
+            f"![{name}: processor time against error](pictures/{picture.name})\n\n"
+            f"{families.make(name).stop:g} s; two programs at 1e-12 agree to {truths[name].digits:.1e}."
+        )
+    return parts
+
+
 def machine() -> str:
     """What the figures were taken on."""
     return (
@@ -76,6 +99,7 @@ def main() -> None:
     parser.add_argument(
         "--scenes", help="those whose names hold one of these words, A,B,...; into out/bench/ alone"
     )
+    parser.add_argument("--only", choices=["kernels", "steps", "errors"])
     parser.add_argument("--programs", type=Path, default=ROOT / "build" / "bench" / "benchmarks" / "speed",
                         help="where gelenk-kernels and gelenk-runs are")  # fmt: skip
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "bench" / "speed",
@@ -89,8 +113,17 @@ def main() -> None:
     for name, why in made.missing.items():
         say(f"{name}: {why}")
     names = chosen(given.quick, given.scenes)
-    parts = kernels(made, names, 1 if given.quick else 3, pictures)
-    parts["machine"] = f"{machine()}; {time.monotonic() - begin:.0f} s in all."
+    rounds = 1 if given.quick else 3
+    parts: dict[str, str] = {}
+    if given.only in (None, "kernels"):
+        parts |= kernels(made, names, rounds, pictures)
+    if given.only in (None, "steps"):
+        parts |= steps(made, [name for name in STEPPED if name in names])
+    if given.only in (None, "errors"):
+        compared = QUICK_ERRORS if given.quick else errors.SCENES
+        parts |= precision(made, [name for name in compared if name in names], rounds, pictures)
+    if not given.only:
+        parts["machine"] = f"{machine()}; {time.monotonic() - begin:.0f} s in all."
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
     if private:
         target.write_text("", encoding="utf-8")

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.speed.errors import Run, Truth
 from benchmarks.speed.page import FITS, KERNELS, family_scenes
 from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
 
@@ -97,6 +98,35 @@ def draw_single(timings: Sequence[Timing], scenes: Sequence[str], path: Path) ->
     axis.set_xticks(range(len(scenes)), scenes)
     axis.set_ylabel("accelerations, times Gelenk's")
     axis.grid(which="major", axis="y", alpha=0.35)
+    axis.legend(fontsize=8)
+    save(figure, path, 85)
+    plt.close(figure)
+
+
+LOST = 10.0  # errors above are drawn here
+
+
+def draw_errors(runs: Sequence[Run], truth: Truth, path: Path) -> None:
+    """Processor time per simulated second against error, every engine's methods."""
+    plt = pyplot()
+    figure, axis = plt.subplots(figsize=(8.5, 5.6), layout="constrained")
+    lines = list(dict.fromkeys((run.engine, run.method) for run in runs))
+    for engine, method in lines:
+        mine = [r for r in runs if (r.engine, r.method) == (engine, method) and r.finished]
+        mine.sort(key=lambda r: -r.setting)
+        first = [m for e, m in lines if e == engine].index(method)
+        name = engine.split(" ")[0]
+        style = look(name) | {"linestyle": ("-", "--", ":")[first], "label": f"{engine}: {method}"}
+        axis.plot([min(LOST, max(r.error, truth.digits)) for r in mine], [r.cost for r in mine], **style)
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    low = min(0.5 * truth.digits, 1e-11)
+    axis.set_xlim(2 * LOST, low)  # more digits to the right
+    axis.axvspan(low, 3 * truth.digits, color="#dddddd", zorder=0)
+    axis.set_xlabel("largest error of a joint's coordinate [rad, m]; grey: the truth's own")
+    axis.set_ylabel("processor time per simulated second [ms]")
+    axis.set_title(runs[0].scene, fontsize=11)
+    axis.grid(which="major", alpha=0.35)
     axis.legend(fontsize=8)
     save(figure, path, 85)
     plt.close(figure)

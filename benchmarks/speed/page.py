@@ -8,6 +8,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from benchmarks.speed import families
+from benchmarks.speed.errors import Run, cheapest, engines
+from benchmarks.speed.masters import Step
 from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
 
 BEGIN, END = "<!-- made by benchmarks/speed: {} -->", "<!-- end of {} -->"
@@ -96,15 +98,37 @@ def method_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
     return rows(["mechanism", *(m.removeprefix("step ") for m in methods)], lines)
 
 
-def step_table(timings: Sequence[Timing], scenes: Sequence[str]) -> str:
-    """A step of 1 ms under another torque, by engine and method, over the arithmetic kernel."""
-    kinds = list(dict.fromkeys((t.engine, t.kernel) for t in timings if not t.fault))
-    found = {(t.scene, t.engine, t.kernel): t.ratio for t in timings}
+def step_table(steps: Sequence[Step]) -> str:
+    """A step of 1 ms under another torque: microseconds, over `ref`, over Pinocchio's rk4, and the error."""
+    yard = {s.scene: s.us for s in steps if (s.engine, s.method) == ("pinocchio", "rk4")}
     lines = []
-    for engine, kernel in kinds:
-        cells = [figure(found.get((s, engine, kernel), math.nan)) for s in scenes]
-        lines.append([f"{engine}: {kernel}", *cells])
-    return rows(["engine: method", *scenes], lines)
+    for s in steps:
+        ratio = s.us / yard.get(s.scene, math.nan)
+        error = f"{s.error:.0e}" if math.isfinite(s.error) else ""
+        lines.append(
+            [s.scene, f"{s.engine}: {s.method}", figure(s.us), figure(s.us / s.ref_us), figure(ratio), error]
+        )
+    return rows(["mechanism", "engine: method", "µs", "/ ref", "/ pinocchio rk4", "error after 0.5 s"], lines)
+
+
+def error_table(runs: Sequence[Run], errors: Sequence[float]) -> str:
+    """The cheapest run of every engine that errs by no more than this, and Gelenk's share of it."""
+    header = ["mechanism", "engine"]
+    for error in errors:
+        header += [f"to {error:.0e}: ms per s", "method, setting", "Gelenk's share"]
+    lines = []
+    for scene in dict.fromkeys(run.scene for run in runs):
+        for engine in engines([run for run in runs if run.scene == scene]):
+            cells = [scene, engine]
+            for error in errors:
+                found, mine = cheapest(runs, scene, engine, error), cheapest(runs, scene, "gelenk", error)
+                if found is None:
+                    cells += ["", "", ""]
+                    continue
+                share = figure(mine.cost / found.cost) if mine else ""
+                cells += [figure(found.cost), f"{found.method} {found.setting:g}", share]
+            lines.append(cells)
+    return rows(header, lines)
 
 
 def faults(timings: Sequence[Timing]) -> str:

@@ -12,7 +12,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from benchmarks.speed.tree import Array, Tree
 # Of joints at every sample, the start first.
 type Samples = list[list[float]]
 LONGEST = 20.0  # s, of one run
+ROUNDS = 500  # of 1 ms, of a master
 
 
 def library(name: str) -> ctypes.CDLL:
@@ -40,8 +41,9 @@ def tell(**line: Any) -> None:
     print(json.dumps(line), flush=True)
 
 
-def tell_time(scene: str, kernel: str, seconds: float) -> None:
-    tell(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us())
+def tell_time(scene: str, kernel: str, seconds: float, end: Sequence[float] = ()) -> None:
+    """A kernel's time; end: the joints' coordinates after the rounds of a master."""
+    tell(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us(), end=list(end))
 
 
 def tell_run(scene: str, method: str, setting: float, cpu: float, samples: Samples, finished: bool) -> None:
@@ -58,10 +60,12 @@ def tell_run(scene: str, method: str, setting: float, cpu: float, samples: Sampl
 
 def torques(tree: Tree, steps: int, step: float = 1e-3) -> Array:
     """A master's: another at each step; by joint."""
-    out = [[tree.torque(i, k * step) for i in range(len(tree.bodies))] for k in range(steps)]
-    for k, row in enumerate(out):
-        row[0] += 1e-3 * (k % 7)
-    return np.array(out)
+    moved = [i for i, b in enumerate(tree.bodies) if b.driven]
+    out = np.zeros((steps, len(tree.bodies)))
+    for k in range(steps):
+        out[k, moved] = [tree.torque(i, k * step) for i in moved]
+        out[k, moved[0]] += 1e-3 * (k % 7)
+    return out
 
 
 def least(call: Callable[[], float], rounds: int = 5) -> float:

@@ -180,19 +180,25 @@ def forward(tree: Tree) -> None:
 def step(tree: Tree) -> None:
     """One step of 1 ms, another torque before each by its hook for that."""
     method = "GenAlpha" if tree.closures else "RK44"
-    torques = peer.torques(tree, 1001).tolist()
+    torques = peer.torques(tree, peer.ROUNDS + 1).tolist()
+    end: list[float] = []
 
     def once() -> float:
         model = Model(tree, motors=False)
 
         def before(mbs: Any, t: float) -> bool:
-            mbs.SetObjectParameter(model.object, "jointForceVector", torques[min(1000, round(1000 * t))])
+            # t is the end of the step to come.
+            now = min(peer.ROUNDS, max(0, round(1000 * t) - 1))
+            mbs.SetObjectParameter(model.object, "jointForceVector", torques[now])
             return True
 
         model.system.SetPreStepUserFunction(before)
-        return model.solve(settings(1.0, 1.0, 1e-3), method) / 1000
+        stop = 1e-3 * peer.ROUNDS
+        taken = model.solve(settings(stop, stop, 1e-3), method) / peer.ROUNDS
+        end[:] = [float(x) for x in model.system.GetSensorStoredData(model.sensor)[-1, 1:]]
+        return taken
 
-    peer.tell_time(tree.name, method, peer.least(once, 3))
+    peer.tell_time(tree.name, method, peer.least(once, 3), end)
 
 
 def run(tree: Tree, method: str, setting: float) -> None:

@@ -129,14 +129,14 @@ def forward(tree: Tree) -> None:
 def step(tree: Tree) -> None:
     for integrator in ("RK4", "implicitfast"):
         m = Model(tree, 1e-3, integrator, motors=False)
-        forces = peer.torques(tree, 1000)[:, np.argsort(m.joints)].copy()
+        forces = peer.torques(tree, peer.ROUNDS)[:, np.argsort(m.joints)].copy()
         pointer = forces.ctypes.data_as(ctypes.c_void_p)
 
         def once(m: Model = m, pointer: ctypes.c_void_p = pointer) -> float:
             m.restart()
-            return float(LOOP.time_driven_steps(*m.pointers, 1000, pointer))
+            return float(LOOP.time_driven_steps(*m.pointers, peer.ROUNDS, pointer))
 
-        peer.tell_time(tree.name, integrator, peer.least(once))
+        peer.tell_time(tree.name, integrator, peer.least(once), m.coordinates())
 
 
 def run(tree: Tree, method: str, setting: float) -> None:

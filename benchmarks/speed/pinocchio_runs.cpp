@@ -15,10 +15,11 @@
 
 namespace {
 
-void print_time(const char* kernel, double seconds) {
-  std::printf(R"({"kernel": "%s", "us": %.6g, "ref_us": %.6g})"
-              "\n",
-              kernel, 1e6 * seconds, 1e6 * ref_kernel(100));
+// end: the joints' coordinates after a master's rounds.
+void print_time(const char* kernel, double seconds, const VectorXd& end = {}) {
+  std::printf(R"({"kernel": "%s", "us": %.6g, "ref_us": %.6g, "end": [)", kernel, 1e6 * seconds, 1e6 * ref_kernel(100));
+  for (int i = 0; i < end.size(); ++i) std::printf(i == 0 ? "%.17g" : ", %.17g", end[i]);
+  std::printf("]}\n");
   std::fflush(stdout);
 }
 
@@ -61,7 +62,12 @@ void step(const TreeFile& tree) {
     for (int i = 0; i < model.size(); ++i) {
       out[i] = tree.bodies[static_cast<std::size_t>(i)].torque(1e-3 * static_cast<double>(k));
     }
-    out[0] += 1e-3 * static_cast<double>(k % 7);
+    int moved = 0;
+    while (tree.bodies[static_cast<std::size_t>(moved)].tau == 0 &&
+           tree.bodies[static_cast<std::size_t>(moved)].amplitude == 0) {
+      ++moved;
+    }
+    out[moved] += 1e-3 * static_cast<double>(k % 7);
     return out;
   };
   const auto one = [&](auto&& advance) {
@@ -86,16 +92,18 @@ void step(const TreeFile& tree) {
     }
     return found;
   };
-  print_time("rk4", least([&] {
-               rk4_step(model, 0, 1e-3, q, v);
-               if (model.has_loops()) model.project(q, v);
-             }));
+  const double rk4 = least([&] {
+    rk4_step(model, 0, 1e-3, q, v);
+    if (model.has_loops()) model.project(q, v);
+  });
+  print_time("rk4", rk4, q);
   Dop853 dop853(model, 1e-6);
-  print_time("dop853", least([&] {
-               dop853.start(0, q, v, 1e-3);
-               dop853.advance(1e-3);
-               q = dop853.q(), v = dop853.v();
-             }));
+  const double adaptive = least([&] {
+    dop853.start(0, q, v, 1e-3);
+    dop853.advance(1e-3);
+    q = dop853.q(), v = dop853.v();
+  });
+  print_time("dop853 at 1e-6", adaptive, q);
 }
 
 RunRecord run_once(const TreeFile& tree, double tolerance) {

@@ -18,8 +18,7 @@ from benchmarks.speed.tools import ROOT, Tools
 ENGINES = ("gelenk", "pinocchio", "mujoco", "drake", "exudyn")
 # s of processor time: a kernel whose one call takes longer is given up, and a process that runs on.
 LONGEST_CALL, LONGEST_PROCESS = 0.3, 30.0
-# Bodies beyond which an engine's cost is known to grow with their square or cube and takes minutes; and engines
-# that are measured once, their own figure being far from any bound.
+# Bodies beyond which an engine takes minutes; and engines that are measured once.
 LARGEST = {"exudyn": 130, "drake": 300}
 ONCE = ("drake", "exudyn")
 MOST_MEMORY = 6 << 30  # bytes: Pinocchio asks for nv^3 numbers, more than there are at n = 1024

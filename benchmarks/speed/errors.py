@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Processor time against error: every engine at several settings, the largest error of a joint."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from benchmarks.speed import families, timings
+from benchmarks.speed.tools import HERE, Tools
+from benchmarks.speed.tree import Array
+
+SCENES = ("fourbar", "slidercrank", "arm7", "chain_s_32", "stewart", "bricard", "governor")
+TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10", "1e-11")
+STEPS = ("0.01", "0.005", "0.002", "0.001", "0.0005", "0.0002")
+STIFF_STEPS = ("0.001", "0.0005", "0.0002", "0.0001", "5e-05")  # what explicit methods need in the governor
+TRUTH = "1e-12"
+LONGEST = 60.0  # s, of a process
+UNIT = ("simbody", "simbody (assertions on)")  # measured elsewhere: in units of the arithmetic kernel
+
+
+@dataclass(frozen=True)
+class Run:
+    """cost: processor time per simulated second, in ms."""
+
+    scene: str
+    engine: str
+    method: str
+    setting: float
+    cost: float
+    error: float
+    ref_us: float
+    finished: bool
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Joints at the samples, and by how much two programs at 1e-12 differ."""
+
+    samples: Array
+    digits: float
+
+
+def _settings(engine: str, scene: str) -> list[str]:
+    """METHOD=SETTING of all runs."""
+    tree = families.make(scene)
+    loops, stiff = bool(tree.closures), scene == "governor"
+    steps = STIFF_STEPS if stiff else STEPS
+    if engine == "gelenk":
+        fixed = [f"projection+rk4={h}" for h in steps]
+        implicit = [f"projection+cvode={t}" for t in TOLERANCES[:8]] if stiff else []
+        return [f"projection+auto={t}" for t in TOLERANCES] + fixed + implicit
+    if engine == "pinocchio":
+        return list(TOLERANCES[1:])
+    if engine == "mujoco":
+        return [f"RK4={h}" for h in steps] + ([f"implicitfast={h}" for h in steps] if stiff else [])
+    if engine == "drake":
+        if loops:
+            return [f"discrete={h}" for h in STEPS]
+        return [f"runge_kutta3={t}" for t in (TOLERANCES[:2] if stiff else TOLERANCES[1:6])]
+    return [f"{'GenAlpha' if loops or stiff else 'RK44'}={h}" for h in STEPS]
+
+
+def _command(tools: Tools, engine: str, scene: str, settings: Sequence[str]) -> list[str]:
+    plain = str(tools.scenes / f"{scene}.txt")
+    if engine == "gelenk":
+        return [str(tools.gelenk_runs), str(tools.scenes / f"{scene}.json"), plain, *settings]
+    if engine == "pinocchio":
+        return [str(tools.pinocchio), "run", plain, *settings]
+    return tools.peer(engine, "run", scene, *settings)
+
+
+def _lines(tools: Tools, engine: str, scene: str, settings: Sequence[str]) -> list[dict[str, Any]]:
+    if engine in tools.missing:
+        return []
+    found, _ = timings.lines(tools, _command(tools, engine, scene, settings), LONGEST)
+    return [line for line in found if "samples" in line]
+
+
+def _error(samples: Any, truth: Array) -> float:
+    """NaN where samples are missing."""
+    found = np.asarray(samples, float)
+    return float(np.max(np.abs(found - truth))) if found.shape == truth.shape else math.nan
+
+
+def truth_of(tools: Tools, scene: str) -> Truth:
+    """Gelenk's own at 1e-12; checked by Pinocchio's equations under DOP853, else by another formulation."""
+    (mine,) = _lines(tools, "gelenk", scene, [f"projection+auto={TRUTH}"])
+    other = _lines(tools, "pinocchio", scene, [TRUTH])
+    if not other or not other[0]["finished"]:
+        other = _lines(tools, "gelenk", scene, [f"udwadia-kalaba+erk={TRUTH}"])
+    samples = np.asarray(mine["samples"], float)
+    if not mine["finished"] or not other:
+        raise RuntimeError(f"{scene}: there is no truth to compare with")
+    return Truth(samples, _error(other[0]["samples"], samples))
+
+
+def _published(scene: str, ref_us: float) -> list[Run]:
+    """What was measured once (simbody.csv), in this machine's time."""
+    with (HERE / "simbody.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["scene"] == scene]
+    return [
+        Run(scene, r["engine"], r["method"], float(r["setting"]), float(r["cpu_over_ref"]) * ref_us * 1e-3,
+            float(r["error"]), ref_us, True)
+        for r in rows
+    ]  # fmt: skip
+
+
+def study_scene(tools: Tools, scene: str, rounds: int) -> tuple[list[Run], Truth]:
+    """All engines, in turns; of each setting the cheapest run."""
+    timings.write_scene(tools, scene)
+    stop = families.make(scene).stop
+    truth = truth_of(tools, scene)
+    best: dict[tuple[str, str, float], Run] = {}
+    for turn in range(rounds):
+        for engine in timings.ENGINES:
+            if turn > 0 and engine in timings.ONCE:
+                continue
+            for line in _lines(tools, engine, scene, _settings(engine, scene)):
+                error = _error(line["samples"], truth.samples)
+                finished = bool(line["finished"]) and error < 1e3
+                cost = 1e3 * line["cpu_s"] / stop
+                run = Run(
+                    scene, engine, line["method"], line["setting"], cost, error, line["ref_us"], finished
+                )
+                key = (engine, run.method, run.setting)
+                if key not in best or run.cost < best[key].cost:
+                    best[key] = run
+    ref_us = min(run.ref_us for run in best.values())
+    return [*best.values(), *_published(scene, ref_us)], truth
+
+
+def study(
+    tools: Tools, scenes: Sequence[str], rounds: int, tell: Callable[[str], None]
+) -> tuple[list[Run], dict[str, Truth]]:
+    runs: list[Run] = []
+    truths: dict[str, Truth] = {}
+    for scene in scenes:
+        found, truths[scene] = study_scene(tools, scene, rounds)
+        runs += found
+        told = [f"{e} {x.cost:.3g} ms" for e in engines(found) if (x := cheapest(found, scene, e, 1e-6))]
+        tell(f"{scene}, to 1e-6: {', '.join(told)}; truth to {truths[scene].digits:.1e}")
+    return runs, truths
+
+
+def engines(runs: Sequence[Run]) -> list[str]:
+    return list(dict.fromkeys(run.engine for run in runs))
+
+
+def cheapest(runs: Sequence[Run], scene: str, engine: str, error: float) -> Run | None:
+    """The cheapest run of an engine that errs by no more."""
+    good = [r for r in runs if (r.scene, r.engine) == (scene, engine) and r.finished and r.error <= error]
+    return min(good, key=lambda r: r.cost, default=None)
+
+
+def write_csv(runs: Sequence[Run], path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["scene", "engine", "method", "setting", "ms_per_s", "error", "ref_us", "finished"])
+        for r in runs:
+            writer.writerow([r.scene, r.engine, r.method, f"{r.setting:g}", f"{r.cost:.5g}", f"{r.error:.4g}",
+                             f"{r.ref_us:.4g}", r.finished])  # fmt: skip
