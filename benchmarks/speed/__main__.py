@@ -13,7 +13,7 @@ import platform
 import time
 from pathlib import Path
 
-from benchmarks.speed import errors, families, figures, masters, page, timings, tools
+from benchmarks.speed import errors, families, figures, masters, operations, page, timings, tools
 from benchmarks.speed.tools import ROOT, Tools
 
 OUT = ROOT / "out" / "bench"
@@ -99,7 +99,7 @@ def main() -> None:
     parser.add_argument(
         "--scenes", help="those whose names hold one of these words, A,B,...; into out/bench/ alone"
     )
-    parser.add_argument("--only", choices=["kernels", "steps", "errors"])
+    parser.add_argument("--only", choices=["kernels", "steps", "errors", "operations"])
     parser.add_argument("--programs", type=Path, default=ROOT / "build" / "bench" / "benchmarks" / "speed",
                         help="where gelenk-kernels and gelenk-runs are")  # fmt: skip
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "bench" / "speed",
@@ -122,6 +122,9 @@ def main() -> None:
     if given.only in (None, "errors"):
         compared = QUICK_ERRORS if given.quick else errors.SCENES
         parts |= precision(made, [name for name in compared if name in names], rounds, pictures)
+    if given.only in (None, "operations"):
+        counted = operations.study(made, [name for name in operations.SCENES if name in names], say)
+        parts |= {"operations": page.operations_table(counted)} if counted else {}
     if not given.only:
         parts["machine"] = f"{machine()}; {time.monotonic() - begin:.0f} s in all."
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"

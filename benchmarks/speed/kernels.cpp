@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the kernels of Gelenk on a scene: gelenk-kernels SCENE.json SECONDS_OF_A_CALL, the longest that is waited for.
+// gelenk-kernels SCENE.json evaluate CALLS: forward dynamics so many times, for a profiler.
 // Prints a line of JSON for each: {"kernel": ..., "us": ..., "ref_us": ...}, or why there is none. What includes what:
 //   positions         set_position: poses, errors of the rows
 //   constraint rows   positions, and set_velocity: velocities, rates of the rows and their velocity products
@@ -12,6 +13,7 @@
 //   step METHOD       1 ms of the simulation after an input has jumped
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <fstream>
 #include <sstream>
@@ -152,11 +154,32 @@ void measure_step(gelenk::Scene scene, const std::string& method) {
 // Methods that factorise a full matrix of all speeds are not asked of the largest scenes.
 constexpr int implicit_at_most = 64;
 
-void run(const char* file) {
+gelenk::Scene scene_of(const char* file) {
   std::ifstream in(file);
   std::stringstream text;
   text << in.rdbuf();
-  const gelenk::Scene scene = gelenk::read_scene_json(text.str(), file);
+  return gelenk::read_scene_json(text.str(), file);
+}
+
+std::vector<State> states_of(Simulation& simulation) {
+  std::vector<State> states;
+  for (int i = 0; i < simulation.size().islands; ++i) states.emplace_back(simulation.state(i));
+  return states;
+}
+
+void evaluate(const char* file, long calls) {
+  Simulation simulation(scene_of(file));
+  simulation.initialize();
+  auto states = states_of(simulation);
+  for (long k = 0; k < calls; ++k) {
+    for (int i = 0; i < simulation.size().islands; ++i) {
+      simulation.equations(i).rhs(0, states[i].next(), states[i].out.data());
+    }
+  }
+}
+
+void run(const char* file) {
+  const gelenk::Scene scene = scene_of(file);
   Simulation simulation(scene);
   const double begin = cpu_seconds();
   simulation.initialize();
@@ -165,8 +188,7 @@ void run(const char* file) {
               "\n",
               size.speeds, size.rows, size.rank, size.planar, cpu_seconds() - begin);
   const auto& prepared = simulation.prepared();
-  std::vector<State> states;
-  for (int i = 0; i < size.islands; ++i) states.emplace_back(simulation.state(i));
+  auto states = states_of(simulation);
   measure_equations(simulation, states);
   const auto loads = gelenk::make_loads(scene, prepared.reduced);
   const std::vector<double> u(simulation.inputs().size());
@@ -185,13 +207,18 @@ void run(const char* file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fputs("usage: gelenk-kernels SCENE.json SECONDS_OF_A_CALL\n", stderr);
+  const bool evaluates = argc == 4 && std::strcmp(argv[2], "evaluate") == 0;
+  if (argc != 3 && !evaluates) {
+    std::fputs("usage: gelenk-kernels SCENE.json SECONDS_OF_A_CALL | evaluate CALLS\n", stderr);
     return 2;
   }
   longest = std::atof(argv[2]);
   try {
-    run(argv[1]);
+    if (evaluates) {
+      evaluate(argv[1], std::atol(argv[3]));
+    } else {
+      run(argv[1]);
+    }
   } catch (const std::exception& fault) {
     print_fault("start", fault.what());
     return 1;

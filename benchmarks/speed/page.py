@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks.speed import families
 from benchmarks.speed.errors import Run, cheapest, engines
 from benchmarks.speed.masters import Step
+from benchmarks.speed.operations import Cost
 from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
 
 BEGIN, END = "<!-- made by benchmarks/speed: {} -->", "<!-- end of {} -->"
@@ -129,6 +130,16 @@ def error_table(runs: Sequence[Run], errors: Sequence[float]) -> str:
                 cells += [figure(found.cost), f"{found.method} {found.setting:g}", share]
             lines.append(cells)
     return rows(header, lines)
+
+
+def operations_table(costs: Sequence[Cost], most: int = 7) -> str:
+    """Instructions of an evaluation, and the shares of the functions that take most."""
+    lines = []
+    for cost in costs:
+        first = sorted(cost.functions.items(), key=lambda item: -item[1])[:most]
+        shares = ", ".join(f"`{name}` {100 * n / cost.instructions:.0f} %" for name, n in first)
+        lines.append([cost.scene, f"{cost.instructions:.0f}", shares])
+    return rows(["mechanism", "instructions", "of which in"], lines)
 
 
 def faults(timings: Sequence[Timing]) -> str:
