@@ -54,6 +54,26 @@ void ArticulatedFactor<A>::solve(double* x) const {
 }
 
 template <class A>
+template <class Solve>
+void ArticulatedFactor<A>::by_columns(double* x, int columns, Solve solve) const {
+  for (int c = 0; c < columns; ++c) {
+    for (int k = 0; k < model_.nv; ++k) column_[k] = x[static_cast<std::size_t>(k) * columns + c];
+    solve(column_.data());
+    for (int k = 0; k < model_.nv; ++k) x[static_cast<std::size_t>(k) * columns + c] = column_[k];
+  }
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve_transposed(double* x, int columns) const {
+  by_columns(x, columns, [this](double* column) { solve_transposed(column); });
+}
+
+template <class A>
+void ArticulatedFactor<A>::solve(double* x, int columns) const {
+  by_columns(x, columns, [this](double* column) { solve(column); });
+}
+
+template <class A>
 void ArticulatedFactor<A>::multiply(const double* x, double* y) const {
   const int n = static_cast<int>(model_.links.size());
   for (int i = 1; i < n; ++i) {

@@ -23,16 +23,23 @@ class ArticulatedFactor {
         a_(model.links.size()),
         U_(model.nv),
         root_(model.nv),
-        inverse_(model.nv) {}
+        inverse_(model.nv),
+        column_(model.nv) {}
 
   // added: to the diagonal of M, by speed. Returns -1, or the speed at which M has no inertia.
   int factorise(const std::vector<double>& added);
 
-  void solve_transposed(double* x) const;           // x <- L^-T x
-  void solve(double* x) const;                      // x <- L^-1 x
+  void solve_transposed(double* x) const;  // x <- L^-T x
+  void solve(double* x) const;             // x <- L^-1 x
+  // The same for the columns of x, which is stored row by row.
+  void solve_transposed(double* x, int columns) const;
+  void solve(double* x, int columns) const;
   void multiply(const double* x, double* y) const;  // y = L x
 
  private:
+  template <class Solve>
+  void by_columns(double* x, int columns, Solve solve) const;
+
   using Force = typename A::Force;
   using Motion = typename A::Motion;
 
@@ -43,6 +50,7 @@ class ArticulatedFactor {
   mutable std::vector<Motion> a_;
   std::vector<Force> U_;                // by speed: G_ times its motion, when the speeds after it are free
   std::vector<double> root_, inverse_;  // of D = S . U: the root's inverse, the inverse
+  mutable std::vector<double> column_;
 };
 
 extern template class ArticulatedFactor<Planar>;

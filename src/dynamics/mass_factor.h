@@ -66,6 +66,11 @@ class MassFactor {
   void solve(double* x) const {  // x <- L^-1 x: from whitened to speeds
     applied_ ? applied_->solve(x) : written_.solve(x);
   }
+  // The same for the columns of x, which is stored row by row.
+  void solve_transposed(double* x, int columns) const {
+    applied_ ? applied_->solve_transposed(x, columns) : written_.solve_transposed(x, columns);
+  }
+  void solve(double* x, int columns) const { applied_ ? applied_->solve(x, columns) : written_.solve(x, columns); }
   void multiply(const double* x, double* y) const {  // y = L x: whitens speeds
     applied_ ? applied_->multiply(x, y) : written_.multiply(x, y);
   }

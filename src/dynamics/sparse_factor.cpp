@@ -69,24 +69,26 @@ void SparseFactor::solve(double* x) const {
 }
 
 void SparseFactor::solve_transposed(double* x, int columns) const {
-  for (int i = n_ - 1; i >= 0; --i) {
-    const double* row = &L_[static_cast<std::size_t>(i) * n_];
+  for (int i = size() - 1; i >= 0; --i) {
+    const double* L = row(i);
+    const int* inner = ancestors(i);
     double* const x_i = x + static_cast<std::size_t>(i) * columns;
-    columns::scale(1 / row[i], x_i, columns);
-    for (int j = parent_[i]; j >= 0; j = parent_[j]) {
-      columns::add(-row[j], x_i, x + static_cast<std::size_t>(j) * columns, columns);
+    columns::scale(inverse_[i], x_i, columns);
+    for (int d = 0; d < depth_[i]; ++d) {
+      columns::add(-L[d], x_i, x + static_cast<std::size_t>(inner[d]) * columns, columns);
     }
   }
 }
 
 void SparseFactor::solve(double* x, int columns) const {
-  for (int i = 0; i < n_; ++i) {
-    const double* row = &L_[static_cast<std::size_t>(i) * n_];
+  for (int i = 0; i < size(); ++i) {
+    const double* L = row(i);
+    const int* inner = ancestors(i);
     double* const x_i = x + static_cast<std::size_t>(i) * columns;
-    for (int j = parent_[i]; j >= 0; j = parent_[j]) {
-      columns::add(-row[j], x + static_cast<std::size_t>(j) * columns, x_i, columns);
+    for (int d = 0; d < depth_[i]; ++d) {
+      columns::add(-L[d], x + static_cast<std::size_t>(inner[d]) * columns, x_i, columns);
     }
-    columns::scale(1 / row[i], x_i, columns);
+    columns::scale(inverse_[i], x_i, columns);
   }
 }
 
