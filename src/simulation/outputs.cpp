@@ -24,6 +24,20 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
   }
 }
 
+Outputs::Entry Outputs::entry(int output) const {
+  const Source& s = sources_[output];
+  switch (s.kind) {
+    case Kind::tree_q:
+      return {s.index, s.sign};
+    case Kind::tree_v:
+      return {reduced_.islands[s.island].nq + s.index, s.sign};
+    case Kind::tree_a:
+      return {reduced_.islands[s.island].nq + reduced_.islands[s.island].nv + s.index, s.sign};
+    default:
+      return {none, 0};
+  }
+}
+
 Outputs::Source Outputs::joint_source(const Signal& signal) const {
   const JointPlace& place = reduced_.joints[signal.joint];
   const int c = signal.component;

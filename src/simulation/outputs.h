@@ -44,10 +44,7 @@ class Outputs {
     int index;
     double sign;
   };
-  Entry entry(int output) const {
-    const Source& s = sources_[output];
-    return s.kind == Kind::tree ? Entry{s.index, s.sign} : Entry{none, 0};
-  }
+  Entry entry(int output) const;
 
   // reading: of the output's island.
   template <class T>
