@@ -8,11 +8,13 @@ set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/yaml.cpp)
 set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
 list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 
-# What reads scenes and describes plants runs once: made small, since every FMU carries it.
-set(read_once ${core_sources})
-list(FILTER read_once INCLUDE REGEX "/(scene|modelDescription)/[^/]*$")
-list(FILTER read_once EXCLUDE REGEX "/plant\\.cpp$")  # which every step goes through
-set_source_files_properties(${read_once} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
+# What reads, reduces and describes scenes runs once: made small, since every FMU carries it. So is what power series go
+# through, when a master asks for output derivatives.
+set(small ${core_sources})
+list(FILTER small INCLUDE REGEX
+  "/(scene|modelDescription|mechanism)/[^/]*$|/simulation/(inspection|parameters|preparation|properties|report|signals)\\.cpp$|/dynamics/extended_kernels\\.cpp$")
+list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
+set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 
 add_library(gelenk_core STATIC ${core_sources})
 target_include_directories(gelenk_core PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})

@@ -19,7 +19,8 @@ Model<A>::Model(const Mechanism& mechanism)
       first_coordinate_row(mechanism.first_coordinate_row()) {
   for (const gelenk::Link& link : mechanism.links) {
     const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
-    const bool turns = link.nv > 0 && std::holds_alternative<Revolute>(link.joint);  // not the ground
+    const bool turns = link.nv > 0 &&  // not the ground
+                       std::visit([](const auto& j) { return is_pure_turn<std::decay_t<decltype(j)>>; }, link.joint);
     links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, turns, link.joint, pose_in<A>(link.X_PJ),
                      inertia_in<A>(link.G)});
   }

@@ -19,6 +19,8 @@
 // turned is true where turning both halves half a turn about x exchanges their roles (revolute, prismatic, ...):
 // the other joints are exchanged by Reversed<J> (reversed.h).
 //
+// pure_turn is true where the motion space is the turn about M's z axis and qdot = v; may be left out otherwise.
+//
 // make(axes) builds the joint from the user's unit axes, canonical(axes) gives R_UC, the turn from
 // the user's joint frame to the one the joint is written in (most have the axis along z).
 #pragma once
@@ -51,6 +53,9 @@ struct PlainJoint {
   template <class A, class T>
   void rows_bias(const typename A::Pose&, const typename A::Motion&, T*) const {}
 };
+
+template <class J>
+constexpr bool is_pure_turn = requires { requires J::pure_turn; };
 
 // For joints with S^T S = 1: the force that S tau is.
 template <class A>
