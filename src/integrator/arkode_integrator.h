@@ -55,6 +55,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
     void* memory;
     bool used = false;                 // has made steps: the next one may not be as much longer as a first one's next
     std::optional<double> first_step;  // s, to be tried first; 0: it finds one
+    double last_step = 0;              // s, before that one; 0: of no concern
   };
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 

@@ -27,4 +27,9 @@ def test_singular_positions_are_logged_as_warnings(tmp_path: Path) -> None:
     ]
     assert [round(float(w.split()[2]), 2) for w in warnings] == [0.71, 1.22]
     assert all("singular position" in w for w in warnings)
-    assert gelenk.simulate(fmu, stop=2, step=0.01).singular_positions == (0.71, 1.22)
+    step = 0.01
+    times = gelenk.simulate(fmu, stop=2, step=step).singular_positions
+    # Told at the point after an evaluation beyond it, which may be the next step's.
+    assert [0 < told - passed < 2 * step for told, passed in zip(times, (0.7088, 1.2160), strict=True)] == [
+        True
+    ] * 2
