@@ -9,6 +9,7 @@
 # make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
 # make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
+# make costs    count what standard jobs cost, for tests/costs/figures.json; WHY="..." says why they changed
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
@@ -33,9 +34,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time bench sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time bench costs sanitize fuzz win64 clean
 help:
-	@sed -n '2,17s/^# //p' Makefile
+	@sed -n '2,18s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -80,6 +81,10 @@ bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	  -DGELENK_BENCHMARKS=ON -DGELENK_SCENES=OFF
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build build/bench -j $(JOBS) --target gelenk-kernels gelenk-runs
 	$(BIN)/python -m benchmarks.speed $(if $(QUICK),--quick)
+
+# Needs valgrind.
+costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
 
 # Two native builds, and some ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Floating-point modes: the host's is as it was after each call and changes no bits, and no number is so small that
-the processor takes a hundred times as long over it."""
+"""Floating-point modes.
+
+The host's is as it was after each call and changes no bits; and no number is so small that the processor
+takes a hundred times as long over it.
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Standard jobs cost no more than when figures.json was written: `make costs WHY="..."` writes it anew."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+from fmu.c_hosts import compiled
+
+from .counting import HERE, Prepared, counts_of, instructions_of, machine, prepared, valgrind, written
+from .jobs import JOBS
+
+# Rounding differs from compiler to compiler, alignment from build to build: counts follow by less than this.
+MARGIN = 0.05
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = compiled("cost_host", tmp_path_factory.mktemp("host"), where=HERE)
+    if found is None:
+        pytest.skip("no C compiler")
+    return found
+
+
+@pytest.fixture(params=JOBS)
+def job(request: pytest.FixtureRequest, host: Path, tmp_path: Path) -> tuple[str, Prepared]:
+    return request.param, prepared(JOBS[request.param], host, tmp_path / "job")
+
+
+def judge(title: str, what: str, found: int) -> None:
+    expected = written()["jobs"][title][what]
+    line = f"{title}: {found} {what}, {expected} when figures.json was written"
+    if found < (1 - MARGIN) * expected:
+        warnings.warn(f"{line}; `make costs` would keep the gain", stacklevel=2)
+    assert found <= (1 + MARGIN) * expected, line
+
+
+def test_evaluations(job: tuple[str, Prepared]) -> None:
+    title, ready = job
+    for what, count in counts_of(ready).items():
+        judge(title, what, count)
+
+
+@pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
+def test_instructions(job: tuple[str, Prepared]) -> None:
+    title, ready = job
+    here, there = machine(ready.library), written()["machine"]
+    if here != there:
+        pytest.skip(f"figures.json is of {there}, this is {here}")
+    judge(title, "instructions", instructions_of(ready))
+
+
+def test_figures_are_of_the_jobs() -> None:
+    figures = written()
+    assert figures["why"]
+    assert {title: job.rounds for title, job in JOBS.items()} == {
+        title: figure["rounds"] for title, figure in figures["jobs"].items()
+    }
