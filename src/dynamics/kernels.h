@@ -30,6 +30,7 @@ struct Workspace {
   std::vector<Motion> S;  // columns of the joints' motion spaces, in L
   // by cut
   std::vector<Pose> X_FM;
+  std::vector<Pose> X_FL;     // by link of its paths, see Model::Cut
   std::vector<Motion> V_FM;   // rows.h: angular velocity, rate of p_FM; in F
   std::vector<Motion> A_cut;  // bias of the rate of V_FM
   std::vector<Force> F_cut;   // drives and springs on M in M

@@ -34,24 +34,50 @@ typename A::Motion angular_part(const typename A::Motion& V) {
   }
 }
 
-// X of a frame on the first link of the path, in the parent of the last.
+// X_FM, and on the way there the poses in F of the links of both paths. By way of the nearest common ancestor, not of
+// the root: a loop on a vehicle closes as exactly far away as at home.
 template <class A>
-typename A::Pose from_ancestor(const Workspace<A>& ws, const std::vector<int>& path, typename A::Pose X) {
-  for (const int i : path) X = ws.X_PL[i] * X;
-  return X;
+typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws) {
+  typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
+  typename A::Pose X = cut.X_AF.inverse();
+  for (const int i : cut.path_a) {
+    *X_FL++ = X;
+    X = X * ws.X_PL[i].inverse();
+  }
+  X_FL += cut.path_b.size();
+  for (auto i = cut.path_b.rbegin(); i != cut.path_b.rend(); ++i) *--X_FL = X = X * ws.X_PL[*i];
+  return X * cut.X_BM;
 }
 
-// Writes the generalised force of F (on a link, in it) along the speeds from the link down its path. Returns the place
+// What the unit motion S of a link's joint makes of M, were M on the link: at M's origin, in F.
+template <class A>
+typename A::Motion motion_of_M(bool turns, const typename A::Pose& X_FL, const typename A::Motion& S,
+                               const typename A::Pose& X_FM) {
+  if (!turns) return shift_to_M<A>(X_FM).to_child(X_FL.to_parent(S));
+  if constexpr (A::planar) {
+    return {1, X_FL.py - X_FM.py, X_FM.px - X_FL.px};
+  } else {
+    const Vector3<typename A::Scalar> axis = X_FL.R.col(2);
+    return {axis, axis.cross(X_FM.p - X_FL.p)};
+  }
+}
+
+// Writes the columns of the rows of a cut for the joints along a path, from its first link on. Returns the place
 // behind.
 template <class A>
-double* transmit(const Model<A>& model, const Workspace<A>& ws, const std::vector<int>& path, typename A::Force F,
-                 double sign, double* row) {
-  for (const int& i : path) {
+double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t c, const std::vector<int>& path,
+                     const typename A::Pose* X_FL, double sign, double* column) {
+  const auto& cut = model.cuts[c];
+  const int stride = ws.J.entries(cut.first_row);
+  for (const int i : path) {
     const auto& link = model.links[i];
-    for (int k = link.iv; k < link.iv + link.nv; ++k) *row++ = sign * along<A>(link.turns, ws.S[k], F);
-    if (&i != &path.back()) F = ws.X_PL[i].to_parent(F);
+    for (int k = link.iv; k < link.iv + link.nv; ++k, ++column) {
+      const typename A::Motion V = motion_of_M<A>(link.turns, *X_FL, ws.S[k], ws.X_FM[c]);
+      for (int r = 0; r < cut.rows; ++r) column[r * stride] = sign * A::dot(V, ws.row[cut.first_row + r].w);
+    }
+    ++X_FL;
   }
-  return row;
+  return column;
 }
 
 // The rows of a cut that are kept.
@@ -121,8 +147,7 @@ template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
-    // From the nearest common ancestor, not from the root: a loop on a vehicle closes as exactly far away as at home.
-    ws.X_FM[c] = from_ancestor<A>(ws, cut.path_a, cut.X_AF).inverse() * from_ancestor<A>(ws, cut.path_b, cut.X_BM);
+    ws.X_FM[c] = pose_around<A>(cut, ws);
     if (cut.rows == 0) continue;
     needed_rows<A>(cut, ws.X_FM[c], &ws.row[cut.first_row]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.Phi[r] = ws.row[r].Phi;
@@ -133,12 +158,11 @@ template <class A>
 void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
-    const typename A::Pose shift = shift_to_M<A>(ws.X_FM[c]);
-    for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) {
-      const typename A::Force F_F = shift.to_parent(ws.row[r].w);  // about F's origin
-      double* const then = transmit(model, ws, cut.path_a, cut.X_AF.to_parent(F_F), -1.0, ws.J.values(r));
-      transmit(model, ws, cut.path_b, cut.X_BM.to_parent(ws.X_FM[c].to_child(F_F)), 1.0, then);
-    }
+    if (cut.rows == 0) continue;
+    const typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
+    double* column = ws.J.values(cut.first_row);
+    column = path_columns(model, ws, c, cut.path_a, X_FL, -1.0, column);
+    path_columns(model, ws, c, cut.path_b, X_FL + cut.path_a.size(), 1.0, column);
   }
 }
 

@@ -27,7 +27,8 @@ Model<A>::Model(const Mechanism& mechanism)
   for (const gelenk::Cut& cut : mechanism.cuts) {
     cuts.push_back({cut.link_a, cut.link_b, cut.first_row, cut.rows, cut.rows == cut.joint_rows, cut.kept, cut.iq,
                     cut.iv, cut.nq, cut.nv, cut.turns, pose_in<A>(cut.X_AF), pose_in<A>(cut.X_BM), cut.path_a,
-                    cut.path_b, cut.joint});
+                    cut.path_b, path_links, cut.joint});
+    path_links += static_cast<int>(cut.path_a.size() + cut.path_b.size());
   }
 }
 
@@ -43,6 +44,7 @@ Workspace<A>::Workspace(const Model<A>& model)
       G_tree(model.links.size()),
       S(model.nv),
       X_FM(model.cuts.size()),
+      X_FL(model.path_links),
       V_FM(model.cuts.size()),
       A_cut(model.cuts.size()),
       F_cut(model.cuts.size()),

@@ -157,12 +157,14 @@ struct Model {
     std::vector<bool> turns;
     typename A::Pose X_AF, X_BM;
     std::vector<int> path_a, path_b;
+    int first_path;  // of its links in Workspace::X_FL: those of path_a, then those of path_b
     CutJoint joint;
   };
   std::vector<Link> links;
   std::vector<Cut> cuts;
   std::vector<CoordinateRow> coordinate_rows;
   int nq, nv, rows, cut_nq, cut_nv;
+  int path_links = 0;  // of all cuts
   int first_coordinate_row;
 
   explicit Model(const Mechanism& mechanism);

@@ -49,7 +49,7 @@ void velocities(const Model<A>& model, const typename A::Scalar* q, const typena
     const auto& link = model.links[i];
     if (link.turns) {
       const auto& speed = v[link.iv];
-      ws.V[i] = ws.X_PL[i].to_child(ws.V[link.parent]);
+      ws.V[i] = link.parent == 0 ? Motion{} : ws.X_PL[i].to_child(ws.V[link.parent]);
       add_turn<A>(speed, ws.V[i]);
       ws.A_bias[i] = ws.X_PL[i].to_child(ws.A_bias[link.parent]) + cross_turn<A>(ws.V[i], speed);
       continue;
