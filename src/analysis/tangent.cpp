@@ -44,6 +44,17 @@ void set_slopes(const MatrixXd& from, std::vector<Dual>& to) {
   }
 }
 
+// out += A x, of x the first rows, of which many may be zero.
+template <class From, class X, class To>
+void add_product(const From& A, const X& x, Index rows, To& out) {
+  for (Index k = 0; k < x.cols(); ++k) {
+    for (Index j = 0; j < rows; ++j) {
+      const double factor = x(j, k);
+      if (factor != 0) out.col(k) += factor * A.col(j);
+    }
+  }
+}
+
 template <class T>
 void set_values(const VectorXd& from, std::vector<T>& to) {
   for (Index i = 0; i < from.size(); ++i) to[i] = T(from[i]);
@@ -101,10 +112,10 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   d.factorise();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
-  d.set_acceleration(vdot_.data());
   partition_known_ = slopes_known_ = false;
   redundant_ = false;
   if (mechanism_.rows == 0) return;
+  d.set_acceleration(vdot_.data());  // for lambda
   if (d.rank() < rank_ || (rank_ > 0 && d.pivot_ratio() < singular)) throw Undetermined(Undetermined::What::rows);
   lambda_ = Eigen::Map<const VectorXd>(d.lambda().data(), mechanism_.rows);
   J_ = d.J();
@@ -181,7 +192,7 @@ MatrixXd Tangent::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
   MatrixXd z = MatrixXd::Zero(mechanism_.nv, n);  // speeds times time
   for (Index k = 0; k < n; ++k) {
     for (const Link& link : mechanism_.links) {
-      if (link.nv == 0) continue;
+      if (link.nv == 0 || dq.col(k).segment(link.iq, link.nq).isZero(0)) continue;
       std::visit(
           [&](const auto& joint) {
             joint.unrate(q_.data() + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv);
@@ -200,7 +211,13 @@ MatrixXd Tangent::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
     z += of_positions_.solve(residuals, mechanism_.nv);
   }
   MatrixXd moved(mechanism_.nq, n);
-  for (Index k = 0; k < n; ++k) dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
+  for (Index k = 0; k < n; ++k) {
+    if (z.col(k).isZero(0)) {
+      moved.col(k).setZero();
+    } else {
+      dynamics_->rate(q_.data(), z.col(k).data(), moved.col(k).data());
+    }
+  }
   return moved;
 }
 
@@ -237,7 +254,7 @@ MovedState Tangent::move_state(const MatrixXd& dq, const MatrixXd& dv, const Mat
   q = whole_dq(dq, du);
   v = dv;
   for (const int k : of_speeds_.dependent) v.row(k).setZero();
-  RowMatrix r = slopes_.r_u * du;
+  RowMatrix r = RowMatrix::Zero(nv, n);
   RowMatrix c(mechanism_.rows, n);
   if (mechanism_.rows > 0) {
     MatrixXd rates = slopes_.rate_q * q + J_ * v;  // less what the rows' targets move
@@ -249,10 +266,14 @@ MovedState Tangent::move_state(const MatrixXd& dq, const MatrixXd& dv, const Mat
     v += of_speeds_.solve(rates, nv);
     c.noalias() = slopes_.c * out.y.topRows(nq + nv);
   }
-  r.noalias() += slopes_.r * out.y.topRows(nq + nv);
+  add_product(slopes_.r, out.y, nq + nv, r);
+  add_product(slopes_.r_u, du, inputs_, r);
   dynamics_->solve_linear_columns(r.data(), c.data(), static_cast<int>(n));
   out.y.bottomRows(nv) = -r;
-  out.qdot = slopes_.qdot_q * q + slopes_.qdot_v * v;
+  if (nq == nv) return out;
+  out.qdot.setZero(nq, n);
+  add_product(slopes_.qdot_q, q, nq, out.qdot);
+  add_product(slopes_.qdot_v, v, nv, out.qdot);
   return out;
 }
 

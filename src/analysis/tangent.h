@@ -42,7 +42,7 @@ struct Carried {
   std::unique_ptr<Extended<T>> equations;
 };
 
-// How a state moves, by columns: (dq, dv, dvdot) one below the other, and the change of qdot.
+// How a state moves, by columns: (dq, dv, dvdot) one below the other; where q has quaternions, also the change of qdot.
 struct MovedState {
   Eigen::MatrixXd y, qdot;
 };

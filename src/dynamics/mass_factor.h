@@ -44,6 +44,7 @@ class MassFactor {
 
   // Returns -1, or the speed at which M has no inertia.
   int factorise() {
+    current_ = false;
     if (applied_) return applied_->factorise(added_);
     write();
     return written_.factorise();
@@ -66,17 +67,20 @@ class MassFactor {
   void solve(double* x) const {  // x <- L^-1 x: from whitened to speeds
     applied_ ? applied_->solve(x) : written_.solve(x);
   }
-  // The same for the columns of x, which is stored row by row.
+  // The same for the columns of x, which is stored row by row; ws still at the position of the factors.
   void solve_transposed(double* x, int columns) const {
-    applied_ ? applied_->solve_transposed(x, columns) : written_.solve_transposed(x, columns);
+    written_down() ? written_.solve_transposed(x, columns) : applied_->solve_transposed(x, columns);
   }
-  void solve(double* x, int columns) const { applied_ ? applied_->solve(x, columns) : written_.solve(x, columns); }
+  void solve(double* x, int columns) const {
+    written_down() ? written_.solve(x, columns) : applied_->solve(x, columns);
+  }
   void multiply(const double* x, double* y) const {  // y = L x: whitens speeds
     applied_ ? applied_->multiply(x, y) : written_.multiply(x, y);
   }
 
   // M, nv x nv. The factors are lost.
   void matrix(double* M) {
+    current_ = false;
     write();
     const int n = model_.nv;
     std::fill(M, M + static_cast<std::size_t>(n) * n, 0.0);
@@ -91,7 +95,18 @@ class MassFactor {
   // Mean number of speeds inside of one, above which recursions take less time: measured on chains.
   static constexpr long longest_written = 5;
 
-  void write() {
+  // For many columns it pays to write down what else is applied, up to this many speeds.
+  static constexpr int most_written = 256;
+  bool written_down() const {
+    if (!applied_) return true;
+    if (!current_ && model_.nv <= most_written) {
+      write();
+      current_ = written_.factorise() < 0;
+    }
+    return current_;
+  }
+
+  void write() const {
     kernels::mass_matrix(model_, ws_, written_);
     for (int k = 0; k < model_.nv; ++k) written_.row(k)[written_.depth(k)] += added_[k];
   }
@@ -99,7 +114,8 @@ class MassFactor {
   const Model<A>& model_;
   Workspace<A>& ws_;
   const std::vector<double>& added_;
-  SparseFactor written_;
+  mutable SparseFactor written_;
+  mutable bool current_ = false;  // written_ has what is applied
   std::optional<ArticulatedFactor<A>> applied_;
 };
 

@@ -53,8 +53,9 @@ class RecursiveSlopes {
   void joint_loads(const Point& at, Slopes& out) const;
   void to_numbers(const Point& at, const Slopes& by, Slopes& out) const;
 
-  // Of joints whose motions change with their coordinates: what they add (recursive_slopes_joints.cpp).
+  // Of joints whose motions change with their coordinates: what they add (recursive_slopes_joints_impl.h).
   void add_turning(int i, const Point& at);
+  void add_turned_shifts(int i, int shifts, const Point& at);
   void add_projection(int i, const Point& at, Slopes& by) const;
 
   // What acts between two links, up to their nearest common ancestor.

@@ -19,6 +19,10 @@ inline void extend(std::vector<Run>& runs, int first, int last) {
   }
 }
 
+// A turn about the frame's own z axis.
+inline Spatial::Motion turn_about_z(const Pose3& X) { return {X.R.col(2), X.p.cross(X.R.col(2))}; }
+inline Planar::Motion turn_about_z(const Planar::Pose& X) { return {1, X.py, -X.px}; }
+
 // path: from the outermost link inwards.
 template <class A>
 std::vector<Run> speeds_of(const Model<A>& model, const std::vector<int>& path) {
@@ -139,7 +143,7 @@ void RecursiveSlopes<A>::move_outwards(const Point& at) {
     b.X = inner.X * ws_.X_PL[i];
     Motion V_J{};
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
-      S_of_[k] = b.X.to_parent(ws_.S[k]);
+      S_of_[k] = link.turns ? detail::turn_about_z(b.X) : b.X.to_parent(ws_.S[k]);
       V_J += at.v[k] * S_of_[k];
     }
     set_speeds(i, at, V_J);

@@ -46,13 +46,43 @@ void by_turns(const Joint& joint, const double* q, Dual* out) {
   }
 }
 
+inline bool constant_S(const TreeJoint& joint) {
+  return std::visit([](const auto& j) { return j.constant_S; }, joint);
+}
+inline int shifts_in_F(const TreeJoint& joint) {
+  return std::visit([](const auto& j) { return j.shifts_in_F; }, joint);
+}
+
 }  // namespace detail
+
+// Shifts S_k along axes that stay in F, as seen from M, turn the other way: by -S_m x S_k with a turn m.
+template <class A>
+void RecursiveSlopes<A>::add_turned_shifts(int i, int shifts, const Point& at) {
+  const auto& link = model_.links[i];
+  Body& b = body_[i];
+  const int turns = link.iv + shifts;
+  Motion V{}, acc{}, W{};
+  for (int k = link.iv; k < turns; ++k) {
+    V += at.v[k] * S_of_[k];
+    acc += at.vdot[k] * S_of_[k];
+  }
+  for (int m = turns; m < link.iv + link.nv; ++m) W += at.v[m] * S_of_[m];
+  b.acc += A::cross(V, W);
+  for (int k = link.iv; k < turns; ++k) R_of_[k] += A::cross(S_of_[k], W);
+  for (int m = turns; m < link.iv + link.nv; ++m) {
+    const Motion e = A::cross(V, S_of_[m]);
+    P_of_[m] += e;
+    Q_of_[m] += A::cross(body_[link.parent].V + b.V, e) + A::cross(e, W) + A::cross(acc, S_of_[m]);
+    R_of_[m] += e;
+  }
+}
 
 template <class A>
 void RecursiveSlopes<A>::add_turning(int i, const Point& at) {
   using D = Dually;
   const auto& link = model_.links[i];
-  if (std::holds_alternative<Spherical>(link.joint)) return;  // S is constant
+  if (detail::constant_S(link.joint)) return;
+  if (const int shifts = detail::shifts_in_F(link.joint)) return add_turned_shifts(i, shifts, at);
   Body& b = body_[i];
   const Motion V_p = body_[link.parent].V;
   visit_joint<D>(link.joint, [&](const auto& joint) {
@@ -84,8 +114,16 @@ template <class A>
 void RecursiveSlopes<A>::add_projection(int i, const Point& at, Slopes& by) const {
   using D = Dually;
   const auto& link = model_.links[i];
-  if (std::holds_alternative<Spherical>(link.joint)) return;
+  if (detail::constant_S(link.joint)) return;
   const Body& b = body_[i];
+  if (const int shifts = detail::shifts_in_F(link.joint)) {
+    for (int k = link.iv; k < link.iv + shifts; ++k) {
+      for (int m = link.iv + shifts; m < link.iv + link.nv; ++m) {
+        by.r(k, m) += A::dot(A::cross(S_of_[k], S_of_[m]), b.f + b.against);
+      }
+    }
+    return;
+  }
   const auto F = detail::constant(b.X.to_child(b.f + b.against));
   visit_joint<D>(link.joint, [&](const auto& joint) {
     Dual q[8], tau[6];
@@ -100,53 +138,43 @@ void RecursiveSlopes<A>::add_projection(int i, const Point& at, Slopes& by) cons
 // From slopes by turns to those by the numbers in q, of which a quaternion's length turns nothing.
 template <class A>
 void RecursiveSlopes<A>::to_numbers(const Point& at, const Slopes& by, Slopes& out) const {
-  using D = Dually;
   const Eigen::Index nv = model_.nv;
-  out.r.rightCols(nv) = by.r.rightCols(nv);
-  out.c.rightCols(nv) = by.c.rightCols(nv);
+  out.r_v() = by.r.rightCols(nv);
+  out.c_v() = by.c.rightCols(nv);
+  const auto add = [&](double factor, int from, int to) {
+    if (factor == 0) return;
+    out.r.col(to) += factor * by.r.col(from);
+    out.c.col(to) += factor * by.c.col(from);
+    if (!out.of_rows) return;
+    out.Phi_q.col(to) += factor * by.Phi_q.col(from);
+    out.rate_q.col(to) += factor * by.rate_q.col(from);
+  };
   for (std::size_t i = 1; i < model_.links.size(); ++i) {
     const auto& link = model_.links[i];
-    visit_joint<D>(link.joint, [&](const auto& joint) {
-      const double* q = at.q + link.iq;
-      const double* v = at.v + link.iv;
-      Dual q_D[8], v_D[8], moved[8], fixed[8], rate[8];
-      double length2 = 0;  // of the quaternion, which stands last
-      if (link.nq > link.nv) {
-        for (int j = link.nq - 4; j < link.nq; ++j) length2 += q[j] * q[j];
-      }
-      for (int j = 0; j < link.nq; ++j) {
-        double unit[8] = {};
-        double turn[8] = {};
-        unit[j] = 1;
-        joint.unrate(q, unit, turn);
-        for (int k = 0; k < link.nv; ++k) {
-          if (turn[k] == 0) continue;
-          const bool of_quaternion = link.nq > link.nv && k >= link.nv - 3;
-          const double by_number = of_quaternion ? turn[k] / length2 : turn[k];
-          const int to = link.iq + j;
-          const int from = link.iv + k;
-          out.r.col(to) += by_number * by.r.col(from);
-          out.c.col(to) += by_number * by.c.col(from);
-          if (!out.of_rows) continue;
-          out.Phi_q.col(to) += by_number * by.Phi_q.col(from);
-          out.rate_q.col(to) += by_number * by.rate_q.col(from);
-        }
-        q_D[j] = fixed[j] = Dual(q[j]);
-        q_D[j].slope()[j] = 1;
-      }
-      for (int k = 0; k < link.nv; ++k) {
-        v_D[k] = moved[k] = Dual(v[k]);
-        moved[k].slope()[k] = 1;
-      }
-      joint.rate(q_D, v_D, rate);
-      for (int j = 0; j < link.nq; ++j) {
-        for (int k = 0; k < link.nq; ++k) out.qdot_q(link.iq + j, link.iq + k) = rate[j].slope()[k];
-      }
-      joint.rate(fixed, moved, rate);
-      for (int j = 0; j < link.nq; ++j) {
-        for (int k = 0; k < link.nv; ++k) out.qdot_v(link.iq + j, link.iv + k) = rate[j].slope()[k];
-      }
-    });
+    const int plain = link.nq > link.nv ? link.nv - 3 : link.nv;  // coordinates that are no quaternion's
+    for (int k = 0; k < plain; ++k) {
+      add(1, link.iv + k, link.iq + k);
+      out.qdot_v(link.iq + k, link.iv + k) = 1;
+    }
+    if (plain == link.nv) continue;
+    const double* const Q = at.q + link.iq + plain;
+    const double length2 = Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3];
+    for (int j = 0; j < 4; ++j) {
+      double unit[4] = {};
+      double turn[3], rate[4];
+      unit[j] = 1;
+      quaternion::unrate(Q, unit, turn);
+      for (int k = 0; k < 3; ++k) add(turn[k] / length2, link.iv + plain + k, link.iq + plain + j);
+      quaternion::rate(unit, at.v + link.iv + plain, rate);  // it is linear in Q
+      for (int k = 0; k < 4; ++k) out.qdot_q(link.iq + plain + k, link.iq + plain + j) = rate[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+      double unit[3] = {};
+      double rate[4];
+      unit[k] = 1;
+      quaternion::rate(Q, unit, rate);
+      for (int j = 0; j < 4; ++j) out.qdot_v(link.iq + plain + j, link.iv + plain + k) = rate[j];
+    }
   }
 }
 

@@ -9,13 +9,6 @@
 #include "dynamics/recursive_slopes_loads_impl.h"
 
 namespace gelenk {
-namespace detail {
-
-template <class J>
-constexpr bool wrenches_turn = std::is_same_v<J, Universal> || std::is_same_v<J, Rod> || std::is_same_v<J, Rolling> ||
-                               std::is_same_v<J, KnifeEdge>;
-
-}  // namespace detail
 
 template <class A>
 void RecursiveSlopes<A>::cut_wrench(int c, const Point& at) {
@@ -38,7 +31,7 @@ void RecursiveSlopes<A>::cut_slopes(int c, const Point& at, Slopes& by) {
   rows.V = rows.X.to_child(U);
   rows.W = rows.X.to_child(b.acc - a.acc - A::cross(a.V, U));
   visit_joint<D>(cut.joint, [&](const auto& joint) {
-    rows.moving = detail::wrenches_turn<std::decay_t<decltype(joint)>>;
+    rows.moving = joint.rows_turn;
     if (!rows.moving && !by.of_rows) return;
     Row<D> all[6];
     Dual bias_X[6], bias_V[6];

@@ -18,6 +18,9 @@
 //
 // turned is true where turning both halves half a turn about x exchanges their roles (revolute, prismatic, ...):
 // the other joints are exchanged by Reversed<J> (reversed.h).
+// For derivatives it says how S looks from M: constant_S, or, where it is not, shifts_in_F: how many of its first
+// speeds are shifts along axes that stay in F (0: S changes in some other way); and rows_turn: the rows' wrenches turn
+// with X_FM.
 //
 // pure_turn is true where the motion space is the turn about M's z axis and qdot = v; may be left out otherwise.
 //
@@ -35,6 +38,8 @@ template <int n>
 struct PlainJoint {
   static constexpr int nq = n, nv = n;
   static constexpr double q_zero[n > 0 ? n : 1] = {};
+  static constexpr bool constant_S = true, rows_turn = false;
+  static constexpr int shifts_in_F = 0;
 
   template <class A, class T>
   typename A::Motion bias(const T*, const T*) const {

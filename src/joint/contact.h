@@ -14,6 +14,7 @@ namespace gelenk {
 // What the contacts share: nothing moves at them by coordinates.
 struct NoCoordinates {
   static constexpr PlanarRole planar = PlanarRole::never;
+  static constexpr bool rows_turn = true;
 
   template <class A, class T>
   typename A::Motion bias(const T*, const T*) const {

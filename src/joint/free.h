@@ -33,7 +33,8 @@ struct Free : NoAxis {
       {"a[1]", "m/s2", "acceleration, der(v[1])"},           {"a[2]", "m/s2", "acceleration, der(v[2])"},
       {"a[3]", "m/s2", "acceleration, der(v[3])"},           {"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
       {"z[2]", "rad/s2", "angular acceleration, der(w[2])"}, {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
-  static constexpr bool turned = false;
+  static constexpr bool turned = false, constant_S = false, rows_turn = false;
+  static constexpr int shifts_in_F = 3;
   static constexpr Quantity effort_name = {};
   static constexpr double q_zero[] = {0, 0, 0, 0, 0, 0, 1};
 

@@ -22,7 +22,8 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
   static constexpr Quantity a_names[] = {{"a_x", "m/s2", "acceleration, der(v_x)"},
                                          {"a_y", "m/s2", "acceleration, der(v_y)"},
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
-  static constexpr bool turned = false;
+  static constexpr bool turned = false, constant_S = false;
+  static constexpr int shifts_in_F = 2;
   static constexpr Quantity effort_name = {};
   static constexpr double flip[] = {1, -1, -1};  // F and M turned half a turn about x
 

@@ -9,6 +9,9 @@ namespace gelenk {
 
 template <class J>
 struct Reversed : J {
+  static constexpr bool constant_S = false;
+  static constexpr int shifts_in_F = 0;
+
   template <class A, class T>
   typename A::Pose X_FM(const T* q) const {
     return J::template X_FM<A>(q).inverse();

@@ -23,6 +23,7 @@ struct Rod {
   using End =
       std::variant<Revolute, Reversed<Revolute>, Universal, Reversed<Universal>, Spherical, Reversed<Spherical>>;
   static constexpr PlanarRole planar = PlanarRole::normal;  // hinges along it; the other ends live in space
+  static constexpr bool rows_turn = true;
   static constexpr int max_nq = 8, max_nv = 6;
 
   End first, second;

@@ -23,7 +23,8 @@ struct Spherical : NoAxis {
   static constexpr Quantity a_names[] = {{"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
                                          {"z[2]", "rad/s2", "angular acceleration, der(w[2])"},
                                          {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
-  static constexpr bool turned = false;
+  static constexpr bool turned = false, constant_S = true, rows_turn = false;
+  static constexpr int shifts_in_F = 0;
   static constexpr Quantity effort_name = {};
   static constexpr double q_zero[] = {0, 0, 0, 1};
 

@@ -20,7 +20,7 @@ struct Universal : PlainJoint<2> {
                                          {"w_b", "rad/s", "angular velocity, der(phi_b)"}};
   static constexpr Quantity a_names[] = {{"a_a", "rad/s2", "angular acceleration, der(w_a)"},
                                          {"a_b", "rad/s2", "angular acceleration, der(w_b)"}};
-  static constexpr bool turned = false;
+  static constexpr bool turned = false, constant_S = false, rows_turn = true;
   static constexpr Quantity effort_name = {};
 
   double cos_beta = 0;

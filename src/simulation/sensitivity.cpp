@@ -159,6 +159,10 @@ Linearization Sensitivity::linearize() {
     const std::vector<int> columns = columns_of(i);
     stand(i);
     const auto width = static_cast<Index>(columns.size());
+    if (width == nx + nu) {  // all are its own
+      add(i, MatrixXd::Identity(width, width), all);
+      continue;
+    }
     MatrixXd directions = MatrixXd::Zero(nx + nu, width);
     for (Index k = 0; k < width; ++k) directions(columns[k], k) = 1;
     Slope part = nothing(signals_.size(), states_.size(), width);

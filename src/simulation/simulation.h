@@ -141,8 +141,8 @@ class Simulation {
   // the former leave outputs of this moment undefined.
   Equations& equations(int island);
   const std::vector<double>& state(int island) const;
-  // Derivatives of that island's residuals (dynamics/derivatives.h) at x = (q, v, vdot, lambda), under the present
-  // inputs, by recursion or by dual numbers; for checks. UsageError for another size of x.
+  // Derivatives of that island's residuals (dynamics/derivatives.h) at x = (q, v, vdot, lambda, what is not needed),
+  // under the present inputs, by recursion or by dual numbers; for checks. UsageError where x is too short.
   Slopes residual_slopes(int island, const std::vector<double>& x, bool by_duals) const;
 
   // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
