@@ -2,7 +2,14 @@
 // Rows of numbers that belong to many right sides.
 #pragma once
 
+#include <cstddef>
+
 namespace gelenk::columns {
+
+template <class Number>
+Number* row(Number* x, int i, int columns) {
+  return x + static_cast<std::size_t>(i) * columns;
+}
 
 // y += factor x
 inline void add(double factor, const double* __restrict x, double* __restrict y, int n) {

@@ -34,6 +34,7 @@ class SparseRowFactor {
 
   // As RowFactor.
   void constrain(double* w, const double* gamma, const double* expected) const;
+  void constrain(double* w, const double* gamma, int columns, bool follows) const;
   void multipliers(double* lambda) const;
   void shortest(const double* residual, double* w) const;
 
@@ -52,6 +53,7 @@ class SparseRowFactor {
   double* above(int i) { return above_values_.data() + static_cast<std::size_t>(i) * most_above_; }
   int pivot(const Column& c) const { return rows_[c.first_row]; }
   void reflect(const Column& c, double scale, double* x) const;
+  void reflect(const Column& c, double scale, double* x, int columns) const;
   double share(int k) const;
   double rest(int k, double value) const;
 
@@ -69,6 +71,7 @@ class SparseRowFactor {
   std::vector<double> x_, above_values_, left_;
   int most_above_ = 0, left_rows_ = 0;
   mutable std::vector<double> d_, e_, f_;
+  mutable std::vector<double> sum_;  // of many columns
 };
 
 }  // namespace gelenk

@@ -25,11 +25,6 @@ class WhitenedRows {
       sparse_.emplace(n_, touched_);
       if (!sparse_->possible() || gain * sparse_->operations() > RowFactor::operations(n_, m_)) sparse_.reset();
     }
-    if (sparse_) {
-      w_.resize(n_);
-      nothing_.assign(n_, 0.0);
-      gamma_.resize(m_);
-    }
     if (!sparse_ || static_cast<double>(n_) * m_ < most_ready) dense_.emplace(n_, m_);
   }
 
@@ -60,13 +55,7 @@ class WhitenedRows {
   }
   // For the columns of w and gamma, see RowFactor.
   void constrain(double* w, const double* gamma, int columns, bool follows) const {
-    if (!by_pattern_) return dense_->constrain(w, gamma, columns, follows);
-    for (int c = 0; c < columns; ++c) {
-      for (int k = 0; k < n_; ++k) w_[k] = w[static_cast<std::size_t>(k) * columns + c];
-      for (int r = 0; r < m_; ++r) gamma_[r] = gamma[static_cast<std::size_t>(r) * columns + c];
-      sparse_->constrain(w_.data(), gamma_.data(), follows ? nothing_.data() : nullptr);
-      for (int k = 0; k < n_; ++k) w[static_cast<std::size_t>(k) * columns + c] = w_[k];
-    }
+    by_pattern_ ? sparse_->constrain(w, gamma, columns, follows) : dense_->constrain(w, gamma, columns, follows);
   }
   void multipliers(double* lambda) const { by_pattern_ ? sparse_->multipliers(lambda) : dense_->multipliers(lambda); }
   void shortest(const double* residual, double* w) const {
@@ -97,8 +86,6 @@ class WhitenedRows {
   std::optional<SparseRowFactor> sparse_;
   bool by_pattern_ = false;  // the last factorise() was without the zeros
   double weak_ = 0;
-  std::vector<double> nothing_;
-  mutable std::vector<double> w_, gamma_;  // one column of many
 };
 
 }  // namespace gelenk
