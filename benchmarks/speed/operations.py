@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What an evaluation costs in instructions, and where they go, by valgrind's callgrind: it does not jitter."""
+"""What an evaluation costs in instructions, and where they go: callgrind's counts do not jitter."""
 
 from __future__ import annotations
 
