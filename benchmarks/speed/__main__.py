@@ -126,7 +126,7 @@ def main() -> None:
         counted = operations.study(made, [name for name in operations.SCENES if name in names], say)
         parts |= {"operations": page.operations_table(counted)} if counted else {}
     if not given.only:
-        parts["machine"] = f"{machine()}; {time.monotonic() - begin:.0f} s in all."
+        parts["machine"] = f"{machine()}; {tools.versions(made)}. {time.monotonic() - begin:.0f} s in all."
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
     if private:
         target.write_text("", encoding="utf-8")

@@ -144,5 +144,9 @@ def operations_table(costs: Sequence[Cost], most: int = 7) -> str:
 
 def faults(timings: Sequence[Timing]) -> str:
     """What gave no figure, and why."""
-    lines = [[t.scene, f"{t.engine}: {t.kernel}", t.fault.replace("|", "/")] for t in timings if t.fault]
-    return rows(["mechanism", "engine: kernel", "why"], lines) if lines else "Every kernel gave a figure."
+    found: dict[tuple[str, str], list[str]] = {}
+    for t in timings:
+        if t.fault:
+            found.setdefault((f"{t.engine}: {t.kernel}", t.fault.replace("|", "/")), []).append(t.scene)
+    lines = [[what, ", ".join(dict.fromkeys(scenes)), why] for (what, why), scenes in found.items()]
+    return rows(["engine: kernel", "mechanisms", "why"], lines) if lines else "Every kernel gave a figure."

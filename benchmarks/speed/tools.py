@@ -76,6 +76,14 @@ def _place(python: Path, package: str) -> Path:
     return Path(out.stdout.strip())
 
 
+def versions(tools: Tools) -> str:
+    """Of the peers that are there."""
+    packages = [PEERS[name].split(">")[0] for name in PEERS if name not in tools.missing]
+    code = f"import importlib.metadata as m; print(', '.join(p + ' ' + m.version(p) for p in {packages!r}))"
+    out = subprocess.run([str(tools.python), "-c", code], capture_output=True, text=True, check=False)
+    return out.stdout.strip()
+
+
 def _newer(target: Path, *sources: Path) -> bool:
     return target.exists() and all(target.stat().st_mtime > source.stat().st_mtime for source in sources)
 
