@@ -11,9 +11,10 @@ import argparse
 import os
 import platform
 import time
+from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.speed import errors, families, figures, masters, operations, page, timings, tools
+from benchmarks.speed import aims, errors, families, figures, masters, operations, page, timings, tools
 from benchmarks.speed.tools import ROOT, Tools
 
 OUT = ROOT / "out" / "bench"
@@ -53,21 +54,24 @@ def kernel_parts(found: list[timings.Timing], names: list[str], pictures: Path) 
     }
 
 
-def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> dict[str, str]:
+type Parts = tuple[dict[str, str], list[aims.Aim]]
+
+
+def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> Parts:
     """All kernels of Gelenk, and the accelerations of the peers."""
     found = timings.study(made, names, "forward", rounds, tell=say)
     timings.write_csv(found, OUT / "kernels.csv")
-    return kernel_parts(found, names, pictures)
+    return kernel_parts(found, names, pictures), aims.of_kernels(found)
 
 
-def steps(made: Tools, names: list[str]) -> dict[str, str]:
+def steps(made: Tools, names: list[str]) -> Parts:
     """What a master pays."""
     found = masters.study(made, names, say)
     masters.write_csv(found, OUT / "steps.csv")
-    return {"steps": page.step_table(found)}
+    return {"steps": page.step_table(found)}, aims.of_steps(found)
 
 
-def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> dict[str, str]:
+def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> Parts:
     """Processor time against error."""
     runs, truths = errors.study(made, names, rounds, say)
     errors.write_csv(runs, OUT / "errors.csv")
@@ -79,7 +83,13 @@ def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> dic
             f"![{name}: processor time against error](pictures/{picture.name})\n\n"
             f"{families.make(name).stop:g} s; two programs at 1e-12 agree to {truths[name].digits:.1e}."
         )
-    return parts
+    return parts, aims.of_runs(runs)
+
+
+def counted(made: Tools, names: list[str]) -> Parts:
+    """Instructions of an evaluation."""
+    found = operations.study(made, names, say)
+    return ({"operations": page.operations_table(found)} if found else {}), []
 
 
 def machine() -> str:
@@ -114,19 +124,24 @@ def main() -> None:
         say(f"{name}: {why}")
     names = chosen(given.quick, given.scenes)
     rounds = 1 if given.quick else 3
+    compared = QUICK_ERRORS if given.quick else errors.SCENES
+    studies: dict[str, Callable[[], Parts]] = {
+        "kernels": lambda: kernels(made, names, rounds, pictures),
+        "steps": lambda: steps(made, [name for name in STEPPED if name in names]),
+        "errors": lambda: precision(made, [name for name in compared if name in names], rounds, pictures),
+        "operations": lambda: counted(made, [name for name in operations.SCENES if name in names]),
+    }
     parts: dict[str, str] = {}
-    if given.only in (None, "kernels"):
-        parts |= kernels(made, names, rounds, pictures)
-    if given.only in (None, "steps"):
-        parts |= steps(made, [name for name in STEPPED if name in names])
-    if given.only in (None, "errors"):
-        compared = QUICK_ERRORS if given.quick else errors.SCENES
-        parts |= precision(made, [name for name in compared if name in names], rounds, pictures)
-    if given.only in (None, "operations"):
-        counted = operations.study(made, [name for name in operations.SCENES if name in names], say)
-        parts |= {"operations": page.operations_table(counted)} if counted else {}
+    aimed: list[aims.Aim] = []
+    for name, study in studies.items():
+        if given.only in (None, name):
+            made_parts, made_aims = study()
+            parts |= made_parts
+            aimed += made_aims
     if not given.only:
+        parts["aims"] = aims.table(aimed)
         parts["machine"] = f"{machine()}; {tools.versions(made)}. {time.monotonic() - begin:.0f} s in all."
+    say(aims.table(aimed))
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
     if private:
         target.write_text("", encoding="utf-8")

@@ -58,7 +58,9 @@ def _settings(engine: str, scene: str) -> list[str]:
     if engine == "pinocchio":
         return list(TOLERANCES[1:])
     if engine == "mujoco":
-        return [f"RK4={h}" for h in steps] + ([f"implicitfast={h}" for h in steps] if stiff else [])
+        return [f"RK4={h}" for h in (*steps, *(() if stiff else ("0.0001",)))] + (
+            [f"implicitfast={h}" for h in steps] if stiff else []
+        )
     if engine == "drake":
         if loops:
             return [f"discrete={h}" for h in STEPS]
