@@ -99,4 +99,4 @@ def attempt(scene: str, measure: Callable[..., None], *arguments: Any) -> None:
     try:
         measure(families.make(scene), *arguments)
     except Exception as fault:
-        tell(scene=scene, fault=f"{type(fault).__name__}: {str(fault)[:200]}")
+        tell(scene=scene, fault=f"{type(fault).__name__}: {' '.join(str(fault).split())[:200]}")

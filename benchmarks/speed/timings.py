@@ -96,7 +96,8 @@ def measure(tools: Tools, engine: str, what: str, name: str) -> list[Timing]:
             us, ref = float(str(line["us"])), float(str(line["ref_us"]))
             out.append(Timing(name, engine, str(line["kernel"]), us, ref))
         elif "fault" in line:
-            out.append(Timing(name, engine, str(line.get("kernel", what)), fault=str(line["fault"])))
+            fault_here = " ".join(str(line["fault"]).split())[:160]
+            out.append(Timing(name, engine, str(line.get("kernel", what)), fault=fault_here))
     if fault:
         out.append(Timing(name, engine, what, fault=fault))
     return out
