@@ -76,7 +76,7 @@ def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> Par
     runs, truths = errors.study(made, names, rounds, say)
     errors.write_csv(runs, OUT / "errors.csv")
     parts = {"errors": page.error_table(runs, (1e-4, 1e-6, 1e-8))}
-    for name in names:
+    for name in truths:
         picture = pictures / f"speed-errors-{name}.png"
         figures.draw_errors([run for run in runs if run.scene == name], truths[name], picture)
         parts[f"errors-{name}"] = (

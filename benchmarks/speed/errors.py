@@ -46,6 +46,10 @@ class Truth:
     digits: float
 
 
+class NoTruth(RuntimeError):
+    """A scene without a truth is left out."""
+
+
 def _settings(engine: str, scene: str) -> list[str]:
     """METHOD=SETTING of all runs."""
     tree = families.make(scene)
@@ -91,14 +95,19 @@ def _error(samples: Any, truth: Array) -> float:
 
 
 def truth_of(tools: Tools, scene: str) -> Truth:
-    """Gelenk's own at 1e-12; checked by Pinocchio's equations under DOP853, else by another formulation."""
-    (mine,) = _lines(tools, "gelenk", scene, [f"projection+auto={TRUTH}"])
+    """Gelenk's own at 1e-12; checked by Pinocchio's equations under DOP853, else by another formulation.
+
+    Raises NoTruth.
+    """
+    mine = _lines(tools, "gelenk", scene, [f"projection+auto={TRUTH}"])
     other = _lines(tools, "pinocchio", scene, [TRUTH])
     if not other or not other[0]["finished"]:
         other = _lines(tools, "gelenk", scene, [f"udwadia-kalaba+erk={TRUTH}"])
-    samples = np.asarray(mine["samples"], float)
-    if not mine["finished"] or not other:
-        raise RuntimeError(f"{scene}: there is no truth to compare with")
+    if not mine or not mine[0]["finished"] or not other:
+        raise NoTruth(
+            f"{scene}: runs at {TRUTH} have not come to their end, there is nothing to compare with"
+        )
+    samples = np.asarray(mine[0]["samples"], float)
     return Truth(samples, _error(other[0]["samples"], samples))
 
 
@@ -143,7 +152,11 @@ def study(
     runs: list[Run] = []
     truths: dict[str, Truth] = {}
     for scene in scenes:
-        found, truths[scene] = study_scene(tools, scene, rounds)
+        try:
+            found, truths[scene] = study_scene(tools, scene, rounds)
+        except NoTruth as fault:
+            tell(str(fault))
+            continue
         runs += found
         told = [f"{e} {x.cost:.3g} ms" for e in engines(found) if (x := cheapest(found, scene, e, 1e-6))]
         tell(f"{scene}, to 1e-6: {', '.join(told)}; truth to {truths[scene].digits:.1e}")

@@ -91,6 +91,10 @@ def study(tools: Tools, scenes: Sequence[str], tell: Callable[[str], None]) -> l
         return []
     out = []
     for scene in scenes:
-        out.append(measure(tools, scene))
+        try:
+            out.append(measure(tools, scene))
+        except subprocess.CalledProcessError as fault:
+            tell(f"{scene}: {fault}")
+            continue
         tell(f"{scene}: {out[-1].instructions:.0f} instructions")
     return out
