@@ -46,7 +46,7 @@ class Truth:
     digits: float
 
 
-class NoTruth(RuntimeError):
+class TruthError(RuntimeError):
     """A scene without a truth is left out."""
 
 
@@ -97,14 +97,14 @@ def _error(samples: Any, truth: Array) -> float:
 def truth_of(tools: Tools, scene: str) -> Truth:
     """Gelenk's own at 1e-12; checked by Pinocchio's equations under DOP853, else by another formulation.
 
-    Raises NoTruth.
+    Raises TruthError.
     """
     mine = _lines(tools, "gelenk", scene, [f"projection+auto={TRUTH}"])
     other = _lines(tools, "pinocchio", scene, [TRUTH])
     if not other or not other[0]["finished"]:
         other = _lines(tools, "gelenk", scene, [f"udwadia-kalaba+erk={TRUTH}"])
     if not mine or not mine[0]["finished"] or not other:
-        raise NoTruth(
+        raise TruthError(
             f"{scene}: runs at {TRUTH} have not come to their end, there is nothing to compare with"
         )
     samples = np.asarray(mine[0]["samples"], float)
@@ -154,7 +154,7 @@ def study(
     for scene in scenes:
         try:
             found, truths[scene] = study_scene(tools, scene, rounds)
-        except NoTruth as fault:
+        except TruthError as fault:
             tell(str(fault))
             continue
         runs += found
