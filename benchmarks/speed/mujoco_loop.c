@@ -6,7 +6,7 @@
 #include "ref_kernel.h"
 
 /* By joint of the model: tau, amplitude, omega, phase, stiffness, reference. Friction is the joint's own. */
-static const double* motors;
+static double* motors;
 static int joints;
 
 static void drive(const mjModel* m, mjData* d) {
@@ -21,7 +21,7 @@ static void drive(const mjModel* m, mjData* d) {
 }
 
 /* numbers: kept, not copied; n = 0: no motors. */
-void set_motors(int n, const double* numbers) {
+void set_motors(int n, double* numbers) {
   joints = n;
   motors = numbers;
   mjcb_control = n > 0 ? drive : 0;
@@ -45,12 +45,12 @@ double time_steps(const mjModel* m, mjData* d, int steps) {
   return cpu_seconds() - begin;
 }
 
-/* s of one mj_step under another force on the first joint, by the row of the table. */
+/* s of one mj_step under other forces, by the row of the table; motors keep their springs. */
 double time_driven_steps(const mjModel* m, mjData* d, int steps, const double* forces) {
   const int n = m->nv;
   const double begin = cpu_seconds();
   for (int i = 0; i < steps; ++i) {
-    for (int k = 0; k < n; ++k) d->qfrc_applied[k] = forces[i * n + k];
+    for (int k = 0; k < n; ++k) *(joints > 0 ? motors + 6 * k : d->qfrc_applied + k) = forces[i * n + k];
     mj_step(m, d);
   }
   return (cpu_seconds() - begin) / steps;

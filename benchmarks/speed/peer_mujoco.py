@@ -88,7 +88,7 @@ def xml(tree: Tree, step: float, integrator: str) -> str:
 
 
 class Model:
-    """A model at its start, with the motors' callback set."""
+    """A model at its start, its callback set. motors: they follow their sines; else what is set."""
 
     def __init__(self, tree: Tree, step: float, integrator: str = "RK4", motors: bool = True) -> None:
         self.tree = tree
@@ -97,10 +97,11 @@ class Model:
         self.joints = [self.model.joint(f"j{i}").id for i in range(len(tree.bodies))]
         table = np.zeros((len(tree.bodies), 6))
         for joint, b in zip(self.joints, tree.bodies, strict=True):
-            table[joint] = [b.tau, b.amplitude, b.omega, b.phase, b.stiffness, b.reference]
+            sine = b.amplitude if motors else 0.0
+            table[joint] = [b.tau, sine, b.omega, b.phase, b.stiffness, b.reference]
         self.table: Array = table
         self.restart()
-        moved = motors and bool(np.any(table[:, [0, 1, 4]]))
+        moved = bool(np.any(table[:, [0, 1, 4] if motors else [4]]))
         LOOP.set_motors(len(table) if moved else 0, table.ctypes.data_as(ctypes.c_void_p))
 
     def restart(self) -> None:

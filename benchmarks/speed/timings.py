@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from benchmarks.speed import families, tree
-from benchmarks.speed.tools import ROOT, Tools
+from benchmarks.speed.tools import Tools
 
 ENGINES = ("gelenk", "pinocchio", "mujoco", "drake", "exudyn")
 # s of processor time: a kernel whose one call takes longer is given up, and a process that runs on.
@@ -69,7 +69,7 @@ def lines(tools: Tools, command: Sequence[str], timeout: float) -> tuple[list[di
     fault = ""
     try:
         done = subprocess.run(
-            list(command), capture_output=True, text=True, timeout=timeout, env=tools.environment, cwd=ROOT,
+            list(command), capture_output=True, text=True, timeout=timeout, env=tools.environment, cwd=tools.folder,
             preexec_fn=_limit_memory,
         )  # fmt: skip
         out, err = done.stdout, done.stderr

@@ -47,7 +47,7 @@ class Tools:
     def environment(self) -> dict[str, str]:
         """Of all programs: one thread each."""
         single = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
-        return os.environ | single | {"GELENK_BENCH_LIBRARIES": str(self.folder)}
+        return os.environ | single | {"GELENK_BENCH_LIBRARIES": str(self.folder), "PYTHONPATH": str(ROOT)}
 
 
 def _quiet(command: Sequence[str], timeout: float = COMPILING) -> str:
