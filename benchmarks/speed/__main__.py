@@ -119,7 +119,7 @@ def main() -> None:
     private = given.quick or given.scenes
     pictures = OUT if private else ROOT / "docs" / "pictures"
     OUT.mkdir(parents=True, exist_ok=True)
-    made = tools.prepare(given.folder, given.programs, None, say)
+    made = tools.prepare(given.folder.resolve(), given.programs.resolve(), None, say)
     for name, why in made.missing.items():
         say(f"{name}: {why}")
     names = chosen(given.quick, given.scenes)

@@ -69,9 +69,14 @@ def lines(tools: Tools, command: Sequence[str], timeout: float) -> tuple[list[di
     fault = ""
     try:
         done = subprocess.run(
-            list(command), capture_output=True, text=True, timeout=timeout, env=tools.environment, cwd=tools.folder,
+            list(command),
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            env=tools.environment,
+            cwd=tools.folder,
             preexec_fn=_limit_memory,
-        )  # fmt: skip
+        )
         out, err = done.stdout, done.stderr
         if done.returncode != 0:
             fault = " ".join(err.split())[-160:] or f"exit {done.returncode}"
