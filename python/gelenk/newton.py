@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 MOST_STEPS = 200
 MOST_FALLS = 100  # steps downhill, where Newton's lead nowhere
 SHORTEST = 1 / 64  # of a step, before it is given up
-SINGULAR = 1e-12  # singular values below this part of the largest are directions that nothing holds
+SINGULAR = 1e-10  # singular values below this part of the largest are rounding: directions that nothing holds
 SETTLED = 1e-9  # rad, m or part of an input: the error after such a step is its square
 
 

@@ -166,7 +166,7 @@ def cannot_act(source: dict[str, Any], name: str) -> bool:
 
 
 # Held where they are by wheels: what acts on these joints shows by rounding, or not at all.
-HELD = {"balancing_robot": ("lift", "roll")}
+HELD = {"balancing_robot": ("lift", "roll"), "bicycle": ("height", "pitch")}
 
 
 # Where solver.start is refused in each situation, as no rest is near legs that slide freely, and where it

@@ -110,7 +110,7 @@ CASES = {
     "spatial four-bar": Case(fourbar1),
     "Bricard's ring": Case(
         lambda: with_sensors(mechanisms.bricard(), P=frame_sensor("rod3"), R=reaction("J4"), E=ENERGY),
-        step=8e-3,
+        step=1e-2,
     ),
     "Stewart platform": Case(shipped("stewart"), times=(0.0, 0.3)),
     "ball on its stop": Case(leaning, times=(0.0, 0.01), step=1e-3),

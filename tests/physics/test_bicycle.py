@@ -79,8 +79,8 @@ def test_eigenvalues_of_the_scene(v: int) -> None:
     assert (len([s for s in model.states if ".w" in s]), len(model.states)) == (3, 10)
     assert apart(lean_and_steer(model), PUBLISHED[v]) < 1e-11  # 14 published digits
     assert (
-        apart(model.A, [*PUBLISHED[v], *[0.0] * 6]) < 1e-7
-    )  # a zero may be a block of two: root of round-off
+        apart(model.A, [*PUBLISHED[v], *[0.0] * 6]) < 1e-6
+    )  # a zero may be a block of two: root of round-off, of entries up to 10^3
 
 
 @pytest.mark.parametrize("v", PUBLISHED)

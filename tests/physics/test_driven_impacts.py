@@ -67,7 +67,9 @@ def test_a_jump_of_the_speed_is_an_impact(
     plant.initialize(0.0, TOLERANCE)
     plant.step_to(0.5)
     q, before = plant.values(chain.names), plant.values(chain.speeds)
-    assert before[chain.driven] == pytest.approx(0.7, abs=1e-7 if formulation == "penalty" else 1e-12)
+    # A penalty holds it nearly; Baumgarte's springs leave some roundings.
+    left = {"penalty": 1e-7, "baumgarte": 1e-11}.get(formulation, 1e-12)
+    assert before[chain.driven] == pytest.approx(0.7, abs=left)
     give(float(q[chain.driven]), -0.6)
     plant.step_to(0.5 + 1e-9)
     jumps = plant.values(chain.speeds) - before
