@@ -149,8 +149,8 @@ def test_no_reduction_makes_an_evaluation_slower(name: str, off: str) -> None:
 
 
 def test_four_bar_is_evaluated_two_and_a_half_times_faster() -> None:
-    """With all reductions against none. Issue 3 asked for three times, and got them against 1.2 us, until loops in
-    space were sped up more than those in a plane: 0.9 us without, 0.34 with.
+    """With all reductions against none. Issue 3 asked for three times, and got them against 1.2 us, until
+    loops in space were sped up more than those in a plane: 0.9 us without, 0.34 with.
     """
     assert ratio_to(2.5, gelenk.load(READY["four_bar"]), "all") >= 2.5
 
