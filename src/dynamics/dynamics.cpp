@@ -57,6 +57,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
  public:
   DynamicsOf(const Mechanism& mechanism, const Loads& loads, bool everything)
       : Base(mechanism, loads),
+        added_(model_.nv),
         everything_(everything),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
@@ -73,7 +74,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_position(const double* q) override {
     if (placed_ && same(q, q_)) return;
     placed_ = true;
-    moving_ = false;
+    moving_ = factorised_ = false;
     std::copy(q, q + model_.nq, q_.begin());
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, loaded_links_, ws_);
@@ -83,15 +84,20 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   void set_targets(const double* targets) override {
     if (same(targets, targets_)) return;
-    placed_ = moving_ = false;
+    placed_ = moving_ = factorised_ = false;
     std::copy_n(targets, targets_.size(), targets_.begin());
   }
 
   void factorise() override {
+    if (factorised_ && same(loads_.reflected_inertia.data(), added_)) return;
+    factorised_ = false;
+    added_ = loads_.reflected_inertia;
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
-    if (model_.rows == 0) return;
-    fill_jacobian();
-    Y_.factorise(max_rank_);
+    if (model_.rows > 0) {
+      fill_jacobian();
+      Y_.factorise(max_rank_);
+    }
+    factorised_ = true;
   }
 
   void set_velocity(const double* v) override {
@@ -125,6 +131,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_row_shift(const double* shift) override { row_shift_ = shift; }
 
   void assemble(const double* u, double* M, double* f) override {
+    factorised_ = false;
     M_.matrix(M);
     if (model_.rows > 0) fill_jacobian();
     forces(u, f);
@@ -223,7 +230,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.pivot_ratio(); }
-  void limit_rank(int rank) override { max_rank_ = rank; }
+  void limit_rank(int rank) override {
+    factorised_ = factorised_ && rank == max_rank_;
+    max_rank_ = rank;
+  }
 
   void correct(const double* residual, double* dv) const override {
     Y_.shortest(residual, dv);
@@ -281,6 +291,8 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   // next one begins.
   bool placed_ = false;
   bool moving_ = false;
+  bool factorised_ = false;    // there; before other inputs the same factors serve
+  std::vector<double> added_;  // to the diagonal of M then
   Eigen::Vector3d gravity_{0, 0, 0};
   bool everything_;
   std::vector<int> all_links_, loaded_links_;
