@@ -8,8 +8,8 @@ namespace {
 
 constexpr double most_first_growth = 1e4;  // ARKODE's own
 
-// The step [s] that follows `last` where `next` would be best, cut short at `end`: as ARKODE does it when it goes on, to
-// the rounding, of which it knows nothing when taken to where a run was saved.
+// The step [s] that follows `last` where `next` would be best, cut short at `end`: as ARKODE does it when it goes on,
+// to the rounding, of which it knows nothing when taken to where a run was saved.
 double stopped(double next, double last, double t, double end) {
   if (t + next <= end) return next;
   const double left = (end - t) * (1 - 4 * SUN_UNIT_ROUNDOFF);
