@@ -89,9 +89,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void factorise() override {
-    if (factorised_ && same(loads_.reflected_inertia.data(), added_)) return;
+    const bool as_before = same(loads_.reflected_inertia.data(), added_);
+    if (factorised_ && as_before) return;
     factorised_ = false;
-    added_ = loads_.reflected_inertia;
+    if (!as_before) added_ = loads_.reflected_inertia;
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows > 0) {
       fill_jacobian();
@@ -262,8 +263,13 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   // tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    kernels::link_loads(model_, loads_, u, ws_);
-    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    const bool none = loads_.springs.empty() && loads_.wrenches.empty() &&
+                      std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
+    if (!none || !unloaded_) {
+      kernels::link_loads(model_, loads_, u, ws_);
+      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    }
+    unloaded_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f);
@@ -292,6 +298,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   bool placed_ = false;
   bool moving_ = false;
   bool factorised_ = false;    // there; before other inputs the same factors serve
+  bool unloaded_ = false;      // no loads on links are left over in the workspace
   std::vector<double> added_;  // to the diagonal of M then
   Eigen::Vector3d gravity_{0, 0, 0};
   bool everything_;
