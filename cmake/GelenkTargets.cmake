@@ -22,7 +22,7 @@ set(kernels ${core_sources})
 list(FILTER kernels INCLUDE REGEX "/dynamics/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
 list(REMOVE_ITEM kernels ${small})
 set_source_files_properties(${kernels} PROPERTIES COMPILE_OPTIONS
-  "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>;$<$<CXX_COMPILER_ID:Clang>:-fno-vectorize>")
+  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize>")
 
 add_library(gelenk_core STATIC ${core_sources})
 target_include_directories(gelenk_core PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
