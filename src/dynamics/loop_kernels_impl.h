@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <ranges>
 
 #include "dynamics/kernels.h"
 #include "dynamics/turning.h"
@@ -45,7 +46,7 @@ typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws
     X = X * ws.X_PL[i].inverse();
   }
   X_FL += cut.path_b.size();
-  for (auto i = cut.path_b.rbegin(); i != cut.path_b.rend(); ++i) *--X_FL = X = X * ws.X_PL[*i];
+  for (const int i : std::views::reverse(cut.path_b)) *--X_FL = X = X * ws.X_PL[i];
   return X * cut.X_BM;
 }
 

@@ -2,6 +2,7 @@
 #include "dynamics/sparse_factor.h"
 
 #include <cmath>
+#include <ranges>
 
 #include "dynamics/columns.h"
 
@@ -54,7 +55,7 @@ void SparseFactor::solve_transposed(double* x) const {
 }
 
 void SparseFactor::solve_transposed(double* x, const std::vector<int>& speeds) const {
-  for (auto i = speeds.rbegin(); i != speeds.rend(); ++i) carry_inwards(*i, x);
+  for (const int i : std::views::reverse(speeds)) carry_inwards(i, x);
 }
 
 void SparseFactor::solve(double* x) const {

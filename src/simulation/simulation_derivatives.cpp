@@ -193,7 +193,7 @@ Slopes Simulation::residual_slopes(int island, const std::vector<double>& x, boo
   dynamics->set_velocity(v);
   Slopes out;
   out.of_inputs = true;
-  dynamics->differentiate(u.data(), static_cast<int>(u.size()), v + m.nv, out, v + 2 * m.nv, by_duals);
+  dynamics->differentiate(u.data(), static_cast<int>(u.size()), v + m.nv, out, v + m.nv + m.nv, by_duals);
   return out;
 }
 
