@@ -66,7 +66,7 @@ reductions: $(VENV)/gelenk.stamp
 
 # Half an hour: one run at a time, for times to be comparable.
 charts: $(VENV)/gelenk.stamp
-	$(BIN)/python benchmarks/charts.py
+	$(BIN)/python -m benchmarks.charts
 
 tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/tutorial.py

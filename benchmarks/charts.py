@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from benchmarks.page_parts import put
+
 from gelenk.chart import draw_stability, draw_work_precision, master, published, runs_csv, stability, tables
 from gelenk.chart import work_precision as wp
 from gelenk.chart.case import Case
@@ -28,21 +30,6 @@ from gelenk.chart.reference_set import reference_set
 
 ROOT = Path(__file__).resolve().parent.parent
 NUMBERS = ROOT / "out" / "charts"
-BEGIN, END = "<!-- made by benchmarks/charts.py: {} -->", "<!-- end of {} -->"
-
-
-def put(page: Path, parts: dict[str, str]) -> None:
-    """Replaces the parts of a page by their names; a part without a place goes to the end."""
-    text = page.read_text(encoding="utf-8")
-    for name, content in parts.items():
-        begin, end = BEGIN.format(name), END.format(name)
-        block = f"{begin}\n{content.strip()}\n{end}"
-        if begin in text:
-            before, rest = text.split(begin)
-            text = before + block + rest.split(end, 1)[1]
-        else:
-            text += f"\n{block}\n\n*To be read.*\n"
-    page.write_text(text, encoding="utf-8")
 
 
 def machine() -> str:
@@ -186,7 +173,7 @@ def main() -> None:
         if given.quick:
             page = NUMBERS / name
             page.write_text("", encoding="utf-8")
-        put(page, parts)
+        put(page, "benchmarks/charts.py", parts, "\n*To be read.*\n")
         print(f"{page.relative_to(ROOT)}: {len(parts)} parts are new")
 
 

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from benchmarks.page_parts import put
 from benchmarks.speed import aims, errors, families, figures, masters, operations, page, timings, tools
 from benchmarks.speed.tools import ROOT, Tools
 
@@ -145,7 +146,7 @@ def main() -> None:
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
     if private:
         target.write_text("", encoding="utf-8")
-    page.put(target, parts)
+    put(target, "benchmarks/speed", parts)
     say(f"{target.relative_to(ROOT)}: {len(parts)} parts are new")
 
 

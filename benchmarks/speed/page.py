@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 from benchmarks.speed import families
 from benchmarks.speed.errors import Run, cheapest, engines
@@ -13,24 +12,9 @@ from benchmarks.speed.masters import Step
 from benchmarks.speed.operations import Cost
 from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
 
-BEGIN, END = "<!-- made by benchmarks/speed: {} -->", "<!-- end of {} -->"
 FITS = {"chain_p": 16, "chain_s": 16, "nfourbar": 10}  # exponents are fitted from here on
 KERNELS = ("positions", "constraint rows", "inverse dynamics", "mass matrix", "factorise",
            "forward dynamics", "derivatives", "projection")  # fmt: skip
-
-
-def put(page: Path, parts: dict[str, str]) -> None:
-    """Replaces the parts of a page by their names; a part without a place goes to the end."""
-    text = page.read_text(encoding="utf-8") if page.exists() else ""
-    for name, content in parts.items():
-        begin, end = BEGIN.format(name), END.format(name)
-        block = f"{begin}\n{content.strip()}\n{end}"
-        if begin in text:
-            before, rest = text.split(begin)
-            text = before + block + rest.split(end, 1)[1]
-        else:
-            text += f"\n{block}\n"
-    page.write_text(text, encoding="utf-8")
 
 
 def rows(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:

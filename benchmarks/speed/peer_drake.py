@@ -167,8 +167,7 @@ def step(tree: Tree) -> None:
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
-    best: tuple[float, peer.Samples, bool] = (np.inf, [], False)
-    for _ in range(2):
+    def once() -> peer.Run:
         plant = Plant(tree, setting if method == DISCRETE else 0.0)
         simulator = Simulator(plant.diagram, plant.context)
         if method != DISCRETE:
@@ -177,19 +176,11 @@ def run(tree: Tree, method: str, setting: float) -> None:
             integrator.set_fixed_step_mode(False)
             integrator.set_target_accuracy(setting)
         simulator.Initialize()
-        samples, cpu, finished = [plant.coordinates()], 0.0, True
-        for k in range(round(tree.stop / tree.sample)):
-            end = (k + 1) * tree.sample
-            cpu += peer.timed(partial(simulator.AdvanceTo, end))
-            samples.append(plant.coordinates())
-            finished = cpu < peer.LONGEST
-            if not finished:
-                break
-        if cpu < best[0]:
-            best = (cpu, samples, finished)
-        if cpu > 0.3:
-            break
-    peer.tell_run(tree.name, method, setting, *best)
+        return peer.sampled(
+            tree, plant.coordinates, lambda end: (peer.timed(partial(simulator.AdvanceTo, end)), True)
+        )
+
+    peer.tell_least(tree, method, setting, once, 2)
 
 
 if __name__ == "__main__":

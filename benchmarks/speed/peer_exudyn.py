@@ -202,16 +202,13 @@ def step(tree: Tree) -> None:
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
-    best: tuple[float, peer.Samples] = (np.inf, [])
-    for _ in range(2):
+    def once() -> peer.Run:
         model = Model(tree)
         cpu = model.solve(settings(tree.stop, tree.sample, setting), method)
-        if cpu < best[0]:
-            best = (cpu, model.samples())
-        if cpu > 0.3:
-            break
-    full = len(best[1]) == round(tree.stop / tree.sample) + 1
-    peer.tell_run(tree.name, method, setting, *best, full)
+        samples = model.samples()
+        return cpu, samples, len(samples) == round(tree.stop / tree.sample) + 1
+
+    peer.tell_least(tree, method, setting, once, 2)
 
 
 if __name__ == "__main__":

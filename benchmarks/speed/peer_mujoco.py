@@ -141,23 +141,18 @@ def step(tree: Tree) -> None:
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
-    best: tuple[float, peer.Samples, bool] = (np.inf, [], False)
-    for _ in range(3):
+    steps = round(tree.sample / setting)
+
+    def once() -> peer.Run:
         m = Model(tree, setting, method)
-        steps = round(tree.sample / setting)
-        samples, cpu, finished = [m.coordinates()], 0.0, True
-        for k in range(round(tree.stop / tree.sample)):
-            cpu += LOOP.time_steps(*m.pointers, steps)
-            samples.append(m.coordinates())
-            # It begins anew by itself where it has come to grief.
-            finished = abs(m.data.time - (k + 1) * tree.sample) < 1e-6 and cpu < peer.LONGEST
-            if not finished:
-                break
-        if cpu < best[0]:
-            best = (cpu, samples, finished)
-        if cpu > 0.3:
-            break
-    peer.tell_run(tree.name, method, setting, *best)
+
+        def advance(end: float) -> tuple[float, bool]:
+            taken = float(LOOP.time_steps(*m.pointers, steps))
+            return taken, abs(m.data.time - end) < 1e-6  # it begins anew by itself where it has come to grief
+
+        return peer.sampled(tree, m.coordinates, advance)
+
+    peer.tell_least(tree, method, setting, once, 3)
 
 
 if __name__ == "__main__":
