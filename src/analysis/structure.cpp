@@ -19,7 +19,10 @@ using Eigen::VectorXd;
 constexpr double same_row = 1e-8;
 // Speeds below this fraction of the fastest stand still: rounding of the closure, as above.
 constexpr double no_motion = 1e-8;
-constexpr double closed = 1e-12;   // m or rad
+constexpr std::size_t enough_positions = 4;
+constexpr double closed = 1e-12;  // m or rad
+// A smallest pivot below this share of the largest may be that of a position beside a singular one.
+constexpr double doubtful = 1e-2;
 constexpr double reach = 0.3;      // rad: from one position to the next
 constexpr double damping = 1e-10;  // of the closing steps, in the rows' mean square
 
@@ -144,7 +147,8 @@ class Explorer {
   std::normal_distribution<double> normal_;
 };
 
-// Joints none of whose speeds has moved in any of the free motions seen.
+// Joints none of whose speeds has moved in any of the free motions seen. At one position a joint's rate may vanish
+// though the joint moves everywhere else (a dead centre of its loop), so one position alone proves nothing.
 class Standing {
  public:
   Standing(const Mechanism& mechanism, Structure& out) : mechanism_(mechanism), out_(out) {
@@ -152,7 +156,16 @@ class Standing {
     for (const Cut& cut : mechanism.cuts) out.standing_cuts.push_back(cut.nv > 0);
   }
 
-  bool any() const { return std::ranges::find(out_.standing_links, true) != out_.standing_links.end(); }
+  bool any() const {
+    const auto some = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+    return some(out_.standing_links) || some(out_.standing_cuts);
+  }
+
+  // Too little was seen to tell.
+  void none() {
+    out_.standing_links.assign(out_.standing_links.size(), false);
+    out_.standing_cuts.assign(out_.standing_cuts.size(), false);
+  }
 
   // motion: at the position at which `dynamics` stands; empty: nothing moves.
   void see(Dynamics& dynamics, const VectorXd& motion) {
@@ -241,10 +254,11 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   Standing standing(mechanism, out);
   out.rank = out.rank_start = explorer.rank_here();
   explorer.stand(q, out.rank);
+  out.soundest = dynamics.pivot_ratio();
   standing.see(dynamics, explorer.free_motion());
   const bool deficient = out.rank < mechanism.rows;
   std::vector<MatrixXd> seen = {dynamics.J()};
-  if (deficient || (standing.any() && mechanism.rows > 0)) {
+  if (deficient || ((standing.any() || out.soundest < doubtful) && mechanism.rows > 0)) {
     const std::size_t positions = mechanism.rows <= 100 ? 10 : 4;
     for (std::size_t i = 0; i < 2 * positions && seen.size() <= positions; ++i) {
       // First the way it will go: of the branches that meet in a singular start, this is the one that counts.
@@ -255,6 +269,8 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
         explorer.back();  // into a singular position, from where other branches lead
         continue;
       }
+      explorer.stand(explorer.position(), rank);
+      out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
       out.rank = rank;
       out.idle_q = explorer.position();
       seen.emplace_back(dynamics.J());
@@ -263,8 +279,10 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   }
   out.position_rank = position_rank_of(mechanism, seen, out.rank, explorer.nothing());
   std::vector<bool> needed(mechanism.rows, true);
-  // Factors can be called constant only where several positions were seen, or where there is but one.
-  const bool explored = out.rank == mechanism.nv || seen.size() >= 4;
+  // What holds everywhere can be told only where several positions were seen, or where there is but one.
+  const bool explored = out.rank == mechanism.nv || seen.size() >= enough_positions;
+  // In a singular start branches meet, and what stands on the one that was explored may move on another.
+  if (!(out.rank_start == mechanism.nv || (explored && out.rank_start == out.rank))) standing.none();
   if (out.rank < mechanism.rows) {
     out.idle = left_null_space(seen.back(), explorer.nothing());
     if (seen.size() == 1) out.idle_q = q;
@@ -302,10 +320,13 @@ Structure driven_structure_of(const Mechanism& mechanism, Dynamics& dynamics, co
   const int drives = mechanism.rows - free_mechanism.rows;
   out.needed_rows += drives;
   out.rank = out.position_rank = 0;
+  out.soundest = 0;
   const std::vector<double> elsewhere = out.idle_q.empty() ? q : out.idle_q;
   for (const auto& at : {elsewhere, q}) {  // at q last
     Explorer explorer(mechanism, dynamics, at);
     const int rank = out.rank_start = explorer.rank_here();
+    explorer.stand(at, rank);
+    out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
     out.rank = std::max(out.rank, rank);
     out.position_rank =
         std::max(out.position_rank, rank_of(position_rows(mechanism, dynamics.J()), explorer.nothing()));
