@@ -86,6 +86,9 @@ class Plant {
   long singular_positions();
   double last_singular_position() const { return simulation_->last_singular_position(); }
   std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
+  std::vector<std::string> start_warnings() const {
+    return simulation_ ? simulation_->start_warnings() : std::vector<std::string>();
+  }
 
  private:
   double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene: what a scene file says, as plain data. Everything in SI units, angles in radians.
+// Scene: what a scene file says, as plain data. Everything in SI units, angles in radians, until it is converted
+// (unit_system.h).
 //
 // A scene that came out of read_scene (read.h) is valid: names resolve, numbers are finite, inertias
 // are possible, every body is connected to the ground, arrays have the sizes their joint kind asks for.
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "math/spatial.h"
+#include "scene/unit_system.h"
 
 namespace gelenk {
 
@@ -188,6 +190,7 @@ struct Solver {
 struct Scene {
   std::string file;  // for messages; empty if the scene was not read from a file
   std::string name = "Mechanism";
+  UnitSystem units;                                   // of the numbers here
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
   std::vector<Body> bodies;
   std::vector<Joint> joints;
