@@ -8,7 +8,6 @@
 #include "analysis/assembly_problem.h"
 #include "analysis/closing.h"
 #include "analysis/conflict.h"
-#include "scene/text.h"
 
 namespace gelenk {
 namespace {
@@ -18,14 +17,22 @@ using Eigen::VectorXd;
 
 // Guesses that are met as well as this [rad, m] have chosen among the ways to close a loop.
 constexpr double met = 0.1;
+// Of the mechanism's length, for each of its links: given values that leave no more of a gap than this, which is
+// rounding, close the loops.
+constexpr double as_given = 1e-15;
+constexpr double weaker = 1e-4;
+// Of the largest pivot: where the loops close to rounding, coordinates at a singular configuration are known to its
+// root, about 3e-8, and pivots below that are zero. A speed divided by one would be a number without meaning.
+constexpr double singular = 1e-7;
 // Of the squared distance: what is not nearer by this much more than rounding is no reason to go another way.
 constexpr double nearer = 0.99;
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
-std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& worst) {
-  double gap = -1;
-  double turn = 0;
+// The widest gap, where the loops are: m, rad and the joint.
+void find_gap(const Mechanism& mechanism, const Dynamics& dynamics, double& gap, double& turn, int& worst) {
+  gap = -1;
+  turn = 0;
   const auto& Phi = dynamics.Phi();
   for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
     const Cut& cut = mechanism.cuts[c];
@@ -47,8 +54,7 @@ std::string gap_text(const Mechanism& mechanism, const Dynamics& dynamics, int& 
     turn = is_angle ? off : 0;
     worst = static_cast<int>(mechanism.cuts.size() + i);
   }
-  const std::string metres = text::rounded(std::max(0.0, gap), 3) + " m";
-  return turn > assembled_gap ? metres + " and " + text::rounded(turn, 3) + " rad" : metres;
+  gap = std::max(0.0, gap);
 }
 
 std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
@@ -70,8 +76,10 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
   problem.unwind(best);
   problem.gap(best);
   int worst = 0;
-  const std::string gap = gap_text(mechanism, dynamics, worst);
-  throw CannotAssemble(gap, worst, best, conflicting_positions(mechanism, dynamics, tree, cuts, best));
+  double gap = 0;
+  double turn = 0;
+  find_gap(mechanism, dynamics, gap, turn, worst);
+  throw CannotAssemble(gap, turn, worst, best, conflicting_positions(mechanism, dynamics, tree, cuts, best));
 }
 
 // The loops are closed from where the tree is wished to be. Where that leaves a guess behind, one at a cut joint for
@@ -92,25 +100,70 @@ void heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<doub
   }
 }
 
+// The wishes with all that the user gave kept exactly.
+Wishes all_given_fixed(const Wishes& wishes) {
+  Wishes out = wishes;
+  for (std::size_t k = 0; k < out.q_fixed.size(); ++k) {
+    if (out.q_given[k]) out.q_fixed[k] = true;
+  }
+  return out;
+}
+
+// The wishes with those that nobody asked for made so weak that they move nothing that was given.
+Wishes given_first(const Wishes& wishes) {
+  Wishes out = wishes;
+  for (std::size_t k = 0; k < out.q_weight.size(); ++k) {
+    if (!out.q_given[k]) out.q_weight[k] *= weaker;
+  }
+  return out;
+}
+
+// Start values that close the loops as they are given stay as they are: only coordinates that nobody gave are looked
+// for. False: they do not close.
+bool closes_as_given(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
+                     std::vector<double>& q) {
+  const Wishes fixed_tree = all_given_fixed(tree);
+  const Wishes fixed_cuts = all_given_fixed(cuts);
+  AssemblyProblem problem(mechanism, dynamics, fixed_tree, fixed_cuts);
+  std::vector<double> found = tree.q;
+  const double rounding = as_given * static_cast<double>(mechanism.links.size()) * problem.length();
+  if (!(close_gaps(problem, found) <= rounding)) return false;
+  problem.unwind(found);
+  come_near(problem, found);
+  q = std::move(found);
+  return true;
+}
+
+// As near to what was given as can be. What nobody gave has helped to find a way so far; that has moved what was
+// given by about its weight.
+void settle_on_given(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
+                     std::vector<double>& q) {
+  const Wishes first_tree = given_first(tree);
+  const Wishes first_cuts = given_first(cuts);
+  AssemblyProblem problem(mechanism, dynamics, first_tree, first_cuts);
+  come_near(problem, q);
+}
+
 std::vector<double> consistent_speeds(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
                                       const Wishes& tree, const Wishes& cuts, const std::vector<double>& q) {
   AssemblyProblem::Speeds s = problem.speeds(q);
   const auto& free = problem.free(AssemblyProblem::Level::velocity);
   const auto n = static_cast<Eigen::Index>(free.size());
-  VectorXd v = VectorXd::Zero(n);
-  if (s.G.rows() > 0 && n > 0) v = -s.G.completeOrthogonalDecomposition().solve(s.g0);
-  const VectorXd left = s.G.rows() > 0 ? VectorXd(s.G * v + s.g0) : VectorXd();
   double speed = 1;
   for (const double fixed : s.v) speed = std::max(speed, std::abs(fixed));
-  const double allowed = assembled_gap * speed * problem.length();
-  if (largest(left) > allowed) {
-    throw CannotAssemble(text::rounded(largest(left), 3), -1, q,
-                         conflicting_speeds(mechanism, dynamics, tree, cuts, q, allowed));
+  double allowed = assembled_gap * speed * problem.length();
+  const VectorXd v = nearest_speeds(s, singular);
+  if (s.G.size() > 0) {
+    // What a pivot that is taken for zero holds of the speeds cannot be met, nor does it mean anything.
+    Eigen::ColPivHouseholderQR<MatrixXd> rates(s.G);
+    const Eigen::Index to_rounding = rates.rank();
+    rates.setThreshold(singular);
+    if (rates.rank() < to_rounding) allowed += singular * speed * s.G.lpNorm<Eigen::Infinity>();
   }
-  const MatrixXd Z = nullspace(s.G, n);
-  if (Z.cols() > 0) {
-    const VectorXd d = s.T * v + s.d0;
-    v -= Z * (s.T * Z).completeOrthogonalDecomposition().solve(d);
+  const VectorXd left = s.G.rows() > 0 ? VectorXd(s.G * v + s.g0) : VectorXd();
+  if (largest(left) > allowed) {
+    throw CannotAssemble(largest(left), 0, -1, q,
+                         conflicting_speeds(mechanism, dynamics, tree, cuts, q, allowed, singular));
   }
   for (Eigen::Index k = 0; k < n; ++k) s.v[free[static_cast<std::size_t>(k)]] = v[k];
   return s.v;
@@ -126,9 +179,12 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
     return out;
   }
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
-  out.q = close_loops(mechanism, dynamics, problem, tree, cuts, out.tries);
-  come_near(problem, out.q);
-  heed_guesses(problem, tree, out.q);
+  if (!closes_as_given(mechanism, dynamics, tree, cuts, out.q)) {
+    out.q = close_loops(mechanism, dynamics, problem, tree, cuts, out.tries);
+    come_near(problem, out.q);
+    heed_guesses(problem, tree, out.q);
+    settle_on_given(mechanism, dynamics, tree, cuts, out.q);
+  }
   out.moved = problem.moved(out.q);
   out.v = consistent_speeds(mechanism, dynamics, problem, tree, cuts, out.q);
   return out;

@@ -44,8 +44,14 @@ struct Conflict {
 // Which joint gapes, and how far, when no start closed the loops.
 class CannotAssemble : public std::runtime_error {
  public:
-  CannotAssemble(const std::string& text, int cut, std::vector<double> q, Conflict conflict)
-      : std::runtime_error(text), cut(cut), q(std::move(q)), conflict(std::move(conflict)) {}
+  CannotAssemble(double gap, double turn, int cut, std::vector<double> q, Conflict conflict)
+      : std::runtime_error("the loops cannot be closed"),
+        gap(gap),
+        turn(turn),
+        cut(cut),
+        q(std::move(q)),
+        conflict(std::move(conflict)) {}
+  double gap, turn;       // m, rad: where it gapes; of speeds the rate that is left [m/s, rad/s], and 0
   int cut;                // or, counted on behind the cuts, coordinate row; -1: positions fit, the fixed speeds do not
   std::vector<double> q;  // where the gap is smallest
   Conflict conflict;
@@ -53,7 +59,7 @@ class CannotAssemble : public std::runtime_error {
 
 // Smallest weighted change of the wishes, fixed ones kept, damped and step-limited (Levenberg-Marquardt to close the
 // loops, Gauss-Newton along them to come near; Nocedal & Wright, ch. 10 and 18).
-// Throws CannotAssemble with the smallest gap reached ("0.134 m") for positions, or what remains of a speed.
+// Throws CannotAssemble with the smallest gap reached for positions, or what remains of a speed.
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
 
 }  // namespace gelenk

@@ -86,7 +86,10 @@ Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const Wis
   const Assembled own = assemble(mechanism, dynamics, tree, cuts);
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   Collector collector(problem, dynamics, search.links);
-  collector.add(own.q, true);
+  // What nobody gave has less weight at the end of assemble() than in this search.
+  std::vector<double> nearest = own.q;
+  come_near(problem, nearest);
+  collector.add(nearest, true);
   std::mt19937 random(search.seed);
   int nothing_new = 0;
   while (out.starts < search.most_starts && !out.settled) {
@@ -101,6 +104,7 @@ Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const Wis
     out.settled = nothing_new >= patience(collector.size());
   }
   out.found = std::move(collector).nearest_first();
+  std::ranges::find_if(out.found, &Branch::chosen)->q = own.q;
   return out;
 }
 

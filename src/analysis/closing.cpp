@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 using Level = AssemblyProblem::Level;
 
 constexpr double closed = 1e-13;        // relative to the mechanism's length: some hundreds of roundings
+constexpr double rounding = 2e-16;      // relative to the mechanism's length
 constexpr double longest_step = 0.4;    // rad or m: farther than this the linearised loops say little
 constexpr double difference = 1e-5;     // of second derivatives: as much lost by rounding as by its length
 constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
@@ -100,18 +101,34 @@ bool nearer(AssemblyProblem& problem, std::vector<double>& q, Slope& at, VectorX
 
 }  // namespace
 
-MatrixXd nullspace(const MatrixXd& G, Eigen::Index n) {
+MatrixXd nullspace(const MatrixXd& G, Eigen::Index n, double threshold) {
   if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
   Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
-  qr.setThreshold(1e-9);
+  qr.setThreshold(threshold);
   const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
   return Q.rightCols(n - qr.rank());
+}
+
+VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold) {
+  const Eigen::Index n = s.T.cols();
+  VectorXd v = VectorXd::Zero(n);
+  if (s.G.rows() > 0 && n > 0) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(s.G.rows(), n);
+    rates.setThreshold(threshold);
+    v = -rates.compute(s.G).solve(s.g0);
+  }
+  const MatrixXd Z = nullspace(s.G, n, threshold);
+  if (Z.cols() > 0) v -= Z * (s.T * Z).completeOrthogonalDecomposition().solve(s.T * v + s.d0);
+  return v;
 }
 
 double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
   VectorXd g = problem.gap(q);
   double damping = 0;
-  for (int i = 0; i < 200 && largest(g) > closed * problem.length(); ++i) {
+  for (int i = 0; i < 200 && largest(g) > rounding * problem.length(); ++i) {
+    // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
+    // further as long as that makes progress; there Newton's method quarters the gap at each step.
+    const double least_progress = largest(g) > closed * problem.length() ? 1e-6 : 0.5;
     const MatrixXd G = problem.gap_jacobian(q);
     if (G.cols() == 0) break;  // everything is fixed
     const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
@@ -127,13 +144,15 @@ double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
       }
       std::vector<double> next = problem.displaced(q, limited(step));
       const VectorXd g_next = problem.gap(next);
-      better = g_next.norm() < g.norm() * (1 - 1e-6);
+      better = g_next.norm() < g.norm() * (1 - least_progress);
       if (better) {
         q = std::move(next);
         g = g_next;
         damping = damping < 1e-5 ? 0 : damping / 10;
-      } else {
+      } else if (least_progress < 0.5) {
         damping = std::max(1e-4, damping * 8);
+      } else {
+        break;
       }
     }
     if (!better) break;

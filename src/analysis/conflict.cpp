@@ -135,7 +135,7 @@ Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, c
 }
 
 Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                            const std::vector<double>& q, double tolerance) {
+                            const std::vector<double>& q, double tolerance, double singular) {
   std::vector<FixedValue> values;
   for (const bool cut : {false, true}) {
     const std::vector<bool>& flags = (cut ? cuts : tree).v_fixed;
@@ -162,7 +162,9 @@ Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, cons
       A.row(rows + static_cast<Eigen::Index>(i)) = s.T.row(row(fixed[i]));
       b[rows + static_cast<Eigen::Index>(i)] = -s.d0[row(fixed[i])];
     }
-    const VectorXd v = A.completeOrthogonalDecomposition().solve(b);
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(A.rows(), A.cols());
+    rates.setThreshold(singular);
+    const VectorXd v = rates.compute(A).solve(b);
     left = (A * v - b).lpNorm<Eigen::Infinity>();
     return v;
   };

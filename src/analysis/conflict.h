@@ -13,8 +13,8 @@ namespace gelenk {
 Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
                                const std::vector<double>& q);
 
-// Of speeds, at q. tolerance: of the rates [m/s, rad/s].
+// Of speeds, at q. tolerance: of the rates [m/s, rad/s]; singular: of the largest pivot, below which one is zero.
 Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                            const std::vector<double>& q, double tolerance);
+                            const std::vector<double>& q, double tolerance, double singular);
 
 }  // namespace gelenk

@@ -17,6 +17,9 @@ using Eigen::VectorXd;
 // Where the rows, by the dependent speeds, have a pivot below this share of the largest, what is left of the closure's
 // rounding in the derivatives would reach 1e-6 of them.
 constexpr double singular = 1e-8;
+// Beside a position where the rows themselves lose rank, accelerations are quotients of two numbers that vanish there
+// with the share s of a regular position's smallest pivot, and their derivatives err by some 1e-16 / s^3: 1e-7 here.
+constexpr double beside_singular = 1e-3;
 
 template <class Numbers>
 VectorXd slope(const Numbers& from, int k) {
@@ -73,6 +76,7 @@ Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure
     : mechanism_(mechanism),
       rank_(structure.rank),
       position_rank_(structure.position_rank),
+      soundest_(structure.soundest),
       inputs_(inputs),
       dynamics_(make_dynamics(mechanism, loads)),
       q_(mechanism.nq),
@@ -116,7 +120,9 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   redundant_ = false;
   if (mechanism_.rows == 0) return;
   d.set_acceleration(vdot_.data());  // for lambda
-  if (d.rank() < rank_ || (rank_ > 0 && d.pivot_ratio() < singular)) throw Undetermined(Undetermined::What::rows);
+  if (rank_ > 0 && d.pivot_ratio() < std::max(singular, beside_singular * soundest_)) {
+    throw Undetermined(Undetermined::What::rows);
+  }
   lambda_ = Eigen::Map<const VectorXd>(d.lambda().data(), mechanism_.rows);
   J_ = d.J();
   redundant_ = rank_ < mechanism_.rows;

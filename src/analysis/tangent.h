@@ -99,7 +99,9 @@ class Tangent {
   void find_idle();
 
   const Mechanism& mechanism_;
-  int rank_, position_rank_, inputs_;
+  int rank_, position_rank_;
+  double soundest_;
+  int inputs_;
   std::unique_ptr<Dynamics> dynamics_;
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
   std::vector<double> cut_q_;

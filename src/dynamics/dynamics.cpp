@@ -230,7 +230,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
   const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
   int rank() const override { return Y_.rank(); }
-  double pivot_ratio() const override { return Y_.pivot_ratio(); }
+  double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void limit_rank(int rank) override {
     factorised_ = factorised_ && rank == max_rank_;
     max_rank_ = rank;

@@ -71,7 +71,7 @@ class Dynamics : public Readings<double> {
   virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
   virtual Eigen::Map<const RowMatrix> J() const = 0;         // rows x nv, after factorise or assemble
   virtual int rank() const = 0;
-  virtual double pivot_ratio() const = 0;
+  virtual double pivot_ratio() const = 0;  // the smallest pivot over the largest (row_factor.h); 0: rank is lost
   // Rows beyond this rank are taken to repeat others; rows() at first.
   virtual void limit_rank(int rank) = 0;
 

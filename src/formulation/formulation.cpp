@@ -144,8 +144,15 @@ void Formulation::renew_factors() {
 bool Formulation::accelerate(double t, const double* y, double* vdot) {
   renew_factors();
   dynamics_.set_velocity(y + nq_);
-  dynamics_.solve(u_.data(), vdot, expected(t));
+  solve(t, vdot);
   return true;
+}
+
+void Formulation::solve(double t, double* vdot) {
+  const double* known = expected(t);
+  dynamics_.solve(u_.data(), vdot, known);
+  // Where the last pivot is rounding, so is the direction along which to follow.
+  if (known != nullptr && rank_is_lost()) std::copy_n(known, nv_, vdot);
 }
 
 bool Formulation::jacobian(double t, const double* y, double* J) {
@@ -202,7 +209,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   dynamics_.factorise();
   judge();
   dynamics_.set_velocity(y + nq_);
-  dynamics_.solve(u_.data(), vdot, expected(t));
+  solve(t, vdot);
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {

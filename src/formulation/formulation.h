@@ -27,6 +27,7 @@ struct FormulationOptions {
   double baumgarte_alpha = 0;  // 1/s; 0: chosen from the step
   double baumgarte_beta = 0;   // 1/s; likewise
   int corrections = 0;         // of projection after each step; 0: until closed
+  double soundest = 0;         // largest pivot ratio known of the rows (Structure); 0: none is
 };
 
 class Formulation : public Equations {
@@ -80,6 +81,8 @@ class Formulation : public Equations {
   const std::vector<double>& cut_speeds() const { return turns_.speeds(); }
   // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
+  // The inputs have jumped at (t, y), where the run stands.
+  virtual void inputs_changed(double /*t*/, const double* /*y*/) {}
 
  protected:
   // The state at which rhs(y) evaluates; size() numbers. nullptr: none found near y.
@@ -112,6 +115,10 @@ class Formulation : public Equations {
   void renew_factors();
   // vdot to be followed where rows are weak (dynamics.h), or null.
   virtual const double* expected(double) { return nullptr; }
+  // Whether the factors at hand hold no direction of the rows that are weak.
+  virtual bool rank_is_lost() const { return dynamics_.pivot_ratio() == 0; }
+  // vdot where dynamics_ stands, by the factors at hand.
+  void solve(double t, double* vdot);
 
   Eigen::Map<const RowMatrix> J() const { return dynamics_.J(); }
   int rows() const { return mechanism_.rows; }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formulation/branch_acceleration.h"
 #include "formulation/formulation.h"
 
 namespace gelenk {
@@ -15,18 +16,23 @@ namespace {
 // Passing a singular position (a change point, a dead centre). Beside it the weak direction's part of vdot is a
 // quotient of two numbers that vanish together, and what is left of rounding and of the step's error in it moves the
 // mechanism onto another branch; smaller steps only land nearer. So, as shares of the soundest pivot ratio seen:
-constexpr double near_share = 0.5;    // below it the accelerations of accepted steps are remembered
-constexpr double sound_share = 0.1;   // below it no more: now they are extrapolated ...
-constexpr double weak_share = 0.003;  // ... and near and below this they stand in along the weak direction
+constexpr double near_share = 0.5;   // below it the accelerations of accepted steps are remembered
+constexpr double sound_share = 0.1;  // below it no more: now they are extrapolated ...
+constexpr double weak_share = 0.01;  // ... and near and below this they stand in along the weak direction
+constexpr double lost_share = 1e-5;  // below this even the weak direction is rounding
 constexpr double most_magnified = 1e4;
+// Those remembered lie at least so far apart: of short steps the latest would be a small part of the way, from which an
+// extrapolation to its end has no digits, the fewer the tighter the tolerance.
+constexpr double spacing = 0.05;
 // With these N-four-bars of 1, 2, 10 and 40 windows keep to their branch for 20 s (56 passages) within 3e-7 m at
 // tolerances 1e-6 to 1e-10; three times as large or small serve nearly as well.
 
 class Projection final : public Formulation {
  public:
-  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, int corrections)
+  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const FormulationOptions& options)
       : Formulation(mechanism, dynamics, inputs),
-        corrections_(corrections),
+        corrections_(options.corrections),
+        soundest_(options.soundest),
         move_(nv_),
         expected_(nv_),
         before_(nv_),
@@ -38,6 +44,7 @@ class Projection final : public Formulation {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
+  void inputs_changed(double t, const double* y) override;
   void exchange(Record& record) override;
 
  private:
@@ -45,21 +52,24 @@ class Projection final : public Formulation {
   void judge() override;
   double slack() const override;
   const double* expected(double t) override;
+  bool rank_is_lost() const override { return dynamics_.pivot_ratio() < lost_share * soundest_; }
   void add_jump(double t);
+  void launch(double t, const double* y);
   void remember(double t);
   bool correct(double* q, double* v);
 
   int corrections_;
+  double soundest_;           // largest pivot ratio seen
   std::vector<double> move_;  // by a correction
 
   // Accelerations at the last times at which the rows were sound.
-  static constexpr int memory = 6;
+  static constexpr int memory = 8;
   int remembered_ = 0;
+  double last_ratio_ = 0;  // of pivots, at the last of them
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
   Inputs seen_;            // inputs of the accelerations remembered
-  double soundest_ = 0;    // largest pivot ratio seen
   bool sound_ = true;      // the last factors are not near a singular position
   bool rigorous_ = false;  // weak directions are corrected in full
 };
@@ -67,12 +77,36 @@ class Projection final : public Formulation {
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
   remembered_ = 0;
   Formulation::start(cut_q, t, y);
+  launch(t, y);
+}
+
+// In or beside a singular position, from which nothing is remembered, the accelerations of the branch stand in.
+void Projection::launch(double t, const double* y) {
+  if (mechanism_.cuts.empty() || mechanism_.rows == 0 || mechanism_.driven()) return;
+  dynamics_.set_position(y);
+  renew_factors();
+  if (sound_) return;
+  if (!BranchAcceleration(mechanism_, dynamics_).find(y, y + nq_, u_.data(), accelerations_[0].data())) return;
+  remembered_ = 1;
+  times_[0] = t;
+  seen_ = inputs_;
+  dynamics_.set_position(y);
+  renew_factors();
+  last_ratio_ = dynamics_.pivot_ratio();
+}
+
+void Projection::inputs_changed(double t, const double* y) {
+  if (remembered_ != 1 || times_[0] != t) return;
+  go_to(t);
+  remembered_ = 0;
+  launch(t, y);
 }
 
 void Projection::exchange(Record& record) {
   Formulation::exchange(record);
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
+  record.exchange(last_ratio_);
   if (remembered_ == 0) return;
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
@@ -138,6 +172,9 @@ void Projection::remember(double t) {
     seen_ = inputs_;
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
+  const double ratio = dynamics_.pivot_ratio();
+  if (remembered_ > 0 && std::abs(ratio - last_ratio_) < spacing * soundest_) return;
+  last_ratio_ = ratio;
   if (remembered_ == memory) {
     std::rotate(times_, times_ + 1, times_ + memory);
     std::rotate(accelerations_, accelerations_ + 1, accelerations_ + memory);
@@ -189,7 +226,7 @@ void Projection::accepted(double t, const double* y) {
 
 std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
                                              const FormulationOptions& options) {
-  return std::make_unique<Projection>(mechanism, dynamics, u, options.corrections);
+  return std::make_unique<Projection>(mechanism, dynamics, u, options);
 }
 
 }  // namespace gelenk

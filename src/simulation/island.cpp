@@ -9,12 +9,6 @@
 namespace gelenk {
 namespace {
 
-double largest(const std::vector<double>& x) {
-  double max = 0;
-  for (const double value : x) max = std::max(max, std::abs(value));
-  return max;
-}
-
 // s, of this thread.
 double cpu_time() {
   timespec now{};
@@ -28,8 +22,9 @@ constexpr double met = 1e-10;
 // s, of fixed-step methods.
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
-FormulationOptions options_of(const Scene& scene) {
-  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections};
+FormulationOptions options_of(const Scene& scene, const Structure& structure) {
+  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections,
+          structure.soundest};
 }
 
 }  // namespace
@@ -39,7 +34,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
-      equations_(make_formulation(scene.solver.formulation, prepared_.mechanism, *dynamics_, u, options_of(scene))),
+      equations_(make_formulation(scene.solver.formulation, prepared_.mechanism, *dynamics_, u,
+                                  options_of(scene, prepared_.structure))),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -91,7 +87,10 @@ double Island::advance(double end, long most_evaluations) {
   fresh_ = Outputs::Needs::state;
   if (integrator_) {
     if (follows_) meet_drives();
-    if (inputs_jumped_) integrator_->inputs_changed();
+    if (inputs_jumped_) {
+      equations_->inputs_changed(time_, y_.data());
+      integrator_->inputs_changed();
+    }
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
     end = integrator_->advance(end, y_.data());
@@ -162,8 +161,18 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
   return out;
 }
 
-double Island::position_gap() const { return largest(dynamics_->Phi()); }
-double Island::velocity_gap() const { return largest(dynamics_->row_rates()); }
+double Island::position_gap() const { return largest_in_si(dynamics_->Phi()); }
+double Island::velocity_gap() const { return largest_in_si(dynamics_->row_rates()); }
+
+double Island::largest_in_si(const std::vector<double>& rows) const {
+  double angle = 0;
+  double length = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    double& most = dynamics_->row_is_angle(static_cast<int>(r)) ? angle : length;
+    most = std::max(most, std::abs(rows[r]));
+  }
+  return std::max(angle, scene_.units.length * length);
+}
 
 double Island::evaluation_cost(double budget) {
   if (mechanism().nv == 0) return 0;

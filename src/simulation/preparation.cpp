@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 
+#include "analysis/singular_start.h"
 #include "formulation/targets.h"
 #include "scene/text.h"
 #include "simulation/report.h"
@@ -111,7 +112,16 @@ struct Preparer {
     out.report = describe_assembly(scene, out.reduced, starts);
   }
 
+  // Goes to other positions, too, where a part may come to move without inertia.
   void find_structure() {
+    try {
+      explore();
+    } catch (const SingularMass& fault) {
+      throw SceneError({describe_massless(scene, fault.what())});
+    }
+  }
+
+  void explore() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
       const Mechanism& mechanism = out.reduced.islands[i];
@@ -199,6 +209,22 @@ struct Preparer {
     return at;
   }
 
+  // Velocities at singular starts, and warnings of these.
+  void examine_starts() {
+    for (std::size_t i = 0; i < out.islands.size(); ++i) {
+      const int island = static_cast<int>(i);
+      const Mechanism& mechanism = out.reduced.islands[i];
+      const StartWishes wishes = start_wishes(wished, out.reduced, island);
+      PreparedIsland& of = out.islands[i];
+      const SingularStart found =
+          examine_start(mechanism, *dynamics[i], of.structure, wishes.tree, wishes.cuts, of.start);
+      if (!found.on_branch) throw AssemblyError(describe_no_branch(scene, out.reduced, island, found));
+      if (found.share < doubtful_share) {
+        out.warnings.push_back(describe_singular_start(scene, out.reduced, island, found));
+      }
+    }
+  }
+
   void drop_rows() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
@@ -232,6 +258,7 @@ PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double ti
       preparer.find_structure();
     }
   }
+  preparer.examine_starts();
   preparer.drop_rows();
   return std::move(preparer.out);
 }

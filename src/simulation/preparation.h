@@ -26,7 +26,8 @@ struct PreparedIsland {
 struct PreparedScene {
   ReducedScene reduced;
   std::vector<PreparedIsland> islands;
-  std::string report;  // on assembly, for people
+  std::string report;                 // on assembly, for people
+  std::vector<std::string> warnings;  // of what is doubtful about the start, likewise
 };
 
 // The scene as kinematics alone: everything in it has inertia, rods without mass are bodies as others are.

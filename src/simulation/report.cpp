@@ -3,10 +3,24 @@
 
 #include <algorithm>
 
+#include "analysis/closing.h"
 #include "scene/text.h"
 
 namespace gelenk {
 namespace {
+
+double in_si(const Scene& scene, double x, std::string_view unit) { return x * scene.units.size_of(unit); }
+
+// What loops may gape by, for the user.
+std::string allowed(const Scene& scene) {
+  return "(allowed " + text::rounded(in_si(scene, assembled_gap, "m"), 3) + " m)";
+}
+
+// "0.134 m", "0.134 m and 0.2 rad".
+std::string gap_text(const Scene& scene, const CannotAssemble& fault) {
+  const std::string metres = text::rounded(in_si(scene, fault.gap, "m"), 3) + " m";
+  return fault.turn > assembled_gap ? metres + " and " + text::rounded(fault.turn, 3) + " rad" : metres;
+}
 
 std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
 
@@ -18,7 +32,8 @@ std::string position_text(const Scene& scene, const ReducedScene& reduced, const
     const JointPlace& place = reduced.joints[j];
     if (place.role != JointPlace::Role::tree || kind.nq != 1) continue;
     return " at " + scene.joints[j].name + "." + std::string(kind.q[0].name) + " = " +
-           text::rounded(place.q_sign[0] * q[place.iq]) + " " + std::string(kind.q[0].unit);
+           text::rounded(in_si(scene, place.q_sign[0] * q[place.iq], kind.q[0].unit)) + " " +
+           std::string(kind.q[0].unit);
   }
   return "";
 }
@@ -33,7 +48,8 @@ std::string describe_island(const Scene& scene, const ReducedScene& reduced, int
     if (kind.has_quaternion()) continue;
     for (int i = 0; i < kind.nq; ++i) {
       out += separator + scene.joints[j].name + "." + std::string(kind.q[i].name) + " = " +
-             text::rounded(place.q_sign[i] * found.q[place.iq + i]) + " " + std::string(kind.q[i].unit);
+             text::rounded(in_si(scene, place.q_sign[i] * found.q[place.iq + i], kind.q[i].unit)) + " " +
+             std::string(kind.q[i].unit);
       separator = ", ";
     }
   }
@@ -70,12 +86,12 @@ Named named(const Scene& scene, const ReducedScene& reduced, int island, const F
 }
 
 // "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
-std::string advice(const Conflict& conflict, const std::vector<Named>& values) {
+std::string advice(const Scene& scene, const Conflict& conflict, const std::vector<Named>& values) {
   const bool one = values.size() == 1;
   std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
   if (conflict.freed < 0) return out + ".";
   const Named& freed = values[static_cast<std::size_t>(conflict.freed)];
-  const auto shown = [&](double x) { return text::rounded(x) + " " + freed.unit; };
+  const auto shown = [&](double x) { return text::rounded(in_si(scene, x, freed.unit)) + " " + freed.unit; };
   return out + (one ? ": it" : ": " + freed.name + ", for instance,") + " would then be " +
          shown(freed.sign * conflict.nearest) + " instead of " + shown(freed.fixed) + ".";
 }
@@ -89,7 +105,8 @@ std::vector<Named> all_named(const Scene& scene, const ReducedScene& reduced, in
 std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduced, int island,
                                   const CannotAssemble& fault) {
   const std::string what = reduced.islands[island].driven() ? "the loops and given motions" : "the loops";
-  const std::string left = std::string(": at best a rate of ") + fault.what() + " m/s (rad/s) is left (allowed 1e-9).";
+  const std::string left = ": at best a rate of " + text::rounded(in_si(scene, fault.gap, "m"), 3) +
+                           " m/s (rad/s) is left (allowed " + text::rounded(in_si(scene, assembled_gap, "m"), 3) + ").";
   const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
   if (values.empty()) return prefix(scene) + what + " cannot all move as they are told to" + left;
   std::vector<std::string> joints;
@@ -98,16 +115,27 @@ std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduce
     if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
   }
   return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict " + what + left +
-         advice(fault.conflict, values);
+         advice(scene, fault.conflict, values);
 }
 
 // What is to blame for a loop that stays open.
-std::string describe_fixed_positions(const std::vector<Named>& values, const Conflict& conflict) {
+std::string describe_fixed_positions(const Scene& scene, const std::vector<Named>& values, const Conflict& conflict) {
   std::vector<std::string> names;
   for (const Named& value : values) names.push_back(value.name);
   const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops by itself."
                                               : "The fixed values of " + text::list(names) + " contradict each other.";
-  return what + advice(conflict, values);
+  return what + advice(scene, conflict, values);
+}
+
+// "the loop through C", or "constraints.drive": what a row belongs to.
+std::string owner_of_row(const Scene& scene, const Mechanism& mechanism, int row) {
+  for (const Cut& cut : mechanism.cuts) {
+    if (row < cut.first_row || row >= cut.first_row + cut.rows) continue;
+    return cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
+                            : "the loop through " + scene.joints[cut.scene_joints.front()].name;
+  }
+  const CoordinateRow& of = mechanism.coordinate_rows[row - mechanism.first_coordinate_row()];
+  return "constraints." + scene.constraints[of.constraint].name;
 }
 
 }  // namespace
@@ -136,12 +164,13 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   const auto cuts = static_cast<int>(mechanism.cuts.size());
   const bool conflict = !fault.conflict.values.empty();
   const auto blame = [&] {
-    return describe_fixed_positions(all_named(scene, reduced, island, fault.conflict), fault.conflict);
+    return describe_fixed_positions(scene, all_named(scene, reduced, island, fault.conflict), fault.conflict);
   };
   if (fault.cut >= cuts) {
     const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
-    return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " + fault.what() +
-           " (allowed 1e-9 m). " + (conflict ? blame() : "Check the start values of the joints it names.");
+    return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " +
+           gap_text(scene, fault) + " " + allowed(scene) + ". " +
+           (conflict ? blame() : "Check the start values of the joints it names.");
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
   std::vector<std::string> names;
@@ -154,8 +183,8 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   const Cut& cut = mechanism.cuts[fault.cut];
   const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
                                             : "loop through " + scene.joints[cut.scene_joints.front()].name;
-  std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + fault.what() +
-                    position_text(scene, reduced, joints, fault.q) + " (allowed 1e-9 m). ";
+  std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + gap_text(scene, fault) +
+                    position_text(scene, reduced, joints, fault.q) + " " + allowed(scene) + ". ";
   if (conflict) return out + blame();
   out += "Check the positions in joints " + text::list(names);
   std::vector<std::string> motions;
@@ -166,6 +195,32 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   if (!motions.empty()) out += ", the motion of " + text::list(motions) + " at the start";
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
   return out + ".";
+}
+
+std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, int island,
+                               const SingularStart& start) {
+  const Mechanism& mechanism = reduced.islands[island];
+  std::vector<std::string> fixed;
+  for (const int j : mechanism.joints) {
+    const auto& flags = scene.joints[j].start.v_fixed;
+    if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
+  }
+  return prefix(scene) + "the start is a singular configuration of " + owner_of_row(scene, mechanism, start.row) +
+         ", where branches of motion meet, and no branch goes on with the start speeds of " + text::list(fixed) +
+         ", which are fixed. Leave one of them as a guess (fixed: false), or start beside this position.";
+}
+
+std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
+                                    const SingularStart& start) {
+  const std::string owner = owner_of_row(scene, reduced.islands[island], start.row);
+  std::string out = prefix(scene) + "the start is " +
+                    (start.share < 1e-9 ? "a singular configuration of " + owner
+                                        : "beside a singular configuration of " + owner + " (by " +
+                                              text::rounded(start.share, 2) + " of the way to a regular one)") +
+                    ", where branches of motion meet: ";
+  if (!start.moves) return out + "at rest nothing determines the branch that the motion will take";
+  return out + "the start takes the branch nearest to the start values given, with velocities known to about " +
+         text::rounded(std::min(start.share, 2e-16 / (start.share * start.share)), 1) + " of their size";
 }
 
 std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault) {
@@ -181,7 +236,7 @@ std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int
   }
   return prefix(scene) +
          "solver.start: found no equilibrium from the start values under the inputs at the start: " + what + " = " +
-         text::rounded(std::abs(fault.acceleration)) + " " + unit +
+         text::rounded(in_si(scene, std::abs(fault.acceleration), unit)) + " " + unit +
          " is the largest acceleration that remains; expected start values nearer to one, or as_given";
 }
 
@@ -217,8 +272,9 @@ std::string describe_undetermined(Undetermined::What what, double t, const std::
   const std::string when = "t = " + text::rounded(t) + " s: ";
   if (what == Undetermined::What::rows) {
     return when +
-           "a loop stands in a singular position, where it could go on by another branch: derivatives do not "
-           "exist there";
+           "a loop stands in a singular position, or beside one, where it could go on by another branch: derivatives "
+           "do not "
+           "exist there, or have no digits";
   }
   return when + "the states " + text::list(states) +
          " do not determine the other coordinates here (a loop stands at a dead centre for them): derivatives by them "

@@ -7,6 +7,7 @@
 
 #include "analysis/assembly.h"
 #include "analysis/equilibrium.h"
+#include "analysis/singular_start.h"
 
 namespace gelenk {
 
@@ -15,6 +16,12 @@ std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, c
 
 // Why no start values satisfy the loops of an island.
 std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault);
+
+// The fixed velocities lead along no branch of a singular start.
+std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, int island, const SingularStart& start);
+// A start in or beside a singular configuration, and what it leaves open.
+std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
+                                    const SingularStart& start);
 
 // Joints of the scene around the loop that a cut closes, ascending.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
