@@ -22,7 +22,11 @@ AssemblyPart in_users_words(const Scene& scene, const ReducedScene& reduced, int
   for (const Branch& branch : branches.found) {
     Assembly& assembly = out.assemblies.emplace_back();
     dynamics.set_position(branch.q.data());
-    for (const int j : out.joints) assembly.q.push_back(coordinates_of(scene, reduced, j, branch.q, dynamics));
+    for (const int j : out.joints) {
+      std::vector<double>& q = assembly.q.emplace_back(coordinates_of(scene, reduced, j, branch.q, dynamics));
+      const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+      for (int i = 0; i < kind.nq; ++i) q[i] *= scene.units.size_of(kind.q[i].unit);
+    }
     assembly.distance = branch.distance;
     assembly.freedoms = branch.freedoms;
     assembly.hits = branch.hits;
@@ -45,8 +49,10 @@ std::vector<int> links_of(const Scene& scene, const ReducedScene& reduced, int i
 
 }  // namespace
 
-std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<std::string>& bodies, int most_starts,
+std::vector<AssemblyPart> list_assemblies(const Scene& given, const std::vector<std::string>& bodies, int most_starts,
                                           unsigned seed) {
+  Scene scene = given;
+  convert(scene, natural_units(given));
   for (const std::string& name : bodies) {
     if (std::ranges::find(scene.bodies, name, &Body::name) == scene.bodies.end()) {
       throw UsageError(name + ": no such body");

@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "scene/text.h"
 #include "scene/words.h"
@@ -61,9 +62,11 @@ Scene in_space(Simulation& simulation) {
 
 class RowInspector {
  public:
-  RowInspector(const Scene& scene, Inspection& out)
-      : scene_(scene), out_(out), prepared_(prepare(scene, reduce(scene), 0, Inputs(input_signals(scene).size()))) {
-    const std::vector<Loads> loads = make_loads(scene, prepared_.reduced);
+  RowInspector(Scene scene, Inspection& out)
+      : scene_(std::move(scene)),
+        out_(out),
+        prepared_(prepare(scene_, reduce(scene_), 0, Inputs(input_signals(scene_).size()))) {
+    const std::vector<Loads> loads = make_loads(scene_, prepared_.reduced);
     for (int i = 0; i < static_cast<int>(prepared_.islands.size()); ++i) inspect_island(i, loads[i]);
     out.undetermined_reactions.assign(undetermined_.begin(), undetermined_.end());
     tell();
@@ -192,7 +195,7 @@ class RowInspector {
     }
   }
 
-  const Scene& scene_;
+  const Scene scene_;  // in natural units
   Inspection& out_;
   const PreparedScene prepared_;
   std::set<std::string> undetermined_;
@@ -276,10 +279,16 @@ void shorten(std::vector<std::string>& notes) {
   notes.push_back("and so on: " + std::to_string(more) + " more of this kind");
 }
 
+// In the units in which it is solved.
+Scene natural(Scene scene) {
+  convert(scene, natural_units(scene));
+  return scene;
+}
+
 }  // namespace
 
 Inspection inspect(Simulation& simulation) {
-  const Scene& scene = simulation.scene();
+  const Scene scene = natural(simulation.scene());
   const ReducedScene& reduced = simulation.prepared().reduced;
   Inspection out;
   Scene literal = scene;
@@ -299,8 +308,7 @@ Inspection inspect(Simulation& simulation) {
     out.momentary_freedoms += island.structure.rank - island.structure.rank_start;
   }
   if (out.described.rows > 0 && out.described.rows <= most_rows) {
-    const Scene space = in_space(simulation);
-    const RowInspector rows(space, out);
+    const RowInspector rows(natural(in_space(simulation)), out);
   }
   add_row_notes(scene, out);
   if (scene.solver.reduces(Reduction::outputs)) {

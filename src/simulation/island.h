@@ -51,8 +51,8 @@ class Island {
   const Loads& loads() const { return loads_; }
   const Structure& structure() const { return prepared_.structure; }
   Dynamics& dynamics() { return *dynamics_; }
-  double position_gap() const;  // largest |Phi|, after refresh
-  double velocity_gap() const;  // largest |J v - b|, likewise
+  double position_gap() const;  // m or rad: largest |Phi|, after refresh
+  double velocity_gap() const;  // m/s or rad/s: largest |J v - b|, likewise
   // Of all coordinate rows, where it stands (Targets::derivatives).
   std::vector<MotionLaw::Derivatives> targets() const;
 
@@ -73,6 +73,7 @@ class Island {
 
  private:
   void warm_up(double step);
+  double largest_in_si(const std::vector<double>& rows) const;
   void meet_drives();
   const double* q() const { return y_.data(); }
   const double* v() const { return y_.data() + mechanism().nq; }

@@ -152,12 +152,13 @@ void Simulation::exchange(Record& record) {
 }
 
 double Simulation::time() const { return impl_->time; }
-const Scene& Simulation::scene() const { return impl_->scene; }
+const Scene& Simulation::scene() const { return impl_->given; }
 const ModelSize& Simulation::size() const { return impl_->size; }
 const std::vector<Signal>& Simulation::inputs() const { return impl_->inputs; }
 const std::vector<Signal>& Simulation::outputs() const { return impl_->outputs; }
 const std::vector<Signal>& Simulation::diagnostics() const { return impl_->diagnostics; }
 std::string Simulation::assembly_report() const { return impl_->prepared.report; }
+const std::vector<std::string>& Simulation::start_warnings() const { return impl_->prepared.warnings; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
 double Simulation::last_singular_position() const {
@@ -186,7 +187,7 @@ void Simulation::set_input(int index, double value) {
   if (!std::isfinite(value))
     throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
                      ", expected a finite number; the former value stays");
-  const Inputs::Change change = s.u.set(s.known_input(index), value);
+  const Inputs::Change change = s.u.set(s.known_input(index), value / s.input_size[index]);
   if (change == Inputs::Change::none || !s.initialized) return;
   if (const int island = s.island_of_input[index]; island >= 0) {
     s.islands[island]->inputs_changed(change == Inputs::Change::jump);
@@ -196,23 +197,35 @@ void Simulation::set_input(int index, double value) {
 void Simulation::set_input_derivative(int index, int order, double value) {
   const std::string fault = Inputs::fault(order, value);
   if (!fault.empty()) throw UsageError(impl_->inputs.at(index).name + ": " + fault);
-  impl_->u.set_derivative(impl_->known_input(index), order, value);
+  const int known = impl_->known_input(index);
+  impl_->u.set_derivative(known, order, value / impl_->input_size[known]);
 }
 
 void Simulation::tune(const Scene& scene) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("tuning before initialize()");
-  take_tunables(s.scene, scene);
+  take_tunables(s.given, scene);
+  if (s.scene.units.is_si()) {
+    take_tunables(s.scene, scene);
+  } else {
+    s.tuned = s.given;
+    convert(s.tuned, s.scene.units);
+    take_tunables(s.scene, s.tuned);
+  }
   s.load_maker->fill(s.other_loads);
   for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->swap_loads(s.other_loads[i]);
   s.still_energy = standing_energy(s.scene, s.prepared.reduced);
 }
 
-double Simulation::input(int index) const { return impl_->u.value(impl_->known_input(index)); }
+double Simulation::input(int index) const {
+  const int known = impl_->known_input(index);
+  return impl_->input_size[known] * impl_->u.value(known);
+}
 
 double Simulation::input_derivative(int index, int order) const {
   if (order < 1 || order > Inputs::highest_order) throw UsageError("a derivative is of order 1 to 5");
-  return impl_->u.derivative(impl_->known_input(index), order);
+  const int known = impl_->known_input(index);
+  return impl_->input_size[known] * impl_->u.derivative(known, order);
 }
 
 double Simulation::output(int index) {
@@ -220,12 +233,12 @@ double Simulation::output(int index) {
   if (!s.initialized) throw UsageError("an output before initialize()");
   if (const int part = s.readings->energy_part(index); part >= 0) {
     const Energy e = s.energy();
-    return part == 0 ? e.kinetic : part == 1 ? e.potential : e.kinetic + e.potential;
+    return s.output_size[index] * (part == 0 ? e.kinetic : part == 1 ? e.potential : e.kinetic + e.potential);
   }
-  if (s.readings->island(index) < 0) return s.readings->constant(index);
+  if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
   island.refresh(s.readings->needs(index));
-  return s.readings->value(index, island.reading());
+  return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
 double Simulation::diagnostic(int index) {
@@ -260,14 +273,14 @@ double Simulation::diagnostic(int index) {
     case Diagnostic::constraint_velocity:
       return largest(&Island::velocity_gap);
     case Diagnostic::kinetic_energy:
-      return s.energy().kinetic;
+      return s.diagnostic_size[index] * s.energy().kinetic;
     case Diagnostic::potential_energy:
-      return s.energy().potential;
+      return s.diagnostic_size[index] * s.energy().potential;
     case Diagnostic::total_energy:
       break;
   }
   const Energy energy = s.energy();
-  return energy.kinetic + energy.potential;
+  return s.diagnostic_size[index] * (energy.kinetic + energy.potential);
 }
 
 }  // namespace gelenk

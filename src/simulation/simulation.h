@@ -130,6 +130,8 @@ class Simulation {
 
   // What assembly found, in words: the branch (start values of every joint) and what it changed.
   std::string assembly_report() const;
+  // What is doubtful about the start, a sentence each: singular configurations.
+  const std::vector<std::string>& start_warnings() const;
 
   // s: about when the last singular position was passed (diagnostic singular_positions); -infinity: none was.
   double last_singular_position() const;

@@ -16,6 +16,12 @@ std::vector<bool> flags(const std::vector<int>& numbers, int n) {
   return out;
 }
 
+using Sizes = Eigen::VectorXd;
+
+Eigen::Map<const Sizes> sizes(const std::vector<double>& of) {
+  return Eigen::Map<const Sizes>(of.data(), static_cast<Eigen::Index>(of.size()));
+}
+
 std::vector<int> numbers(const std::vector<bool>& flags) {
   std::vector<int> out;
   for (int k = 0; k < static_cast<int>(flags.size()); ++k) {
@@ -78,6 +84,12 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
   std::vector<bool> prefer = coordinates;
   for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
   out.coordinates = independent_columns(position_rows(mechanism, dynamics->J()), structure.position_rank, prefer);
+  return out;
+}
+
+Eigen::VectorXd Simulation::Impl::sizes_of_states() const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(states.size()));
+  for (std::size_t i = 0; i < states.size(); ++i) out[static_cast<Eigen::Index>(i)] = output_size[states[i].output];
   return out;
 }
 
@@ -155,13 +167,37 @@ auto Simulation::differentiate(Ask ask) {
 }
 
 Linearization Simulation::linearize() {
-  return differentiate([](Sensitivity& s) { return s.linearize(); });
+  Linearization out = differentiate([](Sensitivity& s) { return s.linearize(); });
+  const Impl& s = *impl_;
+  if (s.scene.units.is_si()) return out;
+  const Sizes x = s.sizes_of_states();
+  const Sizes u = sizes(s.input_size);
+  const Sizes y = sizes(s.output_size);
+  out.A = x.asDiagonal() * out.A * x.cwiseInverse().asDiagonal();
+  out.B = x.asDiagonal() * out.B * u.cwiseInverse().asDiagonal();
+  out.C = y.asDiagonal() * out.C * x.cwiseInverse().asDiagonal();
+  out.D = y.asDiagonal() * out.D * u.cwiseInverse().asDiagonal();
+  out.xdot = x.cwiseProduct(out.xdot);
+  return out;
 }
 
 Slope Simulation::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
   check_size("dx", dx.size(), impl_->states.size());
   check_size("du", du.size(), impl_->u.count());
-  return differentiate([&](Sensitivity& s) { return s.along(dx, du); });
+  const Impl& s = *impl_;
+  const auto natural = [](const std::vector<double>& si, const Sizes& of) {
+    std::vector<double> out = si;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] /= of[static_cast<Eigen::Index>(i)];
+    return out;
+  };
+  const Sizes x = s.sizes_of_states();
+  const std::vector<double> along_x = natural(dx, x);
+  const std::vector<double> along_u = natural(du, sizes(s.input_size));
+  Slope out = differentiate([&](Sensitivity& of) { return of.along(along_x, along_u); });
+  out.outputs = sizes(s.output_size).asDiagonal() * out.outputs;
+  out.rates = x.asDiagonal() * out.rates;
+  out.xdot = x.cwiseProduct(out.xdot);
+  return out;
 }
 
 Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot, const std::vector<double>& uddot) {
@@ -169,6 +205,7 @@ Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot,
   const auto known = [&](const char* name, const std::vector<double>& given, int order) {
     if (!given.empty()) check_size(name, given.size(), u.count());
     std::vector<double> rates(given);
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] /= impl_->input_size[i];
     for (auto i = static_cast<int>(given.size()); i < static_cast<int>(u.count()); ++i) {
       rates.push_back(u.rate(i, order));
     }
@@ -176,7 +213,8 @@ Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot,
   };
   const std::vector<double> first = known("udot", udot, 1);
   const std::vector<double> second = known("uddot", uddot, 2);
-  return differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
+  const Eigen::MatrixX2d out = differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
+  return sizes(impl_->output_size).asDiagonal() * out;
 }
 
 Slopes Simulation::residual_slopes(int island, const std::vector<double>& x, bool by_duals) const {

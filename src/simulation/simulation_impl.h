@@ -14,8 +14,10 @@
 namespace gelenk {
 
 struct Simulation::Impl {
-  explicit Impl(Scene given)
-      : scene(std::move(given)),
+  explicit Impl(const Scene& given)
+      : given(given),
+        scene(in_units(given, natural_units(given))),
+        tuned(scene),
         reduced(reduce(scene)),
         inputs(input_signals(scene)),
         outputs(output_signals(scene)),
@@ -23,11 +25,25 @@ struct Simulation::Impl {
         u(inputs.size()),
         size(size_of(reduced)) {
     for (std::size_t i = 0; i < inputs.size(); ++i) u.set(static_cast<int>(i), inputs[i].start);
+    sizes_of(inputs, input_size);
+    sizes_of(outputs, output_size);
+    sizes_of(diagnostics, diagnostic_size);
   }
 
-  Scene scene;
+  static Scene in_units(Scene scene, const UnitSystem& units) {
+    convert(scene, units);
+    return scene;
+  }
+  void sizes_of(const std::vector<Signal>& signals, std::vector<double>& sizes) const {
+    for (const Signal& signal : signals) sizes.push_back(scene.units.size_of(signal.unit));
+  }
+
+  Scene given;                 // in SI, as all that the user sees
+  Scene scene;                 // in natural units, as all that follows
+  Scene tuned;                 // in natural units, while it is taken over
   const ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
+  std::vector<double> input_size, output_size, diagnostic_size;  // the SI value of 1 in natural units
   Inputs u;
   ModelSize size;
 
@@ -46,6 +62,7 @@ struct Simulation::Impl {
   std::vector<StateVariable> states;
   std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
 
+  Eigen::VectorXd sizes_of_states() const;  // as output_size; of their derivatives, too
   void make_islands();
   void find_independent();
   void settle();                     // the start becomes a rest (settle.cpp)
