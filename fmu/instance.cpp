@@ -61,6 +61,7 @@ void Instance::exit_initialization() {
   clock_.start(plant_.time());
   const std::string report = plant_.assembly_report();
   if (!report.empty()) log_.say(Category::events, report);
+  for (const std::string& warning : plant_.start_warnings()) log_.say(Category::warning, warning);
   enter(Mode::step_complete);
 }
 

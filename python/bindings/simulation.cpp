@@ -318,5 +318,6 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def(
           "inspect", [](Plant& p) { return p.with([](Simulation& s) { return gelenk::inspect(s); }); },
           "What the reductions did. After initialize().")
+      .def("start_warnings", [](Plant& p) { return p.with([](Simulation& s) { return s.start_warnings(); }); })
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
 }

@@ -62,5 +62,9 @@ class OperatingPointWarning(UserWarning):
     """A linear model was asked for about a point that is no equilibrium; names the states that change."""
 
 
+class StartWarning(UserWarning):
+    """The start is a singular configuration, or beside one; names the loop and what it leaves open."""
+
+
 class ExportError(GelenkError):
     """A file of the FMU could not be read or written."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+import warnings
 import xml.etree.ElementTree as ET
 import zipfile
 import zlib
@@ -22,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.derivatives import Derivatives, rate_told
-from gelenk.errors import AssemblyError, GelenkError, StepError, UsageError
+from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
 from gelenk.plant import Plant
 from gelenk.scene import Value, number
 
@@ -36,6 +37,8 @@ class FmuPlant(Plant):
     def __init__(self, path: Path) -> None:
         self._file = path
         self._messages: list[str] = []
+        self._starting = False
+        self._start_warnings: list[str] = []
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         experiment = self._description.defaultExperiment
@@ -106,7 +109,14 @@ class FmuPlant(Plant):
                 self.set_input(name, value)
             for name, derivatives in (input_derivatives or {}).items():
                 self.set_input_derivatives(name, derivatives)
-            self._slave.exitInitializationMode()
+            self._start_warnings.clear()
+            self._starting = True
+            try:
+                self._slave.exitInitializationMode()
+            finally:
+                self._starting = False
+        for sentence in self._start_warnings:
+            warnings.warn(sentence, StartWarning, stacklevel=2)
 
     @override
     def select(self, names: list[str]) -> None:
@@ -197,6 +207,8 @@ class FmuPlant(Plant):
         if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
             text = re.sub(r"^fmi2\w+: ", "", text)
             self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
+        elif status == _WARNING and self._starting:
+            self._start_warnings.append(text)
 
     @contextmanager
     def _told(self, error: Callable[[str], GelenkError]) -> Iterator[None]:

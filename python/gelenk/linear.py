@@ -67,10 +67,17 @@ class LinearModel:
         except ImportError as e:
             raise UsageError(f"python-control, which linear models are made for, is missing: {e}") from None
         inputs, outputs = _without_dots(self.inputs, "inputs"), _without_dots(self.outputs, "outputs")
-        return control.StateSpace(
-            self.A, self.B, self.C, self.D, name=self.name.replace(".", "_") or None, dt=0,
-            states=list(self.states), inputs=inputs, outputs=outputs, remove_useless_states=False,
+        # python-control takes a matrix of shape (1, 0) for one of shape (0, 0): without inputs the model is
+        # made with one that does nothing, which is then taken away.
+        B, D = (M if inputs else np.zeros((len(M), 1)) for M in (self.B, self.D))
+        out = control.StateSpace(
+            self.A, B, self.C, D, name=self.name.replace(".", "_") or None, dt=0,
+            states=list(self.states), inputs=inputs or 1, outputs=outputs, remove_useless_states=False,
         )  # fmt: skip
+        if not inputs:
+            out.B, out.D = self.B.copy(), self.D.copy()
+            out.set_inputs(inputs)
+        return out
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON: matrices row by row."""

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
-from gelenk.errors import UsageError
+from gelenk.errors import StartWarning, UsageError
 from gelenk.scene import Source, load, unknown
 
 
@@ -48,8 +49,13 @@ class Simulation:
 
         Raises:
             AssemblyError: the loops cannot be closed.
+
+        Warns:
+            StartWarning: the start is a singular configuration, or beside one.
         """
         self._core.initialize(time, tolerance)
+        for sentence in self._core.start_warnings():
+            warnings.warn(sentence, StartWarning, stacklevel=2)
 
     def save(self) -> bytes:
         """All that decides how the run goes on: time, state, inputs, what methods carry from step to step.

@@ -5,11 +5,31 @@ from __future__ import annotations
 
 import functools
 import sys
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import typer
 
-from gelenk.errors import GelenkError
+from gelenk.errors import GelenkError, StartWarning
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Warnings of a start are lines on stderr, each told once."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("once", StartWarning)
+        show = warnings.showwarning
+
+        def line(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+            if issubclass(category, StartWarning):
+                print(message, file=sys.stderr)
+            else:
+                show(message, category, *rest, **named)
+
+        warnings.showwarning = line
+        yield
 
 
 def told[**P](command: Callable[P, None]) -> Callable[P, None]:
@@ -18,7 +38,8 @@ def told[**P](command: Callable[P, None]) -> Callable[P, None]:
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            command(*args, **kwargs)
+            with _plain_warnings():
+                command(*args, **kwargs)
         except GelenkError as e:
             lines = e.lines
         except BrokenPipeError:  # the reader of our output has gone: nothing to tell
