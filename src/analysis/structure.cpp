@@ -277,6 +277,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       standing.see(dynamics, explorer.free_motion());
     }
   }
+  if (deficient && out.rank < mechanism.nv && seen.size() == 1) out.soundest = INFINITY;
   out.position_rank = position_rank_of(mechanism, seen, out.rank, explorer.nothing());
   std::vector<bool> needed(mechanism.rows, true);
   // What holds everywhere can be told only where several positions were seen, or where there is but one.

@@ -14,7 +14,9 @@ struct Structure {
   int rank = 0;           // of the rows, at positions without special symmetry
   int rank_start = 0;     // at q; less where the start is singular
   int position_rank = 0;  // of the rows that hold positions
-  double soundest = 0;    // the largest ratio of smallest to largest pivot among the positions seen (row_factor.h)
+  // The largest ratio of smallest to largest pivot among the positions seen (row_factor.h). Infinite: the rows leave a
+  // motion free at q, but no other position closes, so that q is singular (rigid, though not at first order).
+  double soundest = 0;
   // By cut, those of its rows (Cut::kept) that are needed. The others are combinations of these with constant factors,
   // so that leaving them out changes nothing at any position, singular ones included. Rows that repeat
   // others with factors that change with the position stay: each of them is needed somewhere.

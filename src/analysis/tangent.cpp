@@ -7,6 +7,9 @@
 #include <utility>
 #include <variant>
 
+#include "analysis/dual_columns.h"
+#include "dynamics/collapsed_spring.h"
+
 namespace gelenk {
 namespace {
 
@@ -20,48 +23,6 @@ constexpr double singular = 1e-8;
 // Beside a position where the rows themselves lose rank, accelerations are quotients of two numbers that vanish there
 // with the share s of a regular position's smallest pivot, and their derivatives err by some 1e-16 / s^3: 1e-7 here.
 constexpr double beside_singular = 1e-3;
-
-template <class Numbers>
-VectorXd slope(const Numbers& from, int k) {
-  VectorXd out(static_cast<Index>(from.size()));
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    if constexpr (std::is_same_v<typename Numbers::value_type, Dual>) {
-      out[static_cast<Index>(i)] = from[i].slope()[k];
-    } else {
-      out[static_cast<Index>(i)] = from[i][k];
-    }
-  }
-  return out;
-}
-
-MatrixXd slopes(const std::vector<Dual>& from, Index n) {
-  MatrixXd out(static_cast<Index>(from.size()), n);
-  for (Index k = 0; k < n; ++k) out.col(k) = slope(from, static_cast<int>(k));
-  return out;
-}
-
-void set_slopes(const MatrixXd& from, std::vector<Dual>& to) {
-  for (Index i = 0; i < from.rows(); ++i) {
-    to[i].slope().setZero();
-    for (Index k = 0; k < from.cols(); ++k) to[i].slope()[k] = from(i, k);
-  }
-}
-
-// out += A x, of x the first rows, of which many may be zero.
-template <class From, class X, class To>
-void add_product(const From& A, const X& x, Index rows, To& out) {
-  for (Index k = 0; k < x.cols(); ++k) {
-    for (Index j = 0; j < rows; ++j) {
-      const double factor = x(j, k);
-      if (factor != 0) out.col(k) += factor * A.col(j);
-    }
-  }
-}
-
-template <class T>
-void set_values(const VectorXd& from, std::vector<T>& to) {
-  for (Index i = 0; i < from.size(); ++i) to[i] = T(from[i]);
-}
 
 }  // namespace
 
@@ -77,6 +38,7 @@ Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure
       rank_(structure.rank),
       position_rank_(structure.position_rank),
       soundest_(structure.soundest),
+      loads_(loads),
       inputs_(inputs),
       dynamics_(make_dynamics(mechanism, loads)),
       q_(mechanism.nq),
@@ -116,6 +78,11 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   d.factorise();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
+  if (!loads_.springs.empty()) {
+    d.set_root_poses();
+    const int force = collapsed_spring(loads_, d);
+    if (force >= 0) throw Undetermined(Undetermined::What::spring, force);
+  }
   partition_known_ = slopes_known_ = false;
   redundant_ = false;
   if (mechanism_.rows == 0) return;

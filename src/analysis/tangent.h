@@ -23,13 +23,16 @@ namespace gelenk {
 // The derivatives do not exist or are infinite.
 class Undetermined : public std::runtime_error {
  public:
-  enum class What { rows, partition };  // the rows have lost rank; the independent speeds leave others open
-  explicit Undetermined(What what)
-      : std::runtime_error(what == What::rows ? "singular position" : "dependent speeds not determined"), what_(what) {}
+  // The rows have lost rank; the independent speeds leave others open; the ends of a spring meet.
+  enum class What { rows, partition, spring };
+  explicit Undetermined(What what, int force = -1)
+      : std::runtime_error("derivatives do not exist"), what_(what), force_(force) {}
   What reason() const { return what_; }
+  int force() const { return force_; }  // of the scene: the spring
 
  private:
   What what_;
+  int force_;
 };
 
 // As Dynamics::set_targets takes them.
@@ -101,6 +104,7 @@ class Tangent {
   const Mechanism& mechanism_;
   int rank_, position_rank_;
   double soundest_;
+  const Loads& loads_;
   int inputs_;
   std::unique_ptr<Dynamics> dynamics_;
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;

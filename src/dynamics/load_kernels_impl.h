@@ -71,17 +71,20 @@ void spring_load(const PointSpring& spring, Workspace<A>& ws) {
   const auto& X_from = ws.X_0L[spring.from.link];
   const auto& X_to = ws.X_0L[spring.to.link];
   const Vector3<T> d = spring_span(spring, ws);
+  const Vector3<T> none = Vector3<T>::Zero();
+  const auto pull_by = [&](const Vector3<T>& pull) {  // on `from`
+    apply<T>(spring.from, to_link<T>(X_from, pull), none, ws.F_ext[spring.from.link]);
+    apply<T>(spring.to, to_link<T>(X_to, Vector3<T>(-pull)), none, ws.F_ext[spring.to.link]);
+  };
+  if (spring.is_linear()) return pull_by(T(spring.stiffness) * d);
   const T L = d.norm();
-  if (L == T(0)) return;  // no direction; without free length no force either
+  if (L == T(0)) return;  // no direction: collapsed_spring() tells
   const Vector3<T> e = d / L;
   const Vector3<T> v_to = to_root<T>(X_to, point_velocity<T>(ws.V[spring.to.link], spring.to));
   const Vector3<T> v_from = to_root<T>(X_from, point_velocity<T>(ws.V[spring.from.link], spring.from));
   const T rate = e.dot(v_to - v_from);
   const T tension = T(spring.stiffness) * (L - T(spring.length)) + T(spring.damping) * rate;
-  const Vector3<T> pull = tension * e;  // on `from`
-  const Vector3<T> none = Vector3<T>::Zero();
-  apply<T>(spring.from, to_link<T>(X_from, pull), none, ws.F_ext[spring.from.link]);
-  apply<T>(spring.to, to_link<T>(X_to, Vector3<T>(-pull)), none, ws.F_ext[spring.to.link]);
+  pull_by(tension * e);
 }
 
 template <class A>

@@ -110,8 +110,8 @@ struct LoadAdder {
     if (force.type == ForceType::spring_damper) {
       const int island = std::max(island_of(force.from), island_of(force.to));
       if (island < 0) return;
-      out[island].springs.push_back(
-          {attach(island, force.from), attach(island, force.to), force.stiffness, force.damping, force.length});
+      out[island].springs.push_back({attach(island, force.from), attach(island, force.to), force.stiffness,
+                                     force.damping, force.length, static_cast<int>(&force - scene.forces.data())});
       return;
     }
     const int first_input = inputs;

@@ -22,6 +22,11 @@ struct Attachment {
 struct PointSpring {
   Attachment from, to;
   double stiffness = 0, damping = 0, length = 0;
+  int force = -1;  // of the scene
+
+  // It pulls with stiffness times the way between its ends, smooth also where these meet. Any other one has a direction
+  // that is not defined there.
+  bool is_linear() const { return length == 0 && damping == 0; }
 };
 
 struct Wrench {

@@ -104,7 +104,12 @@ EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, c
     sum.potential -= loads.gravity.cast<T>().dot(first_moment_in_root<A>(ws.X_0L[i], G));
   }
   for (const PointSpring& spring : loads.springs) {
-    const T stretch = spring_span(spring, ws).norm() - spring.length;
+    const auto d = spring_span(spring, ws);
+    if (spring.is_linear()) {  // the length has no derivative where the ends meet
+      sum.potential += spring.stiffness / 2 * d.squaredNorm();
+      continue;
+    }
+    const T stretch = d.norm() - spring.length;
     sum.potential += spring.stiffness / 2 * stretch * stretch;
   }
   return sum;

@@ -220,6 +220,15 @@ typename RecursiveSlopes<A>::Spring RecursiveSlopes<A>::spring(const PointSpring
 template <class A>
 void RecursiveSlopes<A>::spring_slopes(const PointSpring& s, const Pair& of, Slopes& by) const {
   const Spring now = spring(s);
+  if (s.is_linear()) {
+    const Eigen::Vector3d d = now.length * now.e;
+    const auto changes = [&](const Motion& S) -> Change {
+      const Eigen::Vector3d by_p = s.stiffness * (detail::velocity(S, now.p) + d.cross(detail::angular(S)));
+      return {detail::force_at<A>(now.p, by_p), {}};
+    };
+    add_pair<true>(of, body_[s.to.link].V, changes, by);
+    return;
+  }
   if (now.length == 0) return;
   const auto across = [&](const Eigen::Vector3d& x) {
     return Eigen::Vector3d((x - now.e.dot(x) * now.e) / now.length);

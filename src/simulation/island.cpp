@@ -24,7 +24,7 @@ double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver
 
 FormulationOptions options_of(const Scene& scene, const Structure& structure) {
   return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections,
-          structure.soundest};
+          std::isfinite(structure.soundest) ? structure.soundest : 0};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "analysis/singular_start.h"
+#include "dynamics/collapsed_spring.h"
 #include "formulation/targets.h"
 #include "scene/text.h"
 #include "simulation/report.h"
@@ -222,6 +223,10 @@ struct Preparer {
       if (found.share < doubtful_share) {
         out.warnings.push_back(describe_singular_start(scene, out.reduced, island, found));
       }
+      dynamics[i]->set_position(of.start.q.data());
+      dynamics[i]->set_root_poses();
+      const int force = collapsed_spring(loads[i], *dynamics[i]);
+      if (force >= 0) out.warnings.push_back(describe_collapsed_spring(scene, force));
     }
   }
 

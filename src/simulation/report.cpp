@@ -268,9 +268,19 @@ std::string describe_lost_inertia(double t, const std::string& link) {
          "come to move without inertia";
 }
 
-std::string describe_undetermined(Undetermined::What what, double t, const std::vector<std::string>& states) {
+std::string describe_collapsed_spring(const Scene& scene, int force) {
+  return prefix(scene) + "forces." + scene.forces[force].name +
+         ": its ends meet at the start, where the direction of its force is not defined";
+}
+
+std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
+                                  const std::vector<std::string>& states) {
   const std::string when = "t = " + text::rounded(t) + " s: ";
-  if (what == Undetermined::What::rows) {
+  if (fault.reason() == Undetermined::What::spring) {
+    return when + "the ends of forces." + scene.forces[fault.force()].name +
+           " meet, where the direction of its force is not defined: derivatives do not exist there";
+  }
+  if (fault.reason() == Undetermined::What::rows) {
     return when +
            "a loop stands in a singular position, or beside one, where it could go on by another branch: derivatives "
            "do not "

@@ -39,7 +39,10 @@ std::string describe_massless(const Scene& scene, const std::string& link);
 std::string describe_lost_inertia(double t, const std::string& link);
 
 // No derivatives at t [s]. states: the coordinates by which they were taken.
-std::string describe_undetermined(Undetermined::What what, double t, const std::vector<std::string>& states);
+std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
+                                  const std::vector<std::string>& states);
+// The ends of a spring meet at the start.
+std::string describe_collapsed_spring(const Scene& scene, int force);
 
 // A step that was refused.
 // The step to `end` was left at t, its evaluations spent.

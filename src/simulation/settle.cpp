@@ -26,7 +26,7 @@ void Simulation::Impl::settle() {
     } catch (const NoEquilibrium& fault) {
       throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), fault));
     } catch (const Undetermined& fault) {
-      throw AssemblyError(describe_undetermined(fault.reason(), time, names_of_coordinates(static_cast<int>(i))));
+      throw AssemblyError(describe_undetermined(scene, fault, time, names_of_coordinates(static_cast<int>(i))));
     }
     start.v.assign(start.v.size(), 0.0);
   }

@@ -160,7 +160,7 @@ auto Simulation::differentiate(Ask ask) {
     return ask(*s.sensitivity);
   } catch (const Undetermined& fault) {
     throw NotDifferentiable(
-        describe_undetermined(fault.reason(), s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
+        describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
   } catch (const SingularMass& fault) {
     throw NotDifferentiable(describe_lost_inertia(s.time, fault.what()));
   }

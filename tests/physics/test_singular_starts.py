@@ -153,7 +153,7 @@ def test_speed_along_a_dead_centre_contradicts_the_loop(guess: float) -> None:
 
 
 def polygon(angles: list[float]) -> Scene:
-    """Rods of 1 m in a row; the joint that pins the last one to the ground where it ends has no start values."""
+    """Rods of 1 m in a row; the joint that pins the end of the last to the ground has no start values."""
     end = np.zeros(2)
     heading = 0.0
     bodies, joints = {}, {}
