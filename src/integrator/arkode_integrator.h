@@ -16,6 +16,8 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
+  bool multistep() const final { return false; }
+  bool has_history() const final { return false; }
   void exchange(Record& record) override;
 
  protected:

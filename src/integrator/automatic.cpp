@@ -7,20 +7,15 @@
 #include <cmath>
 #include <vector>
 
+#include "integrator/fastest_rate.h"
 #include "integrator/integrator.h"
 
 namespace gelenk {
 namespace {
 
 constexpr int stretch_steps = 100;  // what a price is taken from
-// Steps times the largest eigenvalue of df/dy: the explicit method is stable to about 4, and where it is accurate to
-// its tolerance alone, is seldom beyond 1.
-constexpr double suspicious = 2.0;
-constexpr double stable_reach = 4.0;
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
-constexpr int iterations = 8;          // of the power method for that eigenvalue, at most,
-constexpr double settled = 0.1;        // when it has not changed by more, relatively
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
 constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
 
@@ -61,17 +56,11 @@ class Counted final : public Equations {
 class Automatic final : public Integrator {
  public:
   Automatic(Equations& system, const IntegratorOptions& options)
-      : system_(system),
-        counted_(system),
+      : counted_(system),
         methods_{make_erk(counted_, options), make_cvode(counted_, options)},
         n_(system.size()),
         y_(n_),
-        direction_(n_),
-        beside_(n_),
-        f_(n_),
-        f_beside_(n_) {
-    for (int i = 0; i < n_; ++i) direction_[i] = 1 + 0.3 * i / n_;
-  }
+        fastest_rate_(system) {}
 
   void restart(double t, const double* y) override {
     t_ = t;
@@ -89,12 +78,18 @@ class Automatic final : public Integrator {
     }
   }
 
+  bool may_be_multistep() const override { return true; }
+  bool multistep() const override { return current_ == implicit_method; }
+  bool has_history() const override { return methods_[current_]->has_history(); }
+
   void exchange(Record& record) override {
     Integrator::exchange(record);
     record.within(current_, 0, 1);
     if (record.reading()) methods_[current_]->restart(t_, y_.data());
     for (const auto& method : methods_) method->exchange(record);
-    record.exchange(stretch_.time, stretch_.cost, stretch_.steps, price_, direction_, trial_);
+    record.exchange(stretch_.time, stretch_.cost, stretch_.steps, price_);
+    fastest_rate_.exchange(record);
+    record.exchange(trial_);
     trials_.exchange(record);
   }
 
@@ -159,14 +154,14 @@ class Automatic final : public Integrator {
     }
     if (!trials_.due()) return;
     if (current_ == explicit_method) {
-      if (fastest_rate() * last.time > suspicious * static_cast<double>(last.steps)) attempt(implicit_method);
+      if (fastest_rate_.at(t_, y_.data()) * last.time > suspicious_reach * static_cast<double>(last.steps)) attempt(implicit_method);
     } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {
       attempt(explicit_method);
     }
   }
 
   // What stability asks of the explicit method.
-  double least_explicit_price() { return accuracy_margin * stages * fastest_rate() / stable_reach; }
+  double least_explicit_price() { return accuracy_margin * stages * fastest_rate_.at(t_, y_.data()) / stable_reach; }
 
   void attempt(int method) {
     trial_ = 2;
@@ -178,34 +173,6 @@ class Automatic final : public Integrator {
     methods_[current_]->restart(t_, y_.data());
   }
 
-  // Largest eigenvalue of df/dy at (t_, y_), by magnitude [1/s], by the power method on differences of f; the direction
-  // found last is a good one to begin with.
-  double fastest_rate() {
-    if (!system_.rhs(t_, y_.data(), f_.data())) return 0;
-    double size = 0;
-    for (const double y : y_) size += y * y;
-    const double h = 1e-7 * std::sqrt(1 + size);
-    double rate = 0;
-    for (int i = 0; i < iterations; ++i) {
-      double length = 0;
-      for (const double x : direction_) length += x * x;
-      length = std::sqrt(length);
-      if (!(length > 0 && std::isfinite(length))) break;
-      for (int k = 0; k < n_; ++k) beside_[k] = y_[k] + h * direction_[k] / length;
-      if (!system_.rhs(t_, beside_.data(), f_beside_.data())) break;
-      const double before = rate;
-      rate = 0;
-      for (int k = 0; k < n_; ++k) {
-        direction_[k] = (f_beside_[k] - f_[k]) / h;
-        rate += direction_[k] * direction_[k];
-      }
-      rate = std::sqrt(rate);
-      if (std::abs(rate - before) < settled * rate) break;
-    }
-    if (!(rate > 0 && std::isfinite(rate))) std::ranges::fill(direction_, 1.0);
-    return rate;
-  }
-
   void count() {
     steps_ = rejected_ = 0;
     for (const auto& method : methods_) {
@@ -214,7 +181,6 @@ class Automatic final : public Integrator {
     }
   }
 
-  Equations& system_;
   Counted counted_;
   std::array<std::unique_ptr<Integrator>, 2> methods_;
   int n_;
@@ -225,7 +191,7 @@ class Automatic final : public Integrator {
   std::array<double, 2> price_ = {INFINITY, INFINITY};  // evaluations per simulated second, when last used
   int trial_ = 0;                                       // stretches of a trial that are still to come
   Backoff trials_{4, longest_wait};
-  std::vector<double> direction_, beside_, f_, f_beside_;
+  FastestRate fastest_rate_;
 };
 
 }  // namespace

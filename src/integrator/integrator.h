@@ -44,9 +44,15 @@ class Integrator {
   // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
   // advance(). Where it stands afterwards is not said.
   virtual void warm_up(double end, double* y) { advance_some(end, y, 2); }
-  // What it carries from one communication point to the next besides (t, y), after restart() there when reading.
-  // Methods with a history that cannot be written down begin anew: in the run that wrote the record as in the one that
-  // reads it.
+  // A multistep method's history cannot be written down. What it will do is then known from where it began anew, and
+  // from what it was asked for since.
+  // Whether there is such a method; whether the next advance begins with it.
+  virtual bool may_be_multistep() const { return multistep(); }
+  virtual bool multistep() const { return false; }
+  // Whether the method in use carries a history: since restart() it has made steps.
+  virtual bool has_history() const { return false; }
+  // What it carries from one communication point to the next besides (t, y) and a history, after restart() there when
+  // reading. Not to be written while it has_history().
   virtual void exchange(Record& record) { record.exchange(steps_, rejected_); }
 
   long steps() const { return steps_; }
@@ -105,6 +111,8 @@ class Backoff {
     if (waiting_ > 0) --waiting_;
     return waiting_ == 0;
   }
+  // What due() would say.
+  bool near() const { return waiting_ <= 1; }
   void succeeded() { wait_ = 1; }
   void exchange(Record& record) { record.exchange(wait_, waiting_); }
   void failed() { waiting_ = wait_ = std::min(factor_ * wait_, longest_); }

@@ -3,19 +3,25 @@
 #include <array>
 
 #include "integrator/integrator.h"
+#include "integrator/started.h"
 #include "scene/text.h"
 
 namespace gelenk {
 namespace {
 
+template <auto make>
+std::unique_ptr<Integrator> started(Equations& system, const IntegratorOptions& options) {
+  return with_starter(make(system, options), system, options);
+}
+
 constexpr std::array<IntegratorKind, 11> kinds = {{
     {"auto", "erk, and cvode where that is cheaper; ida for formulations with multipliers", make_automatic},
     {"erk", "explicit Runge-Kutta, adaptive steps, order by tolerance (ARKODE), projected after each step", make_erk},
-    {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", make_ida},
+    {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", started<make_ida>},
     {"rk4", "the classical Runge-Kutta method of order 4 with fixed steps, projected after each step", make_rk4},
     {"euler", "the improved Euler method of order 1 with fixed steps, projected after each step", make_euler},
-    {"cvode", "BDF of variable order (CVODES), projected by its own hook; for stiff scenes", make_cvode},
-    {"cvode-adams", "Adams-Moulton of variable order (CVODES), projected after each step", make_cvode_adams},
+    {"cvode", "BDF of variable order (CVODES), projected by its own hook; for stiff scenes", started<make_cvode>},
+    {"cvode-adams", "Adams-Moulton of variable order (CVODES), projected after each step", started<make_cvode_adams>},
     {"dirk", "implicit Runge-Kutta, L-stable, adaptive steps (ARKODE), projected after each step", make_dirk},
     {"generalized-alpha", "second order with damping of what is fast, implicit, fixed steps (Chung & Hulbert)",
      make_generalized_alpha},

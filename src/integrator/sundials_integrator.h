@@ -15,6 +15,8 @@ class SundialsIntegrator : public Integrator {
   void inputs_changed() final { jumped_ = true; }
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
+  bool multistep() const override { return true; }
+  bool has_history() const override { return !fresh_; }
   void exchange(Record& record) override;
 
   Equations& system() const { return system_; }

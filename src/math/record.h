@@ -31,6 +31,12 @@ class Record {
     next_ = 0;
     reading_ = true;
   }
+  // All that was written has been read.
+  bool ended() const { return next_ == words_.size(); }
+  // So that writing this many words asks nothing of the heap.
+  void reserve(std::size_t words) { words_.reserve(words); }
+  // Writes what another record holds.
+  void append(const Record& other) { words_.insert(words_.end(), other.words_.begin(), other.words_.end()); }
   // After reading: throws std::invalid_argument if anything is left.
   void finish() const {
     if (reading_ && next_ != words_.size()) fail();

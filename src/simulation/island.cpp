@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <stdexcept>
 #include <utility>
 
 namespace gelenk {
@@ -39,7 +40,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
-      backup_time_(time) {
+      backup_time_(time),
+      inputs_of_scene_(u.count()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   backup_ = y_;
   dynamics_->limit_rank(prepared_.structure.rank);
@@ -65,6 +67,7 @@ void Island::start_integrator(double tolerance) {
 void Island::warm_up(double step) {
   Record start;
   exchange(start);
+  if (may_be_multistep()) make_room(start.words().size());
   const auto undo = [&] {
     start.read_anew();
     exchange(start);
@@ -80,7 +83,14 @@ void Island::warm_up(double step) {
   }
 }
 
-double Island::advance(double end, long most_evaluations) {
+// words: of a record as it is now; later there are also accelerations and inputs that are remembered (projection.cpp),
+// and samples of a singular position (passages.h).
+void Island::make_room(std::size_t words) {
+  past_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_));
+  past_.legs.reserve(Past::most_legs);
+}
+
+double Island::advance(double end, long most_evaluations, bool goes_on) {
   backup_ = y_;
   backup_time_ = time_;
   backup_followed_ = followed_;
@@ -91,13 +101,54 @@ double Island::advance(double end, long most_evaluations) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
     }
+    if (multistep() && !has_history()) {
+      past_.beginning.write_anew();
+      exchange(past_.beginning);
+      past_.begin(steps());
+    }
+    Leg leg{end, dynamics_->evaluations(), inputs_jumped_};
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
-    end = integrator_->advance(end, y_.data());
-    if (follows_) equations_->drives_at(end, followed_);
+    time_ = integrator_->advance(end, y_.data());
+    if (follows_) equations_->drives_at(time_, followed_);
+    leg.evaluations = dynamics_->evaluations() - leg.evaluations;
+    remember(leg, goes_on, time_ == end);
+  } else {
+    time_ = end;
   }
-  time_ = end;
-  return end;
+  return time_;
+}
+
+void Island::begin_anew() {
+  integrator_->restart(time_, y_.data());
+  past_.clear();
+}
+
+// whole: it has reached its end. Elsewhere the method goes on, so that an advance in parts is as one.
+void Island::remember(const Leg& leg, bool goes_on, bool whole) {
+  if (!has_history()) {
+    past_.clear();
+  } else if (!past_.begun || !past_.add(leg, goes_on) || (whole && steps() - past_.steps > Past::most_steps)) {
+    begin_anew();
+  }
+}
+
+void Island::go_again(const Leg& leg) {
+  inputs_jumped_ = leg.jumped;
+  if (!(leg.end > time_)) throw std::invalid_argument("it is not of this plant, or damaged");
+  try {
+    advance(leg.end, leg.evaluations);
+  } catch (const IntegrationError&) {
+    throw std::invalid_argument("it is not of this plant, or damaged");
+  } catch (const SingularMass&) {
+    throw std::invalid_argument("it is not of this plant, or damaged");
+  }
+}
+
+void Island::arrive(const Way& way, double time) {
+  if (time_ != time) throw std::invalid_argument("it is not of this plant, or damaged");
+  inputs_jumped_ = way.jumped;
+  evaluations_before_ = dynamics_->evaluations() - way.evaluations;
 }
 
 // An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
@@ -119,10 +170,14 @@ void Island::roll_back() {
   followed_ = backup_followed_;
   fresh_ = Outputs::Needs::state;
   equations_->start(equations_->cut_coordinates(), time_, y_.data());
-  if (integrator_) integrator_->restart(time_, y_.data());
+  if (integrator_) begin_anew();
 }
 
 void Island::exchange(Record& record) {
+  if (!record.reading() && has_history()) {
+    record.append(past_.beginning);
+    return;
+  }
   long made = evaluations();
   record.exchange(time_, y_, inputs_jumped_, made);
   if (follows_) record.exchange(followed_);

@@ -9,6 +9,7 @@
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "simulation/outputs.h"
+#include "simulation/past.h"
 #include "simulation/preparation.h"
 
 namespace gelenk {
@@ -23,12 +24,20 @@ class Island {
   void start_integrator(double tolerance);
   // To `end`, or to the end of the first of its steps by which so many evaluations are spent; returns the time reached.
   // Throws IntegrationError, SingularMass; roll_back() is due then.
-  double advance(double end, long most_evaluations);
+  // goes_on: that was cut short, and nothing is set anew.
+  double advance(double end, long most_evaluations, bool goes_on = false);
   // Back to before the last advance().
   void roll_back();
 
-  // Where it stands and all it carries from one step to the next. Throws std::invalid_argument; it is undefined then.
+  // Where it stands and all it carries from one step to the next; with a history, where that began: then go_again()
+  // along way(), under the inputs of then, and arrive(). Throw std::invalid_argument; it is undefined then.
   void exchange(Record& record);
+  Way way() const { return {past_.legs, evaluations(), inputs_jumped_}; }
+  void go_again(const Leg& leg);
+  void arrive(const Way& way, double time);
+  bool may_be_multistep() const { return integrator_ && integrator_->may_be_multistep(); }
+  bool multistep() const { return integrator_ && integrator_->multistep(); }
+  bool has_history() const { return integrator_ && integrator_->has_history(); }
 
   double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
@@ -40,6 +49,7 @@ class Island {
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     inputs_changed(true);
+    if (has_history()) begin_anew();  // what has led here would not lead here any more
   }
 
   // Brings the equations up to what outputs need.
@@ -74,6 +84,9 @@ class Island {
  private:
   void warm_up(double step);
   double largest_in_si(const std::vector<double>& rows) const;
+  void make_room(std::size_t words);
+  void begin_anew();
+  void remember(const Leg& leg, bool goes_on, bool whole);
   void meet_drives();
   const double* q() const { return y_.data(); }
   const double* v() const { return y_.data() + mechanism().nq; }
@@ -92,6 +105,8 @@ class Island {
   std::vector<double> followed_, backup_followed_, drives_;  // what the rows were followed to (Formulation::drives_at)
   Outputs::Needs fresh_ = Outputs::Needs::state;             // what dynamics_ holds for the present state and inputs
   bool inputs_jumped_ = false;
+  Past past_;
+  std::size_t inputs_of_scene_;
   long evaluations_before_ = 0;  // made to prepare the run
 };
 

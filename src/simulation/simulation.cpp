@@ -68,16 +68,16 @@ void Simulation::Impl::check_inputs(double end) const {
 
 // To `end`, or where an island's evaluations are spent, there all of them; returns the time. moved: how many islands
 // are not, or may be not, where the step began.
-double Simulation::Impl::advance_islands(double end, std::size_t& moved) {
+double Simulation::Impl::advance_islands(double end, bool goes_on, std::size_t& moved) {
   for (const auto& island : islands) {
     ++moved;
-    end = island->advance(end, scene.solver.max_evaluations);
+    end = island->advance(end, scene.solver.max_evaluations, goes_on);
   }
   // Those that were ahead have been further within their evaluations.
   for (const auto& island : islands) {
     if (island->time() == end) continue;
     island->roll_back();
-    island->advance(end, LONG_MAX);
+    island->advance(end, LONG_MAX, goes_on);
   }
   return end;
 }
@@ -85,9 +85,12 @@ double Simulation::Impl::advance_islands(double end, std::size_t& moved) {
 void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
+  const bool goes_on = cut_short && !u.moving() && log.ends_with(u);
+  if (!goes_on && std::ranges::any_of(islands, &Island::multistep)) log.add(u);
   try {
-    const double reached = advance_islands(end, moved);
+    const double reached = advance_islands(end, goes_on, moved);
     time = reached;
+    cut_short = reached < end;
     if (reached == end) return u.finish(end);
     u.interrupt(reached);
     throw StepBudgetError(describe_cut_short(reached, end, scene.solver.max_evaluations));
@@ -128,6 +131,7 @@ void Simulation::initialize(double time, double tolerance) {
   s.find_independent();
   if (s.scene.solver.start == "equilibrium") s.settle();
   for (const auto& island : s.islands) island->start_integrator(tolerance);
+  if (std::ranges::any_of(s.islands, &Island::may_be_multistep)) s.log.make_room();
   s.initialized = true;
 }
 
@@ -149,6 +153,8 @@ void Simulation::exchange(Record& record) {
   record.exchange(s.time);
   s.u.exchange(record);
   for (const auto& island : s.islands) island->exchange(record);
+  s.exchange_past(record);
+  s.cut_short = false;
 }
 
 double Simulation::time() const { return impl_->time; }

@@ -23,7 +23,8 @@ struct Simulation::Impl {
         outputs(output_signals(scene)),
         diagnostics(diagnostic_signals()),
         u(inputs.size()),
-        size(size_of(reduced)) {
+        size(size_of(reduced)),
+        log(inputs.size()) {
     for (std::size_t i = 0; i < inputs.size(); ++i) u.set(static_cast<int>(i), inputs[i].start);
     sizes_of(inputs, input_size);
     sizes_of(outputs, output_size);
@@ -57,6 +58,8 @@ struct Simulation::Impl {
   double still_energy = 0;         // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
+  InputLog log;                    // for islands with a history
+  bool cut_short = false;          // the last advance was
   IndependentOutputs independent;
   std::vector<Independent> independent_by_island;
   std::vector<StateVariable> states;
@@ -69,7 +72,9 @@ struct Simulation::Impl {
   int known_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);
-  double advance_islands(double end, std::size_t& moved);
+  void exchange_past(Record& record);
+  void go_again(const std::vector<Way>& ways);
+  double advance_islands(double end, bool goes_on, std::size_t& moved);
   Energy energy();
   std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
   Independent independent_of(int island, const std::vector<bool>& coordinates, const std::vector<bool>& speeds) const;

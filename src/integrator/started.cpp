@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A Runge-Kutta starter for multistep methods (Gear 1980). A jump of the inputs makes their history worthless: what
+// goes on with it meets the jump as an error, in a dozen rejected steps of low order; what begins anew does so at order
+// 1. Either way each jump costs some twenty steps, whose errors add up. So the steps after a jump are made by `erk`,
+// which has no history to lose, and where jumps follow closely it makes them all. Where stability would bind these
+// steps, the multistep method meets the jump itself.
+#include "integrator/started.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "integrator/fastest_rate.h"
+
+namespace gelenk {
+namespace {
+
+// Runge-Kutta steps after a jump. They cost some five times as much as it then takes the multistep method to begin: so
+// beginning is a small part of the run, however often inputs jump.
+constexpr long starting_steps = 25;
+// Of them in one communication step, from which on it is asked whether stability binds them: fewer are cheap anyway.
+constexpr long many_steps = 5;
+constexpr int longest_wait = 1024;        // jumps between two trials, where it did
+constexpr int longest_confidence = 64;    // starts between two questions, where it did not
+
+class Started final : public Integrator {
+ public:
+  Started(std::unique_ptr<Integrator> multistep, Equations& system, const IntegratorOptions& options)
+      : system_(system),
+        multistep_(std::move(multistep)),
+        erk_(make_erk(system, options)),
+        y_(system.size()),
+        fastest_rate_(system) {}
+
+  void restart(double t, const double* y) override {
+    t_ = t;
+    std::copy_n(y, y_.size(), y_.begin());
+    starting_ = false;
+    multistep_->restart(t_, y_.data());
+  }
+
+  void inputs_changed() override { jumped_ = true; }
+
+  void warm_up(double end, double* y) override {
+    for (Integrator* method : {erk_.get(), multistep_.get()}) {
+      method->restart(t_, y_.data());
+      method->warm_up(end, y);
+    }
+  }
+
+  bool may_be_multistep() const override { return true; }
+  bool multistep() const override {
+    if (jumped_) return !starting_ && !starts_.near();
+    return !starting_ || left_ == 0;
+  }
+  bool has_history() const override { return !starting_ && multistep_->has_history(); }
+
+  void exchange(Record& record) override {
+    Integrator::exchange(record);
+    record.exchange(jumped_, starting_);
+    record.within(left_, 0L, starting_steps);
+    if (record.reading() && starting_) erk_->restart(t_, y_.data());
+    erk_->exchange(record);
+    multistep_->exchange(record);
+    starts_.exchange(record);
+    questions_.exchange(record);
+    fastest_rate_.exchange(record);
+  }
+
+  double advance(double end, double* y) override {
+    if (jumped_) meet_jump();
+    do {
+      if (starting_ && left_ > 0) {
+        start(end);
+      } else {
+        go_on(end);
+      }
+    } while (t_ < end && !system_.spent());
+    steps_ = erk_->steps() + multistep_->steps();
+    rejected_ = erk_->rejected_steps() + multistep_->rejected_steps();
+    std::ranges::copy(y_, y);
+    return t_;
+  }
+
+ private:
+  void meet_jump() {
+    jumped_ = false;
+    if (starting_) {
+      erk_->inputs_changed();
+    } else if (starts_.due()) {
+      erk_->restart(t_, y_.data());
+      starting_ = true;
+    } else {
+      multistep_->inputs_changed();
+      return;
+    }
+    left_ = starting_steps;
+  }
+
+  void start(double end) {
+    const double from = t_;
+    const long before = erk_->steps();
+    try {
+      t_ = erk_->advance_some(end, y_.data(), left_);
+    } catch (const IntegrationError&) {
+      give_up();  // perhaps the other can
+      return;
+    }
+    const long made = erk_->steps() - before;
+    left_ -= made;
+    if (made < many_steps || !questions_.due()) return;
+    if (fastest_rate_.at(t_, y_.data()) * (t_ - from) > suspicious_reach * static_cast<double>(made)) {
+      give_up();
+    } else {
+      questions_.failed();
+      starts_.succeeded();
+    }
+  }
+
+  void give_up() {
+    left_ = 0;
+    starts_.failed();
+    questions_.succeeded();
+  }
+
+  void go_on(double end) {
+    if (starting_) {
+      multistep_->restart(t_, y_.data());
+      starting_ = false;
+    }
+    t_ = multistep_->advance(end, y_.data());
+  }
+
+  Equations& system_;
+  std::unique_ptr<Integrator> multistep_, erk_;
+  double t_ = 0;
+  std::vector<double> y_;
+  bool jumped_ = false;
+  bool starting_ = false;  // erk has made the last step
+  long left_ = 0;          // of its steps, then
+  Backoff starts_{4, longest_wait};
+  Backoff questions_{2, longest_confidence};
+  FastestRate fastest_rate_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> with_starter(std::unique_ptr<Integrator> multistep, Equations& system,
+                                         const IntegratorOptions& options) {
+  if (system.multipliers() > 0) return multistep;
+  return std::make_unique<Started>(std::move(multistep), system, options);
+}
+
+}  // namespace gelenk
