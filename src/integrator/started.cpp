@@ -117,16 +117,18 @@ class Started final : public Integrator {
   }
 
   void give_up() {
-    left_ = 0;
+    begin_multistep();
     starts_.failed();
     questions_.succeeded();
   }
 
+  void begin_multistep() {
+    multistep_->restart(t_, y_.data());
+    starting_ = false;
+  }
+
   void go_on(double end) {
-    if (starting_) {
-      multistep_->restart(t_, y_.data());
-      starting_ = false;
-    }
+    if (starting_) begin_multistep();
     t_ = multistep_->advance(end, y_.data());
   }
 
