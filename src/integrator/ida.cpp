@@ -22,7 +22,7 @@ using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, su
 // The local error test's share of the tolerance, such that what the steps leave adds up to some tens of times the
 // tolerance, with all adaptive methods alike. Here: four-bar, double pendulum, heavy top and parallelogram, 5 to 20 s,
 // tolerances 1e-4 to 1e-8: 1 to 65 times, once 350.
-constexpr double local_share = 0.01;
+constexpr double local_share = 0.006;
 // Below this the weights of the error test are rounding.
 constexpr double least_tolerance = 1e-13;
 
@@ -44,7 +44,7 @@ class Ida final : public SundialsIntegrator {
   Ida(Equations& system, const IntegratorOptions& options)
       : SundialsIntegrator(system),
         dae_(system.multipliers() > 0),
-        tolerance_(std::max(dae_ ? least_dae_tolerance : least_tolerance, local_share * options.tolerance)),
+        tolerance_(std::max(dae_ ? least_dae_tolerance : least_tolerance, bdf_tolerance(local_share, options.tolerance, dae_))),
         ydot_(new_vector()),
         f_(system.unknowns()),
         by_rates_(f_.size() * f_.size()) {

@@ -129,7 +129,22 @@ class Started final : public Integrator {
 
   void go_on(double end) {
     if (starting_) begin_multistep();
-    t_ = multistep_->advance(end, y_.data());
+    try {
+      t_ = multistep_->advance_some(end, y_.data(), 1);
+    } catch (const IntegrationError& first) {
+      pass_by_starter(end, first);
+    }
+  }
+
+  // Beside a singular position Newton's method may find no step, where one without equations to solve passes.
+  void pass_by_starter(double end, const IntegrationError& first) {
+    erk_->restart(t_, y_.data());
+    try {
+      t_ = erk_->advance_some(end, y_.data(), starting_steps);
+    } catch (const IntegrationError&) {
+      throw IntegrationError(first);
+    }
+    begin_multistep();
   }
 
   Equations& system_;

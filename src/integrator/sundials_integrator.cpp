@@ -15,6 +15,10 @@ constexpr double corner_share = 1e-3;
 
 }  // namespace
 
+double bdf_tolerance(double share, double tolerance, bool dae) {
+  return share * tolerance * (dae ? 1 : std::pow(std::min(1.0, tolerance / 1e-4), 0.2));
+}
+
 SundialsIntegrator::SundialsIntegrator(Equations& system) : system_(system), n_(system.size()), y_(new_vector()) {}
 
 N_Vector SundialsIntegrator::new_vector() {
