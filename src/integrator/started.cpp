@@ -21,6 +21,11 @@ constexpr long starting_steps = 25;
 constexpr long many_steps = 5;
 constexpr int longest_wait = 1024;        // jumps between two trials, where it did
 constexpr int longest_confidence = 64;    // starts between two questions, where it did not
+// Beside a singular position the rows' weak direction turns rounding into noise, and Newton's method and error tests
+// fail again and again, however short the step. A method that solves no equations and predicts nothing passes.
+constexpr long window = 100;            // attempts
+constexpr double most_failures = 0.15;  // share of them
+constexpr double least_way = 0.03;      // share of that of the best window
 
 class Started final : public Integrator {
  public:
@@ -34,8 +39,7 @@ class Started final : public Integrator {
   void restart(double t, const double* y) override {
     t_ = t;
     std::copy_n(y, y_.size(), y_.begin());
-    starting_ = false;
-    multistep_->restart(t_, y_.data());
+    begin_multistep();
   }
 
   void inputs_changed() override { jumped_ = true; }
@@ -64,6 +68,7 @@ class Started final : public Integrator {
     starts_.exchange(record);
     questions_.exchange(record);
     fastest_rate_.exchange(record);
+    record.exchange(farthest_);
   }
 
   double advance(double end, double* y) override {
@@ -125,26 +130,43 @@ class Started final : public Integrator {
   void begin_multistep() {
     multistep_->restart(t_, y_.data());
     starting_ = false;
+    open_window();
   }
 
   void go_on(double end) {
     if (starting_) begin_multistep();
     try {
       t_ = multistep_->advance_some(end, y_.data(), 1);
-    } catch (const IntegrationError& first) {
-      pass_by_starter(end, first);
+    } catch (const IntegrationError& fault) {
+      if (!pass_by_starter(end)) throw IntegrationError(fault);
+      return;
     }
+    const long made = multistep_->steps();
+    const long failed = multistep_->rejected_steps();
+    if (made + failed < window_made_ + window_failed_ + window) return;
+    const double way = t_ - window_start_;
+    farthest_ = std::max(farthest_, way);
+    const bool stuck =
+        static_cast<double>(failed - window_failed_) > most_failures * window && way < least_way * farthest_;
+    if (!stuck || !pass_by_starter(end)) open_window();
   }
 
-  // Beside a singular position Newton's method may find no step, where one without equations to solve passes.
-  void pass_by_starter(double end, const IntegrationError& first) {
+  void open_window() {
+    window_start_ = t_;
+    window_made_ = multistep_->steps();
+    window_failed_ = multistep_->rejected_steps();
+  }
+
+  // Some steps. False: they cannot be made.
+  bool pass_by_starter(double end) {
     erk_->restart(t_, y_.data());
     try {
       t_ = erk_->advance_some(end, y_.data(), starting_steps);
     } catch (const IntegrationError&) {
-      throw IntegrationError(first);
+      return false;
     }
     begin_multistep();
+    return true;
   }
 
   Equations& system_;
@@ -157,6 +179,9 @@ class Started final : public Integrator {
   Backoff starts_{4, longest_wait};
   Backoff questions_{2, longest_confidence};
   FastestRate fastest_rate_;
+  double window_start_ = 0;                   // s
+  long window_made_ = 0, window_failed_ = 0;  // steps of the multistep method before the window
+  double farthest_ = 0;                       // s, that a window has come
 };
 
 }  // namespace
