@@ -69,6 +69,7 @@ class Started final : public Integrator {
     questions_.exchange(record);
     fastest_rate_.exchange(record);
     record.exchange(farthest_);
+    open_window();
   }
 
   double advance(double end, double* y) override {

@@ -82,6 +82,7 @@ void Simulation::Impl::exchange_past(Record& record) {
     ways[i].exchange(record);
     longest = std::max(longest, ways[i].legs.size());
   }
+  if (longest == 0) throw std::invalid_argument("it is not of this plant, or damaged");
   log.exchange(record, longest);
   if (reading) go_again(ways);
 }
