@@ -6,6 +6,7 @@
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
 # make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
+# make accuracy  measure what adaptive integrators make of a tolerance, for docs/accuracy.md; QUICK=1: a small part
 # make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
 # make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
@@ -23,6 +24,7 @@ SHELL := /bin/bash
 
 JOBS  ?= 2
 TESTS ?= tests
+QUICK ?=
 VENV  := .venv
 BIN   := $(VENV)/bin
 PIP   := $(BIN)/python -m pip --quiet --disable-pip-version-check
@@ -34,9 +36,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts tutorial real-time bench costs sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time bench costs sanitize fuzz win64 clean
 help:
-	@sed -n '2,18s/^# //p' Makefile
+	@sed -n '2,19s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -68,6 +70,10 @@ reductions: $(VENV)/gelenk.stamp
 charts: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.charts
 
+# Two hours with two processes; it goes on where it was stopped.
+accuracy: $(VENV)/gelenk.stamp
+	$(BIN)/python -m benchmarks.accuracy --jobs $(JOBS) $(if $(QUICK),--quick)
+
 tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/tutorial.py
 
@@ -75,7 +81,6 @@ real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py
 
 # Some minutes of compiling and installing the first time (the other engines come from PyPI), then some twenty.
-QUICK ?=
 bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset release -B build/bench -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 	  -DGELENK_BENCHMARKS=ON -DGELENK_SCENES=OFF

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,6 +38,23 @@ class Jumps:
 
 
 @dataclass(frozen=True)
+class Smooth:
+    """mean + amplitude sin(rate t), given at the start of each communication step with three time
+    derivatives, so that within the step the input is a cubic polynomial.
+    """
+
+    mean: float
+    amplitude: float
+    rate: float  # rad/s
+
+    def at(self, t: float) -> tuple[float, ...]:
+        """Value and derivatives of orders 1 to 3 at t [s]."""
+        waves = (self.amplitude * self.rate**n * math.sin(self.rate * t + n * math.pi / 2) for n in range(4))
+        first, *others = waves
+        return self.mean + first, *others
+
+
+@dataclass(frozen=True)
 class Case:
     """A run that every method is put through. Times in s."""
 
@@ -45,19 +63,21 @@ class Case:
     scene: dict[str, Any]
     stop: float
     step: float  # communication step
-    inputs: Mapping[str, float | Jumps] = field(default_factory=dict)
+    inputs: Mapping[str, float | Jumps | Smooth] = field(default_factory=dict)
     #: Joint states in closed form by output name, from the times; None: integrated, see `reference`.
     truth: Callable[[Array], dict[str, Array]] | None = None
     #: Published joint states (time, output, value) that a reference is checked against, and their source.
     published: tuple[tuple[float, str, float], ...] = ()
     source: str = ""
     expected: str = "good"  # or "refused": where equations have no solution
+    times: tuple[float, ...] = ()  # communication points without 0; empty: every `step`
+    saved: bool = False  # the state is saved after every communication step, and never restored
     by_energy: bool = False  # a run without a drive so long that its phase says little: its energy is judged
 
     @property
     def grid(self) -> Array:
         """Communication points [s], 0 and `stop` included."""
-        return grid(self.stop, self.step)
+        return np.array([0.0, *self.times]) if self.times else grid(self.stop, self.step)
 
     @property
     def jumps(self) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import gelenk
-from gelenk.chart.case import Array, Case, Jumps
+from gelenk.chart.case import Array, Case, Jumps, Smooth
 from gelenk.chart.methods import Method
 from gelenk.chart.outcome import Outcome, judged
 from gelenk.errors import GelenkError
@@ -121,7 +121,8 @@ class Runner:
         self.simulation = gelenk.Simulation(data)
         self._core = self.simulation._core
         names = [s.name for s in self.simulation.inputs]
-        self._constants = [(names.index(n), x) for n, x in case.inputs.items() if not isinstance(x, Jumps)]
+        self._constants = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, int | float)]
+        self._waves = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Smooth)]
         self._jumps = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Jumps)]
         self.states = [i for i, s in enumerate(self.simulation.outputs) if s.level in (0, 1)]
         self.names = [self.simulation.outputs[i].name for i in self.states]
@@ -135,6 +136,7 @@ class Runner:
             self._core.set_input(index, value)
         for (index, _), value in zip(self._jumps, self._values[0], strict=True):
             self._core.set_input(index, value)
+        self._follow(0.0)
         self._core.initialize(0.0, self._tolerance)
 
     def record(self) -> Course:
@@ -143,10 +145,15 @@ class Runner:
         samples = set(self._case.samples())
         health = [self.simulation.diagnostics]
         rows = []
+        begin = 0.0
         for k, end in enumerate(self._ends):
             for (index, _), value in zip(self._jumps, self._values[k], strict=True):
                 self._core.set_input(index, value)
+            self._follow(begin)
             self._core.step_to(end)
+            if self._case.saved:
+                self._core.save()
+            begin = end
             if k + 1 in samples:
                 rows.append(self._core.read_outputs(self.states))
                 health.append(self.simulation.diagnostics)
@@ -159,6 +166,13 @@ class Runner:
             float(column["constraints.velocity"].max()),
             {name: float(values[-1]) for name, values in column.items() if name.startswith("solver.")},
         )
+
+    def _follow(self, t: float) -> None:
+        for index, wave in self._waves:
+            value, *derivatives = wave.at(t)
+            self._core.set_input(index, value)
+            for order, derivative in enumerate(derivatives, 1):
+                self._core.set_input_derivative(index, order, derivative)
 
     def timed(self) -> float:
         """CPU time of the steps alone [s]: no assembly, nothing read, Python's share taken off."""

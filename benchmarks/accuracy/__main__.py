@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures what adaptive integrators make of a tolerance, for docs/accuracy.md: `make accuracy`.
+
+Scenes one after another; the runs of each go to out/accuracy/NAME.csv, and a scene that is there already is
+not run again. `--fresh` forgets them; `--page` makes the tables of what is there, without running anything.
+`--quick` does a small part, into out/accuracy-quick/ alone, to see that it runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from functools import partial
+from pathlib import Path
+
+from benchmarks.accuracy import page, scenes
+from benchmarks.accuracy.runs import Settings, runs_of
+from benchmarks.page_parts import put
+
+from gelenk.chart import runs_csv
+from gelenk.chart.progress import status_line
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "accuracy.md"
+MAKER = "benchmarks/accuracy"
+
+
+def asked() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--fresh", action="store_true")
+    parser.add_argument("--page", action="store_true", help="no runs: the page alone")
+    parser.add_argument("--scenes", help="names with commas between them; all if not given")
+    parser.add_argument("--integrators", help="likewise")
+    parser.add_argument("--every", type=int, default=1, help="of so many runs one, picked evenly")
+    parser.add_argument("--jobs", type=int, default=2)
+    return parser.parse_args()
+
+
+def main() -> None:
+    given = asked()
+    numbers = ROOT / "out" / ("accuracy-quick" if given.quick else "accuracy")
+    if given.fresh:
+        shutil.rmtree(numbers, ignore_errors=True)
+    numbers.mkdir(parents=True, exist_ok=True)
+    names = given.scenes.split(",") if given.scenes else list(scenes.QUICK) if given.quick else None
+    settings = Settings(every=10 * given.every if given.quick else given.every, jobs=given.jobs)
+    if given.integrators:
+        settings = Settings(
+            integrators=tuple(given.integrators.split(",")), every=given.every, jobs=given.jobs
+        )
+    plants = scenes.chosen(names)
+    for plant in [] if given.page else plants:
+        file = numbers / f"{plant.name}.csv"
+        if file.exists():
+            continue
+        with status_line(sys.stderr) as tell:
+            runs = runs_of(plant, settings, partial(tell, plant.name))
+        runs_csv.write(runs, file)
+        wrong = sum(run.outcome == "wrong" for run in runs)
+        print(f"{file.relative_to(ROOT)}: {len(runs)} runs, {wrong} wrong", flush=True)
+    found = [plant for plant in plants if (numbers / f"{plant.name}.csv").exists()]
+    runs = [run for plant in found for run in runs_csv.read(numbers / f"{plant.name}.csv")]
+    parts = {
+        "tolerances": page.by_tolerance(runs),
+        "ways": page.by_way(runs),
+        "outliers": page.outliers(runs),
+        "scenes": page.scenes(runs, [scenes.described(plant) for plant in found]),
+    }
+    target = numbers / "accuracy.md" if given.quick else PAGE
+    put(target, MAKER, parts)
+    print(f"{target.relative_to(ROOT)}: {len(runs)} runs of {len(found)} scenes")
+
+
+if __name__ == "__main__":
+    main()

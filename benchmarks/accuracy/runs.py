@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""All runs of a scene, against references of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from benchmarks.accuracy.scenes import Plant, with_saving
+
+from gelenk.chart import methods
+from gelenk.chart.case import Array, Case
+from gelenk.chart.measure import Reference, Run, Task
+from gelenk.chart.methods import Method
+from gelenk.chart.reference import agreed, closed, main_recording, recorded
+from gelenk.chart.stability import without_truth
+from gelenk.chart.work_precision import run_all
+from gelenk.chart.workers import Failure, work_off
+
+INTEGRATORS = ("auto", "erk", "dirk", "ida", "cvode", "cvode-adams")
+TOLERANCES = tuple(10.0**-k for k in range(4, 11))
+# What has to agree with erk at 1e-13; the best counts. Wheels do not go with `independent`.
+CHECKS = (
+    Method("independent", "cvode-adams"),
+    Method("independent", "erk"),
+    Method("projection", "cvode-adams"),
+)
+CHECK_TOLERANCE = 1e-12
+REFERENCE_LIMIT = 120.0  # s
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How much is run. every: of so many runs, one; limit: wall time of one [s]."""
+
+    tolerances: tuple[float, ...] = TOLERANCES
+    integrators: tuple[str, ...] = INTEGRATORS
+    every: int = 1
+    limit: float = 20.0
+    jobs: int = 2
+
+
+def reference_of(case: Case) -> Reference | Failure:
+    """By the closed form, or by erk at 1e-13 with the digits to which another way agrees."""
+    main = main_recording(case)
+    if case.truth is not None:
+        return closed(case, [main])
+    return agreed(case, [main, *(recorded(Task(case, way, CHECK_TOLERANCE)) for way in CHECKS)])
+
+
+def references_of(cases: Sequence[Case], jobs: int) -> dict[str, Reference | Failure]:
+    """Of every case by name. A signal is measured by its largest value in any of them: where a run is looked
+    at once it may be near zero.
+    """
+    results = work_off([(reference_of, (case,), REFERENCE_LIMIT) for case in cases], jobs)
+    known = [result.scales for result in results if isinstance(result, Reference)]
+    scales: Array = np.max(np.array(known), axis=0) if known else np.array([])
+    return {
+        case.name: replace(result, scales=scales) if isinstance(result, Reference) else result
+        for case, result in zip(cases, results, strict=True)
+    }
+
+
+def runs_of(plant: Plant, settings: Settings, told: Callable[[float], None] | None = None) -> list[Run]:
+    """Every integrator over tolerances, inputs, communication points, with and without saving."""
+    cases = list(plant.cases())
+    truth = references_of(cases, settings.jobs)
+    tasks = []
+    for case in cases:
+        for ran in (case, with_saving(case)):
+            truth[ran.name] = truth[case.name]
+            tasks += [
+                Task(ran, method, tolerance)
+                for method in methods.chosen(settings.integrators)
+                for tolerance in settings.tolerances
+            ]
+    # Weyl's sequence picks without favouring a tolerance or an integrator.
+    tasks = [task for k, task in enumerate(tasks) if (k * 0.6180339887498949) % 1.0 < 1 / settings.every]
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, told)
+    return [without_truth(run, truth[run.scene]) for run in runs]
