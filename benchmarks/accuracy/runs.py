@@ -13,7 +13,7 @@ from gelenk.chart import methods
 from gelenk.chart.case import Array, Case
 from gelenk.chart.measure import Reference, Run, Task
 from gelenk.chart.methods import Method
-from gelenk.chart.reference import agreed, closed, main_recording, recorded
+from gelenk.chart.reference import Recording, agreed, closed, main_recording, recorded
 from gelenk.chart.stability import without_truth
 from gelenk.chart.work_precision import run_all
 from gelenk.chart.workers import Failure, work_off
@@ -46,7 +46,12 @@ def reference_of(case: Case) -> Reference | Failure:
     main = main_recording(case)
     if case.truth is not None:
         return closed(case, [main])
-    return agreed(case, [main, *(recorded(Task(case, way, CHECK_TOLERANCE)) for way in CHECKS)])
+    checked: list[Recording | Failure] = []
+    for way in CHECKS:
+        checked.append(recorded(Task(case, way, CHECK_TOLERANCE)))
+        if isinstance(checked[-1], Recording):
+            break
+    return agreed(case, [main, *checked])
 
 
 def references_of(cases: Sequence[Case], jobs: int) -> dict[str, Reference | Failure]:
