@@ -73,6 +73,7 @@ class Dirk final : public ArkodeIntegrator {
     ARKodeSetNonlinearSolver(memory_, newton_.get());
     SUNNonlinSolSetConvTestFn(newton_.get(), converged, this);
     ARKodeSetMaxNonlinIters(memory_, most_iterations);
+    ARKodeSetMaxConvFails(memory_, most_error_fails);  // Newton's method meets the same jumps
     ARKodeSetNonlinConvCoef(memory_, std::max(newton_share, newton_rounding / tolerance));
     ARKodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
     ARKodeSetJacFn(memory_, jacobian);
