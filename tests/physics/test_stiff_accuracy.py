@@ -38,7 +38,7 @@ def torsion_spring(stiffness: float, damping: float) -> tuple[dict[str, Any], ND
 
 
 def two_masses(stiff: float, soft: float, damping: float) -> tuple[dict[str, Any], NDArray[np.float64]]:
-    """Two masses of 1 kg in a row on a stiff and a soft spring, the second pulled and pushed, and A for
+    """Two masses of 1 kg in a row on a stiff and a soft spring, the second pulled and pushed, A for
     x = (P.s, Q.s, P.v, Q.v), Q against P.
     """
     body = {"mass": 1, "inertia": [1, 1, 1]}
