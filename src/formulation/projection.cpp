@@ -67,6 +67,7 @@ class Projection final : public Formulation {
   static constexpr int memory = 8;
   int remembered_ = 0;
   double last_ratio_ = 0;  // of pivots, at the last of them
+  bool launched_ = false;  // the first of them is that of the branch on which the run has begun
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
@@ -77,6 +78,7 @@ class Projection final : public Formulation {
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
   remembered_ = 0;
+  launched_ = false;
   Formulation::start(cut_q, t, y);
   launch(t, y);
 }
@@ -89,6 +91,7 @@ void Projection::launch(double t, const double* y) {
   if (sound_) return;
   if (!BranchAcceleration(mechanism_, dynamics_).find(y, y + nq_, u_.data(), accelerations_[0].data())) return;
   remembered_ = 1;
+  launched_ = true;
   times_[0] = t;
   seen_ = inputs_;
   dynamics_.set_position(y);
@@ -97,7 +100,7 @@ void Projection::launch(double t, const double* y) {
 }
 
 void Projection::inputs_changed(double t, const double* y) {
-  if (remembered_ != 1 || times_[0] != t) return;
+  if (!launched_ || remembered_ != 1 || times_[0] != t) return;
   go_to(t);
   remembered_ = 0;
   launch(t, y);
@@ -107,7 +110,7 @@ void Projection::exchange(Record& record) {
   Formulation::exchange(record);
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
-  record.exchange(last_ratio_);
+  record.exchange(last_ratio_, launched_);
   if (remembered_ == 0) return;
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
@@ -170,6 +173,7 @@ void Projection::remember(double t) {
   if (!sound_) return;
   if (inputs_ != seen_) {
     remembered_ = 0;
+    launched_ = false;
     seen_ = inputs_;
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;

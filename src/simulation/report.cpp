@@ -11,9 +11,9 @@ namespace {
 
 double in_si(const Scene& scene, double x, std::string_view unit) { return x * scene.units.size_of(unit); }
 
-// What loops may gape by, for the user.
+// What loops may gape by [m], for the user.
 std::string allowed(const Scene& scene) {
-  return "(allowed " + text::rounded(in_si(scene, assembled_gap, "m"), 3) + " m)";
+  return scene.units.is_si() ? "1e-9" : text::rounded(in_si(scene, assembled_gap, "m"), 3);
 }
 
 // "0.134 m", "0.134 m and 0.2 rad".
@@ -106,7 +106,7 @@ std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduce
                                   const CannotAssemble& fault) {
   const std::string what = reduced.islands[island].driven() ? "the loops and given motions" : "the loops";
   const std::string left = ": at best a rate of " + text::rounded(in_si(scene, fault.gap, "m"), 3) +
-                           " m/s (rad/s) is left (allowed " + text::rounded(in_si(scene, assembled_gap, "m"), 3) + ").";
+                           " m/s (rad/s) is left (allowed " + allowed(scene) + ").";
   const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
   if (values.empty()) return prefix(scene) + what + " cannot all move as they are told to" + left;
   std::vector<std::string> joints;
@@ -169,7 +169,7 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   if (fault.cut >= cuts) {
     const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
     return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " +
-           gap_text(scene, fault) + " " + allowed(scene) + ". " +
+           gap_text(scene, fault) + " " + "(allowed " + allowed(scene) + " m). " +
            (conflict ? blame() : "Check the start values of the joints it names.");
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
@@ -184,7 +184,7 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
                                             : "loop through " + scene.joints[cut.scene_joints.front()].name;
   std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + gap_text(scene, fault) +
-                    position_text(scene, reduced, joints, fault.q) + " " + allowed(scene) + ". ";
+                    position_text(scene, reduced, joints, fault.q) + " " + "(allowed " + allowed(scene) + " m). ";
   if (conflict) return out + blame();
   out += "Check the positions in joints " + text::list(names);
   std::vector<std::string> motions;
