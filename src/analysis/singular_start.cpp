@@ -20,9 +20,10 @@ using Eigen::VectorXd;
 // Below this share the condition on the velocities, which errs by the share, knows them better than J v = b, which errs
 // by 2e-16 / share^2.
 constexpr double singular_share = 5e-6;
-constexpr double weak = 2e-5;      // of the largest singular value of J, likewise
-constexpr double met = 1e-10;      // |l^T gamma| over length |v|^2
-constexpr int most_searches = 12;  // from velocities at random
+constexpr double weak = 2e-5;       // of the largest singular value of J, likewise
+constexpr double left_open = 1e-7;  // rad or m: of the position, by rounding of the closed loop
+constexpr double met = 1e-10;       // |l^T gamma| over length |v|^2
+constexpr int most_searches = 12;   // from velocities at random
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
@@ -43,6 +44,7 @@ class BranchSearch {
     const VectorXd nearest = nearest_speeds(s, weak);
     for (std::size_t k = 0; k < free.size(); ++k) v0_[free[k]] = nearest[static_cast<Index>(k)];
     l_ = weak_rows(dynamics.J(), weak);
+    J_size_ = dynamics.J().lpNorm<Eigen::Infinity>();
     speed_ = 0;
     for (const double x : v) speed_ = std::max(speed_, std::abs(x));
     scale_ = speed_ * speed_ * problem.length();
@@ -80,12 +82,21 @@ class BranchSearch {
         for (double& x : a) x = 2 * speed_ * normal(random);
       }
       if (!search(a)) continue;
-      const double distance = (T_ * a).squaredNorm() + 1e-6 * a.squaredNorm();
+      const double distance = ((T_ * a).squaredNorm() + 1e-6 * a.squaredNorm()) / (speed_ * speed_) + position(a);
       if (distance >= 0.999 * least) continue;
       least = distance;
       found = a;
     }
     return std::isfinite(least);
+  }
+
+  // What the position says of the branch: beside a singular configuration J v = b holds on the one the start is on, to
+  // what rounding leaves of the position.
+  double position(const VectorXd& a) {
+    dynamics_.set_velocity(velocity(a).data());
+    const std::vector<double>& rates = dynamics_.row_rates();
+    const Eigen::Map<const VectorXd> left(rates.data(), static_cast<Index>(rates.size()));
+    return (left / (left_open * speed_ * J_size_)).squaredNorm();
   }
 
   std::vector<double> velocity(const VectorXd& a) const {
@@ -104,7 +115,7 @@ class BranchSearch {
   Dynamics& dynamics_;
   std::vector<double> v0_;
   MatrixXd W_, T_, l_;
-  double speed_ = 0, scale_ = 0;
+  double speed_ = 0, scale_ = 0, J_size_ = 0;
 };
 
 // The row that has most to do with the smallest of J's singular values that is not zero everywhere.

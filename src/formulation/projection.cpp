@@ -16,14 +16,11 @@ namespace {
 // Passing a singular position (a change point, a dead centre). Beside it the weak direction's part of vdot is a
 // quotient of two numbers that vanish together, and what is left of rounding and of the step's error in it moves the
 // mechanism onto another branch; smaller steps only land nearer. So, as shares of the soundest pivot ratio seen:
-constexpr double near_share = 0.5;   // below it the accelerations of accepted steps are remembered
-constexpr double sound_share = 0.1;  // below it no more: now they are extrapolated ...
-constexpr double weak_share = 0.01;  // ... and near and below this they stand in along the weak direction
-constexpr double lost_share = 1e-5;  // below this even the weak direction is rounding
+constexpr double near_share = 0.5;    // below it the accelerations of accepted steps are remembered
+constexpr double sound_share = 0.1;   // below it no more: now they are extrapolated ...
+constexpr double weak_share = 0.003;  // ... and near and below this they stand in along the weak direction
+constexpr double lost_share = 1e-5;   // below this even the weak direction is rounding
 constexpr double most_magnified = 1e4;
-// Those remembered lie at least so far apart: of short steps the latest would be a small part of the way, from which an
-// extrapolation to its end has no digits, the fewer the tighter the tolerance.
-constexpr double spacing = 0.05;
 // With these N-four-bars of 1, 2, 10 and 40 windows keep to their branch for 20 s (56 passages) within 3e-7 m at
 // tolerances 1e-6 to 1e-10; three times as large or small serve nearly as well.
 
@@ -32,7 +29,7 @@ class Projection final : public Formulation {
   Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const FormulationOptions& options)
       : Formulation(mechanism, dynamics, inputs),
         corrections_(options.corrections),
-        soundest_(options.soundest),
+        soundest_known_(options.soundest),
         move_(nv_),
         expected_(nv_),
         before_(nv_),
@@ -60,13 +57,13 @@ class Projection final : public Formulation {
   bool close(double* y);
 
   int corrections_;
-  double soundest_;           // largest pivot ratio seen
+  double soundest_known_;     // largest pivot ratio known before the run
+  double soundest_ = 0;       // seen in it, or known where it begins beside a singular position
   std::vector<double> move_;  // by a correction
 
   // Accelerations at the last times at which the rows were sound.
-  static constexpr int memory = 8;
+  static constexpr int memory = 6;
   int remembered_ = 0;
-  double last_ratio_ = 0;  // of pivots, at the last of them
   bool launched_ = false;  // the first of them is that of the branch on which the run has begun
   double times_[memory] = {};
   std::vector<double> accelerations_[memory];
@@ -88,6 +85,10 @@ void Projection::launch(double t, const double* y) {
   if (mechanism_.cuts.empty() || mechanism_.rows == 0 || mechanism_.driven()) return;
   dynamics_.set_position(y);
   renew_factors();
+  if (dynamics_.pivot_ratio() < sound_share * soundest_known_) {
+    soundest_ = std::max(soundest_, soundest_known_);
+    judge();
+  }
   if (sound_) return;
   if (!BranchAcceleration(mechanism_, dynamics_).find(y, y + nq_, u_.data(), accelerations_[0].data())) return;
   remembered_ = 1;
@@ -96,7 +97,6 @@ void Projection::launch(double t, const double* y) {
   seen_ = inputs_;
   dynamics_.set_position(y);
   renew_factors();
-  last_ratio_ = dynamics_.pivot_ratio();
 }
 
 void Projection::inputs_changed(double t, const double* y) {
@@ -110,7 +110,7 @@ void Projection::exchange(Record& record) {
   Formulation::exchange(record);
   record.exchange(soundest_);
   record.within(remembered_, 0, memory);
-  record.exchange(last_ratio_, launched_);
+  record.exchange(launched_);
   if (remembered_ == 0) return;
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
@@ -177,9 +177,6 @@ void Projection::remember(double t) {
     seen_ = inputs_;
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
-  const double ratio = dynamics_.pivot_ratio();
-  if (remembered_ > 0 && std::abs(ratio - last_ratio_) < spacing * soundest_) return;
-  last_ratio_ = ratio;
   if (remembered_ == memory) {
     std::rotate(times_, times_ + 1, times_ + memory);
     std::rotate(accelerations_, accelerations_ + 1, accelerations_ + memory);
