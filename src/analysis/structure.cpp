@@ -20,7 +20,8 @@ constexpr double same_row = 1e-8;
 // Speeds below this fraction of the fastest stand still: rounding of the closure, as above.
 constexpr double no_motion = 1e-8;
 constexpr std::size_t enough_positions = 4;
-constexpr double closed = 1e-12;  // m or rad
+constexpr double least_size = 1e-3;  // m: scenes are solved in units near their size
+constexpr double closed = 1e-12;     // m or rad
 // A smallest pivot below this share of the largest may be that of a position beside a singular one.
 constexpr double doubtful = 1e-2;
 constexpr double reach = 0.3;      // rad: from one position to the next
@@ -41,8 +42,9 @@ class Explorer {
     double size = 0;
     for (const Link& link : mechanism.links) size += link.X_PJ.p.norm();
     for (const Cut& cut : mechanism.cuts) size += cut.X_AF.p.norm() + cut.X_BM.p.norm();
-    // Slides of a mechanism smaller than a metre go as far as its size.
-    step_ = size > 0 ? reach * std::min(1.0, size) : reach;
+    // Slides of a mechanism smaller than a metre go as far as its size; where all joints meet in one point, turns are
+    // all there is, and the size is 0 or rounding.
+    step_ = reach * (size < least_size ? 1.0 : std::min(1.0, size));
     nothing_ = std::max(same_row * size, 1e-14);
   }
 
