@@ -19,7 +19,33 @@ class Explanation:
     saved: bool | None = None  # either
 
 
-EXPLANATIONS: tuple[Explanation, ...] = ()
+KINK = "the force has kinks at a stop, which a step meets to a part of its length; not examined further"
+SINGULAR = "the loop loses rank: accelerations are extrapolated there, over a time that no tolerance shortens"
+STOPPED = ("bouncing", "four-bar-stopped", "pendulum-at-stop")
+UNDAMPED = "2500 undamped periods of 3e4 rad/s: errors of all steps add up"
+EXPLANATIONS = (
+    Explanation(UNDAMPED, scene="two-masses", outcome="wrong"),
+    Explanation("some 1e5 steps of 3e4 rad/s: the time allowed", scene="two-masses", outcome="failed"),
+    *(Explanation(KINK, scene=name, outcome="wrong") for name in STOPPED),
+    *(
+        Explanation("a history of steps does not lead through a position at which the loop loses rank",
+                    integrator=name, scene=scene, outcome="refused")
+        for name in ("ida", "cvode") for scene in ("equal-slider-crank", "windows-*", "parallelogram")
+    ),
+    *(
+        Explanation(SINGULAR, scene=scene, outcome="wrong")
+        for scene in ("equal-slider-crank", "windows-*", "parallelogram")
+    ),
+    *(
+        Explanation("saving begins a history anew at order 1, each time at an error of its own",
+                    integrator=name, saved=True, outcome="wrong")
+        for name in ("ida", "cvode", "cvode-adams")
+    ),
+    *(
+        Explanation("the history is carried across the jump of the inputs", integrator=name, inputs="jumping")
+        for name in ("ida", "cvode")
+    ),
+)  # fmt: skip
 
 
 def explanation(integrator: str, scene: str, inputs: str, saved: bool, outcome: str) -> str:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -80,7 +81,10 @@ def runs_of(plant: Plant, settings: Settings, told: Callable[[float], None] | No
                 for method in methods.chosen(settings.integrators)
                 for tolerance in settings.tolerances
             ]
-    # Weyl's sequence picks without favouring a tolerance or an integrator.
-    tasks = [task for k, task in enumerate(tasks) if (k * 0.6180339887498949) % 1.0 < 1 / settings.every]
+    # Weyl's sequence picks without favouring a tolerance or an integrator, and other runs of each scene.
+    phase = zlib.crc32(plant.name.encode()) / 2**32
+    tasks = [
+        task for k, task in enumerate(tasks) if (phase + k * 0.6180339887498949) % 1.0 < 1 / settings.every
+    ]
     runs = run_all(tasks, truth, settings.jobs, settings.limit, told)
     return [without_truth(run, truth[run.scene]) for run in runs]
