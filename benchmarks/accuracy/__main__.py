@@ -40,6 +40,14 @@ def asked() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def sampled(count: int, found: list[scenes.Plant]) -> str:
+    """How many runs these are of how many."""
+    ways = 2 * len(Settings.integrators) * len(Settings.tolerances)  # saved or not
+    whole = ways * sum(len(list(plant.cases())) for plant in found)
+    part = "" if count == whole else f", a sample of {whole}"
+    return f"{count} runs of {len(found)} scenes{part}."
+
+
 def main() -> None:
     given = asked()
     numbers = ROOT / "out" / ("accuracy-quick" if given.quick else "accuracy")
@@ -65,7 +73,7 @@ def main() -> None:
     found = [plant for plant in plants if (numbers / f"{plant.name}.csv").exists()]
     runs = [run for plant in found for run in runs_csv.read(numbers / f"{plant.name}.csv")]
     parts = {
-        "tolerances": page.by_tolerance(runs),
+        "tolerances": page.by_tolerance(runs) + "\n" + sampled(len(runs), found),
         "ways": page.by_way(runs),
         "outliers": page.outliers(runs),
         "scenes": page.scenes(runs, [scenes.described(plant) for plant in found]),
