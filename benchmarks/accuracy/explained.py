@@ -19,9 +19,12 @@ class Explanation:
     saved: bool | None = None  # either
 
 
-KINK = "the force has kinks at a stop, which a step meets to a part of its length; not examined further"
+KINK = (
+    "a damped stop: its force jumps at the touch and breaks off at the release; without the damper `erk` errs by "
+    "less than the tolerance in `bouncing`. Not examined further"
+)
 SINGULAR = "the loop loses rank: accelerations are extrapolated there, over a time that no tolerance shortens"
-STOPPED = ("bouncing", "four-bar-stopped", "pendulum-at-stop")
+STOPPED = ("bouncing", "four-bar-stopped")
 UNDAMPED = "2500 undamped periods of 3e4 rad/s: errors of all steps add up"
 EXPLANATIONS = (
     Explanation(UNDAMPED, scene="two-masses", outcome="wrong"),
