@@ -20,7 +20,7 @@ class Explanation:
 
 
 KINK = (
-    "a damped stop: its force jumps at the touch and breaks off at the release; without the damper `erk` errs "
+    "a damped stop: its force jumps at the touch and breaks off at the release; undamped, `erk` errs "
     "by less than the tolerance in `bouncing`. Not examined further"
 )
 SINGULAR = "the loop loses rank: accelerations are extrapolated there, over a time that no tolerance shortens"
