@@ -1,0 +1,348 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is the same however a mechanism is computed, compared; every difference is told."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from mechanisms import Array, Scene, reordered
+
+from gelenk.linear import LinearModel
+
+from . import plants
+from .bodies import Bodies, Unknown
+from .drawn import Case, values_of
+from .plants import STOP, Start, beside, start_of, whole_vectors, without
+
+ROUNDING = 1e-9  # closures to 1e-14 of the size, through some divisions by pivots
+SOLVER = 1e-6  # 1e4 times the tolerance of 1e-10: what steps add up to where a motion magnifies errors
+QUOTIENT = 1e-5  # closures of 1e-14 over steps of 1e-4 twice, and the curvature that two steps do not show
+STEP = 2e-4  # rad, m
+# Refusals at positions that need not be singular.
+DOCUMENTED = ("a joint with a quaternion turns in part freely",)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One comparison: `agree`, `refused` by one or both in words, `singular` (compared where nothing has to
+    hold), or `DISAGREE`.
+    """
+
+    check: str
+    kind: str
+    words: str = ""
+
+
+class Comparison:
+    """All comparisons of one start."""
+
+    def __init__(self, case: Case, seed: int = 0) -> None:
+        self.case = case
+        self.seed = seed
+        self.base = Start(case.source)
+        # How a rod without mass between balls turns about itself is open, and up to the order of the file.
+        light = {n for n, b in case.source["bodies"].items() if b["mass"] == 0}
+        self.open = self.beside(light)
+
+    # --- what the second opinion says of the position ---
+
+    @cached_property
+    def model(self) -> Bodies | str:
+        try:
+            return Bodies(self.case.source)
+        except Unknown as e:
+            return str(e)
+
+    @cached_property
+    def position(self) -> tuple[int, int, float] | None:
+        """Rank here, rank near by, the least singular value that counts; None where that is not known."""
+        if isinstance(self.model, str):
+            return None
+        values = values_of(self.case.source) if isinstance(self.base.plant, str) else self.base.values
+        try:
+            x = self.model.poses(values)
+        except KeyError:
+            return None
+        if np.abs(self.model.gaps(x)).max(initial=0) > 1e-8:
+            closed = self.model.closed(x)
+            if closed is None:
+                return None
+            x = closed
+        here, least = self.model.rank(x)
+        return here, self.model.generic_rank(x), least
+
+    @cached_property
+    def slack(self) -> bool:
+        """Whether a spring has no length: its direction does not exist."""
+        if isinstance(self.model, str) or isinstance(self.base.plant, str):
+            return False
+        return self.model.slack(self.model.poses(self.base.values))
+
+    @property
+    def singular(self) -> bool:
+        return self.slack or (self.position is not None and self.position[0] < self.position[1])
+
+    @property
+    def share(self) -> float:
+        """By what the smallest pivot may magnify rounding."""
+        return 1.0 if self.position is None else 1 / max(self.position[2], 1e-6)
+
+    def ruled(self, check: str, words: str) -> Verdict:
+        return Verdict(check, "SINGULAR" if self.singular else "DISAGREE", words)
+
+    def refused(self, check: str, words: str) -> Verdict:
+        if plants.CRASH in words:
+            return Verdict(check, "CRASH", words)
+        if any(known in words for known in DOCUMENTED):
+            return Verdict(check, "refused", words)
+        return Verdict(check, "refused" if self.singular else "REFUSED", words)
+
+    # --- the comparisons ---
+
+    def verdicts(self) -> Iterator[Verdict]:
+        began = time.process_time()
+        plant = self.base.plant
+        yield from self.compared_starts()
+        if not isinstance(plant, str):
+            yield from self.second_opinion()
+            yield from self.linear_models()
+            yield from self.runs()
+        spent = time.process_time() - began
+        if spent > 20:
+            yield Verdict("time", "SLOW", f"{spent:.1f} s")
+
+    @cached_property
+    def pinned(self) -> Scene:
+        """The scene with all coordinates and speeds that the first start has found: what closes, stays."""
+        if isinstance(self.base.plant, str):
+            return self.case.source
+        out = copy.deepcopy(self.case.source)
+        for joint, entry in out["joints"].items():
+            found = start_of(self.base, joint)
+            fixed = entry.get("start", {}).get("fixed")
+            entry["start"] = found | ({"fixed": fixed} if fixed else {})
+        return out
+
+    @cached_property
+    def others(self) -> list[Start]:
+        source = self.pinned
+        every = dict.fromkeys(("all",), False)
+        light = any(b["mass"] == 0 for b in source["bodies"].values())
+        if light:
+            every = {"all": False, "massless": True}
+        other = reordered(source, 100 + self.seed)
+        return [
+            Start(without(source, **every), "all off"),
+            Start(other, "reordered"),
+            Start(without(other, cut_choice=False), "cut by another order"),
+            Start(without(reordered(source, 200 + self.seed), **every), "all off, another order"),
+        ]
+
+    def compared_starts(self) -> Iterator[Verdict]:
+        plant = self.base.plant
+        if isinstance(plant, str) and not self.case.reachable:
+            words = [other.plant for other in self.others if isinstance(other.plant, str)]
+            kind = "refused" if len(words) == len(self.others) else "REFUSED"
+            yield Verdict("start", kind, plant)
+            return
+        for other in self.others:
+            check = f"start: {other.label}"
+            there = other.plant
+            if isinstance(plant, str) or isinstance(there, str):
+                told = [x for x in (plant, there) if isinstance(x, str)]
+                both = "both: " if len(told) == 2 else ("base: " if isinstance(plant, str) else "other: ")
+                yield self.refused(check, both + told[0])
+                continue
+            if not self.base.values or not other.values:
+                yield self.refused(check, "values cannot be read")
+                continue
+            yield self.values_alike(check, other)
+
+    def values_alike(self, check: str, other: Start) -> Verdict:
+        mine, levels = self.base.values, self.base.levels
+        size = {level: 1.0 for level in (-1, 0, 1, 2)}
+        for name, value in mine.items():
+            level = levels[name] if levels[name] in size else -1
+            size[level] = max(size[level], abs(value))
+        faults = []
+        for name, value in mine.items():
+            if self.is_open(name):
+                continue
+            level = levels[name] if levels[name] in size else -1
+            found = other.values[name]
+            gap = abs(found - value)
+            if ".Q[" in name:
+                gap = min(gap, abs(found + value))
+            bound = ROUNDING * size[level] * self.share ** max(level, 0)
+            if not gap <= bound:
+                faults.append((gap / bound, f"{name}: {value:.10g} / {found:.10g}"))
+        return self.judged(check, faults)
+
+    def judged(self, check: str, faults: list[tuple[float, str]]) -> Verdict:
+        if not faults:
+            return Verdict(check, "agree")
+        faults.sort(key=lambda fault: -fault[0])
+        return self.ruled(check, "; ".join(words for _, words in faults[:4]) + f" ({len(faults)} differ)")
+
+    def second_opinion(self) -> Iterator[Verdict]:
+        if isinstance(self.model, str):
+            return
+        given, values = values_of(self.case.source), self.base.values
+        if self.case.exact:
+            faults = [
+                (abs(values[n] - x) / 1e-10, f"{n}: given {x:.12g}, found {values[n]:.12g}")
+                for n, x in given.items()
+                if ".Q[" not in n and not abs(values[n] - x) <= 1e-10
+            ]
+            yield self.judged("start kept", faults)
+        x = self.model.poses(values)
+        gap = float(np.abs(self.model.gaps(x)).max(initial=0))
+        if gap > 1e-9:
+            yield Verdict("closed", "DISAGREE", f"the loops gape by {gap:.3g}")
+            return
+        if self.singular or self.position is None:
+            return
+        plant = self.base.plant
+        assert not isinstance(plant, str)
+        freedoms = self.model.size - self.position[0]
+        if not self.open and plant.size.freedoms != freedoms:
+            yield self.ruled("freedoms", f"{plant.size.freedoms} / {freedoms}")
+        V = self.model.twist(x, values)
+        expected = self.model.accelerations(x, V, values)
+        size = max([1.0, *(abs(a) for a in expected.values())])
+        bound = 1e-7 * size * self.share
+        faults = [
+            (abs(values[n] - a) / bound, f"{n}: {values[n]:.8g} / {a:.8g}")
+            for n, a in expected.items()
+            if n in values and not self.is_open(n) and not abs(values[n] - a) <= bound
+        ]
+        yield self.judged("accelerations by all bodies", faults)
+
+    def beside(self, bodies: set[str]) -> set[str]:
+        """Joints at these bodies."""
+        joints = self.case.source["joints"]
+        return {n for n, j in joints.items() if {j["parent"]["body"], j["child"]["body"]} & bodies}
+
+    def is_open(self, name: str) -> bool:
+        return name.partition(".")[0] in self.open
+
+    # --- linear models ---
+
+    def linear_models(self) -> Iterator[Verdict]:
+        model = self.base.linear()
+        if isinstance(model, str):
+            yield self.refused("linear", f"base: {model}")
+            return
+        for other in self.others:
+            check = f"linear: {other.label}"
+            if isinstance(other.plant, str):
+                continue
+            there = other.linear(model.states)
+            if isinstance(there, str):
+                by_its_own = other.linear()  # a refusal that is about its states, not about these
+                yield self.refused(check, f"other: {by_its_own if isinstance(by_its_own, str) else there}")
+                continue
+            faults = []
+            for part in "ABCD":
+                mine, found = getattr(model, part), getattr(there, part)
+                faults += self.unlike(part, mine, found, model, 1e3 * ROUNDING * self.share, there.outputs)
+            yield self.judged(check, faults)
+        yield self.quotients(model)
+
+    def unlike(
+        self, part: str, mine: Array, found: Array, model: LinearModel, share: float, outputs: Sequence[str]
+    ) -> list[tuple[float, str]]:
+        rows = list(model.states) if part in "AB" else list(model.outputs)
+        columns = list(model.states) if part in "AC" else list(model.inputs)
+        if part in "CD":
+            found = found[[list(outputs).index(name) for name in rows]]
+        if part in "BD":
+            found = found[:, [columns.index(n) for n in columns]]
+        out = []
+        size = 1 + np.abs(mine).max(initial=0)
+        for i, j in zip(*np.nonzero(~(np.abs(mine - found) <= share * size)), strict=True):
+            if self.is_open(rows[i]):
+                continue
+            words = f"{part}[{rows[i]}, {columns[j]}]: {mine[i, j]:.8g} / {found[i, j]:.8g}"
+            out.append((float(abs(mine[i, j] - found[i, j]) / (share * size)), words))
+        return out
+
+    def quotients(self, model: LinearModel) -> Verdict:
+        """C by central differences of plants that start beside this one."""
+        check = "linear: difference quotients"
+        if not whole_vectors(self.base, model.states):
+            return Verdict(check, "skipped", "part of a vector among the states")
+        slopes = {state: model.C[:, k] for k, state in enumerate(model.states)}
+        if list(model.outputs) != list(self.base.values):
+            return Verdict(check, "skipped", "other outputs")
+        faults, rough = [], 0
+        for k, state in enumerate(model.states):
+            found: list[Array] = []
+            for h in (STEP, 2 * STEP):
+                sides = []
+                for sign in (1, -1):
+                    side = Start(beside(self.base, model.states, {state: sign * h}, slopes))
+                    if isinstance(side.plant, str):
+                        return self.refused(check, f"at {state} {sign * h:+g}: {side.plant}")
+                    if not side.values:
+                        return self.refused(check, f"at {state} {sign * h:+g}: values cannot be read")
+                    sides.append(np.array(list(side.values.values())))
+                found.append((sides[0] - sides[1]) / (2 * h))
+            best = (4 * found[0] - found[1]) / 3
+            doubt = np.abs(found[0] - found[1])
+            mine = model.C[:, k]
+            size = 1 + np.abs(mine).max() + float(np.abs(list(self.base.values.values())).max())
+            bound = 0.5 * doubt + QUOTIENT * size * min(self.share, 1e3)
+            rough += int((doubt > 0.05 * size).any())
+            for i in np.nonzero(~(np.abs(best - mine) <= bound))[0]:
+                gap = float(abs(best[i] - mine[i]) / bound[i])
+                if self.is_open(model.outputs[i]):
+                    continue
+                faults.append((gap, f"C[{model.outputs[i]}, {state}]: {mine[i]:.8g} / {best[i]:.8g}"))
+        if rough and not faults:
+            return Verdict(check, "agree", f"{rough} columns are rough")
+        return self.judged(check, faults)
+
+    # --- runs ---
+
+    def runs(self) -> Iterator[Verdict]:
+        mine = self.base.run
+        if isinstance(mine, str):
+            yield self.refused("run", f"base: {mine}")
+        for other in (self.others[0], self.others[2]):
+            check = f"run: {other.label}"
+            if isinstance(other.plant, str):
+                continue
+            there = other.run
+            if isinstance(mine, str) or isinstance(there, str):
+                if isinstance(mine, str) and isinstance(there, str):
+                    continue
+                yield self.refused(check, f"other: {there}" if isinstance(there, str) else "only the base is refused")
+                continue
+            yield self.judged(check, self.apart(mine, there))
+
+    def apart(self, mine: Mapping[str, float], there: Mapping[str, float]) -> list[tuple[float, str]]:
+        size = max([1.0, *(abs(x) for x in mine.values())])
+        bound = SOLVER * size * min(self.share, 1e3)
+        out = []
+        for name, value in mine.items():
+            if self.is_open(name):
+                continue
+            gap = abs(there[name] - value)
+            if ".Q[" in name:
+                gap = min(gap, abs(there[name] + value))
+            if not gap <= bound:
+                out.append((gap / bound, f"{name} at {STOP} s: {value:.8g} / {there[name]:.8g}"))
+        return out
+
+
+def compared(case: Case, seed: int = 0) -> list[Verdict]:
+    return list(Comparison(case, seed).verdicts())
+
+
+__all__ = ["Comparison", "Verdict", "compared", "plants"]

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes started and asked: values, a short run, the linear model, or the words of a refusal."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from mechanisms import Array, Scene
+
+import gelenk
+from gelenk.derivatives import rate_told
+from gelenk.linear import LinearModel
+from gelenk.linearization import linear_model
+
+type Told = str  # a refusal's words
+CRASH = "crash: "  # before words that are not meant for users
+TOLERANCE = 1e-10
+STOP, STEPS = 0.1, 4  # s: of the short run
+EVALUATIONS = 20000  # a step of the short run takes some hundreds
+
+
+def attempt[T](what: Callable[[], T]) -> T | Told:
+    """What it gives, or the words in which it is refused."""
+    try:
+        return what()
+    except gelenk.GelenkError as e:
+        return f"{type(e).__name__}: {e}"
+    except Exception as e:
+        return f"{CRASH}{type(e).__name__}: {e}"
+
+
+@dataclass
+class Start:
+    """A plant after its start."""
+
+    source: Scene
+    label: str = ""
+
+    @cached_property
+    def plant(self) -> gelenk.Simulation | Told:
+        return attempt(self._started)
+
+    def _started(self) -> gelenk.Simulation:
+        plant = gelenk.Simulation(self.source)
+        plant.initialize(0.0, TOLERANCE)
+        return plant
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """All outputs; of a plant that has started."""
+        plant = self.plant
+        assert not isinstance(plant, str)
+        found = attempt(plant.values)
+        if isinstance(found, str):
+            return {}
+        return dict(zip((s.name for s in plant.outputs), found.tolist(), strict=True))
+
+    @cached_property
+    def levels(self) -> dict[str, int]:
+        """0: a coordinate, 1: a speed, 2: an acceleration; others are told by no level."""
+        plant = self.plant
+        assert not isinstance(plant, str)
+        return {s.name: s.level for s in plant.outputs}
+
+    @cached_property
+    def run(self) -> dict[str, float] | Told:
+        """Coordinates and speeds some time later."""
+        return attempt(self._run)
+
+    def _run(self) -> dict[str, float]:
+        plant = gelenk.Simulation(budgeted(self.source))
+        plant.initialize(0.0, TOLERANCE)
+        for k in range(STEPS):
+            plant.step_to((k + 1) * STOP / STEPS)
+        names = [s.name for s in plant.outputs if s.level in (0, 1)]
+        return dict(zip(names, plant.values(names).tolist(), strict=True))
+
+    def linear(self, states: Sequence[str] | None = None) -> LinearModel | Told:
+        return attempt(lambda: linear_model(self.source, states=states))
+
+
+def budgeted(source: Scene) -> Scene:
+    """The scene with a bound on what a step may cost."""
+    out = copy.deepcopy(source)
+    out.setdefault("solver", {})["max_evaluations"] = EVALUATIONS
+    return out
+
+
+def without(source: Scene, **reductions: bool) -> Scene:
+    out = copy.deepcopy(source)
+    out.setdefault("solver", {}).setdefault("reductions", {}).update(reductions)
+    return out
+
+
+def beside(start: Start, states: Sequence[str], moves: dict[str, float], slopes: dict[str, Array]) -> Scene:
+    """The scene started with these states moved and kept, all others as guesses where they are led to.
+
+    moves: by state, `J.theta[i]` turning joint J's frame M about its own axis i. slopes: what all outputs
+    change by, by state.
+    """
+    out = copy.deepcopy(start.source)
+    names = list(start.values)
+    led = dict(start.values)
+    for state, by in moves.items():
+        for name, slope in zip(names, slopes[state].tolist(), strict=True):
+            led[name] += by * slope
+    for state, by in moves.items():
+        if ".theta[" not in state:
+            led[state] = start.values[state] + by
+    for joint, entry in out["joints"].items():
+        entry["start"] = _start_of(start, joint, states, moves, led)
+    return out
+
+
+def _start_of(
+    start: Start, joint: str, states: Sequence[str], moves: dict[str, float], led: dict[str, float]
+) -> dict[str, object]:
+    scalars: dict[str, object] = {}
+    vectors: dict[str, list[float]] = {}
+    fixed: list[str] = []
+    for name, level in start.levels.items():
+        owner, _, quantity = name.partition(".")
+        if owner != joint or level not in (0, 1):
+            continue
+        bare = quantity.partition("[")[0]
+        if bare == quantity:
+            scalars[quantity] = led[name]
+        else:
+            vectors.setdefault(bare, []).append(led[name])
+        state = name.replace(".Q[", ".theta[")
+        if state in states and bare not in fixed:
+            fixed.append(bare)
+    if "Q" in vectors:
+        Q = np.array([start.values[f"{joint}.Q[{i}]"] for i in (1, 2, 3, 4)])
+        if "Q" in fixed:
+            for i in range(3):
+                Q = turned(Q, i, moves.get(f"{joint}.theta[{i + 1}]", 0.0))
+        else:
+            Q = np.array(vectors["Q"])
+        vectors["Q"] = (Q / np.linalg.norm(Q)).tolist()
+    return scalars | vectors | ({"fixed": fixed} if fixed else {})
+
+
+def start_of(start: Start, joint: str) -> dict[str, object]:
+    """All coordinates and speeds of a joint, as found."""
+    out = _start_of(start, joint, (), {}, start.values)
+    out.pop("fixed", None)
+    return out
+
+
+def turned(Q: Array, axis: int, angle: float) -> Array:
+    """Q (x, y, z, scalar) times a turn about one of its own axes."""
+    v, s = Q[:3], Q[3]
+    u, c = np.eye(3)[axis] * np.sin(angle / 2), np.cos(angle / 2)
+    return np.append(s * u + c * v + np.cross(v, u), s * c - v @ u)
+
+
+def whole_vectors(start: Start, states: Sequence[str]) -> bool:
+    """Whether vectors are among the states as a whole: only so can they be fixed."""
+    for state in states:
+        bare, bracket, _ = state.partition("[")
+        if bracket and not all(f"{bare}[{i}]" in states for i in (1, 2, 3)):
+            return False
+    return True
+
+
+def exported(source: Scene, folder: Path) -> Path:
+    return gelenk.export_fmu(gelenk.load(source), folder / "Plant.fmu")
+
+
+__all__ = ["Start", "attempt", "beside", "exported", "rate_told", "whole_vectors", "without"]
