@@ -54,6 +54,7 @@ class Joint:
     R_C: Array
     p_C: Array
     axes: list[Array]  # the first fixed in F; a universal joint's second one in M
+    across: Array  # columns at right angles to the first one, in F
     damping: list[float]
     stiffness: list[float]
     reference: list[float]
@@ -135,8 +136,8 @@ class Bodies:
             x = j.get(key, 0.0)
             return [float(v) for v in x] if isinstance(x, list) else [float(x)] * n
 
-        return Joint(name, j["type"], parent, child, R_P, p_P, R_C, p_C, axes, listed("damping"),
-                     listed("stiffness"), listed("spring_reference"))  # fmt: skip
+        return Joint(name, j["type"], parent, child, R_P, p_P, R_C, p_C, axes, _across(axes[0]),
+                     listed("damping"), listed("stiffness"), listed("spring_reference"))  # fmt: skip
 
     # --- where everything is ---
 
@@ -226,17 +227,17 @@ class Bodies:
             return V, way
         if j.kind == "universal":
             a, b = R_F @ j.axes[0], R_M @ j.axes[1]
-            n = np.cross(a, b)
+            n = _cross(a) @ b
             angle = np.array([j.axes[0] @ j.axes[1] - a @ b])
             return np.vstack([n @ W, V]), np.concatenate([angle, way])
         if j.kind == "weld":
             return np.vstack([W, V]), np.concatenate([turn, way])
         if j.kind == "prismatic":
-            t = R_F @ _across(j.axes[0])
+            t = R_F @ j.across
             return np.vstack([W, t.T @ V]), np.concatenate([turn, t.T @ way])
-        a = j.axes[0] if j.kind != "planar" else np.array([0.0, 0, 1])
-        t = R_F @ _across(a)
-        lean = t.T @ np.cross(R_F @ a, R_M @ a)
+        a = j.axes[0]
+        t = R_F @ j.across
+        lean = t.T @ (_cross(R_F @ a) @ (R_M @ a))
         if j.kind == "revolute":
             return np.vstack([t.T @ W, V]), np.concatenate([lean, way])
         if j.kind == "cylindrical":
@@ -314,10 +315,11 @@ class Bodies:
     def closed(self, x: Poses) -> Poses | None:
         """The nearest position at which the loops are closed, by Levenberg-Marquardt steps."""
         for _ in range(40):
-            gap = self.gaps(x)
+            blocks = [self._of(x, j) for j in self.joints]
+            gap = np.concatenate([np.zeros(0), *(block[1] for block in blocks)])
             if np.abs(gap).max(initial=0) < 1e-13:
                 return x
-            G = self._scaled(self.rows(x)[: len(gap)])
+            G = self._scaled(np.vstack([block[0] for block in blocks]))
             A = G @ G.T
             dx = -G.T @ np.linalg.solve(A + 1e-10 * np.trace(A) / len(A) * np.eye(len(A)), gap)
             for at in self.place.values():
@@ -325,7 +327,7 @@ class Bodies:
             x = self.moved(x, dx)
         return x if np.abs(self.gaps(x)).max(initial=0) < 1e-11 else None
 
-    def generic_rank(self, x: Poses, seed: int = 0, tries: int = 6) -> int:
+    def generic_rank(self, x: Poses, seed: int = 0, tries: int = 4) -> int:
         """The largest rank found here and at positions near by."""
         rng = np.random.default_rng(seed)
         best = self.rank(x)[0]

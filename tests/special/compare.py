@@ -15,7 +15,7 @@ from mechanisms import Array, Scene, reordered
 from gelenk.linear import LinearModel
 
 from . import plants
-from .bodies import Bodies, Unknown
+from .bodies import Bodies, Poses, Unknown
 from .drawn import Case, values_of
 from .plants import STOP, Start, beside, start_of, whole_vectors, without
 
@@ -59,8 +59,8 @@ class Comparison:
             return str(e)
 
     @cached_property
-    def position(self) -> tuple[int, int, float] | None:
-        """Rank here, rank near by, the least singular value that counts; None where that is not known."""
+    def poses(self) -> Poses | None:
+        """Where the bodies are; None where that is not known."""
         if isinstance(self.model, str):
             return None
         values = values_of(self.case.source) if isinstance(self.base.plant, str) else self.base.values
@@ -68,13 +68,12 @@ class Comparison:
             x = self.model.poses(values)
         except KeyError:
             return None
-        if np.abs(self.model.gaps(x)).max(initial=0) > 1e-8:
-            closed = self.model.closed(x)
-            if closed is None:
-                return None
-            x = closed
-        here, least = self.model.rank(x)
-        return here, self.model.generic_rank(x), least
+        return x if np.abs(self.model.gaps(x)).max(initial=0) < 1e-8 else self.model.closed(x)
+
+    @cached_property
+    def rank(self) -> tuple[int, float] | None:
+        """Of what the joints forbid here, and the least singular value that counts."""
+        return None if isinstance(self.model, str) or self.poses is None else self.model.rank(self.poses)
 
     @cached_property
     def slack(self) -> bool:
@@ -83,14 +82,16 @@ class Comparison:
             return False
         return self.model.slack(self.model.poses(self.base.values))
 
-    @property
+    @cached_property
     def singular(self) -> bool:
-        return self.slack or (self.position is not None and self.position[0] < self.position[1])
+        if self.rank is None or isinstance(self.model, str) or self.poses is None:
+            return self.slack
+        return self.slack or self.rank[0] < self.model.generic_rank(self.poses)
 
     @property
     def share(self) -> float:
         """By what the smallest pivot may magnify rounding."""
-        return 1.0 if self.position is None else 1 / max(self.position[2], 1e-6)
+        return 1.0 if self.rank is None else 1 / self.rank[1]
 
     def ruled(self, check: str, words: str) -> Verdict:
         return Verdict(check, "SINGULAR" if self.singular else "DISAGREE", words)
@@ -205,13 +206,15 @@ class Comparison:
         if gap > 1e-9:
             yield Verdict("closed", "DISAGREE", f"the loops gape by {gap:.3g}")
             return
-        if self.singular or self.position is None:
-            return
         plant = self.base.plant
+        if self.rank is None or self.slack:
+            return
         assert not isinstance(plant, str)
-        freedoms = self.model.size - self.position[0]
-        if not self.open and plant.size.freedoms != freedoms:
+        freedoms = self.model.size - self.rank[0]
+        if not self.open and plant.size.freedoms != freedoms and not self.singular:
             yield self.ruled("freedoms", f"{plant.size.freedoms} / {freedoms}")
+        if self.rank[1] < 1e-3 and self.singular:
+            return
         V = self.model.twist(x, values)
         expected = self.model.accelerations(x, V, values)
         size = max([1.0, *(abs(a) for a in expected.values())])
@@ -291,7 +294,7 @@ class Comparison:
                         return self.refused(check, f"at {state} {sign * h:+g}: {side.plant}")
                     if not side.values:
                         return self.refused(check, f"at {state} {sign * h:+g}: values cannot be read")
-                    sides.append(np.array(list(side.values.values())))
+                    sides.append(np.array(list(same_sign(side.values, self.base.values).values())))
                 found.append((sides[0] - sides[1]) / (2 * h))
             best = (4 * found[0] - found[1]) / 3
             doubt = np.abs(found[0] - found[1])
@@ -339,6 +342,17 @@ class Comparison:
             if not gap <= bound:
                 out.append((gap / bound, f"{name} at {STOP} s: {value:.8g} / {there[name]:.8g}"))
         return out
+
+
+def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, float]:
+    """Q and -Q are the same turn: of both, the one that is nearer."""
+    out = dict(values)
+    for name in values:
+        if name.endswith(".Q[1]"):
+            group = [f"{name[:-2]}{i}]" for i in (1, 2, 3, 4)]
+            if sum(values[n] * near[n] for n in group) < 0:
+                out |= {n: -values[n] for n in group}
+    return out
 
 
 def compared(case: Case, seed: int = 0) -> list[Verdict]:

@@ -58,7 +58,7 @@ def values_of(source: Scene) -> dict[str, float]:
     out = {}
     for name, entry in source["joints"].items():
         start = entry.get("start", {})
-        for q in COORDINATES[entry["type"]]:
+        for q in COORDINATES.get(entry["type"], ()):
             if not q.startswith("Q"):
                 out[f"{name}.{q}"] = float(start.get(q, 0.0))
         if entry["type"] == "spherical":

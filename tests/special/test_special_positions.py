@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""At special positions every way of computing a mechanism gives the same, and what closed forms give."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import Scene, rotation
+
+import gelenk
+from gelenk.linear import LinearModel
+from gelenk.linearization import linear_model
+
+from .compare import Comparison
+from .drawn import Case, drawn
+from .listed import families, starts
+from .named import Linkage, crank_slider, four_bar_linkage, scotch_yoke, tilted, turning_block
+from .study import FOUND
+
+UP, LEFT = math.pi / 2, math.pi
+SLIDER_CRANK = crank_slider(0.1, 0.4)
+READY_FOUR_BAR = (0.5, 1.75, 1.5, 2.0)
+
+# Where the rate of a joint that may be cut vanishes, or nearly; and beside it.
+NAMED: dict[str, tuple[Linkage, float]] = {
+    "slider-crank, crank across the slide": (SLIDER_CRANK, UP),
+    "slider-crank, crank across, below": (SLIDER_CRANK, -UP),
+    "slider-crank, crank across, below, a turn on": (SLIDER_CRANK, 3 * UP),
+    "slider-crank, stretched": (SLIDER_CRANK, 0.0),
+    "slider-crank, folded": (SLIDER_CRANK, LEFT),
+    "slider-crank, beside": (SLIDER_CRANK, 1.5),
+    "slider-crank with an offset": (crank_slider(0.1, 0.4, 0.05), UP),
+    "slider-crank, offset, crank across": (crank_slider(0.25, 0.5, 0.25), UP),
+    "four-bar, crank in line with the ground": (four_bar_linkage(READY_FOUR_BAR), 0.0),
+    "four-bar, crank in line, folded back": (four_bar_linkage(READY_FOUR_BAR), LEFT),
+    "four-bar, other branch": (four_bar_linkage(READY_FOUR_BAR, -1), 0.0),
+    "four-bar, other branch, folded back": (four_bar_linkage(READY_FOUR_BAR, -1), LEFT),
+    "four-bar, beside": (four_bar_linkage(READY_FOUR_BAR), 0.05),
+    "crank-rocker of round sizes": (four_bar_linkage((0.5, 1.5, 1.5, 2.0)), 0.0),
+    "drag link": (four_bar_linkage((1.5, 1.75, 2.0, 0.5)), LEFT),
+    "kite": (four_bar_linkage((1.0, 2.0, 2.0, 1.0), -1), UP),
+    "no bar goes round": (four_bar_linkage((1.0, 1.2, 1.1, 1.5)), 0.0),
+    "Scotch yoke, crank up": (scotch_yoke(0.3), UP),
+    "Scotch yoke, crank down": (scotch_yoke(0.3), -UP),
+    "Scotch yoke, crank along the slide": (scotch_yoke(0.3), 0.0),
+    "Scotch yoke, crank back": (scotch_yoke(0.3), LEFT),
+    "turning block, crank towards it": (turning_block(0.5, 1.5), 0.0),
+    "turning block, crank away from it": (turning_block(0.5, 1.5), LEFT),
+}
+LEANING = rotation([0.3, -0.7, 0.5], 1.3)
+SPEEDS = (0.0, 2.0)  # rad/s
+# Central differences of sixth order, h = 1e-3: h^6 times seventh derivatives of some 1e4, and rounding over h.
+DIFFERENCES = 1e-9
+
+
+def assert_true(found: LinearModel, truth: Linkage, phi: float, w: float) -> None:
+    """x0, rates, A, B and C by the linkage's geometry."""
+    assert found.states == ("A.phi", "A.w")
+    expected = truth.outputs(phi, w)
+    size = 1 + max(abs(x) for x in expected.values())
+    at = dict(zip(found.outputs, found.y0, strict=True))
+    for name, value in expected.items():
+        assert at[name] == pytest.approx(value, abs=1e-11 * size), name
+    slopes = truth.slopes(phi, w)
+    size = 1 + max(np.abs(row).max() for row in slopes.values())
+    for name, row in slopes.items():
+        found_row = found.C[found.outputs.index(name)]
+        assert found_row == pytest.approx(row, abs=DIFFERENCES * size), name
+    assert found.A[0] == pytest.approx([0, 1], abs=0)
+    assert found.A[1] == pytest.approx(slopes["A.a"], abs=DIFFERENCES * size)
+    assert found.B[:, 0] == pytest.approx([0, 1 / truth.inertia(phi)], rel=1e-11)
+
+
+@pytest.mark.parametrize("w", SPEEDS)
+@pytest.mark.parametrize("name", NAMED)
+def test_linear_model_is_that_of_the_geometry(name: str, w: float) -> None:
+    linkage, phi = NAMED[name]
+    assert_true(linear_model(linkage.source(phi, w)), linkage, phi, w)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_linear_model_is_that_of_the_geometry_however_it_leans(name: str) -> None:
+    linkage, phi = NAMED[name]
+    assert_true(linear_model(tilted(linkage.source(phi, 2.0), LEANING)), linkage, phi, 2.0)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_run_from_there_is_that_of_the_geometry(name: str) -> None:
+    linkage, phi = NAMED[name]
+    plant = gelenk.Simulation(linkage.source(phi, 1.5))
+    plant.initialize(0.0, 1e-10)
+    plant.step_to(0.2)
+    exact = _motion(linkage, phi, 1.5, 0.2)
+    # 1e4 times the tolerance; a joint taken for welded ends the run in its first step.
+    assert plant.output("A.phi") == pytest.approx(exact[0], abs=1e-6)
+    assert plant.output("A.w") == pytest.approx(exact[1], abs=1e-6)
+
+
+def _motion(linkage: Linkage, phi: float, w: float, stop: float) -> tuple[float, float]:
+    from scipy.integrate import solve_ivp
+
+    found = solve_ivp(
+        lambda _t, y: [y[1], linkage.acceleration(y[0], y[1])], (0, stop), [phi, w], method="DOP853", rtol=1e-12,
+        atol=1e-12,
+    )  # fmt: skip
+    assert found.success
+    return float(found.y[0, -1]), float(found.y[1, -1])
+
+
+@pytest.mark.parametrize(
+    ("linkage", "angles"),
+    [(SLIDER_CRANK, (UP, -UP)), (four_bar_linkage(READY_FOUR_BAR), (0.0, LEFT)), (scotch_yoke(0.3), (UP, -UP))],
+    ids=["slider-crank", "four-bar", "Scotch yoke"],
+)
+def test_finished_fmu_is_taken_there(linkage: Linkage, angles: tuple[float, ...], tmp_path: Path) -> None:
+    """Exported elsewhere, its start parameter set: the linear model, and a run."""
+    fmu = gelenk.export_fmu(gelenk.load(linkage.source(0.7, 0.0)), tmp_path / "Linkage.fmu")
+    for phi in angles:
+        assert_true(linear_model(fmu, at={"A.phi": phi, "A.w": 2.0}), linkage, phi, 2.0)
+        run = gelenk.simulate(fmu, stop=0.2, step=0.05, tolerance=1e-10, parameters={"A.phi_start": phi, "A.w_start": 2.0})
+        exact = _motion(linkage, phi, 2.0, 0.2)
+        assert run["A.phi"][-1] == pytest.approx(exact[0], abs=1e-6)
+        assert run["A.w"][-1] == pytest.approx(exact[1], abs=1e-6)
+
+
+# --- all ways of computing against each other; `make special` compares more of them ---
+
+
+def findings(case: Case, seed: int) -> list[str]:
+    verdicts = list(Comparison(case, seed).verdicts())
+    assert any(v.kind in ("agree", "refused") for v in verdicts), "nothing was compared"
+    return [f"{case.name} | {v.check}: {v.kind}: {v.words}" for v in verdicts if v.kind in FOUND]
+
+
+@pytest.mark.parametrize("path", [name for name, _ in families()][:12])
+def test_shipped_scenes(path: str) -> None:
+    source: Scene = dict(families())[path]
+    found = []
+    for i, case in enumerate(starts(path, source)):
+        found += findings(case, i)
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_random_mechanisms(first: int) -> None:
+    found = []
+    for seed in range(first, first + 10):
+        found += findings(drawn(seed), seed)
+    assert not found, "\n".join(found)
