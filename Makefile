@@ -11,6 +11,7 @@
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
 # make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
 # make costs    count what standard jobs cost, for tests/costs/figures.json; WHY="..." says why they changed
+# make special  compare ways of computing at special positions: all families, 2000 random mechanisms
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
@@ -36,9 +37,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time bench costs sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time bench costs special sanitize fuzz win64 clean
 help:
-	@sed -n '2,19s/^# //p' Makefile
+	@sed -n '2,20s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo
@@ -90,6 +91,11 @@ bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 # Needs valgrind.
 costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
+
+# Half an hour; findings go to build/special.txt. ARGS="--only 'random 87'" compares one of them again.
+ARGS ?=
+special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PYTHONPATH=tests:. $(BIN)/python -m special.study --jobs $(JOBS) $(ARGS)
 
 # Two native builds, and some ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp

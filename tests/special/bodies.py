@@ -3,16 +3,14 @@
 
 Twists are (w, v): angular velocity and velocity of the centre of mass, both along the world's axes.
 
-    G V = 0                       what joints forbid
-    M V' + f = loads - G' lambda  Newton, Euler
-    q' = H V                      the joints' speeds
+    G V = 0        what joints forbid
+    q' = H V       the joints' speeds
 
 Gelenk lends its normal form of a scene and the joints' coordinates at the point, from which poses follow.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -22,8 +20,8 @@ from mechanisms import Array, Scene, rotation
 
 import gelenk
 
-# Singular values below this part of the largest one count as none: assembly meets a singular position, where the
-# loops are flat, to the root of rounding.
+# Singular values below this part of the largest one count as none: assembly meets a singular position, where
+# the loops are flat, to the root of rounding.
 SAME_ROW = 1e-5
 Poses = dict[str, tuple[Array, Array]]  # rotation, centre of mass; the ground's is the identity
 
@@ -37,7 +35,7 @@ def from_quaternion(Q: Array) -> Array:
     return R
 
 
-class Unknown(Exception):
+class UnknownError(Exception):
     """The scene has something of which this model knows nothing."""
 
 
@@ -50,9 +48,9 @@ class Joint:
     parent: str
     child: str
     R_P: Array
-    p_P: Array
+    in_parent: Array
     R_C: Array
-    p_C: Array
+    in_child: Array
     axes: list[Array]  # the first fixed in F; a universal joint's second one in M
     across: Array  # columns at right angles to the first one, in F
     damping: list[float]
@@ -99,7 +97,7 @@ class Bodies:
         data = gelenk.load(source).to_dict()
         unknown = {c["type"] for c in data.get("constraints", {}).values()} - {"gear", "rack"}
         if unknown:
-            raise Unknown(", ".join(sorted(unknown)))
+            raise UnknownError(", ".join(sorted(unknown)))
         self.data = data
         self.names = list(data["bodies"])
         self.place = {name: 6 * i for i, name in enumerate(self.names)}
@@ -113,7 +111,9 @@ class Bodies:
             xx, yy, zz, xy, xz, yz = [*b.get("inertia", [0] * 6), 0, 0, 0][:6]
             self.moments[n] = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], float)
         self.joints = [self._joint(n, j) for n, j in data["joints"].items()]
-        self.length = max([1e-9, *(np.linalg.norm(p) for j in self.joints for p in (j.p_P, j.p_C))])
+        self.length = max(
+            [1e-9, *(np.linalg.norm(p) for j in self.joints for p in (j.in_parent, j.in_child))]
+        )
 
     def _frame(self, f: Mapping[str, Any]) -> tuple[str, Array, Array]:
         R = np.array(f.get("rotation", {"matrix": np.eye(3)})["matrix"], float)
@@ -121,7 +121,7 @@ class Bodies:
 
     def _joint(self, name: str, j: Mapping[str, Any]) -> Joint:
         if "stop" in j:
-            raise Unknown("stop")
+            raise UnknownError("stop")
         parent, R_P, p_P = self._frame(j["parent"])
         child, R_C, p_C = self._frame(j["child"])
         axes = [np.array(a, float) for a in j.get("axes", [j["axis"]] if "axis" in j else [])]
@@ -130,7 +130,7 @@ class Bodies:
         axes = [a / np.linalg.norm(a) for a in axes]
         n = len(SPEEDS[j["type"]])
         if j["type"] == "planar" and axes[0][2] < 1:
-            raise Unknown("a planar joint whose normal is not z")
+            raise UnknownError("a planar joint whose normal is not z")
 
         def listed(key: str) -> list[float]:
             x = j.get(key, 0.0)
@@ -148,19 +148,19 @@ class Bodies:
         while left:
             j = next((j for j in left if (j.parent in out) or (j.child in out)), None)
             if j is None:
-                raise Unknown("a body that no joint connects")
+                raise UnknownError("a body that no joint connects")
             left.remove(j)
             R_FM, p_FM = self._displacement(j, values)
             if j.parent in out and j.child not in out:
                 R, p = out[j.parent]
                 R_M = R @ j.R_P @ R_FM
                 R_C = R_M @ j.R_C.T
-                out[j.child] = (R_C, p + R @ (j.p_P + j.R_P @ p_FM) - R_C @ j.p_C)
+                out[j.child] = (R_C, p + R @ (j.in_parent + j.R_P @ p_FM) - R_C @ j.in_child)
             elif j.child in out and j.parent not in out:
                 R, p = out[j.child]
                 R_F = R @ j.R_C @ R_FM.T
                 R_P = R_F @ j.R_P.T
-                out[j.parent] = (R_P, p + R @ j.p_C - R_F @ p_FM - R_P @ j.p_P)
+                out[j.parent] = (R_P, p + R @ j.in_child - R_F @ p_FM - R_P @ j.in_parent)
         return out
 
     def _displacement(self, j: Joint, values: Mapping[str, float]) -> tuple[Array, Array]:
@@ -198,20 +198,22 @@ class Bodies:
         """R_F, R_M, the way from F to M, and the rows that give w and v of M against F (at M)."""
         R_P, p_P = x[j.parent]
         R_C, p_C = x[j.child]
-        F, M = R_P @ j.p_P, R_C @ j.p_C
+        F, M = R_P @ j.in_parent, R_C @ j.in_child
         W, V = np.zeros((3, self.size)), np.zeros((3, self.size))
         for body, sign, arm in ((j.child, 1, M), (j.parent, -1, p_C + M - p_P)):
             if body == "ground":
                 continue
             at = self.place[body]
             W[:, at : at + 3] += sign * np.eye(3)
-            V[:, at : at + 3] -= sign * _cross(arm)
+            V[:, at : at + 3] -= sign * cross(arm)
             V[:, at + 3 : at + 6] += sign * np.eye(3)
         return R_P @ j.R_P, R_C @ j.R_C, p_C + M - p_P - F, W, V
 
     def rows(self, x: Poses) -> Array:
         """G, lengths in units of the mechanism's size."""
-        return np.vstack([np.zeros((0, self.size)), *(self._of(x, j)[0] for j in self.joints), *self._gears(x)])
+        return np.vstack(
+            [np.zeros((0, self.size)), *(self._of(x, j)[0] for j in self.joints), *self._gears(x)]
+        )
 
     def gaps(self, x: Poses) -> Array:
         """What G V is the rate of."""
@@ -227,7 +229,7 @@ class Bodies:
             return V, way
         if j.kind == "universal":
             a, b = R_F @ j.axes[0], R_M @ j.axes[1]
-            n = _cross(a) @ b
+            n = cross(a) @ b
             angle = np.array([j.axes[0] @ j.axes[1] - a @ b])
             return np.vstack([n @ W, V]), np.concatenate([angle, way])
         if j.kind == "weld":
@@ -237,7 +239,7 @@ class Bodies:
             return np.vstack([W, t.T @ V]), np.concatenate([turn, t.T @ way])
         a = j.axes[0]
         t = R_F @ j.across
-        lean = t.T @ (_cross(R_F @ a) @ (R_M @ a))
+        lean = t.T @ (cross(R_F @ a) @ (R_M @ a))
         if j.kind == "revolute":
             return np.vstack([t.T @ W, V]), np.concatenate([lean, way])
         if j.kind == "cylindrical":
@@ -273,13 +275,15 @@ class Bodies:
         known = {j.name: j for j in self.joints}
         for c in self.data.get("constraints", {}).values():
             if c["type"] == "rack":
-                row = self._rates_of(x, known[c["rack"]]) - c["radius"] * self._rates_of(x, known[c["pinion"]])
+                row = self._rates_of(x, known[c["rack"]]) - c["radius"] * self._rates_of(
+                    x, known[c["pinion"]]
+                )
                 out.append(row / self.length)
                 continue
             first, second = known[c["joint"]], known[c["with"]]
             row = self._rates_of(x, first) - c["ratio"] * self._rates_of(x, second)
             if "carrier" in c:
-                raise Unknown("carrier")
+                raise UnknownError("carrier")
             out.append(row)
         return out
 
@@ -343,116 +347,8 @@ class Bodies:
                 best = max(best, self.rank(beside)[0])
         return best
 
-    # --- motion ---
 
-    def twist(self, x: Poses, values: Mapping[str, float]) -> Array:
-        """Of the bodies at these joints' speeds."""
-        names, H = self.rates(x)
-        G = self.rows(x)
-        wanted = np.concatenate([[values[n] for n in names], np.zeros(len(G))])
-        V: Array = np.linalg.lstsq(np.vstack([H, G]), wanted, rcond=None)[0]
-        return V
-
-    def accelerations(self, x: Poses, V: Array, values: Mapping[str, float]) -> dict[str, float]:
-        """Of the joints' coordinates, without inputs."""
-        names, H = self.rates(x)
-        G = self.rows(x)
-        h = 1e-4 / max(1.0, float(np.abs(V).max(initial=0)))
-        after, before = self.moved(x, h * V), self.moved(x, -h * V)
-        Gdot_V = (self.rows(after) - self.rows(before)) @ V / (2 * h)
-        Hdot_V = (self.rates(after)[1] - self.rates(before)[1]) @ V / (2 * h)
-        M, f = self._newton(x, V)
-        f = f + self._loads(x, V, values, names, H)
-        M = M + self._rotors(H, names)
-        f = f - self._rotors_turning(H, names) @ Hdot_V
-        a0 = -np.linalg.lstsq(G, Gdot_V, rcond=SAME_ROW)[0] if len(G) else np.zeros(self.size)
-        N = self.free(x)
-        y = np.linalg.lstsq(N.T @ M @ N, N.T @ (f - M @ a0), rcond=1e-13)[0]
-        found = H @ (a0 + N @ y) + Hdot_V
-        told = [f"{j.name}.{a}" for j in self.joints for a in ACCELERATIONS[j.kind]]
-        return dict(zip(told, found.tolist(), strict=True))
-
-    def _newton(self, x: Poses, V: Array) -> tuple[Array, Array]:
-        M, f = np.zeros((self.size, self.size)), np.zeros(self.size)
-        for name, at in self.place.items():
-            R = x[name][0]
-            moments = R @ self.moments[name] @ R.T
-            w = V[at : at + 3]
-            M[at : at + 3, at : at + 3] = moments
-            M[at + 3 : at + 6, at + 3 : at + 6] = self.mass[name] * np.eye(3)
-            f[at : at + 3] = -np.cross(w, moments @ w)
-            f[at + 3 : at + 6] = self.mass[name] * self.gravity
-        return M, f
-
-    def _loads(self, x: Poses, V: Array, values: Mapping[str, float], names: list[str], H: Array) -> Array:
-        f = np.zeros(self.size)
-        speeds = H @ V
-        k = 0
-        for j in self.joints:
-            coordinates = COORDINATES[j.kind]
-            for i in range(len(SPEEDS[j.kind])):
-                tau = -j.damping[i] * speeds[k]
-                if j.stiffness[i] and coordinates:
-                    tau -= j.stiffness[i] * (values[f"{j.name}.{coordinates[i]}"] - j.reference[i])
-                f += tau * H[k]
-                k += 1
-        for load in self.data.get("forces", {}).values():
-            f += self._force(x, V, load)
-        return f
-
-    def _force(self, x: Poses, V: Array, load: Mapping[str, Any]) -> Array:
-        if load["type"] == "wrench":
-            R, _ = x[load["body"]]
-            arm = R @ (np.array(load.get("position", [0, 0, 0]), float) - self.com[load["body"]])
-            force, torque = (np.array(load.get(k, [0, 0, 0]), float) for k in ("force", "torque"))
-            if load.get("frame", "world") == "body":
-                raise Unknown("wrench in a body's frame")
-            f = np.zeros(self.size)
-            at = self.place[load["body"]]
-            f[at : at + 3], f[at + 3 : at + 6] = torque + np.cross(arm, force), force
-            return f
-        ends = self._ends(x, load)
-        way, rows = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
-        length = float(np.linalg.norm(way))
-        n = way / length
-        pull = load.get("stiffness", 0) * (length - load.get("length", 0)) + load.get("damping", 0) * n @ rows @ V
-        return np.asarray(-pull * (n @ rows))
-
-    def slack(self, x: Poses) -> bool:
-        """Whether the ends of a spring are at one point."""
-        springs = [f for f in self.data.get("forces", {}).values() if f["type"] == "spring_damper"]
-        ways = [np.subtract(*(place for place, _ in self._ends(x, f))) for f in springs]
-        return any(float(np.linalg.norm(way)) < 1e-9 * self.length for way in ways)
-
-    def _ends(self, x: Poses, load: Mapping[str, Any]) -> list[tuple[Array, Array]]:
-        """Of a spring: where they are, and what gives their velocities."""
-        ends = []
-        for key in ("from", "to"):
-            body = load[key]["body"]
-            R, p = x[body]
-            arm = R @ (np.array(load[key].get("position", [0, 0, 0]), float) - self.com[body])
-            rows = np.zeros((3, self.size))
-            if body != "ground":
-                at = self.place[body]
-                rows[:, at : at + 3], rows[:, at + 3 : at + 6] = -_cross(arm), np.eye(3)
-            ends.append((p + arm, rows))
-        return ends
-
-    def _rotors_turning(self, H: Array, names: list[str]) -> Array:
-        """H' J of the motors' rotors, geared."""
-        out = np.zeros((self.size, len(names)))
-        for motor in self.data.get("motors", {}).values():
-            J = motor.get("gear_ratio", 1.0) ** 2 * motor.get("rotor_inertia", 0.0)
-            k = next(i for i, n in enumerate(names) if n.startswith(f"{motor['joint']}."))
-            out[:, k] += J * H[k]
-        return out
-
-    def _rotors(self, H: Array, names: list[str]) -> Array:
-        out: Array = self._rotors_turning(H, names) @ H
-        return out
-
-
-def _cross(p: Array) -> Array:
+def cross(p: Array) -> Array:
     return np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
 
 

@@ -15,8 +15,9 @@ from mechanisms import Array, Scene, reordered
 from gelenk.linear import LinearModel
 
 from . import plants
-from .bodies import Bodies, Poses, Unknown
+from .bodies import Poses, UnknownError
 from .drawn import Case, values_of
+from .moving_bodies import MovingBodies
 from .plants import STOP, Start, beside, start_of, whole_vectors, without
 
 ROUNDING = 1e-9  # closures to 1e-14 of the size, through some divisions by pivots
@@ -52,10 +53,10 @@ class Comparison:
     # --- what the second opinion says of the position ---
 
     @cached_property
-    def model(self) -> Bodies | str:
+    def model(self) -> MovingBodies | str:
         try:
-            return Bodies(self.case.source)
-        except Unknown as e:
+            return MovingBodies(self.case.source)
+        except UnknownError as e:
             return str(e)
 
     @cached_property
@@ -166,7 +167,7 @@ class Comparison:
 
     def values_alike(self, check: str, other: Start) -> Verdict:
         mine, levels = self.base.values, self.base.levels
-        size = {level: 1.0 for level in (-1, 0, 1, 2)}
+        size = dict.fromkeys((-1, 0, 1, 2), 1.0)
         for name, value in mine.items():
             level = levels[name] if levels[name] in size else -1
             size[level] = max(size[level], abs(value))
@@ -278,7 +279,7 @@ class Comparison:
     def quotients(self, model: LinearModel) -> Verdict:
         """C by central differences of plants that start beside this one."""
         check = "linear: difference quotients"
-        if not whole_vectors(self.base, model.states):
+        if not whole_vectors(model.states):
             return Verdict(check, "skipped", "part of a vector among the states")
         slopes = {state: model.C[:, k] for k, state in enumerate(model.states)}
         if list(model.outputs) != list(self.base.values):
@@ -325,7 +326,9 @@ class Comparison:
             if isinstance(mine, str) or isinstance(there, str):
                 if isinstance(mine, str) and isinstance(there, str):
                     continue
-                yield self.refused(check, f"other: {there}" if isinstance(there, str) else "only the base is refused")
+                yield self.refused(
+                    check, f"other: {there}" if isinstance(there, str) else "only the base is refused"
+                )
                 continue
             yield self.judged(check, self.apart(mine, there))
 
@@ -357,6 +360,3 @@ def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, 
 
 def compared(case: Case, seed: int = 0) -> list[Verdict]:
     return list(Comparison(case, seed).verdicts())
-
-
-__all__ = ["Comparison", "Verdict", "compared", "plants"]

@@ -63,11 +63,12 @@ def families() -> Iterator[tuple[str, Scene]]:
 
 
 def listed() -> list[Case]:
-    """As given; each driven angle at right angles, alone and all together; at rest and without gravity; tilted."""
+    """All of them."""
     return [case for name, source in families() for case in starts(name, source)]
 
 
 def starts(name: str, source: Scene) -> Iterator[Case]:
+    """As given; driven angles at right angles, alone and all; at rest, without gravity; tilted."""
     yield Case(name, source)
     drivers = [
         joint

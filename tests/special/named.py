@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from mechanisms import GRAVITY, Array, Numbers, Scene, body, four_bar, frame, joint, placed, rod, scene
+from mechanisms import GRAVITY, Array, Scene, body, four_bar, frame, joint, rod, scene
 from physics.one_freedom import Geometry, Jet, Moving, OneFreedom, atan2, cos, jet, sin, sqrt
 from physics.planar_loops import FourBar, place, uniform
 
@@ -36,7 +36,7 @@ class Linkage:
     def outputs(self, phi: float, w: float) -> dict[str, float]:
         """All coordinates, speeds and accelerations."""
         a = self.acceleration(phi, w)
-        out = {}
+        out: dict[str, float] = {}
         for name, x in self.coordinates(Jet(phi, 1.0)).items():
             joint_name, _, q = name.partition(".")
             levels = (x.x, x.d * w, x.d * a + x.dd * w * w)
@@ -50,7 +50,8 @@ class Linkage:
             sides = {k: self.outputs(phi + k * dphi, w + k * dw) for k in (-3, -2, -1, 1, 2, 3)}
             weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
             return {
-                n: sum(c * (sides[k][n] - sides[-k][n]) for k, c in weights.items()) / max(dphi, dw) for n in sides[1]
+                n: sum(c * (sides[k][n] - sides[-k][n]) for k, c in weights.items()) / max(dphi, dw)
+                for n in sides[1]
             }
 
         by_phi, by_w = along(1e-3, 0.0), along(0.0, 1e-3)
@@ -70,7 +71,7 @@ def _started(source: Scene, coordinates: Angles, phi: float, w: float) -> Scene:
 
 
 def crank_slider(r: float, length: float, offset: float = 0.0) -> Linkage:
-    """Crank and rod of uniform bars of 2 kg/m, a slider of 1.5 kg on the line y = offset, right of the crank."""
+    """Crank and rod of uniform bars of 2 kg/m, a slider of 1.5 kg on the line y = offset, to the right."""
     crank, connecting = uniform(2, r), uniform(2, length)
 
     def rod_angle(phi: Jet) -> Jet:
@@ -88,7 +89,11 @@ def crank_slider(r: float, length: float, offset: float = 0.0) -> Linkage:
         yield Moving(1.5, (coordinates(phi)["P.s"], jet(offset), jet(0)), jet(0), 0.01)
 
     def source(phi: float, w: float) -> Scene:
-        bodies = {"crank": rod(2 * r, r), "rod": rod(2 * length, length), "slider": body(1.5, inertia=[0.01] * 3)}
+        bodies = {
+            "crank": rod(2 * r, r),
+            "rod": rod(2 * length, length),
+            "slider": body(1.5, inertia=[0.01] * 3),
+        }
         joints = {
             "A": joint("revolute", frame("ground"), frame("crank"), **Z),
             "B": joint("revolute", frame("crank", (r, 0, 0)), frame("rod"), **Z),
@@ -103,7 +108,8 @@ def crank_slider(r: float, length: float, offset: float = 0.0) -> Linkage:
 
 def four_bar_linkage(links: tuple[float, float, float, float], branch: int = 1) -> Linkage:
     """Bars of 2 kg/m, `mechanisms.four_bar`; branch -1: the coupler turned to the right."""
-    bars = FourBar(*(uniform(2, length) for length in links[:3]), links[3], branch)
+    crank, coupler, rocker, ground = links
+    bars = FourBar(uniform(2, crank), uniform(2, coupler), uniform(2, rocker), ground, branch)
 
     def coordinates(phi: Jet) -> dict[str, Jet]:
         theta, psi = bars.angles(phi)
@@ -128,7 +134,11 @@ def scotch_yoke(r: float) -> Linkage:
         yield Moving(1.5, (r * cos(phi), jet(0), jet(0)), jet(0), 0.01)
 
     def source(phi: float, w: float) -> Scene:
-        bodies = {"crank": rod(2 * r, r), "block": body(0.5, inertia=[0.01] * 3), "yoke": body(1.5, inertia=[0.01] * 3)}
+        bodies = {
+            "crank": rod(2 * r, r),
+            "block": body(0.5, inertia=[0.01] * 3),
+            "yoke": body(1.5, inertia=[0.01] * 3),
+        }
         joints = {
             "A": joint("revolute", frame("ground"), frame("crank"), **Z),
             "B": joint("revolute", frame("crank", (r, 0, 0)), frame("block"), **Z),
@@ -142,7 +152,7 @@ def scotch_yoke(r: float) -> Linkage:
 
 
 def turning_block(r: float, ground: float) -> Linkage:
-    """Inverted slider-crank: a rod of 3 m from the crank's pin glides through a block that turns about (ground, 0)."""
+    """Inverted slider-crank: a rod of 3 m glides through a block that turns about (ground, 0)."""
     crank, gliding = uniform(2, r), uniform(2, 3.0)
 
     def way(phi: Jet) -> tuple[Jet, Jet]:
@@ -171,7 +181,3 @@ def turning_block(r: float, ground: float) -> Linkage:
         return _started(out, coordinates, phi, w)
 
     return Linkage(source, geometry, coordinates)
-
-
-def tilted(source: Scene, R: Array, p: Numbers = (0.3, -0.2, 0.7)) -> Scene:
-    return placed(source, R, p)

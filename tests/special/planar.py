@@ -19,7 +19,7 @@ ORIGIN = np.zeros(2)
 
 
 def pick(rng: np.random.Generator, values: Sequence[float]) -> float:
-    return float(values[rng.integers(len(values))])
+    return float(values[int(rng.integers(len(values)))])
 
 
 def angle(rng: np.random.Generator) -> float:
@@ -210,7 +210,9 @@ def scotch_yoke(rng: np.random.Generator, natural: bool) -> Sketch | None:
     sketch.hinge("B", "crank", "block", P1)
     foot = np.array([P1[0], 0.0]) if rng.random() < 0.5 else ORIGIN
     sketch.body("yoke", foot, mass=mass_of(rng))
-    sketch.slide("S", "yoke", "block", P1, [math.cos(slot), math.sin(slot)], q=[float(rng.choice([0, P1[1]]))])
+    sketch.slide(
+        "S", "yoke", "block", P1, [math.cos(slot), math.sin(slot)], q=[float(rng.choice([0, P1[1]]))]
+    )
     sketch.slide("P", "ground", "yoke", foot, [1.0, 0.0], q=[float(rng.choice([0, P1[0]]))])
     return sketch
 
@@ -336,12 +338,19 @@ def geared_five_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
     ratio = pick(rng, (-1.0, 1.0, 2.0, -2.0))
     phi, psi = (sketch.joints[n]["start"]["phi"] for n in ("J0", "D"))
     sketch.extra["constraints"] = {
-        "mesh": {"type": "gear", "joint": "D", "with": "J0", "ratio": ratio, "offset": float(psi - ratio * phi)}
+        "mesh": {
+            "type": "gear",
+            "joint": "D",
+            "with": "J0",
+            "ratio": ratio,
+            "offset": float(psi - ratio * phi),
+        }
     }
     return sketch
 
 
 PLANAR = (
-    four_bar, four_bar_on_grid, five_bar, ring_on_grid, six_bar, slider_crank, slider_on_grid, turning_block,
-    scotch_yoke, trammel, parallel_cranks, windows, on_a_truss, random_graph, rack_and_pinion, geared_five_bar,
+    four_bar, four_bar_on_grid, five_bar, ring_on_grid, six_bar, slider_crank, slider_on_grid,
+    turning_block, scotch_yoke, trammel, parallel_cranks, windows, on_a_truss, random_graph,
+    rack_and_pinion, geared_five_bar,
 )  # fmt: skip

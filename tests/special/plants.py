@@ -7,13 +7,11 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from mechanisms import Array, Scene
 
 import gelenk
-from gelenk.derivatives import rate_told
 from gelenk.linear import LinearModel
 from gelenk.linearization import linear_model
 
@@ -160,17 +158,10 @@ def turned(Q: Array, axis: int, angle: float) -> Array:
     return np.append(s * u + c * v + np.cross(v, u), s * c - v @ u)
 
 
-def whole_vectors(start: Start, states: Sequence[str]) -> bool:
+def whole_vectors(states: Sequence[str]) -> bool:
     """Whether vectors are among the states as a whole: only so can they be fixed."""
     for state in states:
         bare, bracket, _ = state.partition("[")
         if bracket and not all(f"{bare}[{i}]" in states for i in (1, 2, 3)):
             return False
     return True
-
-
-def exported(source: Scene, folder: Path) -> Path:
-    return gelenk.export_fmu(gelenk.load(source), folder / "Plant.fmu")
-
-
-__all__ = ["Start", "attempt", "beside", "exported", "rate_told", "whole_vectors", "without"]

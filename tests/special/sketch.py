@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -199,4 +199,3 @@ def meeting(a: Numbers, r: float, b: Numbers, s: float, branch: int = 1) -> Arra
     along = (B - A) / d
     out: Array = A + x * along + branch * np.sqrt(max(y2, 0.0)) * np.array([-along[1], along[0]])
     return snapped(out)
-

@@ -20,7 +20,7 @@ def direction(rng: np.random.Generator) -> Array:
     """One of the world's axes, or leaning between two of them, or any."""
     style = rng.random()
     if style < 0.6:
-        return AXES[rng.integers(3)]
+        return np.array(AXES[rng.integers(3)])
     if style < 0.8:
         i, j = rng.choice(3, 2, replace=False)
         out = AXES[i] + float(rng.choice([-1, 1])) * AXES[j]
@@ -33,7 +33,7 @@ def across(rng: np.random.Generator, a: Array) -> Array:
     """A unit vector at right angles to a, along an axis of the world where that is one."""
     for i in rng.permutation(3):
         if abs(AXES[i] @ a) < 1e-12:
-            return AXES[i]
+            return np.array(AXES[i])
     out = np.cross(a, AXES[int(np.argmin(np.abs(a)))])
     return np.asarray(out / np.linalg.norm(out))
 
@@ -86,7 +86,9 @@ def crank_rod(rng: np.random.Generator, natural: bool) -> Sketch | None:
         ball_or_cross(sketch, rng, "C", "last", "rod", P2, along)
     kind = str(rng.choice(["revolute", "prismatic", "cylindrical"], p=[0.45, 0.45, 0.1]))
     foot = P2 if kind == "prismatic" else spot(rng, P2)
-    sketch.joint("D", kind, "ground", "last", foot, [other], q=coordinates(rng, 2 if kind == "cylindrical" else 1))
+    sketch.joint(
+        "D", kind, "ground", "last", foot, [other], q=coordinates(rng, 2 if kind == "cylindrical" else 1)
+    )
     return sketch
 
 
@@ -118,7 +120,7 @@ def bennett(rng: np.random.Generator, natural: bool) -> Sketch | None:
     beta = math.asin(b * math.sin(alpha) / a) * float(rng.choice([1, -1]))
     if abs(alpha - beta) < 1e-9:
         return None
-    # tan(theta1/2) tan(theta2/2) = sin((beta+alpha)/2) / sin((beta-alpha)/2)   (Denavit & Hartenberg's angles)
+    # tan(theta1/2) tan(theta2/2) = sin((beta+alpha)/2) / sin((beta-alpha)/2)
     first = angle(rng)
     if abs(first) < 1e-9 or abs(abs(first) - math.pi) < 1e-9:
         second = math.pi - first
@@ -128,7 +130,12 @@ def bennett(rng: np.random.Generator, natural: bool) -> Sketch | None:
     sketch = Sketch(natural)
     R, p = np.eye(3), np.zeros(3)
     places = []
-    for theta, length, twist in ((first, a, alpha), (second, b, beta), (-first, a, alpha), (-second, b, beta)):
+    for theta, length, twist in (
+        (first, a, alpha),
+        (second, b, beta),
+        (-first, a, alpha),
+        (-second, b, beta),
+    ):
         places.append((p, R[:, 2]))
         R = R @ rotation([0, 0, 1], theta)
         p = p + R @ np.array([length, 0, 0])
@@ -138,7 +145,9 @@ def bennett(rng: np.random.Generator, natural: bool) -> Sketch | None:
     before = "ground"
     for i in range(3):
         sketch.body(f"bar{i}", places[i][0], places[i + 1][0], mass_of(rng))
-        sketch.joint(f"J{i}", "revolute", before, f"bar{i}", places[i][0], [places[i][1]], q=coordinates(rng, 1))
+        sketch.joint(
+            f"J{i}", "revolute", before, f"bar{i}", places[i][0], [places[i][1]], q=coordinates(rng, 1)
+        )
         before = f"bar{i}"
     sketch.joint("J3", "revolute", "ground", before, places[3][0], [places[3][1]], q=coordinates(rng, 1))
     return sketch
@@ -201,7 +210,9 @@ def cardan_shafts(rng: np.random.Generator, natural: bool) -> Sketch | None:
     d = np.cross(AXES[0], c)
     if np.linalg.norm(d) < 1e-9:
         return None
-    sketch.joint("V", "universal", "second", "third", second, [c, d / np.linalg.norm(d)], q=coordinates(rng, 2))
+    sketch.joint(
+        "V", "universal", "second", "third", second, [c, d / np.linalg.norm(d)], q=coordinates(rng, 2)
+    )
     sketch.joint("B", "revolute", "ground", "third", second + AXES[0], [AXES[0]], q=coordinates(rng, 1))
     return sketch
 

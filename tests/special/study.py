@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares all listed scenes and 2000 random ones at special positions: `make special`.
 
-    python -m special.study                       all; findings go to build/special.txt
-    python -m special.study --random 100 --from 300
-    python -m special.study --only "random 87"    one of them again, or all whose names contain this
+python -m special.study                       all; findings go to build/special.txt
+python -m special.study --random 100 --from 300
+python -m special.study --only "random 87"    one of them again, or all whose names contain this
 """
 
 from __future__ import annotations
@@ -71,7 +71,9 @@ def table(counts: dict[str, collections.Counter[str]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--random", type=int, default=2000, help="how many random mechanisms")
     parser.add_argument("--from", type=int, default=0, dest="first", help="the number of the first of them")
     parser.add_argument("--only", default="", help="those whose names contain this")
@@ -81,18 +83,20 @@ def main() -> None:
     if options.only:
         tasks = [t for t in tasks if t[0] in options.only or options.only in t[0]]
     counts: dict[str, collections.Counter[str]] = {}
-    findings = []
+    findings = 0
     began = time.monotonic()
-    with multiprocessing.Pool(options.jobs) as pool:
-        done = pool.imap_unordered(judged, tasks, chunksize=4)
-        for family, name, verdicts in itertools.chain.from_iterable(tqdm(done, total=len(tasks), mininterval=10)):
-            counts.setdefault(family, collections.Counter()).update(v.kind for v in verdicts)
-            findings += [f"{name} | {v.check}: {v.kind}: {v.words}" for v in verdicts if v.kind in FOUND]
     REPORT.parent.mkdir(exist_ok=True)
-    REPORT.write_text("\n".join(sorted(findings)) + "\n", encoding="utf-8")
+    with multiprocessing.Pool(options.jobs) as pool, REPORT.open("w", encoding="utf-8") as report:
+        done = tqdm(pool.imap_unordered(judged, tasks), total=len(tasks), mininterval=10)
+        for family, name, verdicts in itertools.chain.from_iterable(done):
+            counts.setdefault(family, collections.Counter()).update(v.kind for v in verdicts)
+            found = [f"{name} | {v.check}: {v.kind}: {v.words}" for v in verdicts if v.kind in FOUND]
+            report.writelines(f"{line}\n" for line in found)
+            report.flush()
+            findings += len(found)
     print(table(dict(sorted(counts.items()))))
     print(MEANING)
-    print(f"{time.monotonic() - began:.0f} s; {len(findings)} findings in {REPORT}")
+    print(f"{time.monotonic() - began:.0f} s; {findings} findings in {REPORT}")
 
 
 if __name__ == "__main__":
