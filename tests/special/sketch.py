@@ -157,7 +157,7 @@ class Sketch:
         start: dict[str, Any] = dict(zip(COORDINATES[kind], map(float, q), strict=True))
         if kind == "spherical":
             start = {"Q": quaternion(R_FM).tolist()}
-        self.joints[name] = joint(kind, *halves, **({"start": start} if start else {}), **fields)
+        self.joints[name] = joint(kind, halves[0], halves[1], **({"start": start} if start else {}), **fields)
 
     def hinge(self, name: str, parent: str, child: str, at: Numbers, **fields: Any) -> None:
         """About z."""

@@ -152,7 +152,7 @@ def test_shipped_scenes(path: Path) -> None:
 
 @pytest.mark.parametrize("angle", [0.0, LEFT])
 def test_two_cranks_in_line(angle: float) -> None:
-    """Nothing moves the tool's joint here, whichever way both cranks go: two freedoms, and no singular position."""
+    """No motion of the cranks turns the tool's joint here: two freedoms, and no singular position."""
     source = gelenk.load(scene_files.SCENES / "five_bar.yaml").to_dict()
     case = Case("five_bar", started(source, {"left": angle, "right": angle}))
     assert not findings(case, 0)
