@@ -216,7 +216,6 @@ class Bodies:
         )
 
     def gaps(self, x: Poses) -> Array:
-        """What G V is the rate of."""
         return np.concatenate([np.zeros(0), *(self._of(x, j)[1] for j in self.joints)])
 
     def _of(self, x: Poses, j: Joint) -> tuple[Array, Array]:
@@ -331,21 +330,57 @@ class Bodies:
             x = self.moved(x, dx)
         return x if np.abs(self.gaps(x)).max(initial=0) < 1e-11 else None
 
-    def generic_rank(self, x: Poses, seed: int = 0, tries: int = 4) -> int:
-        """The largest rank found here and at positions near by."""
+    def singular(self, x: Poses, seed: int = 0) -> bool:
+        """Whether the rank is larger near by, or not all motions that are free here lead to a position."""
         rng = np.random.default_rng(seed)
+        here = self.rank(x)[0]
+        N = self.free(x)
+        if N.shape[1] == 0:
+            return False
+        taken = []
+        for _ in range(2 * N.shape[1] + 2):
+            beside = self.beside(x, N @ rng.normal(size=N.shape[1]))
+            if beside is not None:
+                if self.rank(beside)[0] > here:
+                    return True
+                taken.append(np.linalg.lstsq(N, self.way(x, beside), rcond=None)[0])
+        if not taken:
+            return True
+        s = np.linalg.svd(np.array(taken), compute_uv=False)
+        return len(s) < N.shape[1] or bool(s[-1] < 0.02 * s[0])
+
+    def way(self, x: Poses, y: Poses) -> Array:
+        """About the twist that leads from x to y."""
+        out = np.zeros(self.size)
+        for name, at in self.place.items():
+            out[at : at + 3] = _turned(x[name][0], y[name][0])
+            out[at + 3 : at + 6] = y[name][1] - x[name][1]
+        return out
+
+    def beside(self, x: Poses, twist: Array) -> Poses | None:
+        """A tenth of a radian along this motion, loops closed there; None: it leads nowhere."""
+        turn = max(np.abs(twist[at : at + 3]).max() for at in self.place.values())
+        shift = max(np.abs(twist[at + 3 : at + 6]).max() for at in self.place.values())
+        out = self.closed(self.moved(x, 0.1 * twist / max(turn, shift / self.length)))
+        return None if out is None or self.apart(out, x) < 0.02 else out
+
+    def apart(self, x: Poses, y: Poses) -> float:
+        """The farthest that a body is turned [rad] or moved, in units of the mechanism's size."""
+        turns = [float(np.abs(x[n][0] - y[n][0]).max()) for n in self.names]
+        return max([*turns, *(float(np.abs(x[n][1] - y[n][1]).max()) / self.length for n in self.names)])
+
+    def freedoms(self, x: Poses, tries: int = 4) -> int:
+        """The least number of free motions found here and at positions near by."""
+        rng = np.random.default_rng(0)
         best = self.rank(x)[0]
         for _ in range(tries):
             N = self.free(x)
             if N.shape[1] == 0:
                 break
-            twist = N @ rng.normal(size=N.shape[1])
-            turn = max(np.abs(twist[at : at + 3]).max() for at in self.place.values())
-            shift = max(np.abs(twist[at + 3 : at + 6]).max() for at in self.place.values())
-            beside = self.closed(self.moved(x, 0.15 * twist / max(turn, shift / self.length)))
+            beside = self.beside(x, N @ rng.normal(size=N.shape[1]))
             if beside is not None:
                 best = max(best, self.rank(beside)[0])
-        return best
+        return self.size - best
 
 
 def cross(p: Array) -> Array:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,9 @@ from .plants import STOP, Start, beside, start_of, whole_vectors, without
 ROUNDING = 1e-9  # closures to 1e-14 of the size, through some divisions by pivots
 SOLVER = 1e-6  # 1e4 times the tolerance of 1e-10: what steps add up to where a motion magnifies errors
 QUOTIENT = 1e-5  # closures of 1e-14 over steps of 1e-4 twice, and the curvature that two steps do not show
+NEAREST = (
+    1e-3  # values that are not given count a ten-thousandth in the squares, or nothing where a loop is cut
+)
 STEP = 2e-4  # rad, m
 # Refusals at positions that need not be singular.
 DOCUMENTED = ("a joint with a quaternion turns in part freely",)
@@ -87,14 +91,21 @@ class Comparison:
     def singular(self) -> bool:
         if self.rank is None or isinstance(self.model, str) or self.poses is None:
             return self.slack
-        return self.slack or self.rank[0] < self.model.generic_rank(self.poses)
+        return self.slack or self.model.singular(self.poses)
 
     @property
     def share(self) -> float:
         """By what the smallest pivot may magnify rounding."""
         return 1.0 if self.rank is None else 1 / self.rank[1]
 
+    @property
+    def told(self) -> bool:
+        """Whether the start itself says that the position is a singular one."""
+        return not isinstance(self.base.plant, str) and "singular" in self.base.plant.assembly_report()
+
     def ruled(self, check: str, words: str) -> Verdict:
+        if self.singular and self.told:
+            return Verdict(check, "refused", f"told: {words}")
         return Verdict(check, "SINGULAR" if self.singular else "DISAGREE", words)
 
     def refused(self, check: str, words: str) -> Verdict:
@@ -111,6 +122,7 @@ class Comparison:
         plant = self.base.plant
         yield from self.compared_starts()
         if not isinstance(plant, str):
+            yield from self.assemblies()
             yield from self.second_opinion()
             yield from self.linear_models()
             yield from self.runs()
@@ -190,6 +202,32 @@ class Comparison:
             return Verdict(check, "agree")
         faults.sort(key=lambda fault: -fault[0])
         return self.ruled(check, "; ".join(words for _, words in faults[:4]) + f" ({len(faults)} differ)")
+
+    def assemblies(self) -> Iterator[Verdict]:
+        """Guesses that cannot be met: another order of the file gets no nearer to them, and no farther."""
+        other = Start(reordered(self.case.source, 100 + self.seed), "reordered")
+        if self.case.exact or isinstance(other.plant, str):
+            return
+        mine, there = self.missed(self.base), self.missed(other)
+        if abs(mine - there) <= NEAREST * (mine + there) + NEAREST**2:
+            yield Verdict("assembly", "agree")
+        else:
+            words = f"guesses are missed by {mine:.6g}, in another order of the file by {there:.6g}"
+            yield Verdict("assembly", "ELSEWHERE", words)
+
+    def missed(self, start: Start) -> float:
+        """The root of the sum of squares by which guesses of coordinates are missed; angles by turns."""
+        total = 0.0
+        for name, entry in self.case.source["joints"].items():
+            given = entry.get("start", {})
+            for q, wish in given.items():
+                found = start.values.get(f"{name}.{q}")
+                if found is not None and start.levels[f"{name}.{q}"] == 0:
+                    gap = found - wish
+                    if q.startswith("phi"):
+                        gap = math.remainder(gap, 2 * math.pi)
+                    total += gap * gap
+        return math.sqrt(total)
 
     def second_opinion(self) -> Iterator[Verdict]:
         if isinstance(self.model, str):

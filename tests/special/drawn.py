@@ -70,7 +70,7 @@ def _started(source: Scene, rng: np.random.Generator) -> tuple[Scene, str] | Non
     """With drivers fixed and speeds that the loops allow. None: nothing moves, or too much for a test."""
     model = Bodies(source)
     x = model.poses(values_of(source))
-    freedoms = model.size - model.generic_rank(x)
+    freedoms = model.freedoms(x)
     if not 0 < freedoms <= 6:
         return None
     names, H = model.rates(x)
