@@ -27,6 +27,7 @@ QUOTIENT = 1e-5  # closures of 1e-14 over steps of 1e-4 twice, and the curvature
 NEAREST = (
     1e-3  # values that are not given count a ten-thousandth in the squares, or nothing where a loop is cut
 )
+ALARM = 1e-3  # a warning is right where the smallest pivot is a ten-thousandth of what it is elsewhere
 STEP = 2e-4  # rad, m
 # Refusals at positions that need not be singular.
 DOCUMENTED = ("a joint with a quaternion turns in part freely",)
@@ -34,9 +35,7 @@ DOCUMENTED = ("a joint with a quaternion turns in part freely",)
 
 @dataclass(frozen=True)
 class Verdict:
-    """One comparison: `agree`, `refused` by one or both in words, `singular` (compared where nothing has to
-    hold), or `DISAGREE`.
-    """
+    """One comparison; study.py says what its kinds mean."""
 
     check: str
     kind: str
@@ -98,15 +97,10 @@ class Comparison:
         """By what the smallest pivot may magnify rounding."""
         return 1.0 if self.rank is None else 1 / self.rank[1]
 
-    @property
-    def told(self) -> bool:
-        """Whether the start itself says that the position is a singular one."""
-        return not isinstance(self.base.plant, str) and "singular" in self.base.plant.assembly_report()
-
     def ruled(self, check: str, words: str) -> Verdict:
-        if self.singular and self.told:
-            return Verdict(check, "refused", f"told: {words}")
-        return Verdict(check, "SINGULAR" if self.singular else "DISAGREE", words)
+        if not self.singular:
+            return Verdict(check, "DISAGREE", words)
+        return Verdict(check, "warned" if self.base.warned else "SINGULAR", words)
 
     def refused(self, check: str, words: str) -> Verdict:
         if plants.CRASH in words:
@@ -122,6 +116,8 @@ class Comparison:
         plant = self.base.plant
         yield from self.compared_starts()
         if not isinstance(plant, str):
+            if self.base.warned and self.rank is not None and not self.singular and self.rank[1] > ALARM:
+                yield Verdict("warning", "ALARM", self.base.warned)
             yield from self.assemblies()
             yield from self.second_opinion()
             yield from self.linear_models()
@@ -253,7 +249,7 @@ class Comparison:
         if not self.open and plant.size.freedoms != freedoms and not self.singular:
             yield self.ruled("freedoms", f"{plant.size.freedoms} / {freedoms}")
         if self.rank[1] < 1e-3 and self.singular:
-            return
+            return  # this model is no truth here
         V = self.model.twist(x, values)
         expected = self.model.accelerations(x, V, values)
         size = max([1.0, *(abs(a) for a in expected.values())])

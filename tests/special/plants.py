@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,7 +26,8 @@ EVALUATIONS = 20000  # a step of the short run takes some hundreds
 def attempt[T](what: Callable[[], T]) -> T | Told:
     """What it gives, or the words in which it is refused."""
     try:
-        return what()
+        with warnings.catch_warnings(action="ignore", category=gelenk.StartWarning):
+            return what()
     except gelenk.GelenkError as e:
         return f"{type(e).__name__}: {e}"
     except Exception as e:
@@ -47,6 +49,11 @@ class Start:
         plant = gelenk.Simulation(self.source)
         plant.initialize(0.0, TOLERANCE)
         return plant
+
+    @cached_property
+    def warned(self) -> str:
+        """What the start says of a singular position; empty if nothing."""
+        return "" if isinstance(self.plant, str) else " ".join(self.plant._core.start_warnings())
 
     @cached_property
     def values(self) -> dict[str, float]:

@@ -22,11 +22,12 @@ from .compare import Verdict, compared
 from .drawn import Case, drawn
 from .listed import families, starts
 
-FOUND = ("DISAGREE", "REFUSED", "CRASH", "SLOW", "SINGULAR")
-KINDS = ("agree", "refused", "skipped", *FOUND, "ELSEWHERE")
+FOUND = ("DISAGREE", "REFUSED", "CRASH", "SLOW", "SINGULAR", "ALARM")
+KINDS = ("agree", "refused", "warned", "skipped", *FOUND, "ELSEWHERE")
 MEANING = """
 agree     within the tolerance
 refused   in words: of a singular position, of values that no position has, or as documented
+warned    beyond the tolerance, but the start was warned of
 skipped   nothing to compare
 DISAGREE  beyond the tolerance
 REFUSED   by one way of computing alone, or at a position where nothing is singular
@@ -34,6 +35,7 @@ CRASH     without words
 SLOW      more than 20 s of CPU time
 ELSEWHERE loops are closed farther from the guesses in another order of the file: no fault, told for a look
 SINGULAR  beyond the tolerance, at a position where derivatives or accelerations may not exist, and no word
+ALARM     warned of, although nothing is singular
 """
 REPORT = Path("build") / "special.txt"
 
