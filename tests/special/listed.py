@@ -70,16 +70,7 @@ def listed() -> list[Case]:
 def starts(name: str, source: Scene) -> Iterator[Case]:
     """As given; driven angles at right angles, alone and all; at rest, without gravity; tilted."""
     yield Case(name, source)
-    drivers = [
-        joint
-        for joint, entry in source["joints"].items()
-        if entry["type"] == "revolute" and entry.get("start", {}).get("fixed")
-    ]
-    drivers = drivers or [joint for joint, e in source["joints"].items() if e["type"] == "revolute"][:1]
-    choices: list[Mapping[str, float]] = [{d: x} for d in drivers for x in QUARTERS.values()]
-    if len(drivers) > 1:
-        choices += [dict.fromkeys(drivers, x) for x in QUARTERS.values()]
-    for choice in choices:
+    for choice in choices(source):
         words = ", ".join(f"{joint} at {math.degrees(x):.0f}°" for joint, x in choice.items())
         moved = started(source, choice)
         yield Case(f"{name}: {words}", moved)
@@ -88,6 +79,20 @@ def starts(name: str, source: Scene) -> Iterator[Case]:
         if "constraints" not in source:
             R = rotation([0.3, -0.7, 0.5], 1.3)
             yield Case(f"{name}: {words}, tilted", mechanisms.placed(moved, R, (0.3, -0.2, 0.7)))
+
+
+def choices(source: Scene) -> list[Mapping[str, float]]:
+    """Angles of what drives the mechanism: one after the other at right angles, and all of them."""
+    drivers = [
+        joint
+        for joint, entry in source["joints"].items()
+        if entry["type"] == "revolute" and entry.get("start", {}).get("fixed")
+    ]
+    drivers = drivers or [joint for joint, e in source["joints"].items() if e["type"] == "revolute"][:1]
+    out: list[Mapping[str, float]] = [{d: x} for d in drivers for x in QUARTERS.values()]
+    if len(drivers) > 1:
+        out += [dict.fromkeys(drivers, x) for x in QUARTERS.values()]
+    return out
 
 
 def started(source: Scene, angles: Mapping[str, float]) -> Scene:

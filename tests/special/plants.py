@@ -40,6 +40,7 @@ class Start:
 
     source: Scene
     label: str = ""
+    tolerance: float = TOLERANCE
 
     @cached_property
     def plant(self) -> gelenk.Simulation | Told:
@@ -47,7 +48,7 @@ class Start:
 
     def _started(self) -> gelenk.Simulation:
         plant = gelenk.Simulation(self.source)
-        plant.initialize(0.0, TOLERANCE)
+        plant.initialize(0.0, self.tolerance)
         return plant
 
     @cached_property
@@ -79,7 +80,7 @@ class Start:
 
     def _run(self) -> dict[str, float]:
         plant = gelenk.Simulation(budgeted(self.source))
-        plant.initialize(0.0, TOLERANCE)
+        plant.initialize(0.0, self.tolerance)
         for k in range(STEPS):
             plant.step_to((k + 1) * STOP / STEPS)
         names = [s.name for s in plant.outputs if s.level in (0, 1)]

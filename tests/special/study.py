@@ -20,14 +20,16 @@ from tqdm import tqdm
 
 from .compare import Verdict, compared
 from .drawn import Case, drawn
+from .finished import finished
 from .listed import families, starts
 
 FOUND = ("DISAGREE", "REFUSED", "CRASH", "SLOW", "SINGULAR", "ALARM")
-KINDS = ("agree", "refused", "warned", "skipped", *FOUND, "ELSEWHERE")
+KINDS = ("agree", "refused", "warned", "sensitive", "skipped", *FOUND, "ELSEWHERE")
 MEANING = """
 agree     within the tolerance
 refused   in words: of a singular position, of values that no position has, or as documented
 warned    beyond the tolerance, but the start was warned of
+sensitive a run at another tolerance ends elsewhere, too
 skipped   nothing to compare
 DISAGREE  beyond the tolerance
 REFUSED   by one way of computing alone, or at a position where nothing is singular
@@ -53,7 +55,8 @@ def judged(task: tuple[str, int]) -> list[tuple[str, str, list[Verdict]]]:
         case = drawn(seed)
         return [(case.name.split()[0], f"random {seed}: {case.name}", of(case, seed))]
     source = dict(families())[name]
-    return [(name, case.name, of(case, i)) for i, case in enumerate(starts(name, source))]
+    by_scene = [(name, case.name, of(case, i)) for i, case in enumerate(starts(name, source))]
+    return by_scene + [(name, *found) for found in finished(name, source)]
 
 
 def of(case: Case, seed: int) -> list[Verdict]:

@@ -18,6 +18,7 @@ from gelenk.linearization import linear_model
 
 from .compare import Comparison
 from .drawn import Case, drawn
+from .finished import finished
 from .listed import started, starts
 from .named import Linkage, crank_slider, four_bar_linkage, scotch_yoke, turning_block
 from .study import FOUND
@@ -147,6 +148,15 @@ def test_shipped_scenes(path: Path) -> None:
     found = []
     for i, case in enumerate(list(starts(path.stem, gelenk.load(path).to_dict()))[::3]):
         found += findings(case, i)
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("path", scene_files.good(), ids=lambda path: path.stem)
+def test_shipped_scenes_as_fmus(path: Path) -> None:
+    """Exported at one angle, started at the others."""
+    found = []
+    for name, verdicts in finished(path.stem, gelenk.load(path).to_dict()):
+        found += [f"{name} | {v.check}: {v.kind}: {v.words}" for v in verdicts if v.kind in FOUND]
     assert not found, "\n".join(found)
 
 
