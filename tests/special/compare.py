@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import copy
-import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from . import plants
 from .bodies import Poses, UnknownError
 from .drawn import Case, values_of
 from .moving_bodies import MovingBodies
-from .plants import STOP, TOLERANCE, Start, beside, start_of, whole_vectors, without
+from .plants import STOP, TOLERANCE, Start, beside, missed, same_sign, start_of, whole_vectors, without
 
 ROUNDING = 1e-9  # closures to 1e-14 of the size, through some divisions by pivots
 SOLVER = 1e-6  # 1e4 times the tolerance of 1e-10: what steps add up to where a motion magnifies errors
@@ -205,26 +204,12 @@ class Comparison:
         other = Start(reordered(self.case.source, 100 + self.seed), "reordered")
         if self.case.exact or isinstance(other.plant, str):
             return
-        mine, there = self.missed(self.base), self.missed(other)
+        mine, there = missed(self.case.source, self.base), missed(self.case.source, other)
         if abs(mine - there) <= NEAREST * (mine + there) + NEAREST**2:
             yield Verdict("assembly", "agree")
         else:
             words = f"guesses are missed by {mine:.6g}, in another order of the file by {there:.6g}"
             yield Verdict("assembly", "ELSEWHERE", words)
-
-    def missed(self, start: Start) -> float:
-        """The root of the sum of squares by which guesses of coordinates are missed; angles by turns."""
-        total = 0.0
-        for name, entry in self.case.source["joints"].items():
-            given = entry.get("start", {})
-            for q, wish in given.items():
-                found = start.values.get(f"{name}.{q}")
-                if found is not None and start.levels[f"{name}.{q}"] == 0:
-                    gap = found - wish
-                    if q.startswith("phi"):
-                        gap = math.remainder(gap, 2 * math.pi)
-                    total += gap * gap
-        return math.sqrt(total)
 
     def second_opinion(self) -> Iterator[Verdict]:
         if isinstance(self.model, str):
@@ -394,17 +379,6 @@ class Comparison:
             if not gap <= bound:
                 out.append((gap / bound, f"{name} at {STOP} s: {value:.8g} / {there[name]:.8g}"))
         return out
-
-
-def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, float]:
-    """Q and -Q are the same turn: of both, the one that is nearer."""
-    out = dict(values)
-    for name in values:
-        if name.endswith(".Q[1]"):
-            group = [f"{name[:-2]}{i}]" for i in (1, 2, 3, 4)]
-            if sum(values[n] * near[n] for n in group) < 0:
-                out |= {n: -values[n] for n in group}
-    return out
 
 
 def compared(case: Case, seed: int = 0) -> list[Verdict]:

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import copy
+import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -173,3 +174,26 @@ def whole_vectors(states: Sequence[str]) -> bool:
         if bracket and not all(f"{bare}[{i}]" in states for i in (1, 2, 3)):
             return False
     return True
+
+
+def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, float]:
+    """Q and -Q are the same turn: of both, the one that is nearer."""
+    out = dict(values)
+    for name in values:
+        if name.endswith(".Q[1]"):
+            group = [f"{name[:-2]}{i}]" for i in (1, 2, 3, 4)]
+            if sum(values[n] * near[n] for n in group) < 0:
+                out |= {n: -values[n] for n in group}
+    return out
+
+
+def missed(source: Scene, start: Start) -> float:
+    """The root of the sum of squares by which guesses of coordinates are missed; angles by turns."""
+    total = 0.0
+    for joint, entry in source["joints"].items():
+        for q, wish in entry.get("start", {}).items():
+            name = f"{joint}.{q}"
+            if start.levels.get(name) == 0:
+                gap = start.values[name] - wish
+                total += (math.remainder(gap, 2 * math.pi) if q.startswith("phi") else gap) ** 2
+    return math.sqrt(total)

@@ -169,7 +169,7 @@ def test_two_cranks_in_line(angle: float) -> None:
     assert len(linear_model(case.source).states) == 4
 
 
-@pytest.mark.parametrize("first", range(0, 60, 10))
+@pytest.mark.parametrize("first", range(0, 100, 10))
 def test_random_mechanisms(first: int) -> None:
     found = []
     for seed in range(first, first + 10):
