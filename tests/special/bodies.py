@@ -22,7 +22,7 @@ import gelenk
 
 # Singular values below this part of the largest one count as none: assembly meets a singular position, where
 # the loops are flat, to the root of rounding.
-SAME_ROW = 1e-5
+SAME_ROW = 1e-4
 Poses = dict[str, tuple[Array, Array]]  # rotation, centre of mass; the ground's is the identity
 
 
