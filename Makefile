@@ -39,7 +39,7 @@ BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard 
 
 .PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time bench costs special sanitize fuzz win64 clean
 help:
-	@sed -n '2,20s/^# //p' Makefile
+	@sed -n '2,19s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	$(BIN)/python -m gelenk.demo

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import contextlib
 import math
+import struct
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from physics.test_parallelograms import windows
 from physics.test_stops import ball
 
 import gelenk
+from gelenk.chart.mechanisms import governor
 
 SCENES = sorted((Path(__file__).resolve().parent.parent / "scenes").glob("*.yaml"))
 
@@ -98,6 +101,72 @@ def test_within_a_step_cut_short_while_the_torque_moves(integrator: str) -> None
 
 def test_in_contact_with_a_stop() -> None:
     goes_on_to_the_bit(ball(lower=0.0, damping=3.0), 31, 60, 1e-2)
+
+
+def driven(plant: gelenk.Simulation, k: int, jumps: str) -> None:
+    if jumps == "often" or (jumps == "now and then" and k % 40 == 7):
+        plant.set_input("drive.tau", 3 * math.sin(2.1 * k * k))
+
+
+@pytest.mark.parametrize("jumps", ["never", "now and then", "often"])
+@pytest.mark.parametrize("integrator", ["auto", "ida", "cvode", "cvode-adams", "erk"])
+def test_saving_changes_no_bit_of_a_run(integrator: str, jumps: str) -> None:
+    """At each of 600 steps: more than the methods with a history go without beginning anew. On a stiff governor, so that
+    `auto` has one, too."""
+    source = governor()
+    source["motors"] = {"drive": {"joint": next(iter(source["joints"]))}}
+    source["solver"] = {"integrator": integrator}
+    plain, saving = gelenk.Simulation(source), gelenk.Simulation(source)
+    states: dict[int, bytes] = {}
+    rows = []
+    for plant in (plain, saving):
+        plant.initialize(0.0, 1e-7)
+        rows.append([])
+        for k in range(600):
+            driven(plant, k, jumps)
+            plant.step_to(2e-3 * (k + 1))
+            rows[-1].append(plant.values().tolist())
+            if plant is saving:
+                states[k] = plant.save()
+    assert rows[0] == rows[1]
+    if jumps == "never":
+        return
+    other = gelenk.Simulation(source)
+    other.initialize(0.0, 1e-7)
+    for k in (6, 7, 8, 255, 300, 511):
+        other.restore(states[k])
+        for i in range(k + 1, k + 60):
+            driven(other, i, jumps)
+            other.step_to(2e-3 * (i + 1))
+            assert other.values().tolist() == rows[0][i], (k, i)
+
+
+@pytest.mark.parametrize("integrator", ["ida", "cvode", "cvode-adams"])
+def test_forged_ways_do_no_harm(integrator: str) -> None:
+    """Of a method with a history a record holds the way from where it began. Each number of it in turn replaced: taken or
+    refused, the plant goes on from its own state as before."""
+    source = four_bar() | {"solver": {"integrator": integrator}}
+    plant = gelenk.Simulation(source)
+    plant.initialize(0.0, 1e-5)
+    run(plant, 0, 1, 1e-2)
+    for k in range(1, 8):
+        plant.step_to(1e-2 * (k + 1))
+    saved = plant.save()
+    plant.step_to(0.1)
+    expected = plant.values().tolist()
+    refused = 0
+    forgeries = (struct.pack("<q", -1), struct.pack("<q", 2**40), struct.pack("<d", math.nan), bytes(8))
+    for k, word in product(range(0, len(saved), 8), forgeries):
+        try:
+            plant.restore(saved[:k] + word + saved[k + 8 :])
+            with contextlib.suppress(gelenk.StepError, gelenk.UsageError):
+                plant.step_to(plant.time + 1e-3)
+        except gelenk.UsageError as error:
+            refused += "not of this plant, or damaged" in str(error)
+        plant.restore(saved)
+    assert refused > 20
+    plant.step_to(0.1)
+    assert plant.values().tolist() == expected
 
 
 def test_bytes_of_something_else_are_refused() -> None:

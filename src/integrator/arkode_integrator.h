@@ -16,8 +16,8 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
-  bool multistep() const final { return false; }
-  bool has_history() const final { return false; }
+  bool will_have_past() const override { return false; }
+  bool has_past() const override { return false; }
   void exchange(Record& record) override;
 
  protected:

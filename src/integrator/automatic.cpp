@@ -13,7 +13,7 @@
 namespace gelenk {
 namespace {
 
-constexpr int stretch_steps = 100;  // what a price is taken from
+constexpr int stretch_steps = 100;     // what a price is taken from
 constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
@@ -78,9 +78,9 @@ class Automatic final : public Integrator {
     }
   }
 
-  bool may_be_multistep() const override { return true; }
-  bool multistep() const override { return current_ == implicit_method; }
-  bool has_history() const override { return methods_[current_]->has_history(); }
+  bool may_have_past() const override { return true; }
+  bool will_have_past() const override { return current_ == implicit_method; }
+  bool has_past() const override { return methods_[current_]->has_past(); }
 
   void exchange(Record& record) override {
     Integrator::exchange(record);
@@ -154,7 +154,8 @@ class Automatic final : public Integrator {
     }
     if (!trials_.due()) return;
     if (current_ == explicit_method) {
-      if (fastest_rate_.at(t_, y_.data()) * last.time > suspicious_reach * static_cast<double>(last.steps)) attempt(implicit_method);
+      if (fastest_rate_.at(t_, y_.data()) * last.time > suspicious_reach * static_cast<double>(last.steps))
+        attempt(implicit_method);
     } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {
       attempt(explicit_method);
     }

@@ -82,6 +82,10 @@ class Dirk final : public ArkodeIntegrator {
     ARKodeSetDeduceImplicitRhs(memory_, 1);
   }
 
+  // Newton's matrix serves over many steps.
+  bool will_have_past() const override { return true; }
+  bool has_past() const override { return !fresh_; }
+
  private:
   // Hairer & Wanner 1996, (IV.8.10): with corrections d_m and their quotient r = d_m / d_(m-1), what is left is at most
   // r / (1 - r) d_m. The quotient is that of this stage. ARKODE's own test takes one of a stage before, up to 20 steps

@@ -68,6 +68,9 @@ class GeneralizedAlpha final : public FixedStep {
     matrix_made_for_ = 0;
   }
   void inputs_changed() override { fresh_ = true; }
+  bool will_have_past() const override { return true; }
+  bool has_past() const override { return matrix_made_for_ != 0; }
+  void forget_past(double, const double*) override { matrix_made_for_ = 0; }
   void exchange(Record& record) override {
     Integrator::exchange(record);
     record.exchange(fresh_, last_step_, vdot_, a_, x_);

@@ -44,15 +44,16 @@ class Integrator {
   // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
   // advance(). Where it stands afterwards is not said.
   virtual void warm_up(double end, double* y) { advance_some(end, y, 2); }
-  // A multistep method's history cannot be written down. What it will do is then known from where it began anew, and
-  // from what it was asked for since.
-  // Whether there is such a method; whether the next advance begins with it.
-  virtual bool may_be_multistep() const { return multistep(); }
-  virtual bool multistep() const { return false; }
-  // Whether the method in use carries a history: since restart() it has made steps.
-  virtual bool has_history() const { return false; }
-  // What it carries from one communication point to the next besides (t, y) and a history, after restart() there when
-  // reading. Not to be written while it has_history().
+  // A multistep method's history, or the factors of a Newton matrix that serves again, cannot be written down: a past.
+  // What such a method will do is known from where it had none, and from what it was asked for since.
+  // Whether it ever has one; whether the next advance gives it one; whether it has one.
+  virtual bool may_have_past() const { return will_have_past(); }
+  virtual bool will_have_past() const { return false; }
+  virtual bool has_past() const { return false; }
+  // Has none from here on; (t, y) is where it stands.
+  virtual void forget_past(double t, const double* y) { restart(t, y); }
+  // What it carries from one communication point to the next besides (t, y) and its past, after restart() there when
+  // reading. Not to be written while it has one.
   virtual void exchange(Record& record) { record.exchange(steps_, rejected_); }
 
   long steps() const { return steps_; }

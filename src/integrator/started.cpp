@@ -19,8 +19,8 @@ namespace {
 constexpr long starting_steps = 25;
 // Of them in one communication step, from which on it is asked whether stability binds them: fewer are cheap anyway.
 constexpr long many_steps = 5;
-constexpr int longest_wait = 1024;        // jumps between two trials, where it did
-constexpr int longest_confidence = 64;    // starts between two questions, where it did not
+constexpr int longest_wait = 1024;      // jumps between two trials, where it did
+constexpr int longest_confidence = 64;  // starts between two questions, where it did not
 // Beside a singular position the rows' weak direction turns rounding into noise, and Newton's method and error tests
 // fail again and again, however short the step. A method that solves no equations and predicts nothing passes.
 constexpr long window = 100;            // attempts
@@ -51,12 +51,12 @@ class Started final : public Integrator {
     }
   }
 
-  bool may_be_multistep() const override { return true; }
-  bool multistep() const override {
+  bool may_have_past() const override { return true; }
+  bool will_have_past() const override {
     if (jumped_) return !starting_ && !starts_.near();
     return !starting_ || left_ == 0;
   }
-  bool has_history() const override { return !starting_ && multistep_->has_history(); }
+  bool has_past() const override { return !starting_ && multistep_->has_past(); }
 
   void exchange(Record& record) override {
     Integrator::exchange(record);

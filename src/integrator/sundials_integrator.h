@@ -9,8 +9,8 @@
 
 namespace gelenk {
 
-// For the error of one step of BDF: this share of the tolerance at 1e-4, and less below. Steps of order 5 become shorter
-// as its sixth root and more in number, and what they leave adds up: a fixed share of it would leave errors as
+// For the error of one step of BDF: this share of the tolerance at 1e-4, and less below. Steps of order 5 become
+// shorter as its sixth root and more in number, and what they leave adds up: a fixed share of it would leave errors as
 // tolerance^(5/6), at 1e-8 six times as many tolerances as at 1e-4.
 double bdf_tolerance(double share, double tolerance, bool dae = false);
 
@@ -20,8 +20,8 @@ class SundialsIntegrator : public Integrator {
   void inputs_changed() final { jumped_ = true; }
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
-  bool multistep() const override { return true; }
-  bool has_history() const override { return !fresh_; }
+  bool will_have_past() const override { return true; }
+  bool has_past() const override { return !fresh_; }
   void exchange(Record& record) override;
 
   Equations& system() const { return system_; }

@@ -67,7 +67,7 @@ void Island::start_integrator(double tolerance) {
 void Island::warm_up(double step) {
   Record start;
   exchange(start);
-  if (may_be_multistep()) make_room(start.words().size());
+  if (may_have_past()) make_room(start.words().size());
   const auto undo = [&] {
     start.read_anew();
     exchange(start);
@@ -101,7 +101,7 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
     }
-    if (multistep() && !has_history()) {
+    if (will_have_past() && !has_past()) {
       past_.beginning.write_anew();
       exchange(past_.beginning);
       past_.begin(steps());
@@ -119,17 +119,17 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
   return time_;
 }
 
-void Island::begin_anew() {
-  integrator_->restart(time_, y_.data());
+void Island::forget_past() {
+  integrator_->forget_past(time_, y_.data());
   past_.clear();
 }
 
 // whole: it has reached its end. Elsewhere the method goes on, so that an advance in parts is as one.
 void Island::remember(const Leg& leg, bool goes_on, bool whole) {
-  if (!has_history()) {
+  if (!has_past()) {
     past_.clear();
   } else if (!past_.begun || !past_.add(leg, goes_on) || (whole && steps() - past_.steps > Past::most_steps)) {
-    begin_anew();
+    forget_past();
   }
 }
 
@@ -170,12 +170,14 @@ void Island::roll_back() {
   followed_ = backup_followed_;
   fresh_ = Outputs::Needs::state;
   equations_->start(equations_->cut_coordinates(), time_, y_.data());
-  if (integrator_) begin_anew();
+  if (integrator_) integrator_->restart(time_, y_.data());
+  past_.clear();
 }
 
 void Island::exchange(Record& record) {
-  if (!record.reading() && has_history()) {
+  if (!record.reading() && has_past()) {
     record.append(past_.beginning);
+    fresh_ = Outputs::Needs::state;  // as in those that read it: outputs count as evaluations
     return;
   }
   long made = evaluations();

@@ -35,9 +35,9 @@ class Island {
   Way way() const { return {past_.legs, evaluations(), inputs_jumped_}; }
   void go_again(const Leg& leg);
   void arrive(const Way& way, double time);
-  bool may_be_multistep() const { return integrator_ && integrator_->may_be_multistep(); }
-  bool multistep() const { return integrator_ && integrator_->multistep(); }
-  bool has_history() const { return integrator_ && integrator_->has_history(); }
+  bool may_have_past() const { return integrator_ && integrator_->may_have_past(); }
+  bool will_have_past() const { return integrator_ && integrator_->will_have_past(); }
+  bool has_past() const { return integrator_ && integrator_->has_past(); }
 
   double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
@@ -49,7 +49,7 @@ class Island {
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     inputs_changed(true);
-    if (has_history()) begin_anew();  // what has led here would not lead here any more
+    if (has_past()) forget_past();  // what has led here would not lead here any more
   }
 
   // Brings the equations up to what outputs need.
@@ -85,7 +85,7 @@ class Island {
   void warm_up(double step);
   double largest_in_si(const std::vector<double>& rows) const;
   void make_room(std::size_t words);
-  void begin_anew();
+  void forget_past();
   void remember(const Leg& leg, bool goes_on, bool whole);
   void meet_drives();
   const double* q() const { return y_.data(); }

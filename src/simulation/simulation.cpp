@@ -86,7 +86,7 @@ void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
   const bool goes_on = cut_short && !u.moving() && log.ends_with(u);
-  if (!goes_on && std::ranges::any_of(islands, &Island::multistep)) log.add(u);
+  if (!goes_on && std::ranges::any_of(islands, &Island::will_have_past)) log.add(u);
   try {
     const double reached = advance_islands(end, goes_on, moved);
     time = reached;
@@ -131,7 +131,7 @@ void Simulation::initialize(double time, double tolerance) {
   s.find_independent();
   if (s.scene.solver.start == "equilibrium") s.settle();
   for (const auto& island : s.islands) island->start_integrator(tolerance);
-  if (std::ranges::any_of(s.islands, &Island::may_be_multistep)) s.log.make_room();
+  if (std::ranges::any_of(s.islands, &Island::may_have_past)) s.log.make_room();
   s.initialized = true;
 }
 

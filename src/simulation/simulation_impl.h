@@ -58,8 +58,8 @@ struct Simulation::Impl {
   double still_energy = 0;         // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
-  InputLog log;                    // for islands with a history
-  bool cut_short = false;          // the last advance was
+  InputLog log;            // for islands with a history
+  bool cut_short = false;  // the last advance was
   IndependentOutputs independent;
   std::vector<Independent> independent_by_island;
   std::vector<StateVariable> states;
