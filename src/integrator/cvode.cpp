@@ -15,8 +15,8 @@ namespace {
 
 using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
 
-// The local error test's share of the tolerance, with BDF of one of 1e-4 (bdf_tolerance, see ida.cpp). On the same scenes
-// errors are 0.3 to 60 times the tolerance.
+// The local error test's share of the tolerance, with BDF of one of 1e-4 (bdf_tolerance, see ida.cpp). On the same
+// scenes errors are 0.3 to 60 times the tolerance.
 constexpr double bdf_share = 0.002;
 constexpr double adams_share = 0.003;
 // Below this the error test meets rounding: at 1e-14 a run of the four-bar had no end in sight after minutes.

@@ -27,8 +27,8 @@ def held(kind: str, start: dict[str, Any], **spring: float) -> Scene:
 @pytest.mark.parametrize("offset", [0.0, 1e-12, 1e-3, 0.2])
 @pytest.mark.parametrize("kind", ["planar", "free"])
 def test_spring_without_free_length_is_linear_at_any_length(kind: str, offset: float) -> None:
-    """Its force is stiffness times the way between its ends. Where these meet its stiffness once vanished from
-    linear models: A was 0 instead of -50 /s2.
+    """Its force is stiffness times the way between its ends. Where these meet its stiffness once vanished
+    from linear models: A was 0 instead of -50 /s2.
     """
     start = {"s_x": offset} if kind == "planar" else {"r": [offset, 0, 0]}
     names = ["s_x", "s_y"] if kind == "planar" else ["r[1]", "r[2]", "r[3]"]
@@ -53,7 +53,9 @@ def test_run_through_the_point_where_the_ends_meet_is_harmonic() -> None:
         assert plant.output("E.total") == pytest.approx(MASS / 2, abs=1e-9)
 
 
-@pytest.mark.parametrize("spring", [{"stiffness": STIFFNESS, "length": 0.3}, {"stiffness": 0.0, "damping": 3.0}])
+@pytest.mark.parametrize(
+    "spring", [{"stiffness": STIFFNESS, "length": 0.3}, {"stiffness": 0.0, "damping": 3.0}]
+)
 def test_direction_that_is_not_defined_is_told(spring: dict[str, float]) -> None:
     source = held("planar", {}, **spring)
     with pytest.warns(gelenk.StartWarning, match=r"forces\.spring: its ends meet at the start"):

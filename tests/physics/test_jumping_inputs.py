@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Under a master every communication step may bring another torque: a jump for methods with a history.
 
-The truth is the double pendulum's textbook equations with the same torques, solved by SciPy from jump to jump.
+The truth is the double pendulum's textbook equations with the same torques, solved by SciPy from jump to
+jump.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scipy.integrate import solve_ivp
 import gelenk
 from gelenk.chart.mechanisms import governor
 
-from .test_double_pendulum import C2, J1, J2, L1, M1, M2, START, C1, double_pendulum, rates
+from .test_double_pendulum import C1, C2, J1, J2, L1, M1, M2, START, double_pendulum, rates
 
 MULTISTEP = ("ida", "cvode", "cvode-adams")
 STEP = 1e-3  # s
@@ -38,7 +39,8 @@ def truth() -> tuple[float, ...]:
     def driven(t: float, y: np.ndarray, tau: float) -> np.ndarray:
         c = k12 * np.cos(y[0] - y[1])
         M = np.array([[J1 + M1 * C1**2 + M2 * L1**2, c], [c, J2 + M2 * C2**2]])
-        return rates(t, y) + np.concatenate([[0, 0], np.linalg.solve(M, [tau, 0])])
+        out: np.ndarray = rates(t, y) + np.concatenate([[0, 0], np.linalg.solve(M, [tau, 0])])
+        return out
 
     for k in range(STEPS):
         y = solve_ivp(driven, (0, STEP), y, "DOP853", rtol=1e-12, atol=1e-13, args=(torque(k),)).y[:, -1]
@@ -57,8 +59,9 @@ def plant(integrator: str, tolerance: float) -> gelenk.Simulation:
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("integrator", MULTISTEP)
 def test_another_torque_each_millisecond_costs_no_digits(integrator: str, tolerance: float) -> None:
-    """100 times the tolerance, as without jumps. Carried across them, or begun anew at each, these methods err by 500
-    to 30,000 times it for 50 to 170 evaluations a step; the starter takes 4 to 7."""
+    """100 times the tolerance, as without jumps. Carried across them, or begun anew at each, these methods
+    err by 500 to 30,000 times it for 50 to 170 evaluations a step; the starter takes 4 to 7.
+    """
     found = plant(integrator, tolerance)
     for k in range(STEPS):
         found.set_input("drive.tau", torque(k))

@@ -33,7 +33,8 @@ def course(source: Scene, span: float, tolerance: float, length: float = 1, mass
     for k in range(OUTPUTS):
         plant.step_to((k + 1) / OUTPUTS * span)
         rows.append([plant.output(signal.name) for signal in plant.outputs])
-    return np.array(rows) / factors
+    found: Array = np.array(rows) / factors
+    return found
 
 
 def scales(plant: gelenk.Simulation, exact: Array) -> Array:
