@@ -111,6 +111,9 @@ def test_singular_position_is_discarded_with_a_sentence(tmp_path: Path) -> None:
     """The instance goes on: the flat parallelogram is left at once, and then there are derivatives."""
     fmu = extracted(mechanisms.parallelogram(0.0, 1.0), tmp_path)
     s = Slave(fmu).start()
+    assert [(status, category) for status, category, _ in s.log] == [(1, "logStatusWarning")]
+    assert "the start is a singular configuration of the loop through" in s.said
+    s.log.clear()
     state = next(iter(derivatives_of(fmu).values()))
     one, real = c_size_t(1), (c_double * 1)(1.0)
     reference = s.references([state])
