@@ -20,8 +20,8 @@ namespace {
 using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
 
 // The local error test's share of a tolerance of 1e-4 (bdf_tolerance), such that what the steps leave adds up to some
-// tens of times the tolerance, with all adaptive methods alike. Here: four-bar, arm with 7 joints, double pendulum, heavy
-// top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
+// tens of times the tolerance, with all adaptive methods alike. Here: four-bar, arm with 7 joints, double pendulum,
+// heavy top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
 constexpr double local_share = 0.006;
 // Below this differences of order six of the state's rounding are no small part of the error test: half of it costs an
 // engine with six loops three times the steps.

@@ -107,10 +107,10 @@ def a_run_goes_on_from_a_state_to_the_bit(fmu: Fmu) -> None:
     assert {name for _, name in ran} == set(choice(fmu, "solver.integrator"))
 
 
-def saving_changes_no_bit_of_a_run_without_history(fmu: Fmu) -> None:
-    """Counts apart: the derivative at a saved state is computed again."""
+def saving_changes_no_bit_of_a_run(fmu: Fmu) -> None:
+    """With every integrator. Counts apart: the derivative at a saved state is computed again."""
     methods = choice(fmu, "solver.integrator")
-    for name in ("auto", "erk", "rk4", "euler"):
+    for name in methods:
         runs = []
         for saving in (False, True):
             s = with_methods(fmu, choice(fmu, "solver.formulation")["projection"], methods[name])
@@ -157,6 +157,26 @@ def a_state_brings_settings_and_time_along(fmu: Fmu) -> None:
     set_state(s, state)
     assert everything(s) == there
     assert go_on(s) == expected
+
+
+def what_is_tuned_is_not_forgotten_on_the_way(fmu: Fmu) -> None:
+    """A damper made stronger within a run: a state saved later knows that it was weaker before."""
+    formulations, integrators = (choice(fmu, f"solver.{of}") for of in ("formulation", "integrator"))
+    s = with_methods(fmu, formulations["projection"], integrators["cvode"])
+    assert s is not None
+    rows, state = [], None
+    for k in range(60):
+        if k == 20:
+            assert s.set({"A.damping": 0.9}) == OK, s.said
+        if k == 40:
+            state = get_state(s)
+        assert s.step(k * 1e-2, 1e-2) == OK, s.said
+        rows.append(s.outputs())
+    assert state is not None
+    set_state(s, state)
+    for k in range(40, 60):
+        assert s.step(k * 1e-2, 1e-2) == OK, s.said
+        assert s.outputs() == rows[k], k
 
 
 def states_of_all_modes(fmu: Fmu) -> None:
