@@ -112,7 +112,8 @@ def driven(plant: gelenk.Simulation, k: int, jumps: str) -> None:
 @pytest.mark.parametrize("integrator", ["auto", "ida", "cvode", "cvode-adams", "erk", "dirk", "hht"])
 def test_saving_changes_no_bit_of_a_run(integrator: str, jumps: str) -> None:
     """At each of 600 steps: more than the methods with a history go without beginning anew. On a stiff
-    governor, so that `auto` has one, too."""
+    governor, so that `auto` has one, too.
+    """
     source = governor()
     source["motors"] = {"drive": {"joint": next(iter(source["joints"]))}}
     source["solver"] = {"integrator": integrator}
@@ -144,7 +145,8 @@ def test_saving_changes_no_bit_of_a_run(integrator: str, jumps: str) -> None:
 @pytest.mark.parametrize("integrator", ["ida", "cvode", "cvode-adams"])
 def test_forged_ways_do_no_harm(integrator: str) -> None:
     """Of a method with a history a record holds the way from where it began. Each number of it in turn
-    replaced: taken or refused, the plant goes on from its own state as before."""
+    replaced: taken or refused, the plant goes on from its own state as before.
+    """
     source = four_bar() | {"solver": {"integrator": integrator}}
     plant = gelenk.Simulation(source)
     plant.initialize(0.0, 1e-5)

@@ -60,7 +60,8 @@ def plant(integrator: str, tolerance: float) -> gelenk.Simulation:
 @pytest.mark.parametrize("integrator", MULTISTEP)
 def test_another_torque_each_millisecond_costs_no_digits(integrator: str, tolerance: float) -> None:
     """100 times the tolerance, as without jumps. Carried across them, or begun anew at each, these methods
-    err by 500 to 30,000 times it for 50 to 170 evaluations a step; the starter takes 4 to 7."""
+    err by 500 to 30,000 times it for 50 to 170 evaluations a step; the starter takes 4 to 7.
+    """
     found = plant(integrator, tolerance)
     for k in range(STEPS):
         found.set_input("drive.tau", torque(k))

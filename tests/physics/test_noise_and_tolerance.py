@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Multistep methods, whose estimates are differences of high order: errors follow the tolerance, and
 rounding of the loops does not become noise in them. Truth: the one-step method of order 8 at 1e-13, whose
-estimates are none."""
+estimates are none.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +56,8 @@ def largest_error(source: Scene, found: Recording, truth: Recording) -> float:
 @pytest.mark.parametrize("integrator", BDF)
 def test_errors_on_the_heavy_top_stay_in_proportion_to_the_tolerance(integrator: str) -> None:
     """Steps of order 5 grow in number as tolerance^(-1/6), and what they leave adds up: with a fixed share
-    of the tolerance for each the error was 60 times it at 1e-4 and 300 to 400 times at 1e-8, in 2 s."""
+    of the tolerance for each the error was 60 times it at 1e-4 and 300 to 400 times at 1e-8, in 2 s.
+    """
     source = shipped("heavy_top")
     times = np.linspace(0, 2, 201)
     truth = run(source, times, tolerance=1e-13, integrator="erk")
@@ -68,7 +70,8 @@ def test_errors_on_the_heavy_top_stay_in_proportion_to_the_tolerance(integrator:
 def test_six_loops_are_no_noise(integrator: str) -> None:
     """A fifth of a second at 1e-10, three turns: some 3000 steps. What projection left, a gap of 1e-14 m
     over a crank of 5 cm, took hundreds of thousands, or came to no end. The engine itself magnifies errors
-    by some 20."""
+    by some 20.
+    """
     source = engine()
     times = np.linspace(0, 0.2, 201)
     truth = run(source, times, tolerance=1e-13, integrator="erk")
