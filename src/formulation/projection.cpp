@@ -24,7 +24,8 @@ constexpr double most_magnified = 1e4;
 // With these N-four-bars of 1, 2, 10 and 40 windows keep to their branch for 20 s (56 passages) within 3e-7 m at
 // tolerances 1e-6 to 1e-10; three times as large or small serve nearly as well.
 
-// Of the rows' errors, relative to the mechanism's size, where nothing else is left.
+// Of the rows' errors, relative to the mechanism's size, where nothing else is left. At 8e-16 an engine with six loops
+// takes a hundred times the steps of cvode at 1e-10.
 constexpr double row_rounding = 3e-16;
 
 class Projection final : public Formulation {
