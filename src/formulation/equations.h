@@ -20,6 +20,9 @@ class Equations {
   // Takes y back onto the constraints by the least change in the mass metric. False: not reached. Of a DAE, which holds
   // them itself: makes quaternions unit again.
   virtual bool project(double t, double* y) = 0;
+  // Whether project() leaves rounding alone from now on, or what is small beside any tolerance: multistep methods take
+  // differences of the states they have been through.
+  virtual void polish(bool /*on*/) {}
   // q <- q moved by dv, speeds times time.
   virtual void displace(double* q, const double* dv) const = 0;
   // A step has been accepted; y is on the constraints.

@@ -44,6 +44,7 @@ class Projection final : public Formulation {
     for (auto& acceleration : accelerations_) acceleration.resize(nv_);
   }
   bool project(double t, double* y) override;
+  void polish(bool on) override { polishing_ = on; }
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
@@ -77,6 +78,7 @@ class Projection final : public Formulation {
   Inputs seen_;            // inputs of the accelerations remembered
   bool sound_ = true;      // the last factors are not near a singular position
   bool rigorous_ = false;  // weak directions are corrected in full
+  bool polishing_ = false;
 };
 
 void Projection::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -217,7 +219,7 @@ bool Projection::correct(double* q, double* v) {
 bool Projection::close(double* y) {
   if (!close_position(y)) return false;
   double* v = y + nq_;
-  const bool polishes = factors_ && sound_ && rows() > 0;
+  const bool polishes = polishing_ && factors_ && sound_ && rows() > 0;
   const auto left = [](const std::vector<double>& gaps) {
     double most = 0;
     for (const double gap : gaps) most = std::max(most, std::abs(gap));

@@ -18,6 +18,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   ~ArkodeIntegrator() override;
   bool will_have_past() const override { return false; }
   bool has_past() const override { return false; }
+  bool takes_differences() const override { return false; }
   void exchange(Record& record) override;
 
  protected:

@@ -68,13 +68,13 @@ class GeneralizedAlpha final : public FixedStep {
     matrix_made_for_ = 0;
   }
   void inputs_changed() override { fresh_ = true; }
-  bool will_have_past() const override { return true; }
-  bool has_past() const override { return matrix_made_for_ != 0; }
-  void forget_past(double, const double*) override { matrix_made_for_ = 0; }
+  // The matrix of Newton's method, too, so that saving changes nothing; its factors are made of it again.
   void exchange(Record& record) override {
     Integrator::exchange(record);
-    record.exchange(fresh_, last_step_, vdot_, a_, x_);
-    matrix_made_for_ = 0;
+    record.exchange(fresh_, last_step_, vdot_, a_, x_, matrix_made_for_);
+    if (matrix_made_for_ == 0) return;
+    for (double& entry : A_.reshaped()) record.exchange(entry);
+    if (record.reading()) lu_.compute(A_);
   }
 
  private:

@@ -96,6 +96,7 @@ double SundialsIntegrator::first_switch() {
 }
 
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
+  system_.polish(takes_differences());
   const double start = t_;
   if (end != patience_end_) {
     patience_ = Patience(start, end);

@@ -32,6 +32,8 @@ class SundialsIntegrator : public Integrator {
   explicit SundialsIntegrator(Equations& system);
   N_Vector new_vector();  // unknowns() zeros
 
+  // Whether it takes differences of the states it has been through.
+  virtual bool takes_differences() const { return true; }
   // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
   virtual void prepare(double end) = 0;
   // One step; writes t_ and y_.
