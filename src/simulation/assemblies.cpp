@@ -49,17 +49,17 @@ std::vector<int> links_of(const Scene& scene, const ReducedScene& reduced, int i
 
 }  // namespace
 
-std::vector<AssemblyPart> list_assemblies(const Scene& given, const std::vector<std::string>& bodies, int most_starts,
+std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<std::string>& bodies, int most_starts,
                                           unsigned seed) {
-  Scene scene = given;
-  convert(scene, natural_units(given));
+  Scene natural = scene;
+  convert(natural, natural_units(scene));
   for (const std::string& name : bodies) {
     if (std::ranges::find(scene.bodies, name, &Body::name) == scene.bodies.end()) {
       throw UsageError(name + ": no such body");
     }
   }
-  const ReducedScene reduced = reduce_to_geometry(scene);
-  const std::vector<Loads> loads = make_loads(scene, reduced);
+  const ReducedScene reduced = reduce_to_geometry(natural);
+  const std::vector<Loads> loads = make_loads(natural, reduced);
   const Inputs no_inputs(input_signals(scene).size());
   std::vector<AssemblyPart> out;
   for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
@@ -69,12 +69,12 @@ std::vector<AssemblyPart> list_assemblies(const Scene& given, const std::vector<
     if (!bodies.empty() && search.links.empty()) continue;
     const auto dynamics = make_dynamics(mechanism, loads[i]);
     dynamics->set_targets(Targets(mechanism).at(0, no_inputs));
-    const StartWishes wishes = start_wishes(scene, reduced, i);
+    const StartWishes wishes = start_wishes(natural, reduced, i);
     try {
       const Branches branches = find_branches(mechanism, *dynamics, wishes.tree, wishes.cuts, search);
-      out.push_back(in_users_words(scene, reduced, i, *dynamics, branches));
+      out.push_back(in_users_words(natural, reduced, i, *dynamics, branches));
     } catch (const CannotAssemble& fault) {
-      throw AssemblyError(describe_failure(scene, reduced, i, fault));
+      throw AssemblyError(describe_failure(natural, reduced, i, fault));
     }
   }
   return out;
