@@ -219,8 +219,10 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
                                               text::rounded(start.share, 2) + " of the way to a regular one)") +
                     ", where branches of motion meet: ";
   if (!start.moves) return out + "at rest nothing determines the branch that the motion will take";
-  return out + "the start takes the branch nearest to the start values given, with velocities known to about " +
-         text::rounded(std::min(start.share, 2e-16 / (start.share * start.share)), 1) + " of their size";
+  // Of the position rounding leaves its root there.
+  const double open = std::max(1e-8, std::min(start.share, 2e-16 / (start.share * start.share)));
+  return out + "the start takes the branch nearest to the start values given, with velocities accurate to about " +
+         text::rounded(open, 1) + " of their size";
 }
 
 std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault) {
