@@ -72,7 +72,7 @@ class BranchSearch {
 
   // The nearest to v0 of those found from several velocities; false: none.
   bool nearest(VectorXd& found) {
-    if (freedoms() == 0) return false;
+    if (freedoms() == 0) return holds(found);
     std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
     std::normal_distribution<double> normal;
     double least = INFINITY;
@@ -144,7 +144,6 @@ SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, cons
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   BranchSearch search(mechanism, dynamics, problem, start.q, start.v);
   VectorXd a = VectorXd::Zero(search.freedoms());
-  if (search.holds(a)) return out;
   out.on_branch = search.nearest(a);
   if (out.on_branch) start.v = search.velocity(a);
   return out;

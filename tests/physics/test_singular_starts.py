@@ -176,3 +176,13 @@ def test_start_that_closes_stays_as_it_is(rods: int) -> None:
     for i, angle in enumerate(angles):
         # Sums of so many unit vectors are rounded by 2e-16 each.
         assert plant.output(f"J{i}.phi") == pytest.approx(angle, abs=2e-16 * 10 * rods)
+
+
+@pytest.mark.parametrize("phi", [0.0, 1e-7, 1e-6, 3e-6])
+def test_speeds_that_are_a_branch_are_kept(phi: float) -> None:
+    """With both speeds given as the branch has them nothing is left to find; J v = 0 alone, with a pivot of
+    this size, would move the guess by 2e-16 / phi^2.
+    """
+    crank = {"phi": phi, "w": SPEED, "fixed": True}
+    plant, _ = started(parallelogram(crank, {"phi": 1e-3 * phi, "w": SPEED}))
+    assert plant.output("D.w") == pytest.approx(SPEED, rel=1e-9)  # Newton's bound, 1e-10 of the square
