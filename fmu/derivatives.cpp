@@ -26,12 +26,9 @@ fmi2Status differentiate(fmi2Component c, const char* function, unsigned modes, 
   });
 }
 
-constexpr unsigned stepped = between_steps | Mode::terminated;
-
 }  // namespace
 }  // namespace gelenk
 
-using gelenk::Mode;
 using gelenk::Plant;
 
 extern "C" {
@@ -39,20 +36,20 @@ extern "C" {
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
                                         const fmi2ValueReference known[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-  return gelenk::differentiate(
-      c, "fmi2GetDirectionalDerivative", gelenk::stepped | Mode::initialization, [&](Plant& plant) {
-        gelenk::expect("unknowns", nUnknown, unknown);
-        gelenk::expect("knowns", nKnown, known);
-        gelenk::expect("dvKnown", nKnown, dvKnown);
-        gelenk::expect("dvUnknown", nUnknown, dvUnknown);
-        if (nUnknown == 0) return;
-        gelenk::directional_derivative(plant, {unknown, nUnknown}, {known, nKnown}, dvKnown, dvUnknown);
-      });
+  return gelenk::differentiate(c, "fmi2GetDirectionalDerivative", gelenk::assembled, [&](Plant& plant) {
+    gelenk::expect("unknowns", nUnknown, unknown);
+    gelenk::expect("knowns", nKnown, known);
+    gelenk::expect("dvKnown", nKnown, dvKnown);
+    gelenk::expect("dvUnknown", nUnknown, dvUnknown);
+    if (nUnknown == 0) return;
+    gelenk::directional_derivative(plant, {unknown, nUnknown}, {known, nKnown}, dvKnown, dvUnknown);
+  });
 }
 
+// FMI wants these after steps only; Maestro asks for them in initialization mode, where they are known, too.
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
-  return gelenk::differentiate(c, "fmi2GetRealOutputDerivatives", gelenk::stepped, [&](Plant& plant) {
+  return gelenk::differentiate(c, "fmi2GetRealOutputDerivatives", gelenk::assembled, [&](Plant& plant) {
     gelenk::expect("value references", nvr, vr);
     gelenk::expect("orders", nvr, order);
     gelenk::expect("values", nvr, value);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Instances come, change their mode, and go.
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -20,14 +20,28 @@ std::string text_of(const std::filesystem::path& path) {
   return {text.begin(), text.end()};
 }
 
+struct Closing {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Closing>;
+
+// Programs that the host starts meanwhile do not inherit it.
+File open_to_read(const std::filesystem::path& path) {
+#ifdef _WIN32
+  return File(_wfopen(path.c_str(), L"rbN"));
+#else
+  return File(std::fopen(path.c_str(), "rbe"));
+#endif
+}
+
 std::string read_file(const std::filesystem::path& path) {
-  std::error_code none;
-  errno = std::filesystem::is_directory(path, none) ? EISDIR : 0;
-  std::ifstream file;
-  if (errno == 0) file.open(path, std::ios::binary);
-  if (errno == 0 && file) {
-    const std::string content{std::istreambuf_iterator<char>(file), {}};
-    if (file) return content;
+  errno = 0;
+  std::string content;
+  if (const File file = open_to_read(path)) {
+    std::array<char, 4096> part{};
+    std::size_t n = 0;
+    while ((n = std::fread(part.data(), 1, part.size(), file.get())) > 0) content.append(part.data(), n);
+    if (std::ferror(file.get()) == 0) return content;
   }
   throw UsageError("the scene " + text_of(path) +
                    " could not be read: " + (errno != 0 ? std::strerror(errno) : "not a file"));

@@ -16,11 +16,10 @@ const char* fmi_name(ParameterType type) {
     case ParameterType::boolean:
       return "Boolean";
     case ParameterType::integer:
-      return "Integer";
     case ParameterType::enumeration:
       break;
   }
-  return "Enumeration (an Integer)";
+  return "Integer";
 }
 
 // Everything that reading and setting have in common to refuse; an empty text when there is nothing.

@@ -11,6 +11,7 @@
 
 #include "modelDescription/catalogue.h"
 #include "modelDescription/dependencies.h"
+#include "modelDescription/file_name.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/picture.h"
 #include "modelDescription/write_page.h"

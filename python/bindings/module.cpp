@@ -10,5 +10,6 @@ NB_MODULE(_core, m) {
   gelenk::bind_inspection(m);
   gelenk::bind_assemblies(m);
   gelenk::bind_fmu(m);
+  gelenk::bind_fmu_log(m);
   gelenk::bind_joints(m);
 }

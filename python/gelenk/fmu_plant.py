@@ -18,17 +18,18 @@ from typing import Any, override
 
 import fmpy
 import fmpy.fmi1
-import fmpy.simulation
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
 from gelenk.derivatives import Derivatives, rate_told
 from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
+from gelenk.fmu_slave import instantiated
 from gelenk.plant import Plant
+from gelenk.scales import Scales
 from gelenk.scene import Value, number
 
 _WARNING = 1  # FMI's status; what is above has failed
-_KINDS = {"Enumeration": "enumeration", "Boolean": "boolean"}
 
 
 class FmuPlant(Plant):
@@ -37,8 +38,7 @@ class FmuPlant(Plant):
     def __init__(self, path: Path) -> None:
         self._file = path
         self._messages: list[str] = []
-        self._starting = False
-        self._start_warnings: list[str] = []
+        self._warnings: list[str] = []
         self._description = _description(path)
         self._variables = {v.name: v for v in self._description.modelVariables}
         experiment = self._description.defaultExperiment
@@ -52,13 +52,13 @@ class FmuPlant(Plant):
         self.assembly_report = ""
         self._references: list[int] = []
         self._folder = tempfile.mkdtemp(prefix="gelenk-")
+        self._log = _core.FmuLog()
         self._slave: Any = None
         try:
             _extract(path, self._folder)
+            self._annotations = _annotations(self._folder)
             with self._told(UsageError):
-                self._slave = fmpy.simulation.instantiate_fmu(
-                    self._folder, self._description, "CoSimulation", logger=self._log
-                )
+                self._slave = instantiated(self._folder, self._description, self._log)
         except BaseException:
             self.close()
             raise
@@ -77,11 +77,12 @@ class FmuPlant(Plant):
             if v.type == "String":
                 self._slave.setString([v.valueReference], [str(value)])
                 return
-            items = v.declaredType.items if v.type == "Enumeration" else []
-            x = number(name, value, _KINDS.get(v.type, "real"), [item.name for item in items])
-            if v.type == "Enumeration":
-                self._slave.setInteger([v.valueReference], [int(items[int(x) - 1].value)])
-            elif v.type == "Boolean":
+            if words := self._words(v):
+                x = number(name, value, "enumeration", words)
+                self._slave.setInteger([v.valueReference], [[*words.values()][int(x) - 1]])
+                return
+            x = number(name, value, "boolean" if v.type == "Boolean" else "real")
+            if v.type == "Boolean":
                 self._slave.setBoolean([v.valueReference], [bool(x)])
             elif v.type == "Integer":
                 if x != round(x):
@@ -89,6 +90,15 @@ class FmuPlant(Plant):
                 self._slave.setInteger([v.valueReference], [int(x)])
             else:
                 self._slave.setReal([v.valueReference], [x])
+
+    def _words(self, variable: Any) -> dict[str, int]:
+        """Of a choice, its words with their numbers; until version 0.1 choices were Enumerations."""
+        if variable.type == "Enumeration":
+            return {item.name: int(item.value) for item in variable.declaredType.items}
+        for choice in () if self._annotations is None else self._annotations.findall(".//Choice"):
+            if choice.get("variable") == variable.name:
+                return {item.get("name", ""): int(item.get("value", "0")) for item in choice.findall("Item")}
+        return {}
 
     @override
     def reset(self) -> None:
@@ -109,13 +119,10 @@ class FmuPlant(Plant):
                 self.set_input(name, value)
             for name, derivatives in (input_derivatives or {}).items():
                 self.set_input_derivatives(name, derivatives)
-            self._start_warnings.clear()
-            self._starting = True
-            try:
-                self._slave.exitInitializationMode()
-            finally:
-                self._starting = False
-        for sentence in self._start_warnings:
+            self._listen()
+            self._warnings.clear()
+            self._slave.exitInitializationMode()
+        for sentence in self._warnings:
             warnings.warn(sentence, StartWarning, stacklevel=2)
 
     @override
@@ -175,15 +182,16 @@ class FmuPlant(Plant):
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
             dict(zip(names, map(float, values), strict=True)),
-            rates | declared, self.units, self._order(),
+            rates | declared, self.units, *self._annotated(),
         )  # fmt: skip
 
-    def _order(self) -> int | None:
-        """How many states the mechanism has; None where the FMU does not tell."""
-        told = ET.parse(Path(self._folder, "modelDescription.xml")).find(
-            "VendorAnnotations/Tool[@name='Gelenk']/Order"
-        )
-        return None if told is None else int(told.get("states", "0"))
+    def _annotated(self) -> tuple[int | None, Scales]:
+        """How many states the mechanism has, None where the FMU does not tell; and its scales."""
+        told = None if self._annotations is None else self._annotations.find(".//Order")
+        if told is None:
+            return None, Scales()
+        scales = (float(told.get(key, "1")) for key in ("length", "mass", "time"))
+        return int(told.get("states", "0")), Scales(*scales)
 
     def _slopes(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
         asked = self._references_of(unknowns)
@@ -202,23 +210,27 @@ class FmuPlant(Plant):
             self._slave = None
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _log(self, _environment: Any, _instance: Any, status: int, _category: Any, message: Any) -> None:
-        text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
-        if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
-            text = re.sub(r"^fmi2\w+: ", "", text)
-            self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
-        elif status == _WARNING and self._starting:
-            self._start_warnings.append(text)
+    def _listen(self) -> None:
+        """Takes down what the FMU has logged."""
+        for status, message in self._log.take():
+            text = message.decode("utf-8", "replace")
+            if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
+                text = re.sub(r"^fmi2\w+: ", "", text)
+                self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
+            elif status == _WARNING:
+                self._warnings.append(text)
 
     @contextmanager
     def _told(self, error: Callable[[str], GelenkError]) -> Iterator[None]:
         """A call that fails is told in the words that the FMU logged."""
         self._messages.clear()
+        self._warnings.clear()
         try:
             yield
         except GelenkError:
             raise
         except Exception as e:  # fmpy's own, and plain Exception where instantiation fails
+            self._listen()
             if (
                 not self._messages
                 and not isinstance(e, fmpy.fmi1.FMICallException)
@@ -226,6 +238,7 @@ class FmuPlant(Plant):
             ):
                 raise
             raise error("\n".join(self._messages) or f"{self._file}: {e}") from e
+        self._listen()
 
 
 def _description(path: Path) -> Any:
@@ -248,6 +261,11 @@ def _extract(path: Path, folder: str) -> None:
         fmpy.extract(str(path), folder)
     except (zipfile.BadZipFile, zlib.error) as e:
         raise UsageError(f"{path}: damaged: {e}") from None
+
+
+def _annotations(folder: str) -> ET.Element | None:
+    """What Gelenk wrote for itself into modelDescription.xml, where fmpy does not look."""
+    return ET.parse(Path(folder, "modelDescription.xml")).find("VendorAnnotations/Tool[@name='Gelenk']")
 
 
 def _unit(variable: Any) -> str:

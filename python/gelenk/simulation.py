@@ -29,7 +29,8 @@ class Simulation:
     def __init__(self, scene: Source) -> None:
         """Compiles the scene (anything `gelenk.load` takes). Raises SceneError."""
         self.scene = load(scene)
-        self._core = _core.Simulation(self.scene._core)
+        with self.scene.located():
+            self._core = _core.Simulation(self.scene._core)
         #: What can be set: tuple of signals with `.name`, `.unit`, `.description`.
         self.inputs = tuple(self._core.inputs)
         #: What can be read, joints first, then sensors: tuple of signals.
@@ -53,7 +54,8 @@ class Simulation:
         Warns:
             StartWarning: the start is a singular configuration, or beside one.
         """
-        self._core.initialize(time, tolerance)
+        with self.scene.located():
+            self._core.initialize(time, tolerance)
         for sentence in self._core.start_warnings():
             warnings.warn(sentence, StartWarning, stacklevel=2)
 
