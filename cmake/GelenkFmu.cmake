@@ -8,6 +8,7 @@ if(GELENK_SANITIZE)  # whose runtimes stand before the newest symbols
   list(REMOVE_ITEM fmu_sources ${glibc_source})
 endif()
 
+gelenk_harden(${fmu_sources})
 add_library(gelenk_fmu MODULE ${fmu_sources})
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
@@ -27,6 +28,7 @@ else()
   set(runtime_suffix .so)
   target_link_options(gelenk_fmu PRIVATE
     -Wl,--version-script=${exports_map} -Wl,--exclude-libs,ALL -Wl,-Bsymbolic
+    -Wl,-z,relro,-z,now -Wl,-z,noexecstack
     $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>)
 endif()
 

@@ -15,6 +15,7 @@ list(FILTER small INCLUDE REGEX
   "/(scene|modelDescription|mechanism)/[^/]*$|/simulation/(inspection|parameters|preparation|properties|report|signals)\\.cpp$|/dynamics/extended_kernels\\.cpp$")
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
+gelenk_harden(${small})
 
 # Loops in the kernels are as short as joints have freedoms and loops have rows: laid out for vectors they take longer (a
 # fifth on a four-bar). Straight code still is.
@@ -61,7 +62,7 @@ if(scene_sources)
   add_executable(gelenk-schema ${schema_source})
   target_link_libraries(gelenk-schema PRIVATE gelenk_flags gelenk_core)
   add_custom_command(OUTPUT ${GELENK_SCHEMA} COMMAND gelenk-schema ${GELENK_SCHEMA}
-    COMMENT "Writing scene.schema.json" VERBATIM)
+    DEPENDS gelenk-schema COMMENT "Writing scene.schema.json" VERBATIM)
   add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
 endif()
 
