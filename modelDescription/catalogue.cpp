@@ -30,6 +30,15 @@ Variable described(const Signal& signal, Causality causality, Source source, std
   return v;
 }
 
+// Of a choice, what its numbers stand for: ": 1 projection, 2 baumgarte".
+std::string numbered(const std::vector<std::string>& items) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    text += (i == 0 ? ": " : ", ") + std::to_string(i + 1) + " " + items[i];
+  }
+  return text;
+}
+
 // The nearest; 0 for 0.
 double power_of_ten(double x) { return x > 0 ? std::pow(10.0, std::round(std::log10(x))) : 0; }
 
@@ -93,10 +102,10 @@ void Catalogue::add_parameters(const Scene& scene) {
     const Parameter& p = parameters_[i];
     Variable v;
     v.name = p.name;
-    v.description = p.description;
+    v.description = p.description + numbered(p.items);
     v.unit = p.unit;
     v.display_unit = default_display_unit(p.unit);
-    v.type_name = p.type == ParameterType::enumeration ? "Gelenk." + p.name : type_of_unit(p.unit);
+    v.type_name = type_of_unit(p.unit);
     v.causality = Causality::parameter;
     v.variability = p.tunable ? Variability::tunable : Variability::fixed;
     v.type = p.type;

@@ -20,20 +20,14 @@ constexpr const char* style =
 std::string start_text(const Variable& v, const Catalogue& catalogue) {
   if (!v.start) return {};
   if (v.type == ParameterType::boolean) return *v.start != 0 ? "true" : "false";
-  if (v.type != ParameterType::enumeration) return text::number(*v.start);
+  std::string number = text::number(*v.start);
+  if (v.type != ParameterType::enumeration) return number;
   const auto& items = catalogue.parameters()[static_cast<std::size_t>(v.index)].items;
   const auto item = static_cast<std::size_t>(*v.start) - 1;
-  return item < items.size() ? items[item] : std::string();
+  return item < items.size() ? number + " " + items[item] : number;
 }
 
-std::string range_text(const Variable& v, const Catalogue& catalogue) {
-  if (v.type == ParameterType::enumeration) {
-    std::string text;
-    for (const auto& item : catalogue.parameters()[static_cast<std::size_t>(v.index)].items) {
-      text += (text.empty() ? "" : ", ") + item;
-    }
-    return text;
-  }
+std::string range_text(const Variable& v) {
   const bool bounded_below = v.min > -std::numeric_limits<double>::infinity();
   const bool bounded_above = v.max < std::numeric_limits<double>::infinity();
   if (v.type == ParameterType::boolean || (!bounded_below && !bounded_above)) return {};
@@ -51,7 +45,7 @@ void add_table(std::string& page, const char* heading, Causality causality, cons
     if (v.causality != causality) continue;
     page += "<tr><td>" + escaped(v.name) + "</td><td>" + escaped(v.unit == "1" ? "" : v.unit) + "</td>";
     if (settable) {
-      page += "<td>" + escaped(start_text(v, catalogue)) + "</td><td>" + escaped(range_text(v, catalogue)) + "</td>";
+      page += "<td>" + escaped(start_text(v, catalogue)) + "</td><td>" + escaped(range_text(v)) + "</td>";
     }
     page +=
         "<td>" + escaped(v.description) + (v.variability == Variability::tunable ? "; tunable" : "") + "</td></tr>\n";

@@ -9,6 +9,7 @@
 #include "modelDescription/dependencies.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/units.h"
+#include "scene/natural_time.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -100,8 +101,9 @@ void write_units(Writer& w, const Catalogue& catalogue) {
   w.close(1, "UnitDefinitions");
 }
 
-void write_real_types(Writer& w, const Catalogue& catalogue) {
+void write_types(Writer& w, const Catalogue& catalogue) {
   std::set<std::string> written;
+  w.open(1, "TypeDefinitions").inside();
   for (const Variable& v : catalogue.variables()) {
     if (v.type != ParameterType::real || v.type_name.empty() || !written.insert(v.type_name).second) continue;
     w.open(2, "SimpleType").attribute("name", v.type_name).inside();
@@ -110,24 +112,35 @@ void write_real_types(Writer& w, const Catalogue& catalogue) {
     w.end();
     w.close(2, "SimpleType");
   }
+  w.close(1, "TypeDefinitions");
 }
 
-void write_types(Writer& w, const Catalogue& catalogue) {
-  w.open(1, "TypeDefinitions").inside();
-  write_real_types(w, catalogue);
+// The words behind the numbers of choices, for programs; for people they stand in the descriptions.
+void write_choices(Writer& w, const Catalogue& catalogue) {
   for (const Variable& v : catalogue.variables()) {
     if (v.type != ParameterType::enumeration) continue;
-    w.open(2, "SimpleType").attribute("name", v.type_name).attribute("description", v.description).inside();
-    w.open(3, "Enumeration").inside();
+    w.open(4, "Choice").attribute("variable", v.name).inside();
     const Parameter& choice = catalogue.parameters()[static_cast<std::size_t>(v.index)];
     for (std::size_t i = 0; i < choice.items.size(); ++i) {
-      w.open(4, "Item").attribute("name", choice.items[i]).attribute("value", static_cast<int>(i) + 1);
+      w.open(5, "Item").attribute("name", choice.items[i]).attribute("value", static_cast<int>(i) + 1);
       w.attribute("description", choice.item_summaries[i]).end();
     }
-    w.close(3, "Enumeration");
-    w.close(2, "SimpleType");
+    w.close(4, "Choice");
   }
-  w.close(1, "TypeDefinitions");
+}
+
+// FMI's schema lets a tool have one element here.
+void write_annotations(Writer& w, const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts) {
+  w.open(1, "VendorAnnotations").inside();
+  w.open(2, "Tool").attribute("name", "Gelenk").inside();
+  w.open(3, "Model").inside();
+  const UnitSystem units = natural_units(scene);
+  w.open(4, "Order").attribute("states", facts.order).attribute("length", units.length);
+  w.attribute("mass", units.mass).attribute("time", natural_time(scene, units)).end();
+  write_choices(w, catalogue);
+  w.close(3, "Model");
+  w.close(2, "Tool");
+  w.close(1, "VendorAnnotations");
 }
 
 void write_log_categories(Writer& w) {
@@ -155,12 +168,9 @@ void write_type(Writer& w, const Variable& v) {
       w.open(3, "Boolean").attribute("start", v.start == 1.0);
       break;
     case ParameterType::integer:
+    case ParameterType::enumeration:  // FMI's Enumeration is refused by Maestro and passed over by libcosim
       w.open(3, "Integer").attribute("min", static_cast<int>(v.min)).attribute("max", static_cast<int>(v.max));
-      w.attribute("start", static_cast<int>(v.start.value_or(0)));
-      break;
-    case ParameterType::enumeration:
-      w.open(3, "Enumeration").attribute("declaredType", v.type_name);
-      w.attribute("start", static_cast<int>(v.start.value_or(1)));
+      w.attribute("start", static_cast<int>(v.start.value_or(v.min)));
       break;
   }
   w.end();
@@ -177,18 +187,31 @@ void write_variable(Writer& w, const Variable& v, std::size_t value_reference) {
   w.close(2, "ScalarVariable");
 }
 
-// Not telling the dependencies means all of them; so large models whose parts all act on each other stay readable.
+// Not telling the dependencies means all of them. So lists that are complete are left out where they are long, and
+// where parts that act on each other are large, so that their lists would grow as the square of their number, all long
+// lists.
 constexpr std::size_t few = 64;
+constexpr std::size_t most_listed = 1'000'000;  // numbers, in all long lists together
+
+bool lists_are_readable(const std::set<int>& indices, const std::vector<Knowns>& dependencies, std::size_t all) {
+  std::size_t sum = 0;
+  for (const int index : indices) {
+    const std::size_t size = dependencies[static_cast<std::size_t>(index)]->size();
+    if (size > few && size < all) sum += size;
+  }
+  return sum <= most_listed;
+}
 
 // Indices from 1, as FMI counts. dependencies: by variable. all: how many knowns make up a list that can be left out.
 void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices,
-                    const std::vector<std::set<int>>& dependencies, std::size_t all) {
+                    const std::vector<Knowns>& dependencies, std::size_t all) {
   if (indices.empty()) return;
+  const std::size_t longest = lists_are_readable(indices, dependencies, all) ? std::max(all - 1, few) : few;
   w.open(2, element).inside();
   for (const int index : indices) {
     w.open(3, "Unknown").attribute("index", index + 1);
-    const std::set<int>& on = dependencies[static_cast<std::size_t>(index)];
-    if (on.size() < all || all <= few) {
+    const std::vector<int>& on = *dependencies[static_cast<std::size_t>(index)];
+    if (on.size() <= longest) {
       std::string text;
       for (const int known : on) text += (text.empty() ? "" : " ") + std::to_string(known + 1);
       w.attribute("dependencies", text);
@@ -198,7 +221,7 @@ void write_unknowns(Writer& w, std::string_view element, const std::set<int>& in
   w.close(2, element);
 }
 
-void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<std::set<int>>& dependencies) {
+void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Knowns>& dependencies) {
   std::set<int> outputs;
   std::size_t knowns = catalogue.states().size();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
@@ -220,17 +243,6 @@ void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<st
 }
 
 }  // namespace
-
-std::string model_identifier(std::string_view name) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::string text;
-  for (const char c : name) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    text += letter || digit(c) ? c : '_';
-  }
-  if (text.empty() || digit(text.front())) text.insert(0, "_");
-  return text;
-}
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -256,7 +268,7 @@ std::string escaped(std::string_view text) {
 }
 
 std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
-                                    const std::vector<std::set<int>>& dependencies, const FmuFacts& facts) {
+                                    const std::vector<Knowns>& dependencies, const FmuFacts& facts) {
   Writer w;
   w.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
   w.open(0, "fmiModelDescription").attribute("fmiVersion", "2.0").attribute("modelName", scene.name);
@@ -269,11 +281,7 @@ std::string write_model_description(const Scene& scene, const Catalogue& catalog
   write_log_categories(w);
   w.open(1, "DefaultExperiment").attribute("startTime", 0).attribute("stopTime", scene.experiment.stop);
   w.attribute("tolerance", scene.experiment.tolerance).attribute("stepSize", scene.experiment.step).end();
-  w.open(1, "VendorAnnotations").inside();
-  w.open(2, "Tool").attribute("name", "Gelenk").inside();
-  w.open(3, "Order").attribute("states", facts.order).end();
-  w.close(2, "Tool");
-  w.close(1, "VendorAnnotations");
+  write_annotations(w, scene, catalogue, facts);
   w.open(1, "ModelVariables").inside();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) write_variable(w, catalogue.variables()[i], i);
   w.close(1, "ModelVariables");

@@ -2,12 +2,12 @@
 // modelDescription.xml of FMI 2.0, from the catalogue.
 #pragma once
 
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "modelDescription/catalogue.h"
+#include "modelDescription/dependencies.h"
 
 namespace gelenk {
 
@@ -18,12 +18,9 @@ struct FmuFacts {
   int order = 0;  // how many states the mechanism has, three for a quaternion
 };
 
-// The name as a C identifier: other characters become underscores.
-std::string model_identifier(std::string_view name);
-
 // dependencies: by variable, as dependencies_of() tells them.
 std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
-                                    const std::vector<std::set<int>>& dependencies, const FmuFacts& facts);
+                                    const std::vector<Knowns>& dependencies, const FmuFacts& facts);
 
 // The text with the characters that XML and HTML keep for themselves written out; control characters are dropped.
 std::string escaped(std::string_view text);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "modelDescription/pack.h"
+#include "scene/doubts.h"
 #include "scene/read.h"
 
 namespace {
@@ -47,14 +48,14 @@ bool parse(int argc, char** argv, Options& options) {
   return options.files.size() == 2 && !options.runtimes.empty();
 }
 
-gelenk::Scene read_scene(const std::string& path) {
+gelenk::Scene read_scene(const std::string& path, std::vector<std::string>& doubts) {
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw gelenk::ExportError(path + ": the scene could not be read");
 #ifdef GELENK_WITH_YAML
-  if (path.ends_with(".yaml") || path.ends_with(".yml")) return gelenk::read_scene_yaml(text, path);
+  if (path.ends_with(".yaml") || path.ends_with(".yml")) return gelenk::read_scene_yaml(text, path, doubts);
 #endif
-  return gelenk::read_scene_json(text, path);
+  return gelenk::read_scene_json(text, path, doubts);
 }
 
 }  // namespace
@@ -66,7 +67,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    gelenk::export_fmu(read_scene(options.files[0]), options.runtimes, options.files[1], options.licenses);
+    std::vector<std::string> doubts;
+    const gelenk::Scene scene = read_scene(options.files[0], doubts);
+    for (const std::string& doubt : doubts) std::cerr << doubt << '\n';
+    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

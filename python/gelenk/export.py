@@ -40,8 +40,26 @@ def export_fmu(scene: Source, out: str | PathLike[str], platforms: Sequence[str]
     for sentence in missing_platforms(platforms).values():
         raise ExportError(sentence)
     runtimes = [runtime_library(platform) for platform in dict.fromkeys(platforms)]
-    _core.export_fmu(load(scene)._core, runtimes, target, licenses())
+    loaded = load(scene)
+    with loaded.located():
+        _core.export_fmu(loaded._core, runtimes, target, licenses())
     return target
+
+
+def fmu_file(name: str) -> Path:
+    """The file in the present folder for a scene of that name, on Linux, macOS and Windows alike."""
+    return Path(f"{_core.file_stem(name)}.fmu")
+
+
+def file_name_notes(name: str, output: Path | None) -> list[str]:
+    """What to tell of the file of a scene's FMU, as sentences. output: what the user asked for instead."""
+    if output is not None:
+        device = f"{output}: Windows takes {output.stem!r} for a device and has no such file"
+        return [device] if _core.is_device_name(output.name) else []
+    file = fmu_file(name)
+    if file.stem == name:
+        return []
+    return [f"name: {name!r} is no file's name everywhere; written to {file}, --output gives another"]
 
 
 def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:

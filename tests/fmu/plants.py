@@ -103,3 +103,11 @@ def cranked() -> Scene:
     out["parameters"] = ["bobs.damping"]
     out["name"] = "Cranked"
     return out
+
+
+def weightless() -> Scene:
+    """`driven`, its crank, table, wheel and bar without mass: constraints say how they move."""
+    out = driven()
+    for name in ("crank", "table", "wheel", "bar"):
+        out["bodies"][name] = body(0.0)
+    return out

@@ -7,9 +7,10 @@ import ctypes
 import math
 import os
 import shutil
-from ctypes import c_double, c_int, c_size_t
+from ctypes import c_double, c_int, c_size_t, c_void_p
 
 from fmu.host import DISCARD, ERROR, LAST_SUCCESSFUL_TIME, OK, TERMINATED, Fmu, Slave, expect
+from fmu.states import deserialize, get_state, serialized, set_state
 
 
 def instances_without_callbacks_work_in_silence(fmu: Fmu) -> None:
@@ -193,6 +194,36 @@ def setting_what_is_set_already_changes_nothing(fmu: Fmu) -> None:
             getter, setter, ctype = kind.get(v.type, ("fmi2GetInteger", "fmi2SetInteger", c_int))
             assert s.set({v.name: s.get(v.name, getter, ctype)}, setter, ctype) == OK, s.said
     assert s.start().run(5) == usual
+
+
+def of_two_wishes_for_the_scenes_tolerance_the_finer_counts(fmu: Fmu) -> None:
+    """Some masters set all parameters to their start values and ask for 0.1, which they have from nowhere."""
+    own = {"solver.tolerance": Slave(fmu).get("solver.tolerance")}
+
+    def life(wish: float | None, before: dict[str, float], within: dict[str, float]) -> list[list[float]]:
+        s = Slave(fmu)
+        assert not before or s.set(before) == OK
+        assert s.setup(tolerance=wish) == OK
+        assert s.enter() == OK
+        assert s.set_real(drive__tau=2.0) == OK
+        s.outputs()  # assembled
+        assert not within or s.set(within) == OK
+        kept = get_state(s)
+        other = Slave(fmu)
+        copied = c_void_p()
+        assert deserialize(other, serialized(s, kept), copied) == OK, other.said
+        set_state(other, copied)
+        assert s.leave() == other.leave() == OK
+        rows = s.run(20)
+        assert other.run(20) == rows
+        return rows
+
+    plain = life(None, {}, {})
+    assert life(0.1, {}, {}) != plain  # a wish alone counts
+    assert life(0.1, own, {}) == plain
+    assert life(0.1, {}, own) == plain
+    assert life(1e-9, own, {}) == life(1e-9, {}, {}) != plain
+    assert life(0.1, {"solver.tolerance": 1e-9}, {}) == life(1e-9, {}, {})
 
 
 def reset_gives_a_fresh_instance(fmu: Fmu) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import re
 import struct
 from ctypes import c_char, c_double, c_int, c_size_t, c_void_p
 from itertools import product
@@ -59,10 +60,11 @@ def drive(s: Slave, first: int, steps: int, size: float = 2e-2) -> list[list[flo
 
 
 def choice(of: Fmu, name: str) -> dict[str, int]:
-    """Items of an enumeration with their numbers."""
+    """The words of a choice with their numbers, as its description tells them: ": 1 auto, 2 erk"."""
     (variable,) = (v for v in of.description.modelVariables if v.name == name)
-    assert variable.declaredType is not None
-    return {item.name: int(item.value) for item in variable.declaredType.items}
+    found = {word: int(n) for n, word in re.findall(r"(?<=[:,] )(\d+) ([\w-]+)", variable.description)}
+    assert [*found.values()] == [*range(1, int(variable.max) + 1)]
+    return found
 
 
 def with_methods(of: Fmu, formulation: int, integrator: int) -> Slave | None:

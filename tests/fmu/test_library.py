@@ -59,6 +59,25 @@ def test_the_c_library_may_be_as_old_as_the_documentation_says(library: Path, ro
     assert max(versions)[:2] <= (int(said[1]), int(said[2])), needs
 
 
+def test_nothing_that_is_written_can_be_run_or_leads_anywhere(library: Path) -> None:
+    """Full RELRO: addresses of functions are resolved when it is loaded, and read-only from then on."""
+    segments = tool("readelf", "-lW", str(library))
+    flags = dict(re.findall(r"^\s+(GNU_\w+|LOAD)\s(?:\s*0x\w+){5}\s+([RWE ]{3})\s", segments, re.MULTILINE))
+    assert "GNU_RELRO" in flags
+    assert flags["GNU_STACK"].split() == ["RW"]
+    assert not re.search(r"LOAD\s(?:\s*0x\w+){5}\s+RWE", segments)
+    dynamic = tool("readelf", "-d", str(library))
+    assert "BIND_NOW" in dynamic
+    assert "TEXTREL" not in dynamic
+
+
+def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None:
+    """Stack protector and _FORTIFY_SOURCE, as far as sources use what these look at."""
+    wanted = tool("nm", "-D", "--undefined-only", str(library))
+    assert "__stack_chk_fail" in wanted
+    assert re.search(r"__\w+_chk\b", wanted)
+
+
 def test_the_library_is_small(library: Path) -> None:
     assert library.stat().st_size < 5e6
 

@@ -15,7 +15,7 @@ import gelenk
 
 from .c_hosts import extracted
 from .host import Fmu
-from .plants import crank_rocker, cranked, driven
+from .plants import crank_rocker, cranked, driven, weightless
 from .states import choice
 
 HOST = "quiet_host"
@@ -33,7 +33,12 @@ def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str) -> dict[str, i
 
 
 # The speed of `cranked` jumps, which is an impact.
-PLANTS = [(crank_rocker, "A.damping"), (driven, "bobs.damping"), (cranked, "bobs.damping")]
+PLANTS = [
+    (crank_rocker, "A.damping"),
+    (driven, "bobs.damping"),
+    (cranked, "bobs.damping"),
+    (weightless, "bobs.damping"),
+]
 
 
 @pytest.mark.parametrize(("plant", "tunable"), PLANTS)
