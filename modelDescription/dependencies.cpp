@@ -2,44 +2,53 @@
 #include "modelDescription/dependencies.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "joint/registry.h"
 #include "mechanism/sets.h"
+#include "scene/numbers.h"
 
 namespace gelenk {
 namespace {
+
+Knowns listed(const std::set<int>& indices) {
+  return std::make_shared<const std::vector<int>>(indices.begin(), indices.end());
+}
 
 // What the outputs of one part can depend on.
 struct Part {
   std::set<int> positions, states;  // states that are coordinates; those and speeds
   int speeds = 0;                   // among the states
-};
+  Knowns of_positions, of_states;   // the same, listed
 
-// -1: the ground.
-int body_number(const Scene& scene, const std::string& name) {
-  const auto found = std::ranges::find(scene.bodies, name, &Body::name);
-  return found == scene.bodies.end() ? -1 : static_cast<int>(found - scene.bodies.begin());
-}
+  void list() {
+    of_positions = listed(positions);
+    of_states = listed(states);
+  }
+};
 
 // By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
 // once by these, by others of the part only through springs, so through states.
-std::vector<int> clusters_of(const Scene& scene) {
+std::vector<int> clusters_of(const Scene& scene, const Numbers& numbers) {
   Sets sets(scene.bodies.size());
   for (const Joint& joint : scene.joints) {
-    const int parent = body_number(scene, joint.parent.body);
-    const int child = body_number(scene, joint.child.body);
+    const int parent = numbers.body(joint.parent.body);
+    const int child = numbers.body(joint.child.body);
     if (parent >= 0 && child >= 0) sets.join(parent, child);
   }
   // What constraints couple feels forces at once, too.
   const auto joint_body = [&](const std::string& name) {
-    const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
-    if (joint == scene.joints.end()) return -1;
-    return std::max(body_number(scene, joint->parent.body), body_number(scene, joint->child.body));
+    const int j = numbers.joint(name);
+    if (j < 0) return -1;
+    const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
+    return std::max(numbers.body(joint.parent.body), numbers.body(joint.child.body));
   };
   for (const Constraint& c : scene.constraints) {
-    const int first = c.joint.empty() ? body_number(scene, c.at.body) : joint_body(c.joint);
+    const int first = c.joint.empty() ? numbers.body(c.at.body) : joint_body(c.joint);
     for (const int other :
-         {c.joint.empty() ? body_number(scene, c.on.body) : -1, joint_body(c.other), joint_body(c.carrier)}) {
+         {c.joint.empty() ? numbers.body(c.on.body) : -1, joint_body(c.other), joint_body(c.carrier)}) {
       if (first >= 0 && other >= 0) sets.join(first, other);
     }
   }
@@ -61,15 +70,16 @@ class Finder {
         reduced_(simulation.prepared().reduced),
         signals_(simulation.outputs()),
         catalogue_(catalogue),
+        numbers_(scene_),
         parts_(reduced_.islands.size()),
-        cluster_(clusters_of(scene_)),
+        cluster_(clusters_of(scene_, numbers_)),
         inputs_of_(scene_.bodies.size()) {
     collect_states(simulation);
     collect_inputs();
   }
 
-  std::vector<std::set<int>> run() {
-    std::vector<std::set<int>> out(catalogue_.variables().size());
+  std::vector<Knowns> run() {
+    std::vector<Knowns> out(catalogue_.variables().size(), nothing_);
     std::size_t sensor_outputs = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Variable& v = catalogue_.variables()[i];
@@ -100,29 +110,35 @@ class Finder {
       whole_.states.insert(parts_[p].states.begin(), parts_[p].states.end());
     }
     known_ = known_ && !geometry_may_change(scene_);
+    for (Part& part : parts_) part.list();
+    whole_.list();
   }
 
   // In the order of input_signals(), which are the first variables.
   void collect_inputs() {
+    std::set<int> all;
     int next = 0;
     const auto add = [&](const std::string& body, int count) {
       std::set<int>& inputs =
-          inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body_number(scene_, body))])];
+          inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(numbers_.body(body))])];
       for (int i = 0; i < count; ++i) {
         inputs.insert(next);
-        all_.insert(next++);
+        all.insert(next++);
       }
     };
-    for (const Motor& motor : scene_.motors) {
-      add(moving_body(*std::ranges::find(scene_.joints, motor.joint, &Joint::name)), 1);
-    }
+    for (const Motor& motor : scene_.motors) add(moving_body(joint(motor.joint)), 1);
     for (const Force& force : scene_.forces) {
       if (force.type == ForceType::wrench && force.input) add(force.at.body, 6);
     }
     for (const Constraint& c : scene_.constraints) {
-      if (c.type == ConstraintType::motion && c.motion.is_input()) all_.insert(next++);
+      if (c.type == ConstraintType::motion && c.motion.is_input()) all.insert(next++);
     }
-    all_.insert(whole_.states.begin(), whole_.states.end());
+    all.insert(whole_.states.begin(), whole_.states.end());
+    all_ = listed(all);
+  }
+
+  const Joint& joint(const std::string& name) const {
+    return scene_.joints[static_cast<std::size_t>(numbers_.joint(name))];
   }
 
   static bool follows_input(const Mechanism& mechanism) {
@@ -136,48 +152,50 @@ class Finder {
 
   // island: none where something stands still.
   const Part& part(int island) const {
-    static const Part nothing;
     if (!known_) return whole_;
-    return island < 0 ? nothing : parts_[static_cast<std::size_t>(island)];
+    return island < 0 ? still_ : parts_[static_cast<std::size_t>(island)];
   }
 
   // The states of a part, and the inputs that a body of it feels.
-  std::set<int> of_accelerations(const std::string& moving, const Part& part) const {
+  Knowns of_accelerations(const std::string& moving, int island) {
     if (!known_) return all_;
-    std::set<int> out = part.states;
-    const int body = body_number(scene_, moving);
-    const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])];
-    out.insert(inputs.begin(), inputs.end());
+    const int cluster = cluster_[static_cast<std::size_t>(numbers_.body(moving))];
+    Knowns& out = accelerations_[{island, cluster}];
+    if (out) return out;
+    std::set<int> on = part(island).states;
+    const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster)];
+    on.insert(inputs.begin(), inputs.end());
+    out = listed(on);
     return out;
   }
 
-  std::set<int> of_joint(const Signal& signal, int variable) const {
+  Knowns of_joint(const Signal& signal, int variable) {
     const auto j = static_cast<std::size_t>(signal.joint);
     const JointPlace& place = reduced_.joints[j];
     const bool moves = place.role != JointPlace::Role::merged;
     const Part& p = part(moves ? place.island : -1);
     if (p.states.contains(variable)) return of_state(signal, variable);
     if (!known_) return all_;
-    if (signal.level == 2) return moves ? of_accelerations(moving_body(scene_.joints[j]), p) : std::set<int>();
-    return signal.level == 0 ? p.positions : p.states;
+    if (signal.level == 2) return moves ? of_accelerations(moving_body(scene_.joints[j]), place.island) : nothing_;
+    return signal.level == 0 ? p.of_positions : p.of_states;
   }
 
   // Itself; a quaternion's component through the length that is kept all four.
-  std::set<int> of_state(const Signal& signal, int variable) const {
+  Knowns of_state(const Signal& signal, int variable) const {
     const JointKind& kind = *find_joint_kind(scene_.joints[static_cast<std::size_t>(signal.joint)].type);
     const int component = signal.component - (kind.nq - 4);
-    if (signal.level != 0 || !kind.has_quaternion() || component < 0) return {variable};
+    if (signal.level != 0 || !kind.has_quaternion() || component < 0) return listed({variable});
     const int first = variable - component;
-    return {first, first + 1, first + 2, first + 3};
+    return listed({first, first + 1, first + 2, first + 3});
   }
 
   // Of a quaternion's component: by the states of its joint.
-  std::set<int> of_rate(const Rate& rate) const {
+  Knowns of_rate(const Rate& rate) const {
     const JointPlace& place = reduced_.joints[static_cast<std::size_t>(rate.joint)];
-    return known_ ? part(place.role == JointPlace::Role::merged ? -1 : place.island).states : all_;
+    return known_ ? part(place.role == JointPlace::Role::merged ? -1 : place.island).of_states : all_;
   }
 
-  std::set<int> of_sensor(std::size_t output) const {
+  Knowns of_sensor(std::size_t output) {
     for (const Sensor& sensor : scene_.sensors) {
       const std::size_t size = size_of(sensor);
       if (output < size) return of_sensor(sensor, output);
@@ -186,7 +204,7 @@ class Finder {
     return of_constraint(output);
   }
 
-  std::set<int> of_constraint(std::size_t output) const {
+  Knowns of_constraint(std::size_t output) {
     for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
       const Constraint& c = scene_.constraints[i];
       const std::size_t size = c.type == ConstraintType::rolling ? 6 : 1;
@@ -196,14 +214,13 @@ class Finder {
       }
       const int island = reduced_.constraints[i].island;
       if (!known_) return all_;
-      if (island < 0) return {};
+      if (island < 0) return nothing_;
       const bool force = output < 3;  // else the contact point
-      if (!force) return part(island).positions;
-      const auto joint = std::ranges::find(scene_.joints, c.joint, &Joint::name);
-      const std::string& body = joint != scene_.joints.end() ? moving_body(*joint)
+      if (!force) return part(island).of_positions;
+      const std::string& body = numbers_.joint(c.joint) >= 0 ? moving_body(joint(c.joint))
                                 : c.at.body != ground        ? c.at.body
                                                              : c.on.body;
-      return of_accelerations(body, part(island));
+      return of_accelerations(body, island);
     }
     return all_;
   }
@@ -213,49 +230,61 @@ class Finder {
     return sensor.type == SensorType::frame ? 13 : 3;
   }
 
-  std::set<int> of_sensor(const Sensor& sensor, std::size_t component) const {
+  Knowns of_sensor(const Sensor& sensor, std::size_t component) {
     if (!known_) return all_;
-    if (sensor.type == SensorType::energy) return component == 1 ? whole_.positions : whole_.states;
+    if (sensor.type == SensorType::energy) return component == 1 ? whole_.of_positions : whole_.of_states;
     if (sensor.type == SensorType::frame) {
       const Part& p = part(place(scene_, reduced_, -1, sensor.frame).island);
-      return component < 7 ? p.positions : p.states;
+      return component < 7 ? p.of_positions : p.of_states;
     }
-    const auto joint = std::ranges::find(scene_.joints, sensor.joint, &Joint::name);
-    const int island = reduced_.joints[static_cast<std::size_t>(joint - scene_.joints.begin())].island;
-    return of_accelerations(moving_body(*joint), part(island));
+    const int j = numbers_.joint(sensor.joint);
+    const int island = reduced_.joints[static_cast<std::size_t>(j)].island;
+    return of_accelerations(moving_body(scene_.joints[static_cast<std::size_t>(j)]), island);
   }
 
   const Scene& scene_;
   const ReducedScene& reduced_;
   const std::vector<Signal>& signals_;
   const Catalogue& catalogue_;
+  Numbers numbers_;
   std::vector<Part> parts_;
-  std::vector<int> cluster_;              // by body
-  std::vector<std::set<int>> inputs_of_;  // by cluster
+  std::vector<int> cluster_;                             // by body
+  std::vector<std::set<int>> inputs_of_;                 // by cluster
+  std::map<std::pair<int, int>, Knowns> accelerations_;  // by island and cluster
   Part whole_;
-  std::set<int> all_;  // states and inputs
+  Knowns nothing_ = listed({});
+  Part still_{.positions = {}, .states = {}, .of_positions = nothing_, .of_states = nothing_};
+  Knowns all_;         // states and inputs
   bool known_ = true;  // the states make up every part, and parts stay what they are
 };
 
 }  // namespace
 
-std::vector<std::set<int>> dependencies_of(const Simulation& simulation, const Catalogue& catalogue) {
+std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalogue& catalogue) {
   return Finder(simulation, catalogue).run();
 }
 
-std::vector<std::set<int>> initial_dependencies_of(const Catalogue& catalogue,
-                                                   const std::vector<std::set<int>>& dependencies) {
+std::vector<Knowns> initial_dependencies_of(const Catalogue& catalogue, const std::vector<Knowns>& dependencies) {
   std::set<int> parameters;
   const auto& variables = catalogue.variables();
   for (std::size_t i = 0; i < variables.size(); ++i) {
     const bool of_methods = variables[i].name.starts_with("solver.") && variables[i].name != "solver.start";
     if (variables[i].source == Source::parameter && !of_methods) parameters.insert(static_cast<int>(i));
   }
-  std::vector<std::set<int>> out(dependencies.size(), parameters);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    for (const int known : dependencies[i]) {
-      if (variables[static_cast<std::size_t>(known)].source == Source::input) out[i].insert(known);
+  std::map<std::vector<int>, Knowns> with_inputs;
+  std::vector<Knowns> out;
+  for (const Knowns& on : dependencies) {
+    std::vector<int> inputs;
+    for (const int known : *on) {
+      if (variables[static_cast<std::size_t>(known)].source == Source::input) inputs.push_back(known);
     }
+    Knowns& initial = with_inputs[inputs];
+    if (!initial) {
+      std::set<int> indices = parameters;
+      indices.insert(inputs.begin(), inputs.end());
+      initial = listed(indices);
+    }
+    out.push_back(initial);
   }
   return out;
 }

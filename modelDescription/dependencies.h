@@ -3,7 +3,7 @@
 // modelDescription.xml.
 #pragma once
 
-#include <set>
+#include <memory>
 #include <vector>
 
 #include "modelDescription/catalogue.h"
@@ -11,15 +11,17 @@
 
 namespace gelenk {
 
-// By variable of the catalogue, indices of inputs and states; of what is no output and no derivative: empty. Told from
+// Indices of variables, ascending. Variables that depend on the same share a list: most of a large part do.
+using Knowns = std::shared_ptr<const std::vector<int>>;
+
+// By variable of the catalogue, inputs and states; of what is no output and no derivative: an empty list. Told from
 // the structure: by parts without coupling, and by level (coordinates, speeds, accelerations), so a value listed may
 // happen not to act, and one that is not listed cannot.
 // simulation: assembled; the catalogue's states are declared.
-std::vector<std::set<int>> dependencies_of(const Simulation& simulation, const Catalogue& catalogue);
+std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalogue& catalogue);
 
 // The same for values at the start: on inputs and parameters. What an output is computed with (solver.*) does not
 // act on it there.
-std::vector<std::set<int>> initial_dependencies_of(const Catalogue& catalogue,
-                                                   const std::vector<std::set<int>>& dependencies);
+std::vector<Knowns> initial_dependencies_of(const Catalogue& catalogue, const std::vector<Knowns>& dependencies);
 
 }  // namespace gelenk

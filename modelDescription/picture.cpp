@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "joint/registry.h"
+#include "scene/numbers.h"
 
 namespace gelenk {
 namespace {
@@ -118,7 +119,8 @@ std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
 class Artist {
  public:
   explicit Artist(const Simulation& simulation)
-      : scene_(simulation.scene()), poses_(start_poses(scene_)), view_(view_of(simulation)) {
+      : scene_(simulation.scene()), numbers_(scene_), poses_(start_poses(scene_)), view_(view_of(simulation)) {
+    find_marks();
     fit();
   }
 
@@ -142,17 +144,16 @@ class Artist {
 
  private:
   Vector3d in_world(const BodyFrame& frame) const {
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      if (scene_.bodies[b].name == frame.body) return poses_[b].point(frame.X_BF.p);
-    }
-    return frame.X_BF.p;
+    const int b = numbers_.body(frame.body);
+    return b < 0 ? frame.X_BF.p : poses_[static_cast<std::size_t>(b)].point(frame.X_BF.p);
   }
 
-  // Where on the body joints and forces take hold, and its centre of mass.
-  std::vector<Vector3d> marks(std::size_t b) const {
-    std::vector<Vector3d> out = {poses_[b].point(scene_.bodies[b].com)};
+  // Where on the bodies joints and forces take hold, and their centres of mass.
+  void find_marks() {
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) marks_.push_back({poses_[b].point(scene_.bodies[b].com)});
     const auto mark = [&](const BodyFrame& frame) {
-      if (frame.body == scene_.bodies[b].name) out.push_back(in_world(frame));
+      const int b = numbers_.body(frame.body);
+      if (b >= 0) marks_[static_cast<std::size_t>(b)].push_back(in_world(frame));
     };
     for (const Joint& joint : scene_.joints) {
       if (!holds(joint)) continue;
@@ -164,7 +165,6 @@ class Artist {
       mark(force.from);
       mark(force.to);
     }
-    return out;
   }
 
   // Scale and middle, so that everything is in the picture.
@@ -176,7 +176,7 @@ class Artist {
       least = least.cwiseMin(view_.of(p_W));
       most = most.cwiseMax(view_.of(p_W));
     };
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) std::ranges::for_each(marks(b), include);
+    for (const std::vector<Vector3d>& of_body : marks_) std::ranges::for_each(of_body, include);
     for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
     for (const Force& force : scene_.forces) {
       if (force.type != ForceType::spring_damper) continue;
@@ -212,7 +212,7 @@ class Artist {
 
   void draw_body(std::size_t b) {
     std::vector<Vector2d> points;
-    for (const Vector3d& p_W : marks(b)) {
+    for (const Vector3d& p_W : marks_[b]) {
       const Vector2d at = on_paper(p_W);
       if (std::ranges::none_of(points, [&](const Vector2d& other) { return (other - at).norm() < 2; })) {
         points.push_back(at);
@@ -278,7 +278,9 @@ class Artist {
   }
 
   const Scene& scene_;
-  std::vector<Pose3> poses_;  // by body
+  Numbers numbers_;
+  std::vector<Pose3> poses_;                  // by body
+  std::vector<std::vector<Vector3d>> marks_;  // by body, in the world
   View view_;
   Picture picture_;
   double scale_ = 1;  // pixels per metre

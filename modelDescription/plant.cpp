@@ -61,17 +61,22 @@ void Plant::set_experiment(double start, double tolerance) {
 void Plant::assemble() {
   if (simulation_) return;
   Simulation fresh(settings_ == Settings(catalogue(), model_->scene) ? scene_ : checked(scene_));
-  const bool by_hand = scene_.experiment.tolerance != model_->scene.experiment.tolerance;
   for (int i = 0; i < static_cast<int>(inputs_.count()); ++i) {
     fresh.set_input(i, inputs_.value(i));
     for (int order = 1; order <= Inputs::highest_order; ++order) {
       fresh.set_input_derivative(i, order, inputs_.derivative(i, order));
     }
   }
-  fresh.initialize(start_, by_hand ? 0 : tolerance_);
+  fresh.initialize(start_, wished_tolerance());
   first_inputs_ = inputs_;
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
+}
+
+double Plant::wished_tolerance() const {
+  const double own = scene_.experiment.tolerance;
+  const bool other = own != model_->scene.experiment.tolerance;
+  return other || (tolerance_confirmed_ && tolerance_ > own) ? 0 : tolerance_;
 }
 
 Simulation& Plant::simulation() {
@@ -148,8 +153,14 @@ void Plant::set(int variable, double value) {
     if (simulation_) simulation_->set_input(v.index, value);
     return;
   }
-  if (value == catalogue().parameters()[index].get(scene_)) return;
-  set_parameter(scene_, catalogue().parameters()[index], value);
+  const Parameter& parameter = catalogue().parameters()[index];
+  if (parameter.name == "solver.tolerance") {
+    const double wished = wished_tolerance();
+    tolerance_confirmed_ = true;
+    if (wished_tolerance() != wished) simulation_.reset();
+  }
+  if (value == parameter.get(scene_)) return;
+  set_parameter(scene_, parameter, value);
   settings_ = Settings(catalogue(), scene_);
   simulation_.reset();
 }
@@ -172,7 +183,7 @@ void Plant::tune(int variable, double value) {
 void Plant::exchange(Record& record) {
   bool assembled = simulation_.has_value();
   double start = start_;
-  double tolerance = tolerance_;
+  double tolerance = std::copysign(tolerance_, tolerance_confirmed_ ? -1 : 1);  // the sign holds the flag
   Settings when_assembled = assembled_;
   Settings present = settings_;
   record.exchange(assembled, start, tolerance);
@@ -182,11 +193,14 @@ void Plant::exchange(Record& record) {
   when_assembled.exchange(record);
   present.exchange(record);
   if (record.reading()) {
-    const bool same =
-        start == start_ && tolerance == tolerance_ && when_assembled == assembled_ && first == first_inputs_;
+    const bool confirmed = std::signbit(tolerance);
+    tolerance = std::abs(tolerance);
+    const bool same = start == start_ && tolerance == tolerance_ && confirmed == tolerance_confirmed_ &&
+                      when_assembled == assembled_ && first == first_inputs_;
     if (!assembled || !same) simulation_.reset();
     start_ = start;
     tolerance_ = tolerance;
+    tolerance_confirmed_ = confirmed;
     if (assembled) {
       std::swap(inputs_, first);
       take(when_assembled, present);

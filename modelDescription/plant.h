@@ -46,8 +46,9 @@ class Plant {
   const PlantModel& model() const { return *model_; }
   const Catalogue& catalogue() const { return model_->catalogue; }
 
-  // When the run starts [s], and the master's wish for the tolerance (0: none), which gives way to
-  // a solver.tolerance set by hand.
+  // When the run starts [s], and the master's wish for the tolerance (0: none). It gives way to a solver.tolerance that
+  // is set to another value than the scene's; of the scene's own, when that is set, the smaller counts: some masters
+  // set all parameters to what they are, and wish for 0.1 (Maestro 3).
   void set_experiment(double start, double tolerance);
 
   // Builds and assembles the simulation if that has not happened since the last parameter was set.
@@ -93,6 +94,7 @@ class Plant {
  private:
   double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }
   double rate(const Rate& rate);
+  double wished_tolerance() const;  // 0: the scene's
   void take(const Settings& assembled, const Settings& present);
 
   std::shared_ptr<const PlantModel> model_;
@@ -105,6 +107,7 @@ class Plant {
   std::vector<AnyJoint> joints_;  // as many as rates need, by joint
   double start_ = 0;
   double tolerance_ = 0;
+  bool tolerance_confirmed_ = false;  // solver.tolerance was set
 };
 
 }  // namespace gelenk

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/assembly.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <random>
 
 #include "analysis/assembly_problem.h"
 #include "analysis/closing.h"
@@ -12,7 +13,6 @@
 namespace gelenk {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Guesses that are met as well as this [rad, m] have chosen among the ways to close a loop.
@@ -24,8 +24,14 @@ constexpr double weaker = 1e-4;
 // Of the largest pivot: where the loops close to rounding, coordinates at a singular configuration are known to its
 // root, about 3e-8, and pivots below that are zero. A speed divided by one would be a number without meaning.
 constexpr double singular = 1e-7;
+constexpr double rounding_pivot = 1e-15;  // likewise, where nothing but rounding is left
 // Of the squared distance: what is not nearer by this much more than rounding is no reason to go another way.
-constexpr double nearer = 0.99;
+constexpr double nearer = 1e-6;
+constexpr double elsewhere = 1e-3;  // rad or m: between positions that are not the same
+constexpr double bent =
+    1e-6;  // of weights: bending of the distance where one place is the nearest among its neighbours
+// Of mechanisms with more speeds fewer assemblies are looked at: each takes long.
+constexpr int many_speeds = 30;
 
 double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
@@ -82,22 +88,41 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
   throw CannotAssemble(gap, turn, worst, best, conflicting_positions(mechanism, dynamics, tree, cuts, best));
 }
 
+// Whether no neighbours are as near to the wishes.
+bool stands_alone(AssemblyProblem& problem, const std::vector<double>& q) {
+  const Bottom bottom = bottom_at(problem, q);
+  return bottom.freedoms == 0 || bottom.least_bending > bent;
+}
+
 // The loops are closed from where the tree is wished to be. Where that leaves a guess behind, one at a cut joint for
-// instance, a loop may have closed the other way than was meant: others are looked for, and the nearest is taken.
-void heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<double>& q) {
+// instance, a loop may have closed the other way than was meant: others are looked for, beside the wishes and then
+// anywhere, until many searches have found nothing nearer. The nearest is taken, which does not depend on what is cut.
+// Returns another that is as near; empty: there is none.
+std::vector<double> heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<double>& q) {
+  constexpr std::array beside = {0, 8, 10, 12, 14, 16, 18, 20};
+  std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
+  std::vector<double> equal;
   double least = problem.distance(q).squaredNorm();
-  for (const int attempt : {0, 8, 10, 12, 14, 16, 18, 20}) {
-    if (problem.moved(q) <= met) return;
-    std::vector<double> other = shaken(problem, tree.q, attempt);
-    pull(problem, other);
+  const int patience = static_cast<int>(tree.v.size()) <= many_speeds ? 50 : static_cast<int>(beside.size());
+  for (int i = 0, in_vain = 0; in_vain < patience && problem.moved(q) > met; ++i, ++in_vain) {
+    const auto k = static_cast<std::size_t>(i);
+    std::vector<double> other = k < beside.size() ? shaken(problem, tree.q, beside[k]) : problem.scattered(random);
+    if (k < beside.size()) pull(problem, other);  // often to one place, wherever it starts
     if (close_gaps(problem, other) > assembled_gap) continue;
     problem.unwind(other);
     come_near(problem, other);
     const double distance = problem.distance(other).squaredNorm();
-    if (distance >= nearer * least) continue;
+    if (std::abs(distance - least) <= nearer * least) {
+      if (problem.apart(other, q) > elsewhere && stands_alone(problem, other)) equal = std::move(other);
+      continue;
+    }
+    if (distance > least) continue;
     least = distance;
     q = std::move(other);
+    equal.clear();
+    in_vain = 0;
   }
+  return equal;
 }
 
 // The wishes with all that the user gave kept exactly.
@@ -153,14 +178,11 @@ std::vector<double> consistent_speeds(const Mechanism& mechanism, Dynamics& dyna
   for (const double fixed : s.v) speed = std::max(speed, std::abs(fixed));
   double allowed = assembled_gap * speed * problem.length();
   const VectorXd v = nearest_speeds(s, singular);
-  if (s.G.size() > 0) {
-    // What a pivot that is taken for zero holds of the speeds cannot be met, nor does it mean anything.
-    Eigen::ColPivHouseholderQR<MatrixXd> rates(s.G);
-    const Eigen::Index to_rounding = rates.rank();
-    rates.setThreshold(singular);
-    if (rates.rank() < to_rounding) allowed += singular * speed * s.G.lpNorm<Eigen::Infinity>();
-  }
   const VectorXd left = s.G.rows() > 0 ? VectorXd(s.G * v + s.g0) : VectorXd();
+  // What a pivot that is taken for zero holds of the speeds cannot be met, nor does it mean anything.
+  if (largest(left) > allowed && RowSpace(s.G, singular).rank() < RowSpace(s.G, rounding_pivot).rank()) {
+    allowed += singular * speed * s.G.coeffs().cwiseAbs().maxCoeff();
+  }
   if (largest(left) > allowed) {
     throw CannotAssemble(largest(left), 0, -1, q,
                          conflicting_speeds(mechanism, dynamics, tree, cuts, q, allowed, singular));
@@ -182,7 +204,7 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
   if (!closes_as_given(mechanism, dynamics, tree, cuts, out.q)) {
     out.q = close_loops(mechanism, dynamics, problem, tree, cuts, out.tries);
     come_near(problem, out.q);
-    heed_guesses(problem, tree, out.q);
+    out.equal_q = heed_guesses(problem, tree, out.q);
     settle_on_given(mechanism, dynamics, tree, cuts, out.q);
   }
   out.moved = problem.moved(out.q);

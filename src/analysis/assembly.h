@@ -22,9 +22,10 @@ struct Wishes {
 };
 
 struct Assembled {
-  std::vector<double> q, v;  // of the tree
-  double moved = 0;          // largest change of a coordinate that was given but not fixed, cut joints' included
-  int tries = 1;             // starts needed until the loops closed
+  std::vector<double> q, v;     // of the tree
+  std::vector<double> equal_q;  // another position of the tree that is as near to the wishes; empty: none is known
+  double moved = 0;             // largest change of a coordinate that was given but not fixed, cut joints' included
+  int tries = 1;                // starts needed until the loops closed
 };
 
 // A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of Wishes.

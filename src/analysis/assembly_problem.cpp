@@ -7,7 +7,6 @@
 namespace gelenk {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 std::vector<int> not_fixed(const std::vector<bool>& fixed) {
@@ -39,26 +38,51 @@ double largest_given(const Wishes& wishes, const VectorXd& offset) {
   return out;
 }
 
-MatrixXd columns(const MatrixXd& all, const std::vector<int>& chosen) {
-  MatrixXd out(all.rows(), static_cast<Eigen::Index>(chosen.size()));
-  for (Eigen::Index k = 0; k < out.cols(); ++k) out.col(k) = all.col(chosen[static_cast<std::size_t>(k)]);
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+// Rows of `all`, each times its factor, as the rows from `first` on; those whose factor is 0 are left out where
+// `packed`. Returns the number of the next row.
+int add_rows(Entries& entries, int first, const SparseMatrix& all, const std::vector<double>& factors, bool packed) {
+  std::vector<int> place(factors.size());
+  int next = first;
+  for (std::size_t r = 0; r < factors.size(); ++r) place[r] = packed && factors[r] == 0 ? -1 : next++;
+  for (int k = 0; k < all.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator at(all, k); at; ++at) {
+      const auto r = static_cast<std::size_t>(at.row());
+      if (place[r] >= 0) entries.emplace_back(place[r], k, factors[r] * at.value());
+    }
+  }
+  return next;
+}
+
+std::vector<double> as_factors(const std::vector<bool>& chosen) { return {chosen.begin(), chosen.end()}; }
+
+std::vector<double> roots(const std::vector<double>& weights) {
+  std::vector<double> out;
+  for (const double weight : weights) out.push_back(std::sqrt(weight));
   return out;
 }
 
-// Rows of `all` whose flag is set, appended below `top`.
-void append_rows(MatrixXd& top, const MatrixXd& all, const std::vector<bool>& chosen) {
-  for (int k = 0; k < static_cast<int>(chosen.size()); ++k) {
-    if (!chosen[k]) continue;
-    top.conservativeResize(top.rows() + 1, all.cols());
-    top.row(top.rows() - 1) = all.row(k);
+// Of a matrix with n columns, those chosen.
+SparseMatrix matrix(const Entries& entries, int rows, int n, const std::vector<int>& chosen) {
+  std::vector<int> place(static_cast<std::size_t>(n), -1);
+  for (std::size_t k = 0; k < chosen.size(); ++k) place[static_cast<std::size_t>(chosen[k])] = static_cast<int>(k);
+  Entries kept;
+  for (const auto& entry : entries) {
+    const int k = place[static_cast<std::size_t>(entry.col())];
+    if (k >= 0) kept.emplace_back(entry.row(), k, entry.value());
   }
+  SparseMatrix out(rows, static_cast<Eigen::Index>(chosen.size()));
+  out.setFromTriplets(kept.begin(), kept.end());
+  return out;
 }
 
 void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen) {
+  const Eigen::Index old = top.size();
+  top.conservativeResize(old + std::ranges::count(chosen, true));
+  Eigen::Index next = old;
   for (int k = 0; k < static_cast<int>(chosen.size()); ++k) {
-    if (!chosen[k]) continue;
-    top.conservativeResize(top.size() + 1);
-    top[top.size() - 1] = all[k];
+    if (chosen[k]) top[next++] = all[k];
   }
 }
 
@@ -102,20 +126,26 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
 
 // The rows of the loops at q. Those that forbid nothing there are 0, not the rounding that is left of them: taken for
 // rows it would hold still what can move.
-MatrixXd AssemblyProblem::rows_at(const std::vector<double>& q) {
+SparseMatrix AssemblyProblem::rows_at(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
-  dynamics_.factorise();
-  MatrixXd G = dynamics_.J();
-  for (Eigen::Index r = 0; r < G.rows() && G.cols() > 0; ++r) {
-    if (G.row(r).lpNorm<Eigen::Infinity>() < 1e-12 * length_) G.row(r).setZero();
+  SparseMatrix G = dynamics_.sparse_J();
+  VectorXd most = VectorXd::Zero(G.rows());
+  for (int k = 0; k < G.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator at(G, k); at; ++at)
+      most[at.row()] = std::max(most[at.row()], std::abs(at.value()));
   }
+  G.prune([&](Eigen::Index row, Eigen::Index, double) { return most[row] >= 1e-12 * length_; });
   return G;
 }
 
-MatrixXd AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
-  MatrixXd G = rows_at(q)(position_rows_, Eigen::all);
-  if (cuts_fixed_) append_rows(G, cut_columns(q), cuts_.q_fixed);
-  return columns(G, free_q_);
+SparseMatrix AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+  const SparseMatrix J = rows_at(q);
+  std::vector<double> holds(static_cast<std::size_t>(J.rows()), 0);
+  for (const int r : position_rows_) holds[static_cast<std::size_t>(r)] = 1;
+  Entries entries;
+  int rows = add_rows(entries, 0, J, holds, true);
+  if (cuts_fixed_) rows = add_rows(entries, rows, cut_columns(q), as_factors(cuts_.q_fixed), true);
+  return matrix(entries, rows, mechanism_.nv, free_q_);
 }
 
 VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
@@ -128,15 +158,12 @@ VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
   return d;
 }
 
-MatrixXd AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
-  const int rows = mechanism_.nv + (cut_wishes_ ? mechanism_.cut_nv : 0);
-  MatrixXd T = MatrixXd::Zero(rows, mechanism_.nv);
-  for (int k = 0; k < mechanism_.nv; ++k) T(k, k) = std::sqrt(tree_.q_weight[k]);
-  if (cut_wishes_) {
-    const MatrixXd& C = cut_columns(q);
-    for (int k = 0; k < mechanism_.cut_nv; ++k) T.row(mechanism_.nv + k) = std::sqrt(cuts_.q_weight[k]) * C.row(k);
-  }
-  return columns(T, free_q_);
+SparseMatrix AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
+  Entries entries;
+  for (int k = 0; k < mechanism_.nv; ++k) entries.emplace_back(k, k, std::sqrt(tree_.q_weight[k]));
+  int rows = mechanism_.nv;
+  if (cut_wishes_) rows = add_rows(entries, rows, cut_columns(q), roots(cuts_.q_weight), false);
+  return matrix(entries, rows, mechanism_.nv, free_q_);
 }
 
 AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
@@ -147,32 +174,31 @@ AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
   for (int k = 0; k < nv; ++k) {
     if (tree_.v_fixed[k]) fixed[k] = out.v[k] = tree_.v[k];
   }
-  MatrixXd G = rows_at(q);
-  MatrixXd T = MatrixXd::Zero(nv, nv);
+  const SparseMatrix J = rows_at(q);
+  Entries G;
+  Entries T;
+  int rows = add_rows(G, 0, J, std::vector<double>(static_cast<std::size_t>(J.rows()), 1), false);
+  int distances = nv;
   out.d0.resize(nv);
   for (int k = 0; k < nv; ++k) {
     const double root = std::sqrt(tree_.v_weight[k]);
-    T(k, k) = root;
+    T.emplace_back(k, k, root);
     out.d0[k] = root * (fixed[k] - tree_.v[k]);
   }
   dynamics_.set_velocity(fixed.data());
   const std::vector<double>& rates = dynamics_.row_rates();
   out.g0 = Eigen::Map<const VectorXd>(rates.data(), static_cast<Eigen::Index>(rates.size()));
   if (cut_wishes_) {
-    const MatrixXd& C = cut_columns(q);
+    const SparseMatrix C = cut_columns(q);
     const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);
-    append_rows(G, C, cuts_.v_fixed);
+    rows = add_rows(G, rows, C, as_factors(cuts_.v_fixed), true);
     append(out.g0, offset, cuts_.v_fixed);
-    T.conservativeResize(nv + mechanism_.cut_nv, nv);
-    out.d0.conservativeResize(nv + mechanism_.cut_nv);
-    for (int k = 0; k < mechanism_.cut_nv; ++k) {
-      const double root = std::sqrt(cuts_.v_weight[k]);
-      T.row(nv + k) = root * C.row(k);
-      out.d0[nv + k] = root * offset[k];
-    }
+    distances = add_rows(T, distances, C, roots(cuts_.v_weight), false);
+    out.d0.conservativeResize(distances);
+    for (int k = 0; k < mechanism_.cut_nv; ++k) out.d0[nv + k] = std::sqrt(cuts_.v_weight[k]) * offset[k];
   }
-  out.G = columns(G, free_v_);
-  out.T = columns(T, free_v_);
+  out.G = matrix(G, rows, nv, free_v_);
+  out.T = matrix(T, distances, nv, free_v_);
   return out;
 }
 
@@ -259,19 +285,56 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
   return d;
 }
 
-const MatrixXd& AssemblyProblem::cut_columns(const std::vector<double>& q) {
-  dynamics_.set_position(q.data());
-  C_.resize(mechanism_.cut_nv, mechanism_.nv);
-  std::vector<double> unit(mechanism_.nv, 0);
+// Which tree speeds move a cut: those between its ends.
+void AssemblyProblem::find_cut_pattern() {
+  std::vector<std::vector<int>> cuts_of(static_cast<std::size_t>(mechanism_.nv));
+  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+    std::vector<int>& speeds = moving_.emplace_back();
+    for (const auto* path : {&mechanism_.cuts[c].path_a, &mechanism_.cuts[c].path_b}) {
+      for (const int i : *path) {
+        for (int k = 0; k < mechanism_.links[i].nv; ++k) speeds.push_back(mechanism_.links[i].iv + k);
+      }
+    }
+    for (const int k : speeds) cuts_of[k].push_back(c);
+  }
+  // Greedily: each into the first group none of whose speeds moves one of its cuts.
+  std::vector<std::vector<bool>> taken;  // by group, by cut
   for (int k = 0; k < mechanism_.nv; ++k) {
-    unit[k] = 1;
+    if (cuts_of[k].empty()) continue;
+    std::size_t group = 0;
+    const auto free = [&](int c) { return !taken[group][c]; };
+    while (group < groups_.size() && !std::ranges::all_of(cuts_of[k], free)) ++group;
+    if (group == groups_.size()) {
+      groups_.emplace_back();
+      taken.emplace_back(mechanism_.cuts.size(), false);
+    }
+    groups_[group].push_back(k);
+    for (const int c : cuts_of[k]) taken[group][c] = true;
+  }
+}
+
+// Cut joints' speeds by tree speeds, cut_nv x nv.
+SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
+  if (moving_.empty()) find_cut_pattern();
+  dynamics_.set_position(q.data());
+  Entries entries;
+  std::vector<double> unit(mechanism_.nv, 0);
+  double v[max_cut_nv];
+  for (const std::vector<int>& group : groups_) {
+    for (const int k : group) unit[k] = 1;
     dynamics_.set_velocity(unit.data());
     for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-      dynamics_.cut_speeds(c, C_.col(k).data() + mechanism_.cuts[c].iv);
+      const auto k = std::ranges::find_if(moving_[c], [&](int speed) { return unit[speed] != 0; });
+      if (k == moving_[c].end()) continue;
+      const Cut& cut = mechanism_.cuts[c];
+      dynamics_.cut_speeds(c, v);
+      for (int i = 0; i < cut.nv; ++i) entries.emplace_back(cut.iv + i, *k, v[i]);
     }
-    unit[k] = 0;
+    for (const int k : group) unit[k] = 0;
   }
-  return C_;
+  SparseMatrix out(mechanism_.cut_nv, mechanism_.nv);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/assembly.h"
+#include "analysis/row_space.h"
 
 namespace gelenk {
 
@@ -20,14 +21,14 @@ class AssemblyProblem {
 
   // At q: what must vanish, and its derivative by the free speeds' displacements.
   Eigen::VectorXd gap(const std::vector<double>& q);
-  Eigen::MatrixXd gap_jacobian(const std::vector<double>& q);
+  SparseMatrix gap_jacobian(const std::vector<double>& q);
   // Distances from the wishes times the roots of their weights, and their derivative. q as in the last gap().
   Eigen::VectorXd distance(const std::vector<double>& q);
-  Eigen::MatrixXd distance_jacobian(const std::vector<double>& q);
+  SparseMatrix distance_jacobian(const std::vector<double>& q);
 
   // The same for speeds, linear: gap = G v_free + g0, distance = T v_free + d0, v_free from zero. At q.
   struct Speeds {
-    Eigen::MatrixXd G, T;
+    SparseMatrix G, T;
     Eigen::VectorXd g0, d0;
     std::vector<double> v;  // fixed speeds in place, the rest zero
   };
@@ -50,10 +51,11 @@ class AssemblyProblem {
   double length() const { return length_; }
 
  private:
-  Eigen::MatrixXd rows_at(const std::vector<double>& q);
+  SparseMatrix rows_at(const std::vector<double>& q);
   Eigen::VectorXd tree_offset(const std::vector<double>& q) const;
   Eigen::VectorXd cut_offset(const std::vector<double>& q);
-  const Eigen::MatrixXd& cut_columns(const std::vector<double>& q);
+  SparseMatrix cut_columns(const std::vector<double>& q);
+  void find_cut_pattern();
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -64,8 +66,10 @@ class AssemblyProblem {
   std::vector<int> position_rows_;  // rows that have a position level
   bool cuts_fixed_ = false, cut_wishes_ = false;
   double length_ = 1;
-  double span_ = 0;    // [m] of the largest link
-  Eigen::MatrixXd C_;  // cut joints' speeds by tree speeds, cut_nv x nv
+  double span_ = 0;  // [m] of the largest link
+  // By cut, the tree speeds that move it; and speeds by groups, no two of which move the same cut.
+  std::vector<std::vector<int>> moving_;
+  std::vector<std::vector<int>> groups_;
 };
 
 }  // namespace gelenk

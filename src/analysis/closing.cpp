@@ -2,7 +2,6 @@
 #include "analysis/closing.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -29,32 +28,28 @@ VectorXd limited(const VectorXd& step) {
 
 // Half the squared distance along the loops closed at q.
 struct Slope {
-  MatrixXd Z;         // the free motions, orthonormal
+  explicit Slope(const SparseMatrix& G) : loops(G) {}
+  RowSpace loops;
   VectorXd d;         // distances
-  MatrixXd T;         // their derivative along Z
-  VectorXd gradient;  // along Z
-  MatrixXd G;
-  VectorXd whole;  // the gradient as if there were no loops
+  SparseMatrix T;     // their derivative
+  VectorXd whole;     // the gradient as if there were no loops
+  VectorXd gradient;  // what of it the loops let through: along their basis, or where that is too wide, as it is
 };
 
 Slope slope_at(AssemblyProblem& problem, const std::vector<double>& q) {
-  Slope out;
-  const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
-  out.G = problem.gap_jacobian(q);
-  out.Z = nullspace(out.G, n);
-  if (out.Z.cols() == 0) return out;
+  Slope out(problem.gap_jacobian(q));
+  if (out.loops.freedoms() == 0) return out;
   out.d = problem.distance(q);
-  const MatrixXd T = problem.distance_jacobian(q);
-  out.T = T * out.Z;
-  out.whole = T.transpose() * out.d;
-  out.gradient = out.Z.transpose() * out.whole;
+  out.T = problem.distance_jacobian(q);
+  out.whole = out.T.transpose() * out.d;
+  out.gradient = out.loops.has_basis() ? out.loops.basis().transpose() * out.whole : out.loops.free_part(out.whole);
   return out;
 }
 
-// Z^T (second derivatives of the Lagrangian) Z, by differences of its gradient.
-MatrixXd bending(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at) {
+// Z^T (second derivatives of the Lagrangian) Z, Z the basis, by differences of its gradient.
+MatrixXd bending(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at, const MatrixXd& Z) {
   VectorXd lambda;  // holds what of the gradient the loops do not let through
-  if (at.G.rows() > 0) lambda = -at.G.transpose().completeOrthogonalDecomposition().solve(at.whole);
+  if (at.loops.rows().rows() > 0) lambda = at.loops.multipliers(-at.whole);
   const auto gradient = [&](const VectorXd& step) {
     const std::vector<double> beside = problem.displaced(q, step);
     VectorXd out = problem.distance_jacobian(beside).transpose() * problem.distance(beside);
@@ -62,22 +57,23 @@ MatrixXd bending(AssemblyProblem& problem, const std::vector<double>& q, const S
     return out;
   };
   const double h = difference * problem.length();
-  MatrixXd H(at.Z.cols(), at.Z.cols());
+  MatrixXd H(Z.cols(), Z.cols());
   for (Eigen::Index k = 0; k < H.cols(); ++k) {
-    const VectorXd z = h * at.Z.col(k);
-    H.col(k) = at.Z.transpose() * (gradient(z) - gradient(-z)) / (2 * h);
+    const VectorXd z = h * Z.col(k);
+    H.col(k) = Z.transpose() * (gradient(z) - gradient(-z)) / (2 * h);
   }
   return (H + H.transpose()) / 2;
 }
 
 // Downhill, and the shortest way where the distance is bowl-shaped.
 VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(bending(problem, q, at));
+  const MatrixXd& Z = at.loops.basis();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(bending(problem, q, at, Z));
   const VectorXd& bends = parts.eigenvalues();
   const double least = 1e-9 * bends.cwiseAbs().maxCoeff();
   VectorXd along = parts.eigenvectors().transpose() * at.gradient;
   for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(bends[k]), least, 1e-300});
-  return -(at.Z * (parts.eigenvectors() * along));
+  return -(Z * (parts.eigenvectors() * along));
 }
 
 // One step of come_near, shortened until it leads nearer; false when none does.
@@ -101,25 +97,10 @@ bool nearer(AssemblyProblem& problem, std::vector<double>& q, Slope& at, VectorX
 
 }  // namespace
 
-MatrixXd nullspace(const MatrixXd& G, Eigen::Index n, double threshold) {
-  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
-  qr.setThreshold(threshold);
-  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
-  return Q.rightCols(n - qr.rank());
-}
-
 VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold) {
-  const Eigen::Index n = s.T.cols();
-  VectorXd v = VectorXd::Zero(n);
-  if (s.G.rows() > 0 && n > 0) {
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(s.G.rows(), n);
-    rates.setThreshold(threshold);
-    v = -rates.compute(s.G).solve(s.g0);
-  }
-  const MatrixXd Z = nullspace(s.G, n, threshold);
-  if (Z.cols() > 0) v -= Z * (s.T * Z).completeOrthogonalDecomposition().solve(s.T * v + s.d0);
-  return v;
+  const RowSpace loops(s.G, threshold);
+  const VectorXd v = -loops.shortest(s.g0);
+  return loops.freedoms() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0)) : v;
 }
 
 double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
@@ -129,18 +110,17 @@ double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
     // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
     // further as long as that makes progress; there Newton's method quarters the gap at each step.
     const double least_progress = largest(g) > closed * problem.length() ? 1e-6 : 0.5;
-    const MatrixXd G = problem.gap_jacobian(q);
+    const SparseMatrix G = problem.gap_jacobian(q);
     if (G.cols() == 0) break;  // everything is fixed
     const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
     bool better = false;
     for (int k = 0; k < 12 && !better; ++k) {
       VectorXd step;
       if (damping == 0) {
-        step = -G.completeOrthogonalDecomposition().solve(g);
+        step = -RowSpace(G).shortest(g);
       } else {
-        MatrixXd normal = G * G.transpose();
-        normal.diagonal().array() += damping * scale;
-        step = -G.transpose() * normal.ldlt().solve(g);
+        const SparseMatrix normal = G * G.transpose();
+        step = -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), g);
       }
       std::vector<double> next = problem.displaced(q, limited(step));
       const VectorXd g_next = problem.gap(next);
@@ -169,13 +149,14 @@ void pull(AssemblyProblem& problem, std::vector<double>& q) {
   VectorXd r = residual(q);
   double damping = 1e-4;
   for (int i = 0; i < 40; ++i) {
-    const MatrixXd G = problem.gap_jacobian(q);
-    const MatrixXd T = problem.distance_jacobian(q);
+    const SparseMatrix G = problem.gap_jacobian(q);
+    const SparseMatrix T = problem.distance_jacobian(q);
     if (G.cols() == 0) return;
-    MatrixXd normal = G.transpose() * G + T.transpose() * T;
-    normal.diagonal().array() += damping;
+    const SparseMatrix loops = G.transpose() * G;
+    const SparseMatrix wishes = T.transpose() * T;
+    const SparseMatrix normal = plus_diagonal(loops + wishes, damping);
     const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
-    const VectorXd step = limited(-normal.ldlt().solve(downhill));
+    const VectorXd step = limited(-solve_definite(normal, downhill));
     std::vector<double> next = problem.displaced(q, step);
     const VectorXd r_next = residual(next);
     if (r_next.norm() < r.norm()) {
@@ -194,13 +175,12 @@ void pull(AssemblyProblem& problem, std::vector<double>& q) {
 
 void come_near(AssemblyProblem& problem, std::vector<double>& q) {
   Slope at = slope_at(problem, q);
-  for (int i = 0; i < 100 && at.Z.cols() > 0; ++i) {
+  for (int i = 0; i < 100 && at.loops.freedoms() > 0; ++i) {
     const double cost = at.d.squaredNorm();
-    const bool newton = i >= 2 && at.Z.cols() <= most_bent;
-    const VectorXd step =
-        newton ? newton_step(problem, q, at) : VectorXd(-(at.Z * at.T.completeOrthogonalDecomposition().solve(at.d)));
+    const bool newton = i >= 2 && at.loops.freedoms() <= most_bent;
+    const VectorXd step = newton ? newton_step(problem, q, at) : nearest(at.loops, at.T, at.d);
     if (!nearer(problem, q, at, limited(step), newton)) return;
-    if (!newton && at.Z.cols() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
+    if (!newton && at.loops.freedoms() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
     if (largest(at.gradient) < 1e-15 * problem.length()) return;
   }
 }
@@ -208,14 +188,16 @@ void come_near(AssemblyProblem& problem, std::vector<double>& q) {
 Bottom bottom_at(AssemblyProblem& problem, const std::vector<double>& q) {
   const Slope at = slope_at(problem, q);
   Bottom out;
-  out.freedoms = at.Z.cols();
+  out.freedoms = at.loops.freedoms();
   if (out.freedoms == 0) return out;
   out.slope = largest(at.gradient);
+  const MatrixXd& Z = at.loops.basis();
   if (out.freedoms > most_bent) {
-    out.least_bending = (at.T.transpose() * at.T).selfadjointView<Eigen::Lower>().eigenvalues()[0];
+    const MatrixXd along = at.T * Z;
+    out.least_bending = (along.transpose() * along).selfadjointView<Eigen::Lower>().eigenvalues()[0];
     return out;
   }
-  out.least_bending = Eigen::SelfAdjointEigenSolver<MatrixXd>(bending(problem, q, at)).eigenvalues()[0];
+  out.least_bending = Eigen::SelfAdjointEigenSolver<MatrixXd>(bending(problem, q, at, Z)).eigenvalues()[0];
   return out;
 }
 

@@ -29,10 +29,6 @@ struct Bottom {
 };
 Bottom bottom_at(AssemblyProblem& problem, const std::vector<double>& q);
 
-// An orthonormal basis of the displacements (n of them) that G forbids nothing of. threshold: of the largest pivot,
-// below which one is zero.
-Eigen::MatrixXd nullspace(const Eigen::MatrixXd& G, Eigen::Index n, double threshold = 1e-9);
-
 // The speeds that the loops (s.G v = -s.g0, pivots below `threshold` of the largest taken for zero) allow nearest to
 // the wishes.
 Eigen::VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold);

@@ -151,15 +151,17 @@ Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, cons
   }
   AssemblyProblem problem(mechanism, dynamics, plain[0], plain[1]);
   const AssemblyProblem::Speeds s = problem.speeds(q);
+  const MatrixXd G = s.G;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> T = s.T;
   const auto row = [&](const FixedValue& value) { return value.first + (value.cut ? mechanism.nv : 0); };
   const auto solve = [&](const std::vector<FixedValue>& fixed, double& left) {
-    const Eigen::Index rows = s.G.rows();
-    MatrixXd A(rows + static_cast<Eigen::Index>(fixed.size()), s.G.cols());
+    const Eigen::Index rows = G.rows();
+    MatrixXd A(rows + static_cast<Eigen::Index>(fixed.size()), G.cols());
     VectorXd b(A.rows());
-    A.topRows(rows) = s.G;
+    A.topRows(rows) = G;
     b.head(rows) = -s.g0;
     for (std::size_t i = 0; i < fixed.size(); ++i) {
-      A.row(rows + static_cast<Eigen::Index>(i)) = s.T.row(row(fixed[i]));
+      A.row(rows + static_cast<Eigen::Index>(i)) = MatrixXd(T.row(row(fixed[i])));
       b[rows + static_cast<Eigen::Index>(i)] = -s.d0[row(fixed[i])];
     }
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(A.rows(), A.cols());
@@ -178,7 +180,7 @@ Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, cons
     const auto same = [&](const FixedValue& other) { return other.cut == value.cut && other.first == value.first; };
     const VectorXd v =
         solve(without(all, static_cast<std::size_t>(std::ranges::find_if(all, same) - all.begin())), left);
-    const double found = s.T.row(row(value)).dot(v);
+    const double found = T.row(row(value)).dot(v);
     const double change = std::abs(found - (value.cut ? cuts : tree).v[value.first]);
     if (left > tolerance || change >= least) continue;
     least = change;

@@ -35,7 +35,7 @@ class BranchSearch {
       : mechanism_(mechanism), dynamics_(dynamics) {
     const AssemblyProblem::Speeds s = problem.speeds(q);
     const std::vector<int>& free = problem.free(AssemblyProblem::Level::velocity);
-    const MatrixXd Z = nullspace(s.G, static_cast<Index>(free.size()), weak);
+    const MatrixXd Z = nullspace(MatrixXd(s.G), static_cast<Index>(free.size()), weak);
     W_ = MatrixXd::Zero(mechanism.nv, Z.cols());
     for (std::size_t k = 0; k < free.size(); ++k) W_.row(free[k]) = Z.row(static_cast<Index>(k));
     T_ = s.T * Z;

@@ -7,6 +7,8 @@
 #include <random>
 #include <utility>
 
+#include "analysis/row_space.h"
+
 namespace gelenk {
 namespace {
 
@@ -24,13 +26,18 @@ constexpr double least_size = 1e-3;  // m: scenes are solved in units near their
 constexpr double closed = 1e-12;     // m or rad
 // A smallest pivot below this share of the largest may be that of a position beside a singular one.
 constexpr double doubtful = 1e-2;
-constexpr double reach = 0.3;      // rad: from one position to the next
+constexpr double reach = 0.3;   // rad: from one position to the next
+constexpr double small = 1e-3;  // rad: loops curve by less than some hundredths of it, but next to singular positions
+constexpr double astray = 0.1;  // of a small step
+// Of the largest pivot: where rows are nowhere independent by more, and somewhere not at all, they are so by what
+// closing to 1e-12 leaves of coordinates in singular positions, its root.
+constexpr double barely = 1e-5;
 constexpr double damping = 1e-10;  // of the closing steps, in the rows' mean square
 
 // Entries up to `nothing` are rounding.
-int rank_of(const MatrixXd& J, double nothing) {
-  if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing) return 0;
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(J.transpose());
+int rank_of(const SparseMatrix& J, double nothing) {
+  if (J.nonZeros() == 0 || J.coeffs().abs().maxCoeff() <= nothing) return 0;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(J.transpose()));
   qr.setThreshold(same_row);
   return static_cast<int>(qr.rank());
 }
@@ -51,8 +58,8 @@ class Explorer {
   // The rows at q_, rank found with no limit.
   int rank_here() {
     stand(q_, mechanism_.rows);
-    const MatrixXd J = dynamics_.J();
-    if (J.size() == 0 || J.lpNorm<Eigen::Infinity>() <= nothing_) return 0;
+    const SparseMatrix J = dynamics_.sparse_J();
+    if (J.nonZeros() == 0 || J.coeffs().abs().maxCoeff() <= nothing_) return 0;
     if (dynamics_.rank() == mechanism_.rows && dynamics_.pivot_ratio() > same_row) return mechanism_.rows;
     return rank_of(J, nothing_);
   }
@@ -67,9 +74,10 @@ class Explorer {
     const double wanted = dv.size() == 0 ? 0 : dv.lpNorm<Eigen::Infinity>();
     if (wanted == 0) return {};
     if (mechanism_.rows > 0) {
+      const SparseMatrix J = dynamics_.sparse_J();
       // Twice: what the first leaves of the forbidden part is rounding of the whole.
       for (int i = 0; i < 2; ++i) {
-        const VectorXd rate = dynamics_.J() * dv;
+        const VectorXd rate = J * dv;
         VectorXd back(mechanism_.nv);
         dynamics_.correct(rate.data(), back.data());
         dv += back;
@@ -102,6 +110,17 @@ class Explorer {
     return false;
   }
 
+  // Whether there are motions that the rows leave free and that lead nowhere, at this position and at others: loops
+  // that are rigid at second order, stretched bars for instance whose ends stand still on the branch that is seen.
+  bool is_rigid_at_second_order(int rank) {
+    if (rank == mechanism_.rows) return false;
+    for (int i = 0; i < 3; ++i) {
+      if (i > 0 && !move(rank)) continue;
+      if (leads_on(rank) && leads_on(rank)) return false;
+    }
+    return true;
+  }
+
   // To before the last move.
   void back() { q_ = before_; }
 
@@ -114,10 +133,24 @@ class Explorer {
   }
 
  private:
-  double distance(const std::vector<double>& q) const {
+  double distance(const std::vector<double>& q) const { return distance(q, q_); }
+
+  static double distance(const std::vector<double>& a, const std::vector<double>& b) {
     double most = 0;
-    for (std::size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(q[i] - q_[i]));
+    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
     return most;
+  }
+
+  // Whether the loops close where a small random step along what is free has led.
+  bool leads_on(int rank) {
+    stand(q_, rank);
+    const VectorXd motion = free_motion();
+    if (motion.size() == 0) return true;
+    std::vector<double> ahead = q_;
+    const VectorXd dv = small * motion;
+    dynamics_.displace(ahead.data(), dv.data());
+    std::vector<double> there = ahead;
+    return close(there) && distance(there, ahead) < astray * small;
   }
 
   // Levenberg-Marquardt steps, which ask for no rank: off the loops rows that repeat others look independent, and at
@@ -129,10 +162,9 @@ class Explorer {
       const double gap = Phi.lpNorm<Eigen::Infinity>();
       if (!std::isfinite(gap)) return false;
       if (gap < closed) return true;
-      const MatrixXd J = dynamics_.J();
-      MatrixXd A = J * J.transpose();
-      A.diagonal().array() += damping * A.trace() / static_cast<double>(A.rows());
-      VectorXd dv = -J.transpose() * A.ldlt().solve(Phi);
+      const SparseMatrix J = dynamics_.sparse_J();
+      const SparseMatrix A = J * J.transpose();
+      VectorXd dv = -J.transpose() * solve_definite(plus_diagonal(A, damping * A.diagonal().mean()), Phi);
       const double size = dv.lpNorm<Eigen::Infinity>();
       if (size > reach) dv *= reach / size;
       dynamics_.displace(q.data(), dv.data());
@@ -227,12 +259,29 @@ MatrixXd left_null_space(const MatrixXd& J, double nothing) {
 }
 
 // Of the rows that hold positions, where they have been seen.
-int position_rank_of(const Mechanism& mechanism, const std::vector<MatrixXd>& seen, int rank, double nothing) {
+int position_rank_of(const Mechanism& mechanism, const std::vector<SparseMatrix>& seen, int rank, double nothing) {
   const std::vector<bool> holds = mechanism.position_rows();
   if (std::ranges::find(holds, false) == holds.end()) return rank;
   int out = 0;
-  for (const MatrixXd& J : seen) out = std::max(out, rank_of(position_rows(mechanism, J), nothing));
+  for (const SparseMatrix& J : seen) out = std::max(out, rank_of(position_rows(mechanism, J), nothing));
   return out;
+}
+
+// The same, given the rows at each of the positions.
+std::vector<bool> needed_rows(const Mechanism& mechanism, const std::vector<SparseMatrix>& seen, int rank,
+                              double nothing) {
+  MatrixXd side_by_side(mechanism.rows, mechanism.nv * static_cast<Index>(seen.size()));
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
+  }
+  std::vector<bool> needed = needed_rows(side_by_side, nothing);
+  // Of contacts all stay: what several wheels carry, they share.
+  for (const Cut& cut : mechanism.cuts) {
+    if (cut.is_contact()) std::fill_n(needed.begin() + cut.first_row, cut.rows, true);
+  }
+  // Positions all too near a singular one tell too little.
+  if (std::ranges::count(needed, true) < rank) needed.assign(mechanism.rows, true);
+  return needed;
 }
 
 // By cut; coordinate rows all stay.
@@ -259,7 +308,8 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   out.soundest = dynamics.pivot_ratio();
   standing.see(dynamics, explorer.free_motion());
   const bool deficient = out.rank < mechanism.rows;
-  std::vector<MatrixXd> seen = {dynamics.J()};
+  std::vector<SparseMatrix> seen = {dynamics.sparse_J()};
+  bool less_elsewhere = false;
   if (deficient || ((standing.any() || out.soundest < doubtful) && mechanism.rows > 0)) {
     const std::size_t positions = mechanism.rows <= 100 ? 10 : 4;
     for (std::size_t i = 0; i < 2 * positions && seen.size() <= positions; ++i) {
@@ -268,6 +318,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       if (!moved) continue;
       const int rank = explorer.rank_here();
       if (rank < out.rank) {
+        less_elsewhere = true;
         explorer.back();  // into a singular position, from where other branches lead
         continue;
       }
@@ -275,11 +326,14 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
       out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
       out.rank = rank;
       out.idle_q = explorer.position();
-      seen.emplace_back(dynamics.J());
+      seen.push_back(dynamics.sparse_J());
       standing.see(dynamics, explorer.free_motion());
     }
   }
-  if (deficient && out.rank < mechanism.nv && seen.size() == 1) out.soundest = INFINITY;
+  const bool stuck = seen.size() == 1 && out.rank < mechanism.nv;
+  const bool by_rounding = out.soundest < barely && (stuck || deficient || less_elsewhere);
+  // No sound position is known.
+  if ((stuck && deficient) || by_rounding || explorer.is_rigid_at_second_order(out.rank)) out.soundest = INFINITY;
   out.position_rank = position_rank_of(mechanism, seen, out.rank, explorer.nothing());
   std::vector<bool> needed(mechanism.rows, true);
   // What holds everywhere can be told only where several positions were seen, or where there is but one.
@@ -290,19 +344,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
     out.idle = left_null_space(seen.back(), explorer.nothing());
     if (seen.size() == 1) out.idle_q = q;
   }
-  if (out.rank < mechanism.rows && explored) {
-    MatrixXd side_by_side(mechanism.rows, mechanism.nv * static_cast<Index>(seen.size()));
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      side_by_side.middleCols(static_cast<Index>(i) * mechanism.nv, mechanism.nv) = seen[i];
-    }
-    needed = needed_rows(side_by_side, explorer.nothing());
-    // Of contacts all stay: what several wheels carry, they share.
-    for (const Cut& cut : mechanism.cuts) {
-      if (cut.is_contact()) std::fill_n(needed.begin() + cut.first_row, cut.rows, true);
-    }
-    // Positions all too near a singular one tell too little.
-    if (std::ranges::count(needed, true) < out.rank) needed.assign(mechanism.rows, true);
-  }
+  if (out.rank < mechanism.rows && explored) needed = needed_rows(mechanism, seen, out.rank, explorer.nothing());
   list_needed(mechanism, needed, out);
   explorer.stand(q, out.rank);
   return out;
@@ -332,7 +374,7 @@ Structure driven_structure_of(const Mechanism& mechanism, Dynamics& dynamics, co
     out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
     out.rank = std::max(out.rank, rank);
     out.position_rank =
-        std::max(out.position_rank, rank_of(position_rows(mechanism, dynamics.J()), explorer.nothing()));
+        std::max(out.position_rank, rank_of(position_rows(mechanism, dynamics.sparse_J()), explorer.nothing()));
   }
   if (out.idle.cols() > 0) {
     out.idle.conservativeResize(mechanism.rows, Eigen::NoChange);
@@ -342,11 +384,9 @@ Structure driven_structure_of(const Mechanism& mechanism, Dynamics& dynamics, co
   return out;
 }
 
-MatrixXd position_rows(const Mechanism& mechanism, MatrixXd J) {
+SparseMatrix position_rows(const Mechanism& mechanism, SparseMatrix J) {
   const std::vector<bool> holds = mechanism.position_rows();
-  for (Index r = 0; r < J.rows(); ++r) {
-    if (!holds[static_cast<std::size_t>(r)]) J.row(r).setZero();
-  }
+  J.prune([&](Index row, Index, double) { return holds[static_cast<std::size_t>(row)]; });
   return J;
 }
 

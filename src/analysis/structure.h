@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <vector>
 
 #include "dynamics/dynamics.h"
@@ -47,6 +48,6 @@ struct Independent {
 };
 
 // J's rows that hold positions; the others 0.
-Eigen::MatrixXd position_rows(const Mechanism& mechanism, Eigen::MatrixXd J);
+Eigen::SparseMatrix<double> position_rows(const Mechanism& mechanism, Eigen::SparseMatrix<double> J);
 
 }  // namespace gelenk

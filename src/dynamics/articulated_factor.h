@@ -29,6 +29,8 @@ class ArticulatedFactor {
   // added: to the diagonal of M, by speed. Returns -1, or the speed at which M has no inertia.
   int factorise(const std::vector<double>& added);
 
+  double pivot(int speed) const { return 1 / inverse_[speed]; }  // L_kk^2: what inertia is left there
+
   void solve_transposed(double* x) const;  // x <- L^-T x
   void solve(double* x) const;             // x <- L^-1 x
   // The same for the columns of x, which is stored row by row.

@@ -93,12 +93,16 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (factorised_ && as_before) return;
     factorised_ = false;
     if (!as_before) added_ = loads_.reflected_inertia;
+    if (model_.rows > 0) fill_jacobian();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
-    if (model_.rows > 0) {
-      fill_jacobian();
-      Y_.factorise(max_rank_);
-    }
+    if (model_.rows > 0) Y_.factorise(max_rank_);
     factorised_ = true;
+  }
+
+  bool mass_is_definite() override {
+    factorised_ = false;
+    added_ = loads_.reflected_inertia;
+    return M_.definite();
   }
 
   void set_velocity(const double* v) override {
@@ -115,6 +119,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   void solve(const double* u, double* vdot, const double* expected) override {
     forces(u, w_.data());
+    if (model_.rows > 0) M_.add_rows(row_target(), w_.data());
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) {
       if (expected != nullptr) M_.multiply(expected, expected_.data());
@@ -191,13 +196,15 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (!by_duals) {
       if (!recursion_) recursion_ = std::make_unique<RecursiveSlopes<A>>(model_, ws_, loads_);
       (*recursion_)(at, inputs, out);
-      return;
+    } else {
+      if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
+      (*differentiator_)(at, out);
     }
-    if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
-    (*differentiator_)(at, out);
+    if (held_ != nullptr) differentiate_held(out);
   }
 
   void solve_linear(double* r, const double* c, double* l) const override {
+    if (model_.rows > 0) M_.add_rows(c, r);
     M_.solve_transposed(r);
     // What was expected does not depend on what slopes are taken by.
     if (model_.rows > 0) Y_.constrain(r, c, follows_ ? nothing_.data() : nullptr);
@@ -206,6 +213,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
+    if (model_.rows > 0) M_.add_rows(c, r, columns);
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.constrain(r, c, columns, follows_);
     M_.solve(r, columns);
@@ -228,7 +236,12 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     ws_.J.write(J_, model_.nv);
     return {J_.data(), model_.rows, model_.nv};
   }
+  Eigen::SparseMatrix<double> sparse_J() override {
+    if (!factorised_ && model_.rows > 0) fill_jacobian();
+    return ws_.J.matrix(model_.nv);
+  }
   const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
+  void hold_stops(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void limit_rank(int rank) override {
@@ -272,7 +285,17 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     unloaded_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
-    loads_.tree.add(q_.data(), v_.data(), u, f);
+    loads_.tree.add(q_.data(), v_.data(), u, f, held_);
+  }
+
+  // From the branches of the state to those held.
+  void differentiate_held(Slopes& out) const {
+    for (std::size_t i = 0; i < loads_.tree.stops.size(); ++i) {
+      const JointStop& s = loads_.tree.stops[i];
+      const int pushes = std::abs(held_[i]) - std::abs(s.side(q_[s.q], v_[s.v]));
+      out.r_q()(s.v, s.q) += pushes * s.stop.stiffness;
+      out.r_v()(s.v, s.v) += pushes * s.stop.damping;
+    }
   }
 
   const double* row_target() {
@@ -292,6 +315,8 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   static bool same(const double* x, const std::vector<double>& as) {
     return as.empty() || std::memcmp(x, as.data(), as.size() * sizeof *x) == 0;
   }
+
+  const int* held_ = nullptr;  // branches of stops
 
   // What the workspace holds is of q_ and targets_; of v_ and gravity_ too. Steps end where outputs are read and the
   // next one begins.

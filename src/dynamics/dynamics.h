@@ -7,6 +7,7 @@
 // tau (nv), lambda and rows (rows), u (inputs), in the mechanism's own signs and order.
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -31,6 +32,8 @@ class Dynamics : public Readings<double> {
   virtual void set_position(const double* q) = 0;
   // M, J and their factors at that position. Throws SingularMass.
   virtual void factorise() = 0;
+  // Whether M alone is positive definite at that position, beyond rounding. Allocates; the factors are lost.
+  virtual bool mass_is_definite() = 0;
   // Velocities, J v - b (row_rates) and the velocity products h, gamma.
   virtual void set_velocity(const double* v) = 0;
   // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null: none is weak.
@@ -70,6 +73,7 @@ class Dynamics : public Readings<double> {
   virtual const std::vector<double>& gamma() const = 0;      // likewise
   virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
   virtual Eigen::Map<const RowMatrix> J() const = 0;         // rows x nv, after factorise or assemble
+  virtual Eigen::SparseMatrix<double> sparse_J() = 0;        // the same, after set_position; allocates
   virtual int rank() const = 0;
   virtual double pivot_ratio() const = 0;  // the smallest pivot over the largest (row_factor.h); 0: rank is lost
   // Rows beyond this rank are taken to repeat others; rows() at first.
@@ -89,6 +93,9 @@ class Dynamics : public Readings<double> {
 
   // Stops of tree joints.
   virtual const std::vector<JointStop>& stops() const = 0;
+  // From now on solve() and assemble() take them on these branches (JointStop::side; read then), and differentiate()
+  // too; null: on those of the state.
+  virtual void hold_stops(const int* sides) = 0;
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

@@ -16,7 +16,8 @@ Model<A>::Model(const Mechanism& mechanism)
       rows(mechanism.rows),
       cut_nq(mechanism.cut_nq),
       cut_nv(mechanism.cut_nv),
-      first_coordinate_row(mechanism.first_coordinate_row()) {
+      first_coordinate_row(mechanism.first_coordinate_row()),
+      mass_needs_rows(mechanism.mass_needs_rows) {
   for (const gelenk::Link& link : mechanism.links) {
     const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
     const bool turns = link.nv > 0 &&  // not the ground

@@ -53,17 +53,23 @@ struct JointStop {
   int q = 0, v = 0;
   Stop stop;
 
-  // In the direction of the speed. The branches are the maximum with 0: a slope is that of the branch.
+  // In the direction of the speed, by the branch it is on: 1 at the upper bound, -1 at the lower one, 0 at none.
+  template <class T>
+  T effort(int side, const T& at, const T& speed) const {
+    if (side > 0) return -(T(stop.stiffness) * (at - T(stop.upper)) + T(stop.damping) * speed);
+    if (side < 0) return T(stop.stiffness) * (T(stop.lower) - at) - T(stop.damping) * speed;
+    return T(0);
+  }
+  // The branch on which a state lies: it pushes, or there is none.
+  template <class T>
+  int side(const T& at, const T& speed) const {
+    if (at > T(stop.upper)) return effort(1, at, speed) < T(0) ? 1 : 0;
+    if (at < T(stop.lower)) return effort(-1, at, speed) > T(0) ? -1 : 0;
+    return 0;
+  }
   template <class T>
   T effort(const T& at, const T& speed) const {
-    if (at > T(stop.upper)) {
-      const T push = T(stop.stiffness) * (at - T(stop.upper)) + T(stop.damping) * speed;
-      if (push > T(0)) return -push;
-    } else if (at < T(stop.lower)) {
-      const T push = T(stop.stiffness) * (T(stop.lower) - at) - T(stop.damping) * speed;
-      if (push > T(0)) return push;
-    }
-    return T(0);
+    return effort(side(at, speed), at, speed);
   }
 };
 // J: stored in a stop at the coordinate q.
@@ -80,14 +86,18 @@ struct JointLoads {
 
   bool empty() const { return actuations.empty() && stores_nothing(); }
   bool stores_nothing() const { return springs.empty() && stops.empty(); }
+  // sides: the branches on which stops are held, or null: each is on that of the state.
   template <class T>
-  void add(const T* q, const T* v, const T* u, T* tau) const {
+  void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
     for (const Actuation& drive : actuations) tau[drive.v] += T(drive.gain) * u[drive.input];
     for (const JointSpring& s : springs) {
       tau[s.v] -= T(s.damping) * v[s.v];
       if (s.stiffness != 0) tau[s.v] -= T(s.stiffness) * (q[s.q] - T(s.reference));
     }
-    for (const JointStop& s : stops) tau[s.v] += s.effort(q[s.q], v[s.v]);
+    for (const JointStop& s : stops) {
+      const int side = sides == nullptr ? s.side(q[s.q], v[s.v]) : *sides++;
+      tau[s.v] += s.effort(side, q[s.q], v[s.v]);
+    }
   }
   // J, stored in springs and stops.
   template <class T>
@@ -171,6 +181,7 @@ struct Model {
   int nq, nv, rows, cut_nq, cut_nv;
   int path_links = 0;  // of all cuts
   int first_coordinate_row;
+  bool mass_needs_rows;  // see Mechanism
 
   explicit Model(const Mechanism& mechanism);
 };

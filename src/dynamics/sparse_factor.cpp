@@ -42,6 +42,17 @@ int SparseFactor::factorise() {
   return -1;
 }
 
+void SparseFactor::null_motion(int k, double* z) const {
+  for (int i = 0; i < size(); ++i) {
+    z[i] = i == k ? 1 : 0;
+    if (i <= k) continue;
+    const double* L = row(i);
+    const int* inner = ancestors(i);
+    for (int d = 0; d < depth_[i]; ++d) z[i] -= L[d] * z[inner[d]];
+    z[i] *= inverse_[i];
+  }
+}
+
 inline void SparseFactor::carry_inwards(int i, double* x) const {
   const double* L = row(i);
   const int* inner = ancestors(i);

@@ -24,6 +24,10 @@ class SparseFactor {
   // Returns -1, or the speed at which M has no inertia (pivot not positive beyond rounding).
   int factorise();
 
+  // Where factorise() ended at speed k, or its pivot is rounding: z, with z[k] = 1 and zeros before k, of M z = 0 in
+  // the rows from k on.
+  void null_motion(int k, double* z) const;
+
   void solve_transposed(double* x) const;  // x <- L^-T x: whitens a generalised force
   // The same for an x with zeros but at these speeds, ascending, which hold all speeds inwards of each.
   void solve_transposed(double* x, const std::vector<int>& speeds) const;

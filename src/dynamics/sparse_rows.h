@@ -3,6 +3,7 @@
 // common ancestor. The pattern is found once.
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <vector>
 
@@ -28,7 +29,18 @@ class SparseRows {
     const double* value = values(row);
     for (const int* k = speeds(row); k != speeds(row + 1); ++k) x[*k] = *value++;
   }
-  // rows x nv, row by row.
+  // rows x nv.
+  Eigen::SparseMatrix<double> matrix(int nv) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int r = 0; r < rows(); ++r) {
+      const double* value = values(r);
+      for (const int* k = speeds(r); k != speeds(r + 1); ++k) entries.emplace_back(r, *k, *value++);
+    }
+    Eigen::SparseMatrix<double> out(rows(), nv);
+    out.setFromTriplets(entries.begin(), entries.end());
+    return out;
+  }
+  // The same row by row, zeros included.
   void write(std::vector<double>& J, int nv) const {
     J.assign(static_cast<std::size_t>(rows()) * nv, 0.0);
     for (int r = 0; r < rows(); ++r) scatter(r, J.data() + static_cast<std::size_t>(r) * nv);

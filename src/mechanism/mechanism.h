@@ -77,6 +77,8 @@ struct Mechanism {
   int nq = 0, nv = 0, rows = 0;
   int cut_nq = 0, cut_nv = 0;
   bool planar = false;
+  // Some motion that the rows forbid has no inertia: the mass matrix alone is singular (mass_factor.h).
+  bool mass_needs_rows = false;
   // The ground link's frame in the world: at the first joint on the ground, so that a mechanism far from the world's
   // origin is computed as exactly as one at it.
   Pose3 X_W0;

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a scene costs by its size: reading, initialising and exporting it, from 256 to 4096 bodies.
+
+`make growth` writes the table of docs/performance.md. Each figure is that of a process of its own:
+processor time, and the most memory that it has held beyond what it held before.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.page_parts import put
+
+import gelenk
+from gelenk.chart.mechanisms import at, hinge, rod, windows
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "performance.md"
+SIZES = (256, 1024, 4096)
+Scene = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of one scene: processor times [s] and memory [MB]."""
+
+    initialize: float
+    initialize_memory: float
+    export: float
+    export_memory: float
+
+
+def chain(n: int) -> Scene:
+    """A chain of n hinged rods of 0.1 m."""
+    joints = {
+        f"j{i}": hinge(at(f"b{i - 1}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
+        for i in range(n)
+    }
+    return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
+
+
+def tree(n: int) -> Scene:
+    """Each rod carries two."""
+    joints = {
+        f"j{i}": hinge(at(f"b{(i - 1) // 2}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
+        for i in range(n)
+    }
+    return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
+
+
+def islands(n: int) -> Scene:
+    """Pendulums that know nothing of each other."""
+    joints = {f"j{i}": hinge(at("ground", i), f"b{i}", start={"phi": 0.01}) for i in range(n)}
+    return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
+
+
+def n_four_bar(n: int) -> Scene:
+    """The N-four-bar (IFToMM A02) of some n bodies."""
+    return windows(n // 2, 0.3, 1.0)
+
+
+def scissors(n: int) -> Scene:
+    """A scissor lift of n / 2 crossed pairs."""
+    angle = 0.7
+    joints: Scene = {"base": hinge("ground", "l0", start={"phi": angle})}
+    for i in range(n // 2):
+        joints[f"c{i}"] = hinge(at(f"l{i}", 0.5), at(f"r{i}", 0.5), start={"phi": math.pi - 2 * angle})
+        if i > 0:
+            joints[f"a{i}"] = hinge(at(f"l{i - 1}", 1), f"r{i}")
+            joints[f"d{i}"] = hinge(at(f"r{i - 1}", 1), f"l{i}")
+    return scene({f"{side}{i}": rod(1) for i in range(n // 2) for side in "lr"}, joints)
+
+
+def scene(bodies: Scene, joints: Scene) -> Scene:
+    return {"gelenk": 1, "name": "Large", "gravity": [0, -9.81, 0], "bodies": bodies, "joints": joints}
+
+
+FAMILIES: dict[str, Callable[[int], Scene]] = {
+    "chain": chain,
+    "tree": tree,
+    "islands": islands,
+    "N-four-bar": n_four_bar,
+    "scissors": scissors,
+}
+
+
+def measured(family: str, n: int) -> Cost:
+    """In a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.growth", family, str(n)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=PAGE.parent.parent)
+    if ended.returncode != 0:
+        raise RuntimeError(ended.stderr)
+    return Cost(**json.loads(ended.stdout))
+
+
+def measure_here(family: str, n: int) -> Cost:
+    source = FAMILIES[family](n)
+
+    def initialize() -> None:
+        gelenk.Simulation(gelenk.load(source)).initialize()
+
+    def export() -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            gelenk.export_fmu(source, Path(folder, "large.fmu"))
+
+    figures: list[float] = []
+    for action in (initialize, export):
+        before = resource.getrusage(resource.RUSAGE_SELF)
+        action()
+        after = resource.getrusage(resource.RUSAGE_SELF)
+        time = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        figures += [time, (after.ru_maxrss - before.ru_maxrss) / 1e3]
+    # What initialising has held may serve exporting again.
+    figures[3] += figures[1]
+    return Cost(*figures)
+
+
+def exponent(small: float, large: float, ratio: float) -> float:
+    return math.log(large / small) / math.log(ratio)
+
+
+def table() -> str:
+    lines = [
+        "| family | bodies | initialise [s] | memory [MB] | export [s] | memory [MB] | exponents of time |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for family in FAMILIES:
+        last: Cost | None = None
+        for n in SIZES:
+            print(f"{family} of {n}", flush=True)
+            cost = measured(family, n)
+            lines.append(
+                f"| {family} | {n} | {cost.initialize:.3g} | {cost.initialize_memory:.0f} "
+                f"| {cost.export:.3g} | {cost.export_memory:.0f} | {growth(last, cost)} |"
+            )
+            last = cost
+    return "\n".join(lines)
+
+
+def growth(last: Cost | None, cost: Cost) -> str:
+    """From one size to the next, of initialising and of exporting."""
+    if last is None:
+        return ""
+    pairs = ((last.initialize, cost.initialize), (last.export, cost.export))
+    return ", ".join(f"{exponent(*pair, SIZES[1] / SIZES[0]):.2f}" for pair in pairs)
+
+
+def main(arguments: list[str]) -> None:
+    if arguments:
+        print(json.dumps(asdict(measure_here(arguments[0], int(arguments[1])))))
+        return
+    put(PAGE, "benchmarks/growth", {"large": table()})
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

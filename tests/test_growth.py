@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a scene costs grows as its size: initialising and exporting, time and memory."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from benchmarks.growth import FAMILIES, exponent, measured
+
+import gelenk
+
+SMALL, LARGE = 1024, 4096
+MOST_MEMORY = 500  # MB
+
+
+@pytest.mark.parametrize("family", ["chain", "tree", "N-four-bar"])
+def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
+    """Processor time, the least of two processes each: an N-four-bar's initialising grew as the cube."""
+    small, large = (
+        [measured(family, n) for _ in range(2)] for n in (SMALL, LARGE)
+    )  # a busy machine slows some of them
+    for what in ("initialize", "export"):
+        times = [min(getattr(cost, what) for cost in costs) for costs in (small, large)]
+        found = exponent(times[0], times[1], LARGE / SMALL)
+        assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 where nothing else runs"
+    assert max(cost.initialize_memory for cost in large) < MOST_MEMORY
+    assert max(cost.export_memory for cost in large) < MOST_MEMORY
+
+
+@pytest.mark.parametrize("family", ["N-four-bar", "scissors"])
+def test_many_loops_are_assembled_as_few_are(family: str) -> None:
+    """Rows of more than 300 speeds are factorised sparsely: the loops close at the same place."""
+    source = FAMILIES[family](700)
+    first = next(iter(source["joints"]))
+    source["joints"][first]["start"] = {"phi": 1.1, "fixed": True}
+    plant = gelenk.Simulation(source)
+    plant.initialize()
+    assert plant.output(f"{first}.phi") == 1.1
+    few = FAMILIES[family](12)
+    few["joints"][first]["start"] = {"phi": 1.1, "fixed": True}
+    small = gelenk.Simulation(few)
+    small.initialize()
+    for signal in small.outputs:
+        if not signal.name.endswith(".phi"):
+            continue
+        difference = plant.output(signal.name) - small.output(signal.name)
+        assert abs(np.remainder(difference + np.pi, 2 * np.pi) - np.pi) < 1e-9, signal.name
+
+
+def two_chains(n: int) -> dict[str, Any]:
+    """On the ground, each of n bodies, that know nothing of each other."""
+    out = FAMILIES["chain"](n)
+    other = FAMILIES["chain"](n)
+    out["bodies"] |= {f"other_{name}": body for name, body in other["bodies"].items()}
+    for name, joint in other["joints"].items():
+        parent = joint["parent"]
+        if parent != "ground":
+            parent = {**parent, "body": f"other_{parent['body']}"}
+        out["joints"][f"other_{name}"] = {**joint, "parent": parent, "child": f"other_{joint['child']}"}
+    return out
+
+
+@pytest.mark.parametrize(("n", "listed"), [(40, True), (600, False)])
+def test_lists_that_would_grow_as_a_square_are_left_out(n: int, listed: bool, tmp_path: Path) -> None:
+    """An acceleration depends on the 2 n states of its chain, of 4 n. All lists together are 6 n^2 numbers
+    and more: beyond a million they are left out, which FMI takes for all there are.
+    """
+    gelenk.export_fmu(two_chains(n), tmp_path / "x.fmu")
+    with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+    names = [variable.get("name") for variable in root.iter("ScalarVariable")]
+    unknown = root.find(f"ModelStructure/Outputs/Unknown[@index='{names.index('j3.a') + 1}']")
+    assert unknown is not None
+    dependencies = unknown.get("dependencies")
+    assert (dependencies is not None) == listed
+    if dependencies is not None:
+        assert len(dependencies.split()) == 2 * n
+    position = root.find(f"ModelStructure/Outputs/Unknown[@index='{names.index('j3.phi') + 1}']")
+    assert position is not None
+    assert position.get("dependencies") == str(names.index("j3.phi") + 1), "short lists stay"
