@@ -3,6 +3,7 @@
 // also a DAE, F(t, x, xdot) = 0, whose unknowns x are y and multipliers after it.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 namespace gelenk {
@@ -33,6 +34,11 @@ class Equations {
   // known is no number.
   virtual int switches() const { return 0; }
   virtual void switch_values(const double* /*y*/, double* /*g*/, double* /*gdot*/) const {}
+  // From now on f keeps to the branch where these switches are on, beyond its kinks too; null: to that of each state
+  // again.
+  virtual void hold_switches(double /*t*/, const bool* /*on*/) {}
+  // The earliest time after that t at which f has been asked for beyond a kink; infinite: none.
+  virtual double strayed() const { return INFINITY; }
 
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // none: an ODE, for any integrator

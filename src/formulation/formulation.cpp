@@ -51,6 +51,7 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
       turns_(mechanism, dynamics),
       length_(size_of(mechanism)),
       dv_(mechanism.nv) {
+  sides_.resize(dynamics.stops().size());
   for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
     if (std::holds_alternative<Rolling>(mechanism.cuts[c].joint)) wheels_.push_back(c);
   }
@@ -92,6 +93,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   if (at == nullptr) return false;
   dynamics_.set_position(at);
   if (flat_wheel() >= 0) return false;
+  if (held_) watch(t, at);
   if (!accelerate(t, at, ydot + nq_)) return false;
   if (rows() > 0 && factorises_rows()) passages_.seen(t, dynamics_.pivot_ratio());
   dynamics_.rate(at, at + nq_, ydot);
@@ -199,6 +201,28 @@ void Formulation::switch_values(const double* y, double* g, double* gdot) const 
       *g++ = releasing ? depth + settling * rate : depth;
       *gdot++ = releasing ? NAN : rate;
     }
+  }
+}
+
+void Formulation::hold_switches(double t, const bool* on) {
+  held_ = on != nullptr;
+  held_from_ = t;
+  strayed_ = INFINITY;
+  if (held_) {
+    for (int& side : sides_) {
+      side = on[0] ? 1 : on[1] ? -1 : 0;
+      on += 2;
+    }
+  }
+  dynamics_.hold_stops(held_ ? sides_.data() : nullptr);
+}
+
+// Of an evaluation: whether it is beyond a kink.
+void Formulation::watch(double t, const double* y) {
+  if (!(t > held_from_ && t < strayed_)) return;
+  const std::vector<JointStop>& stops = dynamics_.stops();
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    if (stops[i].side(y[stops[i].q], y[nq_ + stops[i].v]) != sides_[i]) strayed_ = t;
   }
 }
 

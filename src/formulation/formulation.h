@@ -47,6 +47,8 @@ class Formulation : public Equations {
   // Two for each stop of a tree joint, at its upper and its lower bound: positive where it pushes.
   int switches() const final { return 2 * static_cast<int>(dynamics_.stops().size()); }
   void switch_values(const double* y, double* g, double* gdot) const final;
+  void hold_switches(double t, const bool* on) final;
+  double strayed() const final { return strayed_; }
 
   // From now on: calls of solve and assemble until spent(); LONG_MAX: without end.
   void allow(long evaluations);
@@ -134,6 +136,7 @@ class Formulation : public Equations {
 
  private:
   double rounding(const double* q) const;
+  void watch(double t, const double* y);
   int flat_wheel() const;
   std::string dead_centre();
 
@@ -142,8 +145,12 @@ class Formulation : public Equations {
   Passages passages_;
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
-  std::vector<int> wheels_;  // cuts
-  double length_;            // m: rounding of a closed loop grows with it
+  std::vector<int> wheels_;    // cuts
+  std::vector<int> sides_;     // on which stops are held
+  bool held_ = false;          // they are
+  double held_from_ = 0;       // s
+  double strayed_ = INFINITY;  // s
+  double length_;              // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };
 

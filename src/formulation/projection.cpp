@@ -16,10 +16,14 @@ namespace {
 // Passing a singular position (a change point, a dead centre). Beside it the weak direction's part of vdot is a
 // quotient of two numbers that vanish together, and what is left of rounding and of the step's error in it moves the
 // mechanism onto another branch; smaller steps only land nearer. So, as shares of the soundest pivot ratio seen:
-constexpr double near_share = 0.5;    // below it the accelerations of accepted steps are remembered
-constexpr double sound_share = 0.1;   // below it no more: now they are extrapolated ...
-constexpr double weak_share = 0.003;  // ... and near and below this they stand in along the weak direction
-constexpr double lost_share = 1e-5;   // below this even the weak direction is rounding
+constexpr double near_share = 0.5;      // below it the accelerations of accepted steps are remembered
+constexpr double sound_share = 0.1;     // below it no more: now they are extrapolated ...
+constexpr double spacing = 0.05;        // ... from shares that are apart by this, for the polynomial to reach far
+constexpr double most_weak = 0.02;      // ... and near and below a share of weak_share() they stand in along the weak
+constexpr double least_weak = 0.001;    //     direction; the less, the better they are known
+constexpr double unknown_weak = 0.003;  //     nothing tells how well
+constexpr double row_noise = 1e-14;
+constexpr double lost_share = 1e-5;  // below this even the weak direction is rounding
 constexpr double most_magnified = 1e4;
 // With these N-four-bars of 1, 2, 10 and 40 windows keep to their branch for 20 s (56 passages) within 3e-7 m at
 // tolerances 1e-6 to 1e-10; three times as large or small serve nearly as well.
@@ -27,6 +31,14 @@ constexpr double most_magnified = 1e4;
 // Of the rows' errors, relative to the mechanism's size, where nothing else is left. At 8e-16 an engine with six loops
 // takes a hundred times the steps of cvode at 1e-10.
 constexpr double row_rounding = 3e-16;
+
+// The share below which accelerations that are expected with this error stand in. What the rows say there is wrong by
+// row_noise / share^3: rounding moves a state off its branch by 1e-16 / share, its velocities by that over the share
+// again, and so on.
+double weak_share(double error, double size) {
+  if (!(error * most_weak * most_weak * most_weak > row_noise * size)) return most_weak;
+  return std::max(least_weak, std::cbrt(row_noise * size / error));
+}
 
 class Projection final : public Formulation {
  public:
@@ -56,6 +68,7 @@ class Projection final : public Formulation {
   double slack() const override;
   const double* expected(double t) override;
   bool rank_is_lost() const override { return dynamics_.pivot_ratio() < lost_share * soundest_; }
+  double lagrange(double t, int first, double* weights) const;
   void add_jump(double t);
   void launch(double t, const double* y);
   void remember(double t);
@@ -63,16 +76,17 @@ class Projection final : public Formulation {
   bool close(double* y);
 
   int corrections_;
-  double soundest_known_;         // largest pivot ratio known before the run
-  double soundest_ = 0;           // seen in it, or known where it begins beside a singular position
-  double finest_ = row_rounding;  // m or rad: of the mechanism's size
-  std::vector<double> move_;      // by a correction
+  double soundest_known_;     // largest pivot ratio known before the run
+  double soundest_ = 0;       // seen in it, or known where it begins beside a singular position
+  double finest_ = 0;         // m or rad: of the mechanism's size
+  std::vector<double> move_;  // by a correction
 
   // Accelerations at the last times at which the rows were sound.
-  static constexpr int memory = 6;
+  static constexpr int memory = 8;
   int remembered_ = 0;
   bool launched_ = false;  // the first of them is that of the branch on which the run has begun
   double times_[memory] = {};
+  double shares_[memory] = {};  // pivot ratios there
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
   Inputs seen_;            // inputs of the accelerations remembered
@@ -105,6 +119,7 @@ void Projection::launch(double t, const double* y) {
   seen_ = inputs_;
   dynamics_.set_position(y);
   renew_factors();
+  shares_[0] = dynamics_.pivot_ratio() / soundest_;
 }
 
 void Projection::inputs_changed(double t, const double* y) {
@@ -122,7 +137,7 @@ void Projection::exchange(Record& record) {
   if (remembered_ == 0) return;
   seen_.exchange(record);
   for (int i = 0; i < remembered_; ++i) {
-    record.exchange(times_[i], accelerations_[i]);
+    record.exchange(times_[i], shares_[i], accelerations_[i]);
   }
 }
 
@@ -134,33 +149,50 @@ void Projection::refactor() {
 
 void Projection::judge() {
   sound_ = !(dynamics_.pivot_ratio() < sound_share * soundest_);
-  dynamics_.set_weak_pivots(sound_ || rigorous_ ? 0 : weak_share * soundest_);
+  dynamics_.set_weak_pivots(sound_ || rigorous_ ? 0 : unknown_weak * soundest_);
 }
 
 // Along weak directions what is left is small by itself, and leads back where the rows are sound again.
 double Projection::slack() const { return sound_ ? Formulation::slack() : 1e8; }
+
+// Weights by which the accelerations remembered from `first` on make the polynomial's value at t; returns the sum of
+// their absolute values.
+double Projection::lagrange(double t, int first, double* weights) const {
+  double sum = 0;
+  for (int i = first; i < remembered_; ++i) {
+    weights[i] = 1;
+    for (int j = first; j < remembered_; ++j) {
+      if (j != i) weights[i] *= (t - times_[j]) / (times_[i] - times_[j]);
+    }
+    sum += std::abs(weights[i]);
+  }
+  return sum;
+}
 
 // The accelerations that those remembered lead to, by a polynomial in time through as many of the latest as do not
 // magnify their rounding too much; null: nothing is known.
 const double* Projection::expected(double t) {
   if (sound_ || remembered_ == 0) return nullptr;
   double weights[memory];
+  double fewer[memory] = {};
   int first = 0;
-  for (;; ++first) {
+  while (lagrange(t, first, weights) > most_magnified) ++first;  // one alone magnifies nothing
+  if (first + 1 < remembered_) lagrange(t, first + 1, fewer);
+  double error = 0;
+  double size = 0;
+  for (int k = 0; k < nv_; ++k) {
     double sum = 0;
+    double without = 0;
     for (int i = first; i < remembered_; ++i) {
-      weights[i] = 1;
-      for (int j = first; j < remembered_; ++j) {
-        if (j != i) weights[i] *= (t - times_[j]) / (times_[i] - times_[j]);
-      }
-      sum += std::abs(weights[i]);
+      sum += weights[i] * accelerations_[i][k];
+      if (i > first) without += fewer[i] * accelerations_[i][k];
     }
-    if (sum <= most_magnified) break;  // true for one alone
+    expected_[k] = sum;
+    error = std::max(error, std::abs(sum - without));
+    size = std::max(size, std::abs(sum));
   }
-  std::ranges::fill(expected_, 0.0);
-  for (int i = first; i < remembered_; ++i) {
-    for (int k = 0; k < nv_; ++k) expected_[k] += weights[i] * accelerations_[i][k];
-  }
+  const bool told = first + 1 < remembered_;
+  if (!rigorous_) dynamics_.set_weak_pivots((told ? weak_share(error, size) : unknown_weak) * soundest_);
   if (inputs_ != seen_) add_jump(t);
   return expected_.data();
 }
@@ -185,12 +217,18 @@ void Projection::remember(double t) {
     seen_ = inputs_;
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
+  const double share = dynamics_.pivot_ratio() / soundest_;
+  // The last one gives way to a later one as long as it stands too near to the one before.
+  const bool crowded = remembered_ > 1 && std::abs(share - shares_[remembered_ - 2]) < spacing;
+  if (crowded) --remembered_;
   if (remembered_ == memory) {
     std::rotate(times_, times_ + 1, times_ + memory);
+    std::rotate(shares_, shares_ + 1, shares_ + memory);
     std::rotate(accelerations_, accelerations_ + 1, accelerations_ + memory);
     --remembered_;
   }
   times_[remembered_] = t;
+  shares_[remembered_] = share;
   dynamics_.solve(u_.data(), accelerations_[remembered_].data());
   ++remembered_;
 }
@@ -219,13 +257,14 @@ bool Projection::correct(double* q, double* v) {
 bool Projection::close(double* y) {
   if (!close_position(y)) return false;
   double* v = y + nq_;
-  const bool polishes = polishing_ && factors_ && sound_ && rows() > 0;
+  const bool polishes = (polishing_ || !sound_) && factors_ && rows() > 0;
   const auto left = [](const std::vector<double>& gaps) {
     double most = 0;
     for (const double gap : gaps) most = std::max(most, std::abs(gap));
     return most;
   };
   if (polishes && left(dynamics_.Phi()) > finest_) {
+    if (!sound_) renew_factors();
     correction(dynamics_.Phi().data(), move_.data());
     dynamics_.displace(y, move_.data());
     dynamics_.set_position(y);
@@ -243,6 +282,7 @@ bool Projection::close(double* y) {
 bool Projection::project(double t, double* y) {
   go_to(t);
   if (corrections_ > 0 && rows() > 0) return correct(y, y + nq_);
+  if (!sound_) judge();  // the last accelerations had a weak share of their own
   if (close(y)) return true;
   if (sound_) return false;
   // A long step may have left more along a weak direction than may stay.

@@ -6,7 +6,9 @@
 namespace gelenk {
 namespace {
 
-constexpr double most_first_growth = 1e4;  // ARKODE's own
+// Of a step over the one before; ARKODE's own. After one that was tried more than once the next is no longer.
+constexpr double most_growth = 20;
+constexpr double most_first_growth = 1e4;
 
 // The step [s] that follows `last` where `next` would be best, cut short at `end`: as ARKODE does it when it goes on,
 // to the rounding, of which it knows nothing when taken to where a run was saved.
@@ -61,7 +63,7 @@ ArkodeIntegrator::~ArkodeIntegrator() {
 
 void ArkodeIntegrator::own(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
-  steppers_.push_back({memory_, false, std::nullopt, 0});
+  steppers_.emplace_back().memory = memory_;
   ARKodeSetUserData(memory_, user_data());
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);
@@ -104,7 +106,7 @@ void ArkodeIntegrator::exchange(Record& record) {
   record.exchange(step_at_end_);
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     Stepper& stepper = steppers_[i];
-    double step = stepper.first_step.value_or(next_step(i));
+    double step = stepper.first_step.value_or(stepper.stopped ? next_step(i) : current_step(stepper.memory));
     if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &stepper.last_step);
     record.exchange(step, stepper.last_step, stepper.used);
     stepper.first_step = step;
@@ -134,10 +136,13 @@ ArkodeIntegrator::Step ArkodeIntegrator::make_step(double end) {
   const void* before = memory_;
   reconsider_stepper();
   if (memory_ != before) begin(end);
+  const long attempts_before = attempts();
   const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
   if (flag >= 0) {
     Stepper& stepper = steppers_[in_use()];
+    stepper.growth = attempts() - attempts_before > 1 ? 1 : stepper.used ? most_growth : most_first_growth;
     stepper.used = true;
+    stepper.stopped = flag == ARK_TSTOP_RETURN;
     stepper.first_step.reset();
     return Step::made;
   }

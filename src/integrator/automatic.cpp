@@ -18,6 +18,9 @@ constexpr double stages = 13;          // of an explicit step of order 8
 constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
 constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
 constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
+// Up to so many equations the implicit method, whose matrices are full, is ready from the start; beyond it is made when
+// it is needed, which asks of the heap within a step.
+constexpr int most_ready = 1000;
 
 // Costs in evaluations: measured on the flyball governor.
 constexpr std::array<double, 2> cost_of_step = {1, 3};
@@ -45,6 +48,8 @@ class Counted final : public Equations {
   bool spent() const override { return counted_.spent(); }
   int switches() const override { return counted_.switches(); }
   void switch_values(const double* y, double* g, double* gdot) const override { counted_.switch_values(y, g, gdot); }
+  void hold_switches(double t, const bool* on) override { counted_.hold_switches(t, on); }
+  double strayed() const override { return counted_.strayed(); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }
 
  private:
@@ -57,10 +62,13 @@ class Automatic final : public Integrator {
  public:
   Automatic(Equations& system, const IntegratorOptions& options)
       : counted_(system),
-        methods_{make_erk(counted_, options), make_cvode(counted_, options)},
+        options_(options),
+        methods_{make_erk(counted_, options), nullptr},
         n_(system.size()),
         y_(n_),
-        fastest_rate_(system) {}
+        fastest_rate_(system) {
+    if (n_ <= most_ready) make_implicit();
+  }
 
   void restart(double t, const double* y) override {
     t_ = t;
@@ -73,6 +81,7 @@ class Automatic final : public Integrator {
 
   void warm_up(double end, double* y) override {
     for (const auto& method : methods_) {
+      if (!method) continue;
       method->restart(t_, y_.data());
       method->warm_up(end, y);
     }
@@ -85,8 +94,13 @@ class Automatic final : public Integrator {
   void exchange(Record& record) override {
     Integrator::exchange(record);
     record.within(current_, 0, 1);
+    bool both = methods_[implicit_method] != nullptr;
+    record.exchange(both);
+    if (both) make_implicit();
+    if (!both) methods_[implicit_method].reset();  // made after the record
     if (record.reading()) methods_[current_]->restart(t_, y_.data());
-    for (const auto& method : methods_) method->exchange(record);
+    methods_[explicit_method]->exchange(record);
+    if (both) methods_[implicit_method]->exchange(record);
     record.exchange(stretch_.time, stretch_.cost, stretch_.steps, price_);
     fastest_rate_.exchange(record);
     record.exchange(trial_);
@@ -169,7 +183,12 @@ class Automatic final : public Integrator {
     change_to(method);
   }
 
+  void make_implicit() {
+    if (!methods_[implicit_method]) methods_[implicit_method] = make_cvode(counted_, options_);
+  }
+
   void change_to(int method) {
+    if (method == implicit_method) make_implicit();
     current_ = method;
     methods_[current_]->restart(t_, y_.data());
   }
@@ -177,12 +196,14 @@ class Automatic final : public Integrator {
   void count() {
     steps_ = rejected_ = 0;
     for (const auto& method : methods_) {
+      if (!method) continue;
       steps_ += method->steps();
       rejected_ += method->rejected_steps();
     }
   }
 
   Counted counted_;
+  IntegratorOptions options_;
   std::array<std::unique_ptr<Integrator>, 2> methods_;
   int n_;
   int current_ = explicit_method;

@@ -107,7 +107,7 @@ class Erk final : public ArkodeIntegrator {
   void reinitialise(void* memory) override { ERKStepReInit(memory, rhs, t_, y_.get()); }
 
   double next_step(std::size_t stepper) const override {
-    return sundials::next_step(controllers_[stepper], safety, most_growth);
+    return sundials::next_step(controllers_[stepper], safety, growth(stepper));
   }
 
   void choose_stepper(double end) override {

@@ -91,7 +91,7 @@ class Ida final : public SundialsIntegrator {
     IDASetStopTime(memory_, end);
   }
 
-  void begin(double end) {
+  void begin(double end) override {
     double* x = sundials::data(y_.get());
     double* xdot = sundials::data(ydot_.get());
     if (!system_.consistent(t_, x, xdot)) refuse(system_, t_, x, "the accelerations are not finite");

@@ -26,6 +26,7 @@ constexpr int longest_confidence = 64;  // starts between two questions, where i
 constexpr long window = 100;            // attempts
 constexpr double most_failures = 0.15;  // share of them
 constexpr double least_way = 0.03;      // share of that of the best window
+constexpr double no_way = 0.003;        // likewise: rounding shortens steps without a failure, too
 
 class Started final : public Integrator {
  public:
@@ -34,6 +35,11 @@ class Started final : public Integrator {
         multistep_(std::move(multistep)),
         erk_(make_erk(system, options)),
         y_(system.size()),
+        y_before_(y_),
+        g_(system.switches()),
+        gdot_(g_),
+        on_before_(g_.size()),
+        on_(g_.size()),
         fastest_rate_(system) {}
 
   void restart(double t, const double* y) override {
@@ -102,6 +108,22 @@ class Started final : public Integrator {
     left_ = starting_steps;
   }
 
+  // Where the switches of the system stand (equations.h).
+  void read_switches(std::vector<char>& on) {
+    system_.switch_values(y_.data(), g_.data(), gdot_.data());
+    for (std::size_t i = 0; i < g_.size(); ++i) on[i] = static_cast<char>(g_[i] >= 0);
+  }
+
+  // The multistep method's last step has gone beyond a kink, which it meets as an error, too: it is made by erk, whose
+  // steps end there.
+  void meet_kink(double t) {
+    t_ = t;
+    y_ = y_before_;
+    erk_->restart(t_, y_.data());
+    starting_ = true;
+    left_ = starting_steps;
+  }
+
   void start(double end) {
     const double from = t_;
     const long before = erk_->steps();
@@ -112,7 +134,7 @@ class Started final : public Integrator {
       return;
     }
     const long made = erk_->steps() - before;
-    left_ -= made;
+    left_ = std::max(0L, left_ - made);  // steps made again at kinks are counted, too
     if (made < many_steps || !questions_.due()) return;
     if (fastest_rate_.at(t_, y_.data()) * (t_ - from) > suspicious_reach * static_cast<double>(made)) {
       give_up();
@@ -136,19 +158,31 @@ class Started final : public Integrator {
 
   void go_on(double end) {
     if (starting_) begin_multistep();
+    const double before = t_;
+    if (!g_.empty()) {
+      y_before_ = y_;
+      read_switches(on_before_);
+    }
     try {
       t_ = multistep_->advance_some(end, y_.data(), 1);
     } catch (const IntegrationError& fault) {
       if (!pass_by_starter(end)) throw IntegrationError(fault);
       return;
     }
+    if (!g_.empty()) {
+      read_switches(on_);
+      if (on_ != on_before_ && starts_.due()) {
+        meet_kink(before);
+        return;
+      }
+    }
     const long made = multistep_->steps();
     const long failed = multistep_->rejected_steps();
     if (made + failed < window_made_ + window_failed_ + window) return;
     const double way = t_ - window_start_;
     farthest_ = std::max(farthest_, way);
-    const bool stuck =
-        static_cast<double>(failed - window_failed_) > most_failures * window && way < least_way * farthest_;
+    const bool fails = static_cast<double>(failed - window_failed_) > most_failures * window;
+    const bool stuck = way < (fails ? least_way : no_way) * farthest_;
     if (!stuck || !pass_by_starter(end)) open_window();
   }
 
@@ -173,7 +207,9 @@ class Started final : public Integrator {
   Equations& system_;
   std::unique_ptr<Integrator> multistep_, erk_;
   double t_ = 0;
-  std::vector<double> y_;
+  std::vector<double> y_, y_before_;  // before the multistep method's last step
+  std::vector<double> g_, gdot_;
+  std::vector<char> on_before_, on_;  // switches, likewise
   bool jumped_ = false;
   bool starting_ = false;  // erk has made the last step
   long left_ = 0;          // of its steps, then

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double bias = 1.5;          // on error estimates, ARKODE's own
 constexpr double least_error = 1e-6;  // below it an estimate may be rounding
+constexpr double least_growth = 0.1;  // of a step over the one before, ARKODE's own
 
 struct Before {
   double step = 0, error = 0;  // s; of the last accepted step, none: 0
@@ -69,7 +70,7 @@ StepController make_step_controller(SUNContext context) {
 double next_step(const StepController& controller, double safety, double most_growth) {
   const auto [step, error, tried, next] = before(controller.get());
   if (tried == 0) return 0;
-  return tried * (std::min(next * safety, most_growth * tried) / tried);
+  return tried * (std::max(std::min(next * safety, most_growth * tried), least_growth * tried) / tried);
 }
 
 void exchange(const StepController& controller, Record& record) {

@@ -6,15 +6,6 @@
 #include <limits>
 
 namespace gelenk {
-namespace {
-
-// Nearer to an end of the step than this part of it, a kink does no harm.
-constexpr double switch_share = 1e-9;
-// Likewise where the rate is not known, so that a straight line has to do; the force itself has no jump there.
-constexpr double corner_share = 1e-3;
-
-}  // namespace
-
 double bdf_tolerance(double share, double tolerance, bool dae) {
   return share * tolerance * (dae ? 1 : std::pow(std::min(1.0, tolerance / 1e-4), 0.2));
 }
@@ -56,45 +47,6 @@ double SundialsIntegrator::advance(double end, double* y) {
   return advance_some(end, y, std::numeric_limits<long>::max());
 }
 
-void SundialsIntegrator::keep_start() {
-  const double* y = sundials::data(y_.get());
-  start_t_ = t_;
-  start_y_.assign(y, y + n_);
-  for (auto* values : {&start_g_, &start_gdot_, &g_, &gdot_}) values->resize(system_.switches());
-  system_.switch_values(y, start_g_.data(), start_gdot_.data());
-}
-
-// s: the first zero of a switch inside the step just made, by the cubic through values and rates at both ends; t_ if
-// there is none. The cubic is rough where the kink is inside, but the next one ends near it.
-double SundialsIntegrator::first_switch() {
-  system_.switch_values(sundials::data(y_.get()), g_.data(), gdot_.data());
-  const double h = t_ - start_t_;
-  double first = 1;
-  double share = switch_share;
-  for (std::size_t i = 0; i < g_.size(); ++i) {
-    if ((start_g_[i] < 0) == (g_[i] < 0)) continue;
-    const bool smooth = std::isfinite(start_gdot_[i]) && std::isfinite(gdot_[i]);
-    const auto value = [&](double s) {
-      const double r = 1 - s;
-      if (!smooth) return r * start_g_[i] + s * g_[i];
-      return r * r * (1 + 2 * s) * start_g_[i] + s * s * (3 - 2 * s) * g_[i] +
-             s * r * h * (r * start_gdot_[i] - s * gdot_[i]);
-    };
-    double low = 0;
-    double high = 1;
-    for (int k = 0; k < 50; ++k) {
-      const double middle = (low + high) / 2;
-      ((value(middle) < 0) == (start_g_[i] < 0) ? low : high) = middle;
-    }
-    if (high >= first) continue;
-    first = high;
-    share = smooth ? switch_share : corner_share;
-  }
-  const double at = start_t_ + first * h;
-  const double nearest = std::max(share * h, 1e-15 * std::abs(t_));  // as near as times can be told apart
-  return at > start_t_ + nearest && at < t_ - nearest ? at : t_;
-}
-
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
   system_.polish(takes_differences());
   const double start = t_;
@@ -103,32 +55,22 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     patience_end_ = end;
   }
   const bool watched = steps_back() && system_.switches() > 0;
-  double target = end;
-  prepare(target);
+  prepare(end);
   for (; t_ < end && most > 0; --most) {
-    if (t_ >= target) prepare(target = end);
-    if (watched) keep_start();
-    Step step = make_step(target);
+    Step step = watched ? step_to_switch(end) : make_step(end);
     if (step != Step::made && jumped_ && t_ == start) {
       // A history that cannot be carried across the jump.
       restart(start, y);
-      prepare(target);
-      step = make_step(target);
+      prepare(end);
+      step = watched ? step_to_switch(end) : make_step(end);
     }
     jumped_ = false;
     if (step != Step::made) fail(step, start);
-    const double at = watched ? first_switch() : t_;
-    const bool back = at < t_;
-    if (back) {
-      restart(start_t_, start_y_.data());
-      prepare(target = at);
-    } else {
-      system_.accepted(t_, sundials::data(y_.get()));
-    }
+    system_.accepted(t_, sundials::data(y_.get()));
     if (const std::string why = patience_.step_to(t_); !why.empty()) {
       refuse(system_, t_, sundials::data(y_.get()), why);
     }
-    if (!back && system_.spent()) break;
+    if (system_.spent()) break;
   }
   count();
   std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);

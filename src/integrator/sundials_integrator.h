@@ -2,6 +2,7 @@
 // The way from one communication point to the next, which SUNDIALS' adaptive integrators share.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "integrator/integrator.h"
@@ -42,6 +43,8 @@ class SundialsIntegrator : public Integrator {
   virtual double reached() const = 0;
   // Whether a step can be taken back and made shorter at no loss: then steps end at the zeros of the system's switches.
   virtual bool steps_back() const { return false; }
+  // Of such: takes up (t_, y_), from where steps stop at `end` now.
+  virtual void begin(double /*end*/) {}
   // Writes steps_ and rejected_.
   virtual void count() = 0;
 
@@ -67,13 +70,22 @@ class SundialsIntegrator : public Integrator {
   bool jumped_ = false;  // the inputs are not those of the last step
 
  private:
+  // Of methods that step back (switch_search.cpp).
+  Step step_to_switch(double end);
+  Step search(std::size_t i, double end);
+  Step step_from_start(double end);
+  bool strayed_inside(double end) const;
   void keep_start();
-  double first_switch();
+  void keep_high();
+  void read_switches(std::vector<double>& g, std::vector<double>& gdot, bool* on) const;
+  bool crossed(std::size_t i) const { return on_[i] != start_on_[i]; }
+  double estimate(std::size_t i) const;
   [[noreturn]] void fail(Step step, double start);
 
-  // At the start of a step, for systems with switches.
-  double start_t_ = 0;
-  std::vector<double> start_y_, start_g_, start_gdot_, g_, gdot_;
+  // At the start of a step, where the step made ended, and at the earliest end known to be beyond a switch.
+  double start_t_ = 0, high_t_ = 0;
+  std::vector<double> start_y_, start_g_, start_gdot_, g_, gdot_, high_y_;
+  std::unique_ptr<bool[]> start_on_, on_;  // by switch
   Patience patience_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
   long kept_steps_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/preparation.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -21,12 +22,25 @@ bool has_rods(const ReducedScene& reduced) {
 }
 
 // For what is only kinematics: nothing in it moves without inertia.
-void give_inertia(ReducedScene& reduced) {
-  for (Mechanism& mechanism : reduced.islands) {
-    for (Link& link : mechanism.links) {
-      link.G = Spatial::Inertia::about_com(1, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
-    }
+void give_inertia(Mechanism& mechanism) {
+  mechanism.mass_needs_rows = false;
+  for (Link& link : mechanism.links) {
+    link.G = Spatial::Inertia::about_com(1, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
   }
+}
+
+// Some link has no inertia, but for rounding, along a motion of its own.
+bool lacks_inertia(const Mechanism& mechanism) {
+  return std::any_of(mechanism.links.begin() + 1, mechanism.links.end(), [&](const Link& link) {
+    const Spatial::Inertia& G = link.G;
+    if (G.m <= 0) return true;
+    const Eigen::Vector3d c = G.h / G.m;
+    const Eigen::Matrix3d I = G.I - G.m * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
+    const double nothing = 1e-9 * G.I.norm();  // what subtracting leaves is some 1e-16 of it
+    if (mechanism.planar) return I(2, 2) <= nothing;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I, Eigen::EigenvaluesOnly);
+    return solver.eigenvalues()[0] <= nothing;
+  });
 }
 
 Scene without_rods(const Scene& scene) {
@@ -41,6 +55,7 @@ struct Preparer {
   const Inputs& inputs;
   Scene wished{};            // the scene whose start values count
   bool rods_as_rows = true;  // as far as the scene allows
+  bool rows_help = true;     // where the mass matrix alone is singular
   std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
   PreparedScene out{};
   std::vector<Loads> loads{};
@@ -54,24 +69,60 @@ struct Preparer {
     dynamics.clear();
     loads = make_loads(scene, reduced);
     for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
-      const Mechanism& mechanism = reduced.islands[i];
-      PreparedIsland& island = out.islands.emplace_back();
-      dynamics.push_back(make_dynamics(mechanism, loads[i]));
-      dynamics[i]->set_targets(Targets(mechanism).at(time, inputs));
-      const StartWishes wishes = start_wishes(wished, reduced, i);
-      island.cut_start = wishes.cuts.q;
+      out.islands.emplace_back();
+      dynamics.push_back(make_moving_dynamics(reduced.islands[i], i));
       try {
-        island.start = assemble(mechanism, *dynamics[i], wishes.tree, wishes.cuts);
-        dynamics[i]->normalise(island.start.q.data());
-        dynamics[i]->set_position(island.start.q.data());
-        check_wheels(mechanism, *dynamics[i]);
-        dynamics[i]->factorise();  // tells parts that move without inertia
+        assemble_island(i);
       } catch (const CannotAssemble& fault) {
         throw AssemblyError(describe_failure(scene, reduced, i, fault));
       } catch (const SingularMass& fault) {
         throw SceneError({describe_massless(scene, fault.what())});
       }
     }
+  }
+
+  // With the rows that change with time where they are at the start.
+  std::unique_ptr<Dynamics> make_moving_dynamics(const Mechanism& mechanism, int island) const {
+    auto of = make_dynamics(mechanism, loads[island]);
+    of->set_targets(Targets(mechanism).at(time, inputs));
+    return of;
+  }
+
+  // Throws CannotAssemble, SingularMass.
+  void assemble_island(int i) {
+    const Mechanism& mechanism = out.reduced.islands[i];
+    const StartWishes wishes = start_wishes(wished, out.reduced, i);
+    PreparedIsland& island = out.islands[i];
+    island.cut_start = wishes.cuts.q;
+    try {
+      island.start = assemble(mechanism, *dynamics[i], wishes.tree, wishes.cuts);
+      stand_at_start(i);
+    } catch (const SingularMass&) {
+      if (mechanism.rows == 0 || !rows_help) throw;
+      Mechanism geometry = mechanism;
+      give_inertia(geometry);
+      island.start = assemble(geometry, *make_moving_dynamics(geometry, i), wishes.tree, wishes.cuts);
+      let_rows_help(i);
+    }
+    if (mechanism.mass_needs_rows || mechanism.rows == 0 || !rows_help) return;
+    if (!lacks_inertia(mechanism) || dynamics[i]->mass_is_definite()) return;
+    let_rows_help(i);  // what stands for inertia is rounding
+  }
+
+  // Tells parts that move without inertia.
+  void stand_at_start(int i) {
+    std::vector<double>& q = out.islands[i].start.q;
+    dynamics[i]->normalise(q.data());
+    dynamics[i]->set_position(q.data());
+    check_wheels(out.reduced.islands[i], *dynamics[i]);
+    dynamics[i]->factorise();
+  }
+
+  void let_rows_help(int i) {
+    Mechanism& mechanism = out.reduced.islands[i];
+    mechanism.mass_needs_rows = true;
+    dynamics[i] = make_moving_dynamics(mechanism, i);
+    stand_at_start(i);
   }
 
   void check_wheels(const Mechanism& mechanism, const Dynamics& of) const {
@@ -86,22 +137,24 @@ struct Preparer {
   void assemble_with_rods(const ReducedScene& reduced) {
     assemble_islands(reduce_to_geometry(scene));
     tell_assembly();
-    wished = found();
+    const Scene near = found();
     std::exception_ptr singular;
-    try {
-      assemble_islands(reduced);
-      return;
-    } catch (const SceneError&) {
-      singular = std::current_exception();
+    for (const bool help : {false, true}) {
+      rows_help = help;
+      for (const bool rods : {true, false}) {
+        // A neighbour may have had its inertia from beyond the rod.
+        rods_as_rows = rods;
+        wished = rods ? near : scene;
+        try {
+          assemble_islands(rods ? reduced : reduce(basis()));
+          rows_help = true;
+          return;
+        } catch (const SceneError&) {
+          if (!singular) singular = std::current_exception();
+        }
+      }
     }
-    // A neighbour may have had its inertia from beyond the rod.
-    wished = scene;
-    rods_as_rows = false;
-    try {
-      assemble_islands(reduce(basis()));
-    } catch (const SceneError&) {
-      std::rethrow_exception(singular);
-    }
+    std::rethrow_exception(singular);
   }
 
   // The scene with the switches of what is left to do.
@@ -111,6 +164,32 @@ struct Preparer {
     std::vector<Assembled> starts;
     for (const PreparedIsland& island : out.islands) starts.push_back(island.start);
     out.report = describe_assembly(scene, out.reduced, starts);
+    for (int i = 0; i < static_cast<int>(starts.size()); ++i) {
+      if (!starts[i].equal_q.empty()) tell_equal_assemblies(i, starts[i]);
+    }
+  }
+
+  // By the coordinate in which the two differ most.
+  void tell_equal_assemblies(int island, const Assembled& start) {
+    double most = -1;
+    std::string name;
+    double taken = 0;
+    double other = 0;
+    for (const int j : out.reduced.islands[island].joints) {
+      if (out.reduced.joints[j].role != JointPlace::Role::tree) continue;
+      const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+      const std::vector<double> a = coordinates_of(wished, out.reduced, j, start.q, *dynamics[island]);
+      const std::vector<double> b = coordinates_of(wished, out.reduced, j, start.equal_q, *dynamics[island]);
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        if (std::abs(a[k] - b[k]) <= most) continue;
+        most = std::abs(a[k] - b[k]);
+        const double size = scene.units.size_of(kind.q[k].unit);
+        name = scene.joints[j].name + "." + std::string(kind.q[k].name);
+        taken = size * a[k];
+        other = size * b[k];
+      }
+    }
+    out.warnings.push_back(describe_equal_assemblies(scene, name, taken, other));
   }
 
   // Goes to other positions, too, where a part may come to move without inertia.
@@ -131,7 +210,8 @@ struct Preparer {
         island.structure = structure_of(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
         continue;
       }
-      const Mechanism free_mechanism = without_drives(mechanism);
+      Mechanism free_mechanism = without_drives(mechanism);
+      if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may be what holds a part without any
       const auto free = make_dynamics(free_mechanism, loads[i]);
       free->set_targets(Targets(free_mechanism).at(time, inputs));
       island.structure =
@@ -243,7 +323,7 @@ struct Preparer {
 
 ReducedScene reduce_to_geometry(const Scene& scene) {
   ReducedScene out = reduce(without_rods(scene));
-  give_inertia(out);
+  for (Mechanism& mechanism : out.islands) give_inertia(mechanism);
   return out;
 }
 

@@ -257,7 +257,8 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
   return prefix(scene) + "bodies." + link +
          ": moves without inertia: found mass and inertia 0 along a motion of its "
          "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it "
-         "carries";
+         "carries, or a gear, a rack, a given motion or a loop that ties this motion to one with inertia (a spring "
+         "does not: the body would be where its force is zero, at any speed)";
 }
 
 std::string describe_singular_position(double t) {
@@ -268,6 +269,13 @@ std::string describe_lost_inertia(double t, const std::string& link) {
   return "after t = " + text::rounded(t) + " s: the inertia seen at bodies." + link +
          " is no longer positive: the motion has grown beyond bounds (steps too long for the method?), or the body has "
          "come to move without inertia";
+}
+
+std::string describe_equal_assemblies(const Scene& scene, const std::string& coordinate, double taken, double other) {
+  return prefix(scene) + "the loops can be closed in two ways that are equally near to the start values: with " +
+         coordinate + " = " + text::rounded(taken) + ", which is taken, or with " + text::rounded(other) +
+         ". Which one is taken may depend on the order of the file. Give " + coordinate +
+         " a start value that is nearer to the one you mean";
 }
 
 std::string describe_collapsed_spring(const Scene& scene, int force) {

@@ -41,6 +41,9 @@ std::string describe_lost_inertia(double t, const std::string& link);
 // No derivatives at t [s]. states: the coordinates by which they were taken.
 std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
                                   const std::vector<std::string>& states);
+// Loops that can be closed in two ways which are equally near to the start values: one of the coordinates in which
+// these differ, in SI units, in the one that is taken and in the other.
+std::string describe_equal_assemblies(const Scene& scene, const std::string& coordinate, double taken, double other);
 // The ends of a spring meet at the start.
 std::string describe_collapsed_spring(const Scene& scene, int force);
 

@@ -77,13 +77,14 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
   dynamics->set_position((singular ? structure.idle_q : prepared.islands[island].start.q).data());
   dynamics->factorise();
   Independent out;
-  out.speeds = independent_columns(dynamics->J(), structure.rank, speeds);
+  out.speeds = independent_columns(dynamics->sparse_J(), structure.rank, speeds);
   out.coordinates = out.speeds;
   if (structure.position_rank == structure.rank && coordinates == speeds) return out;
   // Where a speed is independent its coordinate can be, too.
   std::vector<bool> prefer = coordinates;
   for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
-  out.coordinates = independent_columns(position_rows(mechanism, dynamics->J()), structure.position_rank, prefer);
+  out.coordinates =
+      independent_columns(position_rows(mechanism, dynamics->sparse_J()), structure.position_rank, prefer);
   return out;
 }
 

@@ -61,24 +61,17 @@ def bouncing(times: Array) -> tuple[Array, Array]:
     return height, speed
 
 
-# Largest error of the height [m] over 4 s, six bounces of 0.45 m, outputs every 0.01 s. Where contact
-# begins and ends the force has a kink within a step. BDF, of low order there, sees it; one-step methods
-# of high order look at the force at a few times within the step, and their error estimate, meant for
-# smooth forces, tells only part of what a kink costs: at some tolerances thousands of times the
-# tolerance. A bounce missed would be metres.
-BOUNCES = {
-    "ida": {1e-4: 1e-2, 1e-6: 1e-4, 1e-8: 1e-6, 1e-10: 1e-8},
-    "erk": {1e-4: 3e-2, 1e-6: 3e-2, 1e-8: 3e-4, 1e-10: 3e-5},
-    "dirk": {1e-4: 3e-2, 1e-6: 3e-2, 1e-8: 3e-4, 1e-10: 3e-5},
-}
+# Of the tolerance: the largest error over 4 s, six bounces of 0.45 m, outputs every 0.01 s. Where contact
+# begins and ends the force has a kink, at which steps end; a bounce missed would be metres.
+BOUNCES = 100
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
-@pytest.mark.parametrize("integrator", BOUNCES)
+@pytest.mark.parametrize("integrator", ["erk", "dirk", "ida", "cvode", "cvode-adams"])
 def test_ball_bounces_as_the_closed_form_says(integrator: str, tolerance: float) -> None:
     times = np.linspace(0, 4, 401)
     height, speed = bouncing(times)
-    bound = BOUNCES[integrator][tolerance]
+    bound = BOUNCES * tolerance
     found = run(ball(lower=0.0), times, tolerance=tolerance, integrator=integrator)
     assert_close("J.s", found["J.s"], height, bound, "see BOUNCES")
     # 63 1/s times as much in contact
@@ -99,7 +92,7 @@ def test_short_touch_between_outputs_is_not_passed_over(integrator: str, over: f
     since = 1.0 - (v0 - vb) / GRAVITY - contact
     height = 1 - vb * since - GRAVITY / 2 * since**2
     found = run(ball(0.0, v0, upper=1.0), np.linspace(0, 1, 101), tolerance=1e-8, integrator=integrator)
-    assert_close("J.s", found["J.s"][-1], height, 1e-5, "1000 rtol: the kinks")
+    assert_close("J.s", found["J.s"][-1], height, 1e-6, "100 rtol")
 
 
 def test_contact_without_gravity_lasts_half_a_period() -> None:
@@ -129,7 +122,7 @@ def test_restitution_is_that_of_a_damper_that_lets_go(integrator: str, damping: 
     found = run(source, np.linspace(0, 0.5, 101), tolerance=1e-8, integrator=integrator)
     assert (found["J.a"] >= 0).all()  # it never pulls
     assert found["J.a"].max() > 30  # m/s2, and it has pushed
-    assert_close("J.v", found["J.v"][-1], 2 * rest, 1e-4, "10^4 rtol: the force jumps to d v within a step")
+    assert_close("J.v", found["J.v"][-1], 2 * rest, 2e-6, "100 rtol")
 
 
 def test_stop_never_pulls_a_ball_that_is_lifted_off_it() -> None:
