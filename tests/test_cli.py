@@ -191,6 +191,22 @@ def test_import_writes_a_scene_and_tells_what_it_left_out(tmp_path: Path) -> Non
     assert gelenk.load(tmp_path / "f.json").to_dict()["joints"]["base"]["type"] == "free"
 
 
+def test_import_repairs_inertias_where_asked_to(tmp_path: Path) -> None:
+    pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>'
+        '<inertia ixx="3" iyy="1" izz="1"/></inertial></link>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>'
+    )
+    assert "--repair-inertia" in faults("import", "r.urdf", "-o", "r.yaml", cwd=tmp_path)[-1]
+    done = call("import", "r.urdf", "-o", "r.yaml", "--repair-inertia", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr.splitlines()[-1] == (
+        "link b: no rigid body has its principal moments 1, 1, 3 kg m2; the nearest, 1.5, 1.5, 3, are taken: "
+        "its second moments are changed by 23 %"
+    )
+
+
 @pytest.mark.parametrize("command", [["export"], ["check"], ["inspect"], ["simulate"]])
 def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(
@@ -198,10 +214,10 @@ def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: 
     )
     lines = faults(*command, "s.yaml", cwd=tmp_path)
     assert lines[:2] == [
-        "s.yaml: bodies.a.mass: found -1 kg, expected 0 kg or more",
-        "s.yaml: bodies.a.com: found a list of 2, expected a list of 3 numbers in m",
+        "s.yaml:2: bodies.a.mass: found -1 kg, expected 0 kg or more",
+        "s.yaml:2: bodies.a.com: found a list of 2, expected a list of 3 numbers in m",
     ]
-    assert all(line.startswith("s.yaml: ") for line in lines)
+    assert all(re.match(r"s\.yaml:[24]: ", line) for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -293,3 +309,46 @@ def test_short_run_shows_no_progress(four_bar_file: Path, terminal: tuple[int, I
 def test_no_progress_is_shown_where_no_one_looks(tmp_path: Path) -> None:
     with (tmp_path / "log").open("w") as stream, progress.progress_bar(stream) as reached:
         assert reached is None
+
+
+@pytest.mark.parametrize(
+    ("name", "file"),
+    [
+        ("../../evil", "___.._evil.fmu"),
+        ("/etc/evil", "_etc_evil.fmu"),
+        ("CON", "CON_.fmu"),
+        ("nul.tar", "nul_.tar.fmu"),
+        ("Com1", "Com1_.fmu"),
+        ("LPT² .x", "LPT²_ .x.fmu"),
+        ('a<b>c:d"e\\f|g?h*i', "a_b_c_d_e_f_g_h_i.fmu"),
+        ("ends. .", "ends___.fmu"),
+        ("-o", "_o.fmu"),
+        ("..", "__.fmu"),
+        ("ä" * 100, None),
+        ("Getriebe 3, neu", None),
+        ("console", None),
+        ("COM10", None),
+    ],
+)
+def test_export_keeps_to_the_folder_and_to_names_that_every_system_takes(
+    name: str, file: str | None, four_bar: gelenk.Scene, tmp_path: Path
+) -> None:
+    here = tmp_path / "a" / "b"
+    here.mkdir(parents=True)
+    (here / "scene.json").write_text(json.dumps({**four_bar.to_dict(), "name": name}))
+    done = call("export", "scene.json", cwd=here)
+    assert done.returncode == 0, done.stderr
+    expected = file or f"{name}.fmu"
+    assert {path.name for path in tmp_path.rglob("*.*")} == {"scene.json", expected}
+    told_why = f"name: {name!r} is no file's name everywhere; written to {expected}, --output gives another\n"
+    assert done.stderr == (told_why if file else "")
+    with zipfile.ZipFile(here / expected) as archive:
+        stems = [part.split(".")[0].upper() for member in archive.namelist() for part in member.split("/")]
+    assert not {"CON", "NUL", "COM1", "LPT2"} & {*stems}
+    gelenk.simulate(here / expected, stop=0.01)
+
+
+def test_a_device_of_windows_as_output_is_told(four_bar_file: Path, tmp_path: Path) -> None:
+    done = call("export", four_bar_file, "-o", "aux.fmu", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr == "aux.fmu: Windows takes 'aux' for a device and has no such file\n"

@@ -69,15 +69,33 @@ def test_alias_repeats_what_its_anchor_holds() -> None:
     [
         (
             "a: [1, 2",
-            "s.yaml:1:9: while parsing a flow sequence, expected ',' or ']', but got '<stream end>'",
+            "s.yaml:1:9: found the end of the file after '2', expected ',' or ']' of the '[' of line 1; "
+            "a comma or a bracket is missing",
         ),
-        ("a: 1\n b: 2", "s.yaml:2:3: mapping values are not allowed here"),
+        (
+            "a: 1\n b: 2",
+            "s.yaml:2:2: found 'b: 2' indented by 1, expected 0 as the line above; "
+            "indent what belongs together alike",
+        ),
         ("a: &x [*x]", "s.yaml:1:4: contains itself through an alias"),
-        ("a: *y", "s.yaml:1:4: found undefined alias 'y'"),
+        (
+            "a: *y",
+            "s.yaml:1:4: found '*y', expected a value; & and * name anchors of YAML, put a text in quotes",
+        ),
         ("{[1]: 2}", "s.yaml:1:2: found a list or mapping as key, expected a name"),
         ("a: !rod {l: 1}", "s.yaml:1:4: found the tag !rod, expected a plain value"),
+        (
+            "a: [1,, 2]",
+            "s.yaml:1:7: found ',' in 'a: [1,, 2]', expected a value; "
+            "leave out the sign, or add what is missing",
+        ),
+        ("a: |x", "s.yaml:1:4: found '|x', expected a value; put a text that begins so in quotes"),
+        ("{a: 1}\nb: 2", "s.yaml:2:1: found 'b: 2' behind the end of the scene, expected nothing more"),
         ("a: !!int x", "s.yaml:1:4: found 'x', expected int"),
-        ("--- 1\n--- 2", "s.yaml:2:1: expected a single document in the stream, but found another document"),
+        (
+            "--- 1\n--- 2",
+            "s.yaml:2:1: found a second document behind '---', expected one scene; put each in a file",
+        ),
     ],
 )
 def test_mistake_is_told_with_line_and_column(text: str, message: str) -> None:

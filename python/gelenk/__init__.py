@@ -21,6 +21,7 @@ from gelenk.errors import (
     GelenkError,
     OperatingPointWarning,
     SceneError,
+    SceneWarning,
     StartWarning,
     StepBudgetError,
     StepError,
@@ -55,6 +56,7 @@ __all__ = [
     "Result",
     "Scene",
     "SceneError",
+    "SceneWarning",
     "Simulation",
     "StartWarning",
     "StepBudgetError",
@@ -73,11 +75,12 @@ __all__ = [
 ]
 
 
-def import_urdf(path: str | PathLike[str], *, floating: bool = False) -> Scene:
+def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_inertia: bool = False) -> Scene:
     """A scene from a URDF robot description, its root welded to the ground or `floating`.
 
-    See `gelenk.urdf.import_urdf`.
+    repair_inertia: take the nearest physical inertia where a link has one that no rigid body has. See
+    `gelenk.urdf.import_urdf`.
     """
     from gelenk import urdf
 
-    return urdf.import_urdf(path, floating=floating)
+    return urdf.import_urdf(path, floating=floating, repair_inertia=repair_inertia)

@@ -14,9 +14,9 @@ import gelenk
 from gelenk import cli_points
 from gelenk.branches import STARTS
 from gelenk.chart.cli import app as chart_app
-from gelenk.cli_values import settings_given
+from gelenk.cli_values import settings_given, table_file
 from gelenk.errors import StepError, UsageError
-from gelenk.export import missing_platforms
+from gelenk.export import file_name_notes, fmu_file, missing_platforms
 from gelenk.progress import progress_bar
 from gelenk.result import Result
 from gelenk.told import told
@@ -57,7 +57,7 @@ def main_options(
 def export(
     scene: SceneFile,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu.")
+        Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu, here.")
     ] = None,
     without: Without = None,
     platforms: Annotated[
@@ -70,8 +70,8 @@ def export(
     there = [name for name in wanted if name not in missing]
     loaded = gelenk.load(Path(scene)).without(without or [])
     # With none left, the export says why.
-    out = gelenk.export_fmu(loaded, output or Path(f"{loaded.name}.fmu"), there or wanted)
-    for sentence in missing.values():
+    out = gelenk.export_fmu(loaded, output or fmu_file(loaded.name), there or wanted)
+    for sentence in [*missing.values(), *file_name_notes(loaded.name, output)]:
         print(sentence, file=sys.stderr)
     print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
 
@@ -148,9 +148,13 @@ def import_(
         Path, typer.Option("--output", "-o", metavar="SCENE", help="Scene file: .yaml, .yml or .json.")
     ],
     floating: Annotated[bool, typer.Option("--floating", help="Let the root link move freely.")] = False,
+    repair_inertia: Annotated[
+        bool,
+        typer.Option("--repair-inertia", help="Take the nearest inertia where no body has the one given."),
+    ] = False,
 ) -> None:
     """Make a scene of a URDF robot description; what is not taken over is told on stderr."""
-    scene = gelenk.import_urdf(robot, floating=floating)
+    scene = gelenk.import_urdf(robot, floating=floating, repair_inertia=repair_inertia)
     scene.save(output)
     for line in scene.report:
         print(line, file=sys.stderr)
@@ -186,6 +190,7 @@ def simulate(
     ] = None,
 ) -> None:
     """Run a scene or an FMU; without --output, tell the span of every output."""
+    table_file(output)
     try:
         with progress_bar(sys.stderr) as progress:
             result = gelenk.simulate(

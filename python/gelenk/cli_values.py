@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from gelenk.errors import UsageError
 from gelenk.inputs import Input
 from gelenk.scene import Value, number
@@ -26,6 +28,14 @@ def numbers_given(given: list[str], option: str) -> dict[str, float]:
     """Numbers by name. Raises UsageError."""
     values = settings_given(given, option)
     return {name: number(name, value, "real") for name, value in values.items()}
+
+
+def table_file(output: Path | None) -> None:
+    """Raises UsageError where a result cannot be written so: before the run, not after it."""
+    if output is None or str(output) == "-" or output.suffix.lower() == ".csv":
+        return
+    found = f"the ending {output.suffix}" if output.suffix else "no ending"
+    raise UsageError(f"--output {output}: found {found}, expected FILE.csv, or - for stdout")
 
 
 def listed(text: str | None) -> list[str] | None:

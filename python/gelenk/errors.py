@@ -62,6 +62,10 @@ class OperatingPointWarning(UserWarning):
     """A linear model was asked for about a point that is no equilibrium; names the states that change."""
 
 
+class SceneWarning(UserWarning):
+    """A scene says what is allowed and hardly meant, such as an angle in degrees; names the place."""
+
+
 class StartWarning(UserWarning):
     """The start is a singular configuration, or beside one; names the loop and what it leaves open."""
 

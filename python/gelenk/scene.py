@@ -7,17 +7,21 @@ import copy
 import difflib
 import json
 import math
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gelenk import _core, yaml12
-from gelenk.errors import SceneError, UsageError
+from gelenk import _core, foreign, yaml12
+from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
+from gelenk.places import Places
 
 type Value = float | int | bool | str
+LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # of scene files, by their endings
 type Source = Scene | str | PathLike[str] | Mapping[str, Any]
 
 
@@ -25,10 +29,15 @@ class Scene:
     """A mechanism that has been read and found valid. Immutable; made by `gelenk.load`."""
 
     def __init__(
-        self, core: _core.Scene, source: dict[str, Any] | None = None, report: Iterable[str] = ()
+        self,
+        core: _core.Scene,
+        source: dict[str, Any] | None = None,
+        report: Iterable[str] = (),
+        places: Places | None = None,
     ) -> None:
         self._core = core
         self._source = source
+        self._places = places
         #: What an import did not take over, in words; empty for scenes of Gelenk's own.
         self.report = tuple(report)
 
@@ -71,6 +80,9 @@ class Scene:
         Raises:
             UsageError: a name that does not exist, a value that is not allowed.
             SceneError: values that no body can have together.
+
+        Warns:
+            SceneWarning: values that are hardly meant.
         """
         table = {p.name: p for p in _core.list_parameters(self._core)}
         values = []
@@ -78,7 +90,11 @@ class Scene:
             if name not in table:
                 raise UsageError(unknown(name, "parameter", table))
             values.append((name, number(name, value, table[name].type, table[name].items)))
-        return Scene(_core.with_parameters(self._core, values), None, self.report)
+        with self.located():
+            changed = Scene(_core.with_parameters(self._core, values), None, self.report, self._places)
+        before = _core.find_doubts(self._core)
+        _warn([doubt for doubt in _core.find_doubts(changed._core) if doubt not in before])
+        return changed
 
     def without(self, reductions: Iterable[str]) -> Scene:
         """A copy in which these reductions are switched off; "all" stands for every one.
@@ -98,7 +114,20 @@ class Scene:
             names = list(_core.reduction_names)
         solver = data.setdefault("solver", {})
         solver["reductions"] = {**solver.get("reductions", {}), **dict.fromkeys(names, False)}
-        return from_dict(data, self.file, self.report)
+        return _from_plain(data, self.file, self.report, self._places)[0]
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Errors about this scene say the line of its file."""
+        try:
+            yield
+        except (SceneError, AssemblyError) as e:
+            if self._places is None:
+                raise
+            lines = self._places.located(e.lines, whole=False)
+            raise (
+                SceneError(lines) if isinstance(e, SceneError) else AssemblyError("\n".join(lines))
+            ) from None
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain data: defaults filled in, all frames told in their bodies."""
@@ -114,7 +143,10 @@ class Scene:
         """
         data = self.to_dict() if self._source is None else self._source
         target = Path(path)
-        language = _language(target)
+        language = LANGUAGES.get(target.suffix.lower())
+        if language is None:
+            found = target.suffix or "none"
+            raise SceneError(f"{target}: found the ending {found}, expected .yaml, .yml or .json")
         text = yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
         target.write_text(text, encoding="utf-8")
 
@@ -139,6 +171,9 @@ def load(source: Source) -> Scene:
         SceneError: with every fault found, one line each.
         OSError: the file cannot be read.
 
+    Warns:
+        SceneWarning: what is allowed and hardly meant, such as angles in degrees.
+
     >>> pendulum = gelenk.load('''
     ... gelenk: 1
     ... name: Pendulum
@@ -155,45 +190,58 @@ def load(source: Source) -> Scene:
         return source
     if isinstance(source, Mapping):
         return from_dict(source)
-    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
-        return _read(yaml12.to_json(source, "scene"), "")
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("{", "<"))):
+        foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
+        return _read(source, "yaml", "")
     path = Path(source)
+    _core.check_size(path.stat().st_size, str(path))
+    language = LANGUAGES.get(path.suffix.lower())
+    if language is None:
+        foreign.refuse_ending(path)
     content = path.read_bytes()
-    language = _language(path)
+    foreign.refuse_content(content, str(path))
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as e:
-        raise SceneError(f"{path}: byte {e.start + 1} is not UTF-8 text") from None
-    return _read(yaml12.to_json(text, str(path)) if language == "yaml" else text, str(path))
+        line = content.count(b"\n", 0, e.start) + 1
+        raise SceneError(f"{path}:{line}: byte {e.start + 1} is not UTF-8 text") from None
+    return _read(text, language, str(path))
 
 
 def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = ()) -> Scene:
     """A scene from plain data; numpy numbers and arrays are taken, too. Raises SceneError."""
+    scene, doubts = _from_plain(data, file, report)
+    _warn(doubts)
+    return scene
+
+
+def _from_plain(
+    data: Mapping[str, Any], file: str, report: Iterable[str], places: Places | None = None
+) -> tuple[Scene, list[str]]:
     try:
         text = json.dumps(data, default=_plain)
     except ValueError:
         raise SceneError(f"{file or 'scene'}: contains itself") from None
     except TypeError as e:
         raise SceneError(f"{file or 'scene'}: {e}") from None
-    return Scene(_core.read_scene_json(text, file), json.loads(text), report)
+    core, doubts = _core.read_scene_and_doubts(text, file)
+    return Scene(core, json.loads(text), report, places), doubts
 
 
-def _read(text: str, file: str) -> Scene:
-    return Scene(_core.read_scene_json(text, file), json.loads(text))
+def _read(text: str, language: str, file: str) -> Scene:
+    places = Places(text, language, file)
+    plain = yaml12.to_json(text, file or "scene") if language == "yaml" else text
+    try:
+        core, doubts = _core.read_scene_and_doubts(plain, file)
+    except SceneError as e:
+        raise SceneError(places.located(e.lines)) from None
+    _warn(places.located(doubts))
+    return Scene(core, json.loads(plain), (), places)
 
 
-def _language(path: Path) -> str:
-    ending = path.suffix.lower()
-    if ending in (".yaml", ".yml"):
-        return "yaml"
-    if ending == ".json":
-        return "json"
-    hint = {
-        ".urdf": "; `gelenk import` makes a scene of a robot description",
-        ".xacro": "; expand it with xacro, then `gelenk import` makes a scene of the robot description",
-        ".fmu": "; an FMU is already exported",
-    }.get(ending, "")
-    raise SceneError(f"{path}: found the ending {ending or 'none'}, expected .yaml, .yml or .json{hint}")
+def _warn(doubts: Iterable[str]) -> None:
+    for doubt in doubts:
+        warnings.warn(doubt, SceneWarning, stacklevel=4)
 
 
 def _plain(value: object) -> object:

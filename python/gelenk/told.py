@@ -12,18 +12,21 @@ from typing import Any
 
 import typer
 
-from gelenk.errors import GelenkError, StartWarning
+from gelenk.errors import GelenkError, SceneWarning, StartWarning
+
+TOLD = (SceneWarning, StartWarning)
 
 
 @contextmanager
 def _plain_warnings() -> Iterator[None]:
-    """Warnings of a start are lines on stderr, each told once."""
+    """Warnings of a scene and its start are lines on stderr, each told once."""
     with warnings.catch_warnings():
-        warnings.simplefilter("once", StartWarning)
+        for category in TOLD:
+            warnings.simplefilter("once", category)
         show = warnings.showwarning
 
         def line(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
-            if issubclass(category, StartWarning):
+            if issubclass(category, TOLD):
                 print(message, file=sys.stderr)
             else:
                 show(message, category, *rest, **named)

@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from gelenk import yaml_faults
 from gelenk.errors import SceneError
 
 MOST_VALUES = 5_000_000  # aliases can repeat each other; a scene of 10 000 bodies has some 200 000 values
@@ -31,7 +32,7 @@ _PATTERNS = {  # YAML 1.2.2, section 10.3.2
 }
 
 
-class _Loader(yaml.SafeLoader):
+class Loader(yaml.SafeLoader):
     """A YAML 1.2 loader; only its composer is used."""
 
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 (PyYAML's own way)
@@ -46,20 +47,17 @@ class _Dumper(yaml.SafeDumper):
 
 
 for _name, (_pattern, _first) in _PATTERNS.items():
-    _Loader.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)
+    Loader.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)
     _Dumper.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)
 
 
 def to_json(text: str, file: str) -> str:
     """JSON text of a YAML document; file is only used in messages. Raises SceneError."""
     try:
-        root = yaml.compose(text, Loader=_Loader)
+        root = yaml.compose(text, Loader=Loader)
         return "null" if root is None else _Writer(file).write(root)
-    except yaml.MarkedYAMLError as e:
-        what = ", ".join(part for part in (e.context, e.problem) if part)
-        raise SceneError(_at(file, e.problem_mark or e.context_mark, what)) from None
     except yaml.YAMLError as e:
-        raise SceneError(f"{file}: {' '.join(str(e).split())}") from None
+        raise SceneError(yaml_faults.explained(e, text, file)) from None
     except RecursionError:
         raise SceneError(f"{file}: nested too deeply for a scene") from None
 

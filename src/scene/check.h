@@ -21,6 +21,7 @@ void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful = 
 // Its parts.
 void check_names(const Scene& scene, Faults& faults);
 void check_bodies(const Scene& scene, Faults& faults, bool partial);
+void check_inertias(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
 void check_constraints(const Scene& scene, Faults& faults, bool partial);

@@ -11,6 +11,8 @@
 namespace gelenk {
 namespace {
 
+constexpr std::size_t longest_name = 200;  // characters, as of the scene's own
+
 template <class Element>
 void check_section(const std::vector<Element>& elements, const std::string& section, Faults& faults) {
   std::set<std::string> seen;
@@ -20,6 +22,10 @@ void check_section(const std::vector<Element>& elements, const std::string& sect
       faults.add(path, "the name 'ground'", "another: 'ground' is the body that stands still");
     } else if (!text::is_identifier(element.name)) {
       faults.add(path, "the name " + text::quoted(element.name), "a letter or _, then letters, digits or _");
+    } else if (element.name.size() > longest_name) {
+      faults.add(section + "." + element.name.substr(0, 20) + "...",
+                 "a name of " + std::to_string(element.name.size()) + " characters",
+                 "at most " + std::to_string(longest_name));
     }
     if (!seen.insert(element.name).second) faults.add(path, "twice", "every name once");
   }

@@ -18,6 +18,10 @@ class Faults {
   // "file: path: found ..., expected ...".
   void add(const std::string& path, const std::string& found, const std::string& expected);
 
+  // What is allowed and hardly meant; it is told and hinders nothing.
+  void doubt(const std::string& path, const std::string& found, const std::string& expected);
+  const std::vector<std::string>& doubts() const { return doubts_; }
+
   const std::string& file() const { return file_; }
   std::size_t count() const { return lines_.size(); }
   bool none() const { return lines_.empty(); }
@@ -25,8 +29,10 @@ class Faults {
   void raise() const;
 
  private:
+  std::string line(const std::string& path, const std::string& what) const;
+
   std::string file_;
-  std::vector<std::string> lines_;
+  std::vector<std::string> lines_, doubts_;
   std::set<std::string> told_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/doubts.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -32,6 +33,7 @@ Rotation read_quaternion(const Json& value, const std::string& path, Faults& fau
 Rotation read_rpy(const Json& value, const std::string& path, Faults& faults) {
   const auto rpy = read_vector(value, path, faults, "rad");
   if (!rpy) return {};
+  for (int i = 0; i < 3; ++i) doubt_angle((*rpy)[i], path + "[" + std::to_string(i + 1) + "]", faults);
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
   return (AngleAxisd((*rpy)[2], Vector3d::UnitZ()).toRotationMatrix() *
@@ -46,6 +48,7 @@ Rotation read_axis_angle(const Json* axis, const Json* angle, const std::string&
   const auto n = read_direction(*axis, path + ".axis", faults);
   const auto a = read_number(*angle, path + ".angle", faults, "rad");
   if (!n || !a) return {};
+  doubt_angle(*a, path + ".angle", faults);
   return Eigen::AngleAxisd(*a, *n).toRotationMatrix();
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "scene/advice.h"
 #include "scene/text.h"
 
 namespace gelenk {
@@ -57,7 +58,7 @@ std::string shown(const Json& value, std::string_view unit) {
 std::optional<double> read_number(const Json& value, const std::string& path, Faults& faults, std::string_view unit,
                                   Allowed allowed) {
   if (!value.is_number()) {
-    faults.add(path, shown(value), "a number" + in_unit(unit));
+    faults.add(path, shown(value), "a number" + in_unit(unit) + advice::on_number(value, unit));
     return {};
   }
   const double x = value.get<double>();
@@ -76,7 +77,8 @@ std::optional<std::vector<double>> read_list(const Json& value, const std::strin
                                              std::size_t size, std::string_view unit, Allowed allowed) {
   if (!value.is_array() || value.size() != size) {
     faults.add(path, shown(value),
-               "a list of " + std::to_string(size) + (size == 1 ? " number" : " numbers") + in_unit(unit));
+               "a list of " + std::to_string(size) + (size == 1 ? " number" : " numbers") + in_unit(unit) +
+                   advice::on_list(value, size));
     return {};
   }
   std::vector<double> out;
@@ -104,7 +106,7 @@ std::optional<std::string> read_text(const Json& value, const std::string& path,
 
 Fields::Fields(const Json& value, std::string path, Faults& faults, const std::string& what)
     : value_(&value), path_(std::move(path)), faults_(faults), valid_(value.is_object()) {
-  if (!valid_) faults_.add(path_, shown(value), what);
+  if (!valid_) faults_.add(path_, shown(value), what + (path_.empty() ? "" : advice::on_mapping(value)));
 }
 
 const Json* Fields::find(const std::string& key) {
@@ -164,9 +166,15 @@ std::string Fields::choice(const std::string& key, const std::vector<std::string
 
 void Fields::done() {
   if (!valid_) return;
+  std::string empty;  // the field before, if nothing is in it
   for (const auto& [key, value] : value_->items()) {
-    if (std::ranges::find(known_, key) != known_.end()) continue;
-    faults_.add(path(text::printable(key)), "an unknown field", text::one_of(key, known_, "fields"));
+    if (std::ranges::find(known_, key) == known_.end()) {
+      const std::string inside = empty.empty() ? "" : "; indent it, if it belongs to '" + empty + "'";
+      faults_.add(path(text::printable(key)), "an unknown field",
+                  text::one_of(key, known_, "fields") + advice::on_field(key, known_) + inside);
+    } else {
+      empty = value.is_null() ? key : "";
+    }
   }
 }
 

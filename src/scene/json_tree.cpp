@@ -8,6 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "scene/read.h"
 #include "scene/scene.h"
 #include "scene/text.h"
 
@@ -118,7 +119,20 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     const std::string_view words = error.what();
     const std::size_t at = words.find(marker);
     const std::string_view expected = at == words.npos ? "well-formed JSON" : words.substr(at + marker.size());
-    return "found " + found + ", expected " + std::string(expected);
+    return "found " + found + ", expected " +
+           (expected == "string literal" ? "a name in double quotes" : std::string(expected)) + advice(byte);
+  }
+
+  // What has been meant: JSON knows less than people write.
+  std::string advice(std::size_t byte) const {
+    if (byte >= text_.size()) return "; something is not closed";
+    const char c = text_[byte];
+    const std::size_t before = text_.substr(0, byte).find_last_not_of(" \t\r\n");
+    if ((c == '}' || c == ']') && before != text_.npos && text_[before] == ',')
+      return "; leave out the comma before it";
+    if (c == '/' || c == '#') return "; JSON has no comments";
+    if (c == '\'') return "; quotes are double";
+    return {};
   }
 
   std::string path() const {
@@ -185,7 +199,14 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
 
 }  // namespace
 
+void check_size(std::size_t bytes, const std::string& file) {
+  if (bytes <= most_bytes) return;
+  throw SceneError({file + ": found " + std::to_string(bytes / 1'000'000) + " MB, expected a scene of at most " +
+                    std::to_string(most_bytes / 1'000'000) + " MB"});
+}
+
 Json parse_json(std::string_view text, const std::string& file, Faults& faults) {
+  check_size(text.size(), file);
   const std::string source = with_stand_ins(text);
   TreeBuilder builder(source, file, faults);
   Json::sax_parse(source, &builder);

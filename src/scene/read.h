@@ -2,6 +2,7 @@
 // Scene files: reading, checking, writing. JSON is what the FMU carries; YAML is for people.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,12 @@
 namespace gelenk {
 
 inline constexpr int scene_version = 1;  // `gelenk: 1`
+
+// Of a scene's text: 32 MB, some 80 000 bodies. Reading takes twenty times as much memory, and nothing tells beforehand
+// that a larger file is a scene at all.
+inline constexpr std::size_t most_bytes = 32'000'000;
+// Throws SceneError where there are more.
+void check_size(std::size_t bytes, const std::string& file);
 
 // Reads and checks a scene. file is only used in messages. Throws SceneError with every fault found.
 Scene read_scene_json(std::string_view text, const std::string& file);

@@ -7,8 +7,10 @@ namespace {
 // [xx, yy, zz, xy, xz, yz], or [xx, yy, zz] when B's axes are principal ones.
 Eigen::Matrix3d read_inertia(const Json& value, const std::string& path, Faults& faults) {
   Eigen::Matrix3d I = Eigen::Matrix3d::Zero();
-  if (!value.is_array() || (value.size() != 3 && value.size() != 6)) {
-    faults.add(path, shown(value), "[xx, yy, zz] or [xx, yy, zz, xy, xz, yz] in kg m2");
+  const std::string advice = advice::on_inertia(value);
+  if (!value.is_array() || (value.size() != 3 && value.size() != 6) || !advice.empty()) {
+    faults.add(path, value.is_array() && !advice.empty() ? "a 3x3 matrix" : shown(value),
+               "[xx, yy, zz] or [xx, yy, zz, xy, xz, yz] in kg m2" + advice);
     return I;
   }
   const auto x = read_list(value, path, faults, value.size(), "kg m2");

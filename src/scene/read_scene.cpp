@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scene/doubts.h"
 #include "scene/reader.h"
 #include "scene/text.h"
 
@@ -80,13 +81,21 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
     find_faults(scene, faults, doubtful);
   }
   faults.raise();
+  find_doubts(scene, faults);
+  return scene;
+}
+
+Scene read_scene_json(std::string_view text, const std::string& file, std::vector<std::string>& doubts) {
+  Faults faults(file);
+  const Json tree = parse_json(text, faults.file(), faults);
+  Scene scene = scene_from_tree(tree, file, faults);
+  doubts.insert(doubts.end(), faults.doubts().begin(), faults.doubts().end());
   return scene;
 }
 
 Scene read_scene_json(std::string_view text, const std::string& file) {
-  Faults faults(file);
-  const Json tree = parse_json(text, faults.file(), faults);
-  return scene_from_tree(tree, file, faults);
+  std::vector<std::string> doubts;
+  return read_scene_json(text, file, doubts);
 }
 
 }  // namespace gelenk

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/advice.h"
 #include "scene/check.h"
 #include "scene/frames.h"
 #include "scene/json_fields.h"
@@ -47,7 +48,9 @@ BodyFrame read_own_frame(Fields& fields, Reader& reader);
 template <class Read>
 void each_entry(const Json& section, const std::string& name, Faults& faults, Read read) {
   if (!section.is_object()) {
-    faults.add(name, shown(section), "a mapping from names to " + name + (section.is_null() ? " ({} for none)" : ""));
+    faults.add(
+        name, shown(section),
+        "a mapping from names to " + name + (section.is_null() ? " ({} for none)" : "") + advice::on_section(section));
     return;
   }
   for (const auto& [key, value] : section.items()) read(key, value, name + "." + text::printable(key));

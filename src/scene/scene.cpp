@@ -27,13 +27,21 @@ SceneError::SceneError(std::vector<std::string> lines) : std::runtime_error(join
 
 Faults::Faults(std::string file) : file_(file.empty() ? "scene" : std::move(file)) {}
 
+std::string Faults::line(const std::string& path, const std::string& what) const {
+  return file_ + ": " + (path.empty() ? "" : path + ": ") + what;
+}
+
 void Faults::add(const std::string& path, const std::string& what) {
-  std::string line = file_ + ": " + (path.empty() ? "" : path + ": ") + what;
-  if (told_.insert(line).second) lines_.push_back(std::move(line));
+  std::string told = line(path, what);
+  if (told_.insert(told).second) lines_.push_back(std::move(told));
 }
 
 void Faults::add(const std::string& path, const std::string& found, const std::string& expected) {
   add(path, "found " + found + ", expected " + expected);
+}
+
+void Faults::doubt(const std::string& path, const std::string& found, const std::string& expected) {
+  doubts_.push_back(line(path, "found " + found + ", expected " + expected));
 }
 
 void Faults::raise() const {

@@ -39,7 +39,7 @@ Json section(const Json& entry, const std::string& description, bool filled) {
   Json out;
   out["description"] = description;
   out["type"] = "object";
-  out["propertyNames"] = {{"pattern", "^[A-Za-z_][A-Za-z0-9_]*$"}, {"not", {{"const", "ground"}}}};
+  out["propertyNames"] = {{"pattern", "^[A-Za-z_][A-Za-z0-9_]*$"}, {"maxLength", 200}, {"not", {{"const", "ground"}}}};
   out["additionalProperties"] = entry;
   if (filled) out["minProperties"] = 1;
   return out;

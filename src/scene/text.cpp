@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "scene/advice.h"
+
 namespace gelenk::text {
 namespace {
 
@@ -108,11 +110,12 @@ std::string nearest(std::string_view found, const std::vector<std::string>& name
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many) {
   if (names.empty()) return "none, as there are no " + std::string(many);
   if (names.size() == 1) return names.front();
-  const std::string near = nearest(found, names);
+  const std::string ours = advice::our_word(found, names);
+  const std::string near = ours.empty() ? nearest(found, names) : ours;
   const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
   if (names.size() > 12) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
   // A list of four is seen at a glance.
-  return "one of " + list(names) + (names.size() > 4 ? hint : "");
+  return "one of " + list(names) + (names.size() > 4 || !ours.empty() ? hint : "");
 }
 
 std::size_t first_not_utf8(std::string_view s) {

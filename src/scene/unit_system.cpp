@@ -129,16 +129,12 @@ class Converter {
     convert(joint.child);
     const JointKind& kind = *find_joint_kind(joint.type);
     const auto is_slide = [&](std::size_t i) { return kind.v[i].unit == "m/s"; };
-    JointStart& start = joint.start;
+    JointStart& start = joint.start;  // its weights stay: a length counts in the mechanism's own size
     for (std::size_t i = 0; i < start.q.size(); ++i) {
-      if (kind.q[i].unit != "m") continue;
-      start.q[i] *= length_;
-      weigh(start.q_weight[i]);
+      if (kind.q[i].unit == "m") start.q[i] *= length_;
     }
     for (std::size_t i = 0; i < start.v.size(); ++i) {
-      if (!is_slide(i)) continue;
-      start.v[i] *= length_;
-      weigh(start.v_weight[i]);
+      if (is_slide(i)) start.v[i] *= length_;
     }
     for (auto* field : {&joint.damping, &joint.stiffness}) {
       for (std::size_t i = 0; i < field->size(); ++i) (*field)[i] *= mass_ * area(is_slide(i));
@@ -149,11 +145,6 @@ class Converter {
     if (!joint.stop) return;
     for (double* bound : {&joint.stop->lower, &joint.stop->upper}) *bound *= travel(is_slide(0));
     for (double* force : {&joint.stop->stiffness, &joint.stop->damping}) *force *= mass_ * area(is_slide(0));
-  }
-
-  // Where the file is silent a length counts as an angle does, in the mechanism's own size.
-  void weigh(double& weight) const {
-    if (weight != default_start_weight) weight /= length_ * length_;
   }
 
   void convert(Force& force) const {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <sstream>
 
+#include "scene/doubts.h"
 #include "scene/read.h"
 #include "scene/reader.h"
 #include "scene/text.h"
@@ -161,6 +162,12 @@ bool one_document(const std::string& source) {
 }  // namespace
 
 Scene read_scene_yaml(std::string_view text, const std::string& file) {
+  std::vector<std::string> doubts;
+  return read_scene_yaml(text, file, doubts);
+}
+
+Scene read_scene_yaml(std::string_view text, const std::string& file, std::vector<std::string>& doubts) {
+  check_size(text.size(), file);
   Faults faults(file);
   const std::size_t bad = text::first_not_utf8(text);
   if (bad != text.npos) faults.add("", "byte " + std::to_string(bad + 1) + " that is not UTF-8", "UTF-8 text");
@@ -177,7 +184,9 @@ Scene read_scene_yaml(std::string_view text, const std::string& file) {
                              : ":" + std::to_string(error.mark.line + 1) + ":" + std::to_string(error.mark.column + 1);
     throw SceneError({faults.file() + place + ": " + error.msg});
   }
-  return scene_from_tree(tree, file, faults);
+  Scene scene = scene_from_tree(tree, file, faults);
+  doubts.insert(doubts.end(), faults.doubts().begin(), faults.doubts().end());
+  return scene;
 }
 
 }  // namespace gelenk

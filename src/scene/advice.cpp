@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "scene/text.h"
+
+namespace gelenk::advice {
+namespace {
+
+// Words with spaces between.
+using Words = std::string_view;
+
+// Our word, and what URDF, MJCF, SDF, Modelica, Simscape, Adams and textbooks call the same.
+constexpr std::pair<std::string_view, Words> synonyms[] = {
+    {"revolute", "hinge pin rotational rotary rotation continuous turning"},
+    {"prismatic", "slide slider sliding linear translational translation"},
+    {"spherical", "ball ball_socket ballsocket socket ball_and_socket"},
+    {"weld", "fixed rigid welded"},
+    {"free", "floating freejoint 6dof freeflyer free_flyer"},
+    {"universal", "cardan hooke u_joint"},
+    {"spring_damper", "spring damper spring-damper springdamper tsda"},
+    {"motion", "driver actuator prescribed"},
+    {"ground", "world base earth fixed root frame inertial"},
+    {"bodies", "links link parts part body segments"},
+    {"joints", "joint connections"},
+    {"motors", "actuators actuator drives inputs"},
+    {"forces", "springs dampers loads force_elements"},
+    {"experiment", "simulation run"},
+    {"solver", "options"},
+    {"gravity", "g"},
+    {"mass", "m weight"},
+    {"com", "cog cg cm center_of_mass centre_of_mass center_of_gravity centroid r_CM"},
+    {"inertia", "i j moi moments moments_of_inertia moment_of_inertia inertia_tensor"},
+    {"position", "pos xyz origin location translation"},
+    {"rotation", "orientation quaternion rpy euler matrix"},
+    {"quaternion", "quat"},
+    {"stop", "limit limits range bounds endstop end_stop"},
+    {"lower", "min minimum phi_min s_min low"},
+    {"upper", "max maximum phi_max s_max high"},
+    {"start", "initial init initial_condition initial_conditions q0 ref"},
+    {"phi", "angle theta q position pos"},
+    {"s", "q position pos x"},
+    {"w", "omega phidot phi_dot qdot qd speed velocity"},
+    {"v", "sdot s_dot qdot qd speed velocity"},
+    {"damping", "damper d c viscous_friction"},
+    {"stiffness", "spring k c"},
+    {"length", "rest_length free_length unstretched_length s_unstretched l0"},
+    {"parent", "body1 predecessor frame_a base"},
+    {"child", "body2 successor frame_b follower"},
+    {"gear_ratio", "gear ratio n"},
+    {"step", "dt timestep time_step"},
+    {"stop", "end tstop t_end stop_time duration"},
+};
+
+// What has no place in a scene, and what is there instead.
+constexpr std::pair<Words, std::string_view> absent[] = {
+    {"friction frictionloss coulomb", "dry friction is not modelled, `damping` is viscous"},
+    {"effort velocity max_force max_torque", "limits of effort and speed are not modelled"},
+    {"visual collision geometry geom mesh shape color", "a scene has no shapes: leave it out"},
+    {"density", "give `mass` and `inertia`"},
+    {"motor actuated driven", "motors have a section of their own, motors: {NAME: {joint: JOINT}}"},
+    {"units unit", "numbers are in SI units, angles in rad: leave it out"},
+};
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool same(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool contains(Words words, std::string_view word) {
+  while (!words.empty()) {
+    const std::size_t end = std::min(words.find(' '), words.size());
+    if (same(words.substr(0, end), word)) return true;
+    words.remove_prefix(std::min(end + 1, words.size()));
+  }
+  return false;
+}
+
+bool all_digits(std::string_view s) {
+  return !s.empty() && std::ranges::all_of(s, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// "key:value"; a time or an address has no letter before its colon.
+bool lacks_space(std::string_view s) {
+  const std::size_t colon = s.find(':');
+  return colon != s.npos && colon + 1 < s.size() && s[colon + 1] != ' ' && text::is_identifier(s.substr(0, colon));
+}
+
+std::string space(std::string_view s) {
+  const std::size_t colon = s.find(':') + 1;
+  return "; write " + text::quoted(std::string(s.substr(0, colon)) + " " + std::string(s.substr(colon))) +
+         ", with a space behind the colon";
+}
+
+// How many digits there are from `at` on.
+std::size_t digits(std::string_view s, std::size_t at) {
+  std::size_t n = 0;
+  while (at + n < s.size() && s[at + n] >= '0' && s[at + n] <= '9') ++n;
+  return n;
+}
+
+std::size_t sign(std::string_view s, std::size_t at) { return at < s.size() && (s[at] == '-' || s[at] == '+') ? 1 : 0; }
+
+struct Beginning {
+  std::string_view number, rest;  // without the spaces between
+};
+
+// Of a text that begins with a number. Not from_chars: the FMU would ask for a newer C library.
+std::optional<Beginning> number_and_rest(std::string_view s) {
+  std::size_t at = sign(s, 0);
+  const std::size_t whole = digits(s, at);
+  at += whole;
+  std::size_t fraction = 0;
+  if (at < s.size() && s[at] == '.') {
+    fraction = digits(s, at + 1);
+    at += 1 + fraction;
+  }
+  if (whole + fraction == 0) return {};
+  if (at < s.size() && (s[at] == 'e' || s[at] == 'E')) {
+    const std::size_t power = at + 1 + sign(s, at + 1);
+    if (digits(s, power) > 0) at = power + digits(s, power);
+  }
+  std::string_view rest = s.substr(at);
+  rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+  return Beginning{s.substr(0, at), rest};
+}
+
+// Of a number without exponent, to the six digits that are shown.
+std::optional<double> value_of(std::string_view number) {
+  const std::size_t from = sign(number, 0);
+  double value = 0;
+  double unit = 0;  // of the last decimal; 0 before the point
+  for (const char c : number.substr(from)) {
+    if (c == '.') {
+      unit = 1;
+    } else if (c >= '0' && c <= '9') {
+      unit /= 10;
+      value = unit > 0 ? value + unit * (c - '0') : 10 * value + (c - '0');
+    } else {
+      return {};
+    }
+  }
+  return number.starts_with('-') ? -value : value;
+}
+
+// Numbers with spaces between, as XML files have them: "[0, 0, 1]"; empty if it is anything else.
+std::string spaced_list(std::string_view s, std::size_t size) {
+  std::vector<std::string> numbers;
+  while (!s.empty()) {
+    const auto found = number_and_rest(s);
+    if (!found) return {};
+    numbers.emplace_back(found->number);
+    s = found->rest;
+  }
+  return numbers.size() == size ? "[" + text::list(numbers) + "]" : "";
+}
+
+bool is_matrix(const Json& value) {
+  if (!value.is_array() || value.size() != 3) return false;
+  return std::ranges::all_of(value, [](const Json& row) {
+    return row.is_array() && row.size() == 3 && std::ranges::all_of(row, [](const Json& x) { return x.is_number(); });
+  });
+}
+
+}  // namespace
+
+std::string our_word(std::string_view found, const std::vector<std::string>& known) {
+  for (const auto& [ours, theirs] : synonyms) {
+    if (contains(theirs, found) && std::ranges::find(known, ours) != known.end()) return std::string(ours);
+  }
+  return {};
+}
+
+std::string on_field(std::string_view name, const std::vector<std::string>& known) {
+  if (all_digits(name)) return "; the decimal sign is a point, a comma begins something new";
+  if (lacks_space(name)) return space(name);
+  if (!our_word(name, known).empty() || !text::nearest(name, known).empty()) return {};
+  for (const auto& [words, sentence] : absent) {
+    if (contains(words, name)) return "; " + std::string(sentence);
+  }
+  return {};
+}
+
+std::string on_number(const Json& found, std::string_view unit) {
+  if (found.is_array() && found.size() == 1) return "; leave out the brackets";
+  if (!found.is_string()) return {};
+  const auto& s = found.get_ref<const std::string&>();
+  const auto number = number_and_rest(s);
+  if (!number) {
+    return s.find("pi") != s.npos ? "; nothing is calculated here: write the value, pi is 3.141592653589793" : "";
+  }
+  const std::string_view rest = number->rest;
+  if (rest.empty()) return "; leave out the quotes";
+  if (rest[0] == ',' && all_digits(rest.substr(1))) {
+    return "; the decimal sign is a point: " + s.substr(0, s.find(',')) + "." + std::string(rest.substr(1));
+  }
+  if (unit == "rad" && (rest.starts_with("deg") || rest == "°")) {
+    const auto x = value_of(number->number);
+    if (x) return "; " + text::rounded(*x) + " degrees are " + text::rounded(*x * std::numbers::pi / 180) + " rad";
+  }
+  if (std::string_view("*/+-^").find(rest[0]) != std::string_view::npos) {
+    return "; nothing is calculated here: write the value";
+  }
+  return "; write the number alone" + (unit.empty() ? "" : ", in " + std::string(unit));
+}
+
+std::string on_list(const Json& found, std::size_t size) {
+  if (found.is_object()) return "; leave out the names";
+  if (found.is_number() && size == 3) return "; write [x, y, z]";
+  if (found.is_array() && found.size() == 1 && found[0].is_string()) return on_list(found[0], size);
+  if (found.is_string()) {
+    const std::string list = spaced_list(found.get_ref<const std::string&>(), size);
+    return list.empty() ? "" : "; write " + list;
+  }
+  const auto whole = [](const Json& x) { return x.is_number_integer() && x.get<double>() >= 0; };
+  if (found.is_array() && found.size() > size && std::ranges::all_of(found, whole)) {
+    return "; the decimal sign is a point, a comma parts two numbers";
+  }
+  return {};
+}
+
+std::string on_mapping(const Json& found) {
+  if (found.is_null()) return "; lines that belong to it are indented further than its name";
+  if (found.is_string() && lacks_space(found.get_ref<const std::string&>())) {
+    return space(found.get_ref<const std::string&>());
+  }
+  return {};
+}
+
+std::string on_section(const Json& found) {
+  if (found.is_array()) return "; write `NAME: {...}` for each in place of `- {...}`";
+  if (found.is_null()) return "; its entries are indented further than its name";
+  return on_mapping(found);
+}
+
+std::string on_inertia(const Json& found) {
+  if (found.is_object()) return "; leave out the names";
+  if (!is_matrix(found)) return {};
+  std::vector<std::string> numbers;
+  constexpr std::pair<std::size_t, std::size_t> places[] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  for (const auto& [i, j] : places) {
+    if (found[i][j].get<double>() != found[j][i].get<double>()) return "; as a matrix it is not symmetric";
+    numbers.push_back(text::number(found[i][j].get<double>()));
+  }
+  return "; of this matrix they are [" + text::list(numbers) + "]";
+}
+
+}  // namespace gelenk::advice
