@@ -232,6 +232,7 @@ def one_link(inertial: str) -> str:
 
 
 BASE, A = link("base"), link("a")
+HEAVY = "<link name='a'><inertial><mass value='1'/><inertia ixx='9' iyy='1' izz='1'/></inertial></link>"
 WELDED_TWICE = joint("j", "fixed", "base", "a") + joint("k", "fixed", "base", "a")
 XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>'
 KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
@@ -241,7 +242,13 @@ KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
     ("text", "messages"),
     [
         ("<robot", [":1:1: no XML: unclosed token"]),
-        ("<sdf/>", [": found <sdf>, expected <robot>"]),
+        (
+            "<sdf/>",
+            [
+                ":1: found an SDF model of Gazebo, expected a URDF robot description (<robot>); "
+                "make a URDF of it and `gelenk import` that, or write a scene (docs/scene-format.md)"
+            ],
+        ),
         (robot(), [": has no links"]),
         (XACRO, [": holds xacro macros; expand it with xacro first"]),
         (robot(BASE, BASE), [": link base: is there twice"]),
@@ -255,8 +262,9 @@ KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
         (robot(BASE, A, WELDED_TWICE), [": link a: is the child of 2 joints, expected at most one"]),
         (robot(BASE, A),
          [": found the root links base, a, expected exactly one (a link that is no joint's child)"]),
-        (one_link("<mass value='1'/><inertia ixx='9' iyy='1' izz='1'/>"),
-         [": bodies.a.inertia: xx = 9 exceeds yy + zz = 2 kg m2; no rigid body has such moments"]),
+        (robot(BASE, HEAVY, joint("j", "continuous", "base", "a")),
+         [": bodies.a.inertia: xx = 9 exceeds yy + zz = 2 kg m2; no rigid body has such moments",
+          ": --repair-inertia (repair_inertia=True) takes the nearest moments that one has"]),
     ],
 )  # fmt: skip
 def test_description_that_is_wrong_is_refused(text: str, messages: list[str], tmp_path: Path) -> None:

@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import foreign
 from gelenk.errors import SceneError, UsageError
 from gelenk.scene import Scene, from_dict
+from gelenk.urdf_inertia import impossible_inertias, repaired
 
 KINDS = {
     "revolute": "revolute",
@@ -33,15 +35,19 @@ DRIVEN = ("revolute", "prismatic")
 GRAVITY = 9.81  # m/s2 along -z: URDF says nothing of it, its tools mean this
 
 
-def import_urdf(path: str | PathLike[str], *, floating: bool = False) -> Scene:
+def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_inertia: bool = False) -> Scene:
     """A scene from a URDF file; meshes and shapes are not needed and not looked for.
 
     Args:
         path: the .urdf file. Its root link is welded to the ground with the frames in line.
         floating: let the root link move freely instead.
+        repair_inertia: take the nearest physical inertia where a link that can move has one that no rigid
+            body has: negative second moments about the centre of mass are raised to a millionth of the
+            largest. A link that moves without mass and inertia gets a millionth of its carrier's. All other
+            masses and inertias stay as they are to the bit.
 
     Returns:
-        Scene: its `report` tells, line by line, what was not taken over.
+        Scene: its `report` tells, line by line, what was not taken over, and what was repaired by how much.
 
     Raises:
         SceneError: the file is no URDF, or describes what no robot can be.
@@ -50,7 +56,16 @@ def import_urdf(path: str | PathLike[str], *, floating: bool = False) -> Scene:
     """
     file = Path(path)
     _check(file)
-    return from_dict(*_convert(file, _read(file), floating))
+    scene, name, notes = _convert(file, _read(file), floating)
+    if repair_inertia:
+        return repaired(scene, name, notes)
+    try:
+        return from_dict(scene, name, notes)
+    except SceneError as e:
+        if not impossible_inertias(e):
+            raise
+        advice = "--repair-inertia (repair_inertia=True) takes the nearest moments that one has"
+        raise SceneError([*e.lines, f"{file}: {advice}"]) from None
 
 
 def _check(file: Path) -> None:
@@ -61,6 +76,7 @@ def _check(file: Path) -> None:
         line, column = e.position
         raise SceneError(f"{file}:{line}:{column + 1}: no XML: {str(e).split(':')[0]}") from None
     if root.tag != "robot":
+        foreign.refuse_content(file.read_bytes(), str(file), "a URDF robot description (<robot>)")
         raise SceneError(f"{file}: found <{root.tag}>, expected <robot>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
         raise SceneError(f"{file}: holds xacro macros; expand it with xacro first")
