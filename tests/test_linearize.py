@@ -297,7 +297,7 @@ def test_freedoms_that_no_state_tells_are_not_left_out_in_silence(tmp_path: Path
     source = rod_between_balls()
     for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):
         with pytest.raises(
-            gelenk.GelenkError, match=r"the states A\.phi, A\.w do not tell all of the motion"
+            gelenk.GelenkError, match=r"the others, A\.phi, A\.w, do not tell all of the motion"
         ):
             linear_model(plant)
 

@@ -117,11 +117,15 @@ def test_json_holds_all_of_it(cart_pole: Path) -> None:
 
 
 def test_what_is_printed_can_be_read(root: Path) -> None:
-    with pytest.warns(gelenk.OperatingPointWarning):
-        lines = str(gelenk.modes(root / "scenes" / "stewart.yaml")).splitlines()
-    assert lines[0] == "Stewart at t = 0 s: unstable"
-    assert max(map(len, lines)) <= 130
-    assert sum(line.startswith("shapes") for line in lines) == 2  # six abreast
+    stewart = gelenk.load(root / "scenes" / "stewart.yaml").to_dict()
+    for stiffness, verdict, tables in ((5e3, "stable", 1), (0, "unstable", 2)):  # six shapes abreast
+        for k in range(1, 7):
+            stewart["joints"][f"leg{k}"]["stiffness"] = stiffness
+        with pytest.warns(gelenk.OperatingPointWarning):
+            lines = str(gelenk.modes(stewart)).splitlines()
+        assert lines[0] == f"Stewart at t = 0 s: {verdict}"
+        assert max(map(len, lines)) <= 130
+        assert sum(line.startswith("shapes") for line in lines) == tables
     damped = scene(
         {"m": body(1.0)},
         {"J": joint("prismatic", frame("ground"), frame("m"), axis=[1, 0, 0], stiffness=9.0, damping=0.6)},

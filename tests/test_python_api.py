@@ -114,9 +114,9 @@ def test_impossible_value_of_a_parameter_is_told_with_its_bound(four_bar: gelenk
     ("name", "content", "message"),
     [
         ("s.txt", b"a: 1", "s.txt: found the ending .txt, expected .yaml, .yml or .json"),
-        ("arm.urdf", b"<robot/>", "arm.urdf: found the ending .urdf, expected .yaml, .yml or .json; "
-         "`gelenk import` makes a scene of a robot description"),
-        ("s.yaml", b"a: \xff", "s.yaml: byte 4 is not UTF-8 text"),
+        ("arm.urdf", b"<robot/>", "arm.urdf:1: found a URDF robot description, expected a scene of Gelenk "
+         "(.yaml, .yml or .json); `gelenk import` makes a scene of it"),
+        ("s.yaml", b"a: \xff", "s.yaml:1: byte 4 is not UTF-8 text"),
     ],
 )  # fmt: skip
 def test_file_that_is_no_scene_is_refused(name: str, content: bytes, message: str, tmp_path: Path) -> None:

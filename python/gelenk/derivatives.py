@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
+from gelenk.scales import Scales
 from gelenk.scene import unknown
 
 Array = NDArray[np.float64]
@@ -37,6 +38,7 @@ class Derivatives:
         rates: reading -> the reading that is its time derivative.
         units: of inputs and readings.
         order: how many states the mechanism has; None where that is not known.
+        scales: of the mechanism.
     """
 
     states: tuple[str, ...]
@@ -49,6 +51,20 @@ class Derivatives:
     rates: Mapping[str, str]
     units: Mapping[str, str]
     order: int | None = None
+    scales: Scales = field(default_factory=Scales)
+
+    def size(self, name: str) -> float:
+        """The SI value of 1 of this input or reading in the mechanism's own units."""
+        return self.scales.size(self.units.get(name, "1"))
+
+    def in_own_units(self) -> Derivatives:
+        """The same, values and slopes in the mechanism's own units; `units` and `scales` stay."""
+        y, x, u = (
+            np.array([self.size(name) for name in names])
+            for names in (self.readings, self.states, self.inputs)
+        )
+        values = {name: value / self.size(name) for name, value in self.values.items()}
+        return replace(self, C=self.C * x / y[:, None], D=self.D * u / y[:, None], values=values)
 
 
 def rate_told(name: str, description: str) -> str | None:
@@ -105,6 +121,11 @@ class Minimal:
             G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
             turns[joint] = _Turn(rows[:4], rows[4:], G)
         return turns
+
+    @property
+    def part_free(self) -> list[str]:
+        """Joints with a quaternion that is no state, or not a whole one."""
+        return [joint for joint in self._turns if f"{joint}.theta[1]" not in self.names]
 
     @property
     def candidates(self) -> list[str]:

@@ -11,7 +11,6 @@ from typing import Any
 from gelenk.derivatives import Minimal
 from gelenk.errors import EquilibriumError, UsageError
 from gelenk.inputs import Inputs
-from gelenk.linear import STANDS
 from gelenk.linearization import go_on, point_given, time_given
 from gelenk.newton import Search
 from gelenk.plant import Plant
@@ -20,7 +19,7 @@ from gelenk.run import configure, open_plant
 from gelenk.scene import Scene, Value, number, unknown
 from gelenk.steady import advancing, change, constant_speeds, pushed, steady_given
 
-LATER = 1e-6  # rad/s2, m/s2: of what is steady, what a step of the integrator may leave; found below 1e-9
+LATER = 1e-6  # of what is steady, what a step of the integrator may leave, in own units; found below 1e-9
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ def equilibrium(
         values = {name: first.found.values[name] for name in first.found.inputs}
         search = Search(rest, first, values, solve_for)
         search.run()
-        if _residual(search.pose) > STANDS or not search.kept():
+        if not search.pose.stands or not search.kept():
             raise EquilibriumError(_sentence(search, solve_for))
         _check_steady(search.pose)
         if pushed(search.pose):
@@ -138,13 +137,17 @@ def _task(
     steady: Mapping[str, float | None] | Sequence[str] | str | None,
 ) -> tuple[Pose, Rest]:
     found = plant.derivatives(())
+    wanted = {name: value / found.size(name) for name, value in hold.items()}
     if steady is None:
-        return pose_of(found), Rest(plant, settings, hold)
-    given = steady_given(steady)
-    conditions = constant_speeds(Minimal(found), given)
+        return pose_of(found), Rest(plant, found.size, settings, wanted)
+    given = {
+        name: None if value is None else value / found.size(name)
+        for name, value in steady_given(steady).items()
+    }
+    conditions = constant_speeds(Minimal(found.in_own_units()), given)
     speeds = {name: given.get(name, 0.0) for name in conditions}
     kept = {name: value for name, value in speeds.items() if value is not None}
-    return pose_of(found, conditions), Rest(plant, settings, hold, kept, conditions)
+    return pose_of(found, conditions), Rest(plant, found.size, settings, wanted, kept, conditions)
 
 
 def _check_later(plant: Plant, search: Search) -> None:
@@ -161,23 +164,26 @@ def _check_pushed(pose: Pose, when: str) -> None:
     for name, found in (accelerations | {largest: value}).items():
         if abs(found) > LATER:
             unit = pose.found.units.get(name, "1")
-            raise EquilibriumError(f"no steady motion: {name} = {found:.6g} {unit} by a given motion{when}")
+            value = pose.in_si(name, found)
+            raise EquilibriumError(f"no steady motion: {name} = {value:.6g} {unit} by a given motion{when}")
 
 
 def _check_steady(pose: Pose) -> None:
     name, found, bound = change(pose)
     if advancing(pose) and abs(found) > bound:
+        rate = pose.in_si(name, found) / pose.found.scales.time
         raise EquilibriumError(
-            f"steady for a moment only: {name} changes at {found:.6g} {pose.found.units.get(name, '1')} per "
+            f"steady for a moment only: {name} changes at {rate:.6g} {pose.found.units.get(name, '1')} per "
             f"second as {', '.join(advancing(pose))} go{'es' if len(advancing(pose)) == 1 else ''} on"
         )
 
 
 def _result(name: str, search: Search) -> Equilibrium:
-    found = search.pose.found
+    found, rest = search.pose.found, search.rest
+    inputs = rest.in_si(search.inputs)
     return Equilibrium(
-        name, {n: found.values[n] for n in found.outputs}, search.inputs, _residual(search.pose),
-        search.steps, {**search.rest.settings(search.starts), **search.inputs},
+        name, rest.in_si({n: found.values[n] for n in found.outputs}), inputs, search.pose.residual,
+        search.steps, {**rest.settings(search.starts), **inputs},
         {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
         advancing(search.pose),
     )  # fmt: skip
@@ -190,14 +196,11 @@ def _check_inputs(wanted: Sequence[str], known: Sequence[str]) -> None:
         raise UsageError("\n".join(faults))
 
 
-def _residual(pose: Pose) -> float:
-    return abs(pose.largest()[1])
-
-
 def _sentence(search: Search, solve_for: Sequence[str]) -> str:
     if not search.kept():
         return search.unreached
-    name, value, unit = search.pose.largest()
+    name, own, unit = search.pose.largest()
+    value = search.pose.in_si(name, own) if name else own
     rest = f"{name} = {value:.6g} {unit} is the largest acceleration that remains"
     motion = search.rest.conditions is not None
     what = "steady motion" if motion else "equilibrium"

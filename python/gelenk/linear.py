@@ -4,20 +4,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
+from gelenk.scales import Scales
 
 if TYPE_CHECKING:
     import control
 
 type Array = NDArray[np.float64]
 
-STANDS = 1e-8  # a state's rate in SI units, above which the point is told to be no equilibrium
+COORDINATES = ("rad", "m")
+
+STANDS = 1e-8  # a state's rate in own units, above which the point is told to be no equilibrium
+ROUNDED = (
+    1e-13  # of the terms a rate is the sum of: what closing loops leaves of coordinates, 1e-14, times ten
+)
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,7 @@ class LinearModel:
         y0: the outputs at the point.
         rates: of the states at the point; all 0 at an equilibrium.
         units: of states, inputs and outputs, by name.
+        scales: of the mechanism; what is small is so in these units.
     """
 
     name: str
@@ -55,6 +62,7 @@ class LinearModel:
     y0: Array
     rates: Array
     units: Mapping[str, str]
+    scales: Scales = field(default_factory=Scales)
 
     def to_control(self) -> control.StateSpace:
         """For python-control. Its inputs and outputs may have no dots in their names: they are `_` there.
@@ -101,15 +109,21 @@ class LinearModel:
 
     def _moving(self, C: Array) -> list[int]:
         """States that change, and not steadily or felt by others than the output of that name."""
-        moving = [i for i, rate in enumerate(self.rates) if abs(rate) > STANDS]
+        x, y = self._sizes(self.states), self._sizes(self.outputs)
+        rates, A, C = self.rates / x * self.scales.time, self.A * x / x[:, None], C * x / y[: len(C), None]
+        A *= self.scales.time
+        speeds = np.array([self.units.get(name) not in COORDINATES for name in self.states], bool)
+        bounds = standing(A, 1 + speeds * np.abs(self.x0 / x))
+        moving = [int(i) for i in np.flatnonzero(np.abs(rates) > bounds)]
         own = {self.states[i] for i in moving}
         others = [k for k in range(len(C)) if self.outputs[k] not in own]
-        felt = [M for M in (self.A, C[others]) if _felt(M @ self.rates, np.abs(M) @ np.abs(self.rates))]
+        felt = [M for M in (A, C[others]) if _felt(M @ rates, np.abs(M) @ np.abs(rates))]
         named = [i for i in moving if any(_felt(M[:, i], np.abs(M).max(axis=1)) for M in felt)]
-        unsteady = [
-            i for i in moving if _felt(self.A[i] @ self.rates, np.abs(self.A[i]) @ np.abs(self.rates))
-        ]
+        unsteady = [i for i in moving if _felt(A[i] @ rates, np.abs(A[i]) @ np.abs(rates))]
         return sorted({*named, *unsteady})
+
+    def _sizes(self, names: Sequence[str]) -> Array:
+        return self.scales.sizes([self.units.get(name, "1") for name in names])
 
     def _told(self, moving: Sequence[int]) -> str:
         if not moving:
@@ -122,6 +136,12 @@ class LinearModel:
 
     def __str__(self) -> str:
         return _shown(self)
+
+
+def standing(A: Array, sizes: Array) -> Array:
+    """Up to which rates nothing moves. A: their slopes by states of these sizes; all in own units."""
+    bounds: Array = STANDS + ROUNDED * (np.abs(A) @ sizes)
+    return bounds
 
 
 def _felt(found: Any, size: Any) -> bool:

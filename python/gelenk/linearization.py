@@ -177,7 +177,7 @@ def _check_attained(found: Derivatives, exact: Mapping[str, float]) -> None:
         f"{name}: the loops are closed at {found.values[name]:.9g} instead of {value:.9g}, "
         f"which was a guess: {name.rpartition('.')[0]}.fixed is not set"
         for name, value in exact.items()
-        if not math.isclose(found.values[name], value, rel_tol=1e-9, abs_tol=1e-9)
+        if not math.isclose(found.values[name], value, rel_tol=1e-9, abs_tol=1e-9 * found.size(name))
     ]
     if faults:
         raise UsageError("\n".join(faults))
@@ -193,7 +193,7 @@ def _assembled(
 ) -> LinearModel:
     chosen_inputs = _selected(inputs, found.inputs, "input")
     chosen_outputs = _selected(outputs, found.outputs, "output")
-    minimal = Minimal(found)
+    minimal = Minimal(found.in_own_units())
     x = chosen_states(minimal, states)
     check_whole(minimal)
     whole = completed(minimal, x)
@@ -208,13 +208,18 @@ def _assembled(
     u = [found.inputs.index(n) for n in chosen_inputs]
     y = [found.readings.index(n) for n in chosen_outputs]
     signals = (*chosen_inputs, *chosen_outputs)
+    units = {n: found.units.get(n, "1") for n in signals} | {n: minimal.unit(n) for n in x}
+    sizes = [found.scales.sizes([units[n] for n in names]) for names in (x, chosen_inputs, chosen_outputs)]
+    x_size, u_size, y_size = sizes
+    rate_size = x_size / found.scales.time
     return LinearModel(
-        name, time, tuple(x), chosen_inputs, chosen_outputs, by_x, by_u[:, u], C[y], found.D[np.ix_(y, u)],
-        np.array([minimal.value(n) for n in x]),
+        name, time, tuple(x), chosen_inputs, chosen_outputs,
+        by_x * rate_size[:, None] / x_size, by_u[:, u] * rate_size[:, None] / u_size,
+        C[y] * y_size[:, None] / x_size, found.D[np.ix_(y, u)],
+        np.array([minimal.value(n) for n in x]) * x_size,
         np.array([found.values[n] for n in chosen_inputs]),
         np.array([found.values[n] for n in chosen_outputs]),
-        np.array([rate for _, _, rate in rates]),
-        {n: found.units.get(n, "1") for n in signals} | {n: minimal.unit(n) for n in x},
+        np.array([rate for _, _, rate in rates]) * rate_size, units, found.scales,
     )  # fmt: skip
 
 
@@ -234,11 +239,18 @@ def _check_closed(A: Array, C: Array, states: Names, kept: Names, outputs: Names
 def check_whole(minimal: Minimal) -> None:
     """All that moves has to move by the states."""
     found = minimal.of
-    sentence = "the states {} do not tell all of the motion: a joint with a quaternion turns in part freely"
-    names = ", ".join(minimal.names)
+    names, joints = ", ".join(minimal.names), ", ".join(minimal.part_free)
+    sentence = (
+        f"a joint with a quaternion turns in part freely{f' ({joints})' if joints else ''} and can give no "
+        f"states; the others, {names}, do not tell all of the motion"
+    )
     if found.order is not None:
         if len(minimal.names) != found.order:
-            raise GelenkError(sentence.format(names) + f"; they are {len(minimal.names)} of {found.order}")
+            raise GelenkError(
+                f"{sentence}: they are {len(minimal.names)} of {found.order}. A loop that is cut at this "
+                "joint needs no states of it: list it behind the loop's other joints, or leave the "
+                "reduction cut_choice on"
+            )
         return
     # Other FMUs do not tell how many it takes. But what is read moves as the states let it: dy/dt = C dx/dt.
     rates = np.array([minimal.rate(name)[2] for name in minimal.names])
@@ -249,7 +261,7 @@ def check_whole(minimal: Minimal) -> None:
         terms = minimal.C[i] * rates
         scale = 1 + np.abs(terms).sum() + abs(found.values[speed])
         if abs(terms.sum() - found.values[speed]) > 1e-4 * scale:  # loops held by a penalty may gape a little
-            raise GelenkError(sentence.format(names) + f"; {name} moves otherwise")
+            raise GelenkError(f"{sentence}: {name} moves otherwise")
 
 
 def _selected(wanted: Names | None, known: Names, what: str) -> tuple[str, ...]:

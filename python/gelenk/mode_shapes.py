@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from gelenk.linear import STANDS, LinearModel
+from gelenk.linear import COORDINATES, STANDS, LinearModel
 from gelenk.linearization import linear_model
 from gelenk.mode import BodyMotion, Complex, Mode
 from gelenk.scene import Scene, load
@@ -20,7 +20,6 @@ from gelenk.spectrum import Cluster, spectrum
 
 Array = NDArray[np.float64]
 
-COORDINATES = ("rad", "m")
 SPEEDS_COUNT = 1e-6  # in the choice of shapes of repeated modes: only where coordinates leave one open
 NOTHING = 1e-9  # a coordinate that moves by this part of the states does not move
 WATCH = "watch_"  # before a body's name: the sensor on it

@@ -61,6 +61,7 @@ def _cell(x: complex) -> str:
     """A number, or magnitude and phase where the coordinate does not move in step with the largest."""
     if abs(x) < NONE:
         return "0"
-    if abs(x.imag) < NONE * abs(x):
-        return f"{x.real:.5g}"
-    return f"{abs(x):.5g} at {np.degrees(np.angle(x)):.4g}°"
+    phase = round(float(np.degrees(np.angle(x))))  # damping turns phases by less than what a reader asks for
+    if phase % 180 == 0:
+        return f"{math.copysign(abs(x), x.real):.5g}"
+    return f"{abs(x):.3g} at {phase}°"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import AssemblyError, EquilibriumError, UsageError
-from gelenk.linear import STANDS
+from gelenk.linear import standing
 from gelenk.rest import Pose, Rest
 
 Array = NDArray[np.float64]
@@ -18,7 +18,9 @@ MOST_STEPS = 200
 MOST_FALLS = 100  # steps downhill, where Newton's lead nowhere
 SHORTEST = 1 / 64  # of a step, before it is given up
 SINGULAR = 1e-10  # singular values below this part of the largest are rounding: directions that nothing holds
-SETTLED = 1e-9  # rad, m or part of an input: the error after such a step is its square
+SETTLED = (
+    1e-9  # rad, part of the mechanism's length or of an input: the error after such a step is its square
+)
 
 
 class Search:
@@ -30,7 +32,7 @@ class Search:
     Attributes:
         pose: reached.
         starts: the start values of its joints.
-        inputs: all of them, there.
+        inputs: all of them, there; these and the start values in the mechanism's own units.
         steps: taken.
         settled: whether the last one was of no length, be it an equilibrium or not.
     """
@@ -147,7 +149,7 @@ class Search:
         return starts, inputs, pose
 
     def _stands(self) -> bool:
-        return abs(self.pose.largest()[1]) <= STANDS and self.kept()
+        return self.pose.stands and self.kept()
 
     @property
     def unreached(self) -> str:
@@ -156,7 +158,7 @@ class Search:
         return f"{', '.join(self.rest.hold)}: the mechanism cannot be brought to {what}"
 
     def kept(self) -> bool:
-        """Whether what is held is where it has to be [rad, m]."""
+        """Whether what is held is where it has to be."""
         return float(np.abs(self._gap()).max(initial=0.0)) <= SETTLED
 
     def _fall(self) -> bool:
@@ -177,7 +179,7 @@ class Search:
             steepest = float(np.linalg.eigvals(A).real.max())
             size = float(np.abs(a).max())
             stable = steepest < -SINGULAR * float(np.abs(A).max())
-            if size <= STANDS or (stable and moved):
+            if size <= standing(A, np.ones(len(A))).max() or (stable and moved):
                 return moved
             dq = ways @ np.linalg.solve((2 * max(steepest, 0.0) + size) * np.eye(len(A)) - A, a)
             self._falls += 1

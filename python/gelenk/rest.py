@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gelenk.derivatives import Derivatives, Minimal
 from gelenk.errors import UsageError
+from gelenk.linear import standing
 from gelenk.linearization import check_whole, start_parameter
 from gelenk.mode_shapes import turned
 from gelenk.plant import Plant
@@ -25,8 +26,9 @@ FULL_ANGLE = 0.3  # rad: what a step may turn a joint by, so that the branch is 
 class Pose:
     """A plant at a point: accelerations a that have to vanish, and what they change by, da = A dx + B du.
 
-    At rest, x are the independent coordinates; in steady motion these and the independent speeds, of which
-    there may be fewer.
+    All in the mechanism's own units, `found` among it, so that bounds and least squares are. At rest, x are
+    the independent coordinates; in steady motion these and the independent speeds, of which there may be
+    fewer.
 
     Attributes:
         found: all derivatives here.
@@ -55,17 +57,32 @@ class Pose:
         """Of other speeds than those of the conditions here."""
         return np.array([self.minimal.rate(name)[2] for name in speeds])
 
+    @property
+    def stands(self) -> bool:
+        """Whether the accelerations vanish, to rounding of the terms they are sums of."""
+        return bool((np.abs(self.accelerations) <= standing(self.A, self.sizes)).all())
+
+    @property
+    def residual(self) -> float:
+        """The largest acceleration in SI units."""
+        sizes = [self.found.size(self.found.rates[name]) for name in self.conditions]
+        return float(np.abs(self.accelerations * sizes).max(initial=0.0))
+
     def largest(self) -> tuple[str, float, str]:
-        """The largest acceleration: what it is called, itself, its unit."""
+        """The largest acceleration: what it is called, itself, its unit in SI."""
         if not len(self.accelerations):
             return "", 0.0, ""
         i = int(np.abs(self.accelerations).argmax())
         name = self.found.rates[self.conditions[i]]
         return name, float(self.accelerations[i]), self.found.units.get(name, "1")
 
+    def in_si(self, name: str, value: float) -> float:
+        """What an input or a reading is called to users."""
+        return value * self.found.size(name)
+
     @property
     def sizes(self) -> Array:
-        """Of the unknowns: 1 rad or m, speeds by themselves."""
+        """Of the unknowns: 1 rad or the mechanism's length, speeds by themselves."""
         return np.array(
             [1.0 if self.minimal.is_coordinate(n) else 1 + abs(self.minimal.value(n)) for n in self.unknowns]
         )
@@ -80,6 +97,7 @@ class Pose:
 
 def pose_of(found: Derivatives, conditions: Sequence[str] | None = None) -> Pose:
     """The point where these derivatives were taken: at rest, or in motion, where `conditions` are given."""
+    found = found.in_own_units()
     minimal = Minimal(found)
     check_whole(minimal)
     n = len(minimal.names)
@@ -103,15 +121,18 @@ class Rest:
     def __init__(
         self,
         plant: Plant,
+        size: Callable[[str], float],
         settings: Mapping[str, Value],
         hold: Mapping[str, float],
         speeds: Mapping[str, float] | None = None,
         conditions: Sequence[str] | None = None,
     ) -> None:
-        """settings: parameters besides start values; hold, speeds: coordinates and speeds to be kept, and the
-        values they keep; conditions: speeds whose accelerations have to vanish, by default all.
+        """size: the SI value of 1 of an input or output in the mechanism's own units; settings: parameters
+        besides start values; hold, speeds: coordinates and speeds to be kept, and the values they keep, in
+        these units, as all below; conditions: speeds whose accelerations have to vanish, by default all.
         """
         self._plant = plant
+        self._size = size
         self._held = list(hold)
         self.hold = {**hold, **(speeds or {})}
         self.conditions = conditions
@@ -163,12 +184,19 @@ class Rest:
         """Raises AssemblyError, or UsageError at a singular position."""
         self._plant.reset()
         self._plant.set_parameters(self.settings(starts))
-        self._plant.start(None, inputs)
+        self._plant.start(None, self.in_si(inputs))
         return pose_of(self._plant.derivatives(()), self.conditions)
 
     def settings(self, starts: Mapping[str, float]) -> dict[str, Value]:
         """What puts a plant there."""
-        return {**self._settings, **{start_parameter(name): value for name, value in starts.items()}}
+        return {
+            **self._settings,
+            **{start_parameter(name): value for name, value in self.in_si(starts).items()},
+        }
+
+    def in_si(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Of inputs and outputs."""
+        return {name: value * self._size(name) for name, value in values.items()}
 
     def share(self, pose: Pose, step: Array) -> float:
         """The part of a step that turns no joint by more than is good."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gelenk.derivatives import Derivatives, rate_told
 from gelenk.errors import UsageError
 from gelenk.plant import Plant
+from gelenk.scales import Scales
 from gelenk.scene import Scene, Value
 from gelenk.simulation import Simulation
 
@@ -30,6 +31,7 @@ class ScenePlant(Plant):
         self.units = {s.name: s.unit for s in signals}
         self.parameters = list(scene.parameters)
         self.assembly_report = ""
+        self._scales = Scales(*scene._core.scales)
         self._selection: list[str] = []
         self._diagnostics: list[tuple[int, str]] = []
 
@@ -108,7 +110,7 @@ class ScenePlant(Plant):
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
             values | {name: plant.input(name) for name in self.inputs}, rates,
             self.units | {s.name: s.unit for s in plant.inputs},
-            plant.size.freedoms + plant.size.free_coordinates,
+            plant.size.freedoms + plant.size.free_coordinates, self._scales,
         )  # fmt: skip
 
     @override

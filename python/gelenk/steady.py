@@ -15,7 +15,9 @@ from gelenk.rest import Pose
 from gelenk.scene import number, unknown
 
 DEPENDENT = 1e-8  # of the largest: singular values below are speeds that others decide
-NOTICED = 1e-6  # rad/s, m/s and their rates: by more than this loops do not gape, however they are held
+NOTICED = (
+    1e-6  # of speeds and their rates in own units: by more than this loops do not gape, however they are held
+)
 NOISE = 1e-10  # of the slopes of accelerations, times how fast coordinates go on: rounding
 
 
@@ -58,19 +60,19 @@ def _is_driven(minimal: Minimal, name: str, value: float | None) -> bool:
         return False
     there = minimal.value(name)
     if value is not None and abs(there - value) > DEPENDENT * max(1.0, abs(there)):
-        raise UsageError(f"steady: {name} is {there:.6g} by a constraint, it cannot be {value:g}")
+        size = minimal.of.size(name)
+        raise UsageError(
+            f"steady: {name} is {size * there:.6g} by a constraint, it cannot be {size * value:g}"
+        )
     return True
 
 
 def advancing(pose: Pose) -> dict[str, float]:
     """Coordinates of joints that do not stay where they are, and their speeds; J.theta[i] of quaternions."""
     minimal = pose.minimal
-    speeds = {
-        name: pose.found.values[minimal.speed(name)]
-        for name in minimal.candidates
-        if minimal.is_coordinate(name)
-    }
-    return {name: speed for name, speed in speeds.items() if abs(speed) > STANDS}
+    speeds = {name: minimal.speed(name) for name in minimal.candidates if minimal.is_coordinate(name)}
+    values = {name: (speed, pose.found.values[speed]) for name, speed in speeds.items()}
+    return {name: pose.in_si(speed, value) for name, (speed, value) in values.items() if abs(value) > STANDS}
 
 
 def pushed(pose: Pose) -> dict[str, float]:
