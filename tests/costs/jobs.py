@@ -91,7 +91,7 @@ JOBS = {
     "slider-crank, rk4": Job(shipped("slider_crank"), 500, solver=RK4),
     "arm, rk4": Job(arm, 300, solver=RK4),
     "arm, auto": Job(arm, 500),
-    "arm, cvode: Newton matrices": Job(arm, 20, 1e-2, {"integrator": "cvode"}),
+    "arm, dirk: Newton matrices": Job(arm, 20, 1e-2, {"integrator": "dirk"}),
     "chain of 32, rk4": Job(lambda: chain(32), 50, solver=RK4),
     "Stewart platform, rk4": Job(shipped("stewart"), 50, solver=RK4),
     "ten four-bars, rk4": Job(lambda: windows(10), 50, solver=RK4),

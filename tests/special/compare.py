@@ -16,7 +16,7 @@ from gelenk.linear import LinearModel
 
 from . import plants
 from .bodies import Poses, UnknownError
-from .drawn import Case, values_of
+from .drawn import Case, at_rest, values_of
 from .moving_bodies import MovingBodies
 from .plants import STOP, TOLERANCE, Start, beside, missed, same_sign, start_of, whole_vectors, without
 
@@ -67,7 +67,8 @@ class Comparison:
         """Where the bodies are; None where that is not known."""
         if isinstance(self.model, str):
             return None
-        values = values_of(self.case.source) if isinstance(self.base.plant, str) else self.base.values
+        start = self.base if not isinstance(self.base.plant, str) else Start(at_rest(self.case.source))
+        values = values_of(self.case.source) if isinstance(start.plant, str) else start.values
         try:
             x = self.model.poses(values)
         except KeyError:
@@ -97,10 +98,11 @@ class Comparison:
         """By what the smallest pivot may magnify rounding."""
         return 1.0 if self.rank is None else 1 / self.rank[1]
 
-    def ruled(self, check: str, words: str) -> Verdict:
+    def ruled(self, check: str, words: str, other: Start | None = None) -> Verdict:
         if not self.singular:
             return Verdict(check, "DISAGREE", words)
-        return Verdict(check, "warned" if self.base.warned else "SINGULAR", words)
+        told = self.base.warned or (other is not None and other.warned)  # the one that is wrong, at least
+        return Verdict(check, "warned" if told else "SINGULAR", words)
 
     def refused(self, check: str, words: str) -> Verdict:
         if plants.CRASH in words:
@@ -191,13 +193,15 @@ class Comparison:
             bound = ROUNDING * size[level] * self.share ** max(level, 0)
             if not gap <= bound:
                 faults.append((gap / bound, f"{name}: {value:.10g} / {found:.10g}"))
-        return self.judged(check, faults)
+        return self.judged(check, faults, other)
 
-    def judged(self, check: str, faults: list[tuple[float, str]]) -> Verdict:
+    def judged(self, check: str, faults: list[tuple[float, str]], other: Start | None = None) -> Verdict:
         if not faults:
             return Verdict(check, "agree")
         faults.sort(key=lambda fault: -fault[0])
-        return self.ruled(check, "; ".join(words for _, words in faults[:4]) + f" ({len(faults)} differ)")
+        return self.ruled(
+            check, "; ".join(words for _, words in faults[:4]) + f" ({len(faults)} differ)", other
+        )
 
     def assemblies(self) -> Iterator[Verdict]:
         """Guesses that cannot be met: another order of the file gets no nearer to them, and no farther."""
@@ -245,6 +249,10 @@ class Comparison:
             for n, a in expected.items()
             if n in values and not self.is_open(n) and not abs(values[n] - a) <= bound
         ]
+        if faults and self.singular and plant.size.freedoms < freedoms:
+            # It lets loops that are rigid at second order go where their equations of first order would.
+            yield Verdict("accelerations by all bodies", "skipped", "freedoms of the first order alone")
+            return
         yield self.judged("accelerations by all bodies", faults)
 
     def beside(self, bodies: set[str]) -> set[str]:
@@ -272,13 +280,13 @@ class Comparison:
                 yield self.refused(check, f"other: {by_its_own if isinstance(by_its_own, str) else there}")
                 continue
             if set(there.outputs) != set(model.outputs):
-                yield self.ruled(check, f"{len(model.states)} states do not tell all outputs there")
+                yield self.ruled(check, f"{len(model.states)} states do not tell all outputs there", other)
                 continue
             faults = []
             for part in "ABCD":
                 mine, found = getattr(model, part), getattr(there, part)
                 faults += self.unlike(part, mine, found, model, 1e3 * ROUNDING * self.share, there.outputs)
-            yield self.judged(check, faults)
+            yield self.judged(check, faults, other)
         yield self.quotients(model)
 
     def unlike(
@@ -357,7 +365,7 @@ class Comparison:
             yield (
                 Verdict(check, "sensitive", faults[0][1])
                 if faults and self.sensitive
-                else self.judged(check, faults)
+                else self.judged(check, faults, other)
             )
 
     @cached_property

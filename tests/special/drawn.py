@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -170,3 +171,18 @@ def _load(source: Scene, sketch: Sketch, rng: np.random.Generator, planar: bool)
             }
         }
         del R
+
+
+def at_rest(source: Scene) -> Scene:
+    out = copy.deepcopy(source)
+    for entry in out["joints"].values():
+        start = entry.get("start", {})
+        for key in [k for k in start if k in ("v", "w") or k.startswith(("v_", "w_"))]:
+            del start[key]
+            if isinstance(start.get("fixed"), list):
+                start["fixed"] = [f for f in start["fixed"] if f != key]
+        if start.get("fixed") == []:
+            del start["fixed"]
+        if entry["type"] == "free" and "v" in start:
+            del start["v"]
+    return out

@@ -18,7 +18,7 @@ from physics import reducible
 import gelenk
 from gelenk.chart import mechanisms as charted
 
-from .drawn import Case
+from .drawn import Case, at_rest
 
 QUARTERS = {"0": 0.0, "90": math.pi / 2, "180": math.pi, "-90": -math.pi / 2}
 FAMILIES: dict[str, Callable[[], Scene]] = {
@@ -105,19 +105,4 @@ def started(source: Scene, angles: Mapping[str, float]) -> Scene:
         start["fixed"] = ["phi"] if not isinstance(fixed, list) else sorted({*fixed, "phi"})
         if fixed is True and "w" in start:
             start["fixed"] = ["phi", "w"]
-    return out
-
-
-def at_rest(source: Scene) -> Scene:
-    out = copy.deepcopy(source)
-    for entry in out["joints"].values():
-        start = entry.get("start", {})
-        for key in [k for k in start if k in ("v", "w") or k.startswith(("v_", "w_"))]:
-            del start[key]
-            if isinstance(start.get("fixed"), list):
-                start["fixed"] = [f for f in start["fixed"] if f != key]
-        if start.get("fixed") == []:
-            del start["fixed"]
-        if entry["type"] == "free" and "v" in start:
-            del start["v"]
     return out

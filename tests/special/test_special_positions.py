@@ -19,7 +19,7 @@ from gelenk.linearization import linear_model
 from .compare import Comparison
 from .drawn import Case, drawn
 from .finished import finished
-from .listed import started, starts
+from .listed import families, started, starts
 from .named import Linkage, crank_slider, four_bar_linkage, scotch_yoke, turning_block
 from .study import FOUND
 
@@ -169,8 +169,24 @@ def test_two_cranks_in_line(angle: float) -> None:
     assert len(linear_model(case.source).states) == 4
 
 
-# Cut joints that stand still for a moment: wrong accelerations, linear models and runs once.
-ONCE_FOUND = (102, 115, 205, 248, 263, 292, 1766, 2056)
+# Bars stretched between a crank that stands on the branch of its own loop and the ground.
+@pytest.mark.parametrize(
+    ("family", "name"), [("speed: nfourbar_2", "j_V0 at -90°"), ("windows 3", "A0 at -90°")]
+)
+def test_bars_that_are_rigid_at_second_order(family: str, name: str) -> None:
+    """They stand still in every order of the file, or the start is warned of. Where rounding had closed the
+    loops beside the singular position, it was on no branch, with accelerations of 1e8 1/s2.
+    """
+    found = []
+    for i, case in enumerate(starts(family, dict(families())[family])):
+        if name in case.name:
+            found += findings(case, i)
+    assert not found, "\n".join(found)
+
+
+# Cut joints that stand still for a moment: wrong accelerations, linear models and runs once. 1169: a start
+# that rounding has closed beside a singular position, not warned of. 1126, 1705: the comparison was wrong.
+ONCE_FOUND = (102, 115, 205, 248, 263, 292, 1126, 1169, 1705, 1766, 2056)
 
 
 @pytest.mark.parametrize("seed", ONCE_FOUND)
