@@ -10,19 +10,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 from mechanisms import Scene, body, box, cylinder, frame, frame_sensor, joint, matrix, rotation, scene
 
 G_N = 9.80665
+EXCERPTS = Path(__file__).parent / "published" / "msl"
 RESULTS = Path(__file__).resolve().parents[3] / "shared" / "reference" / "msl"
 ABOUT_Z = {"axis": [0, 0, 1]}
 
 
 def published(name: str) -> dict[str, np.ndarray]:
-    """The published curve, or a skipped test that says which file is missing. Rows at events are dropped."""
+    """The published curve, or seven rows of it where it is not at hand. Rows at events are dropped."""
     path = RESULTS / f"{name}.csv"
     if not path.is_file():
-        pytest.skip(f"published curve not found: {path}")
+        path = EXCERPTS / f"{name}.csv"
     table = np.genfromtxt(path, delimiter=",", names=True, deletechars="")
     _, rows = np.unique(table["time"], return_index=True)
     kept = rows[:: max(1, len(rows) // 250)]

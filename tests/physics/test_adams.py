@@ -167,7 +167,7 @@ def test_row_of_adams(name: str) -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_table_of_adams(name: str) -> None:
-    """Five seconds, where the files are at hand."""
+    """Five seconds: all rows where the files are at hand, else some."""
     times, table = published(name)
     compare(ours(name, tuple(times)), table, ERRORS[name])
 

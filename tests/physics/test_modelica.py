@@ -51,8 +51,8 @@ def test_end_is_that_of_the_published_curve(name: str) -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_motion_is_the_published_curve(name: str) -> None:
-    """The whole curve, where the files are at hand: bounds as for the last row, twice over for speeds,
-    whose peaks come where the angles move fastest.
+    """The whole curve where the files are at hand, else some rows: bounds as for the last row, twice over
+    for speeds, whose peaks come where the angles move fastest.
     """
     curve = modelica.published(name)
     found = run(SCENES[name](), curve["time"], tolerance=1e-10)

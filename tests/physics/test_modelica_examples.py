@@ -120,7 +120,7 @@ def test_end_is_that_of_the_published_curve(name: str) -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_motion_is_the_published_curve(name: str) -> None:
-    """Where the files are at hand."""
+    """All rows where the files are at hand, else some."""
     example = EXAMPLES[name]
     curve = modelica.published(name)
     found = run(example.make(), curve["time"], tolerance=1e-11)
