@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo     build Gelenk into .venv, export a four-bar, run it, plot it
-# make test     formatting, linters, all tests
-# make lint     formatting, ruff, mypy, warnings as errors, clang-tidy
+# make test     formatting, ruff, mypy, all tests
+# make tidy     compile all with warnings as errors and clang-tidy (half an hour; CI does so too)
+# make lint     what make test and make tidy look at without running anything
 # make format   set all code
 # make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
 # make reductions  measure what each reduction gains, for docs/reductions.md
@@ -9,9 +10,11 @@
 # make accuracy  measure what adaptive integrators make of a tolerance, for docs/accuracy.md; QUICK=1: a small part
 # make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
 # make real-time  measure a controller's loop around FMUs, for docs/fmu.md
+# make growth   measure what scenes cost by their size, for docs/performance.md
 # make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
 # make costs    count what standard jobs cost, for tests/costs/figures.json; WHY="..." says why they changed
 # make special  compare ways of computing at special positions: all families, 2000 random mechanisms
+# make masters  the shipped scenes in masters of other people, Java's included, for docs/fmu.md; needs Maven
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
@@ -37,22 +40,25 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time bench costs special sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs special masters sanitize fuzz win64 clean
 help:
-	@sed -n '2,19s/^# //p' Makefile
+	@sed -n '2,22s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
-	$(BIN)/python -m gelenk.demo
+	@echo "Running the demo (some seconds)"
+	@$(BIN)/python -m gelenk.demo
 
-test: style pytest tidy
+test: style pytest
 
 lint: style tidy
 
 pytest: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	@echo "Running $(TESTS) with $(JOBS) jobs (all tests: a quarter of an hour); a dot for each, and percents"
 	$(BIN)/python -m pytest -n $(JOBS) $(TESTS)
 
 # Whatever reads only.
 style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	@echo "Looking at format, ruff and types (a minute)"
 	$(BIN)/clang-format --dry-run -Werror $(NATIVE)
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
@@ -60,6 +66,7 @@ style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 # Compiles all of it with warnings as errors and clang-tidy, and makes the FMUs of scenes/ as a C++ user does.
 tidy: $(VENV)/tools.stamp
+	@echo "Compiling all with warnings as errors and clang-tidy (half an hour the first time)"
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset ci -j $(JOBS)
 	PATH="$(abspath $(BIN)):$$PATH" bash tests/cmake_user/run.sh build/ci build/cmake_user
@@ -81,6 +88,10 @@ tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py
 
+# Some minutes; it wants a machine on which nothing else runs.
+growth: $(VENV)/gelenk.stamp
+	$(BIN)/python -m benchmarks.growth
+
 # Some minutes of compiling and installing the first time (the other engines come from PyPI), then some twenty.
 bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset release -B build/bench -DPython_EXECUTABLE=$(abspath $(BIN))/python \
@@ -96,6 +107,12 @@ costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 ARGS ?=
 special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests:. $(BIN)/python -m special.study --jobs $(JOBS) $(ARGS)
+
+# Ten minutes, most of them Maestro's.
+MASTERS := $(abspath build/masters)
+masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
+	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
 
 # Two native builds, and some ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
@@ -147,24 +164,29 @@ clean:
 
 $(VENV)/created.stamp:
 	@python=$$(sh cmake/find_python.sh); \
-	echo "Making $(VENV) with $$python"; \
+	echo "Making $(VENV) with $$python (half a minute)"; \
 	"$$python" -m venv --clear $(VENV)
-	$(PIP) install --upgrade pip
+	@$(PIP) install --upgrade pip
 	@touch $@
 
 # First as any user installs it: pip fetches what the build needs and builds apart. After an edit, what the
-# linters brought into .venv is used and only what changed is compiled.
+# linters brought into .venv is used and only what changed is compiled. What is shown is a line for each step.
 $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
-	@if [ -e $@ ] && [ -e $(VENV)/tools.stamp ] && [ -z "$(filter pyproject.toml,$?)" ]; then \
-	  echo "Building Gelenk again"; \
-	  PATH="$(abspath $(BIN)):$$PATH" $(PIP) install --no-build-isolation --no-deps --force-reinstall \
-	    -C build-dir=build/wheel .; \
+	@mkdir -p build; \
+	if [ -e $@ ] && [ -e $(VENV)/tools.stamp ] && [ -z "$(filter pyproject.toml,$?)" ]; then \
+	  echo "Building Gelenk again (what has changed)"; \
+	  export PATH="$(abspath $(BIN)):$$PATH"; \
+	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
 	else \
-	  echo "Building Gelenk (some minutes)"; \
-	  $(PIP) install '.[charts,urdf]'; \
-	fi
+	  echo "Building Gelenk: fetching 200 MB, compiling 180 files with $(JOBS) jobs (some 10 minutes)"; \
+	  what=('.[charts,urdf]'); \
+	fi; \
+	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
+	  | $(BIN)/python cmake/progress.py || \
+	  { tail -n 60 build/install.log >&2; echo "Installing Gelenk failed; all output is in build/install.log" >&2; exit 1; }
 	@touch $@
 
 $(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
-	$(PIP) install --group test --group lint
+	@echo "Fetching linters and what tests need (a minute)"
+	@$(PIP) install --progress-bar off --group test --group lint
 	@touch $@
