@@ -60,3 +60,36 @@ def test_while_a_stop_is_met(integrator: str, jumps: str) -> None:
     source = ball(0.03, -1.0, lower=0.0, damping=3.0) | {"solver": {"integrator": integrator}}
     source["motors"] = {"drive": {"joint": "J"}}
     assert_saving_does_nothing(source, "drive.f", jumps, 1e-8)
+
+
+def stiff_row(n: int) -> dict[str, Any]:
+    """Sliders, each on the one before by a spring and a strong damper: 2 n states."""
+    joints: dict[str, Any] = {}
+    for k in range(n):
+        parent = {"body": f"b{k - 1}"} if k else "ground"
+        slide = {"type": "prismatic", "axis": [1, 0, 0], "stiffness": 100.0, "damping": 200.0}
+        joints[f"j{k}"] = {**slide, "parent": parent, "child": f"b{k}"}
+    joints["j0"]["start"] = {"s": 0.1}
+    bodies = {f"b{k}": {"mass": 0.01, "inertia": [0, 0, 0]} for k in range(n)}
+    return {"gelenk": 1, "name": "Row", "gravity": [0, 0, 0], "bodies": bodies, "joints": joints}
+
+
+def test_what_auto_makes_only_when_it_needs_it_is_not_left_over_from_a_later_time() -> None:
+    """With more than 1000 states the implicit method is made at the first change to it. A record of a time
+    before that, read after it, leads the same way with the same counts.
+    """
+    plant = gelenk.Simulation(stiff_row(505))
+    plant.initialize(0.0, 1e-4)
+    plant.step_to(0.003)
+    early = plant.save()
+
+    def go_on() -> tuple[list[float], dict[str, float]]:
+        for k in range(4, 9):
+            plant.step_to(0.001 * k)
+        return plant.values().tolist(), dict(plant.diagnostics)
+
+    first, counts = go_on()
+    assert counts["solver.jacobians"] > 0, "the implicit method has taken over"
+    plant.restore(early)
+    assert plant.diagnostics["solver.jacobians"] == 0
+    assert go_on() == (first, counts)

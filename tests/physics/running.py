@@ -65,6 +65,15 @@ def run(
     return record(simulation, times)
 
 
+def started(source: Mapping[str, Any], **inputs: float) -> gelenk.Simulation:
+    """At the start, with the inputs set after it; `motor__tau` stands for motor.tau."""
+    simulation = gelenk.Simulation(gelenk.load(dict(source)))
+    simulation.initialize()
+    for name, value in inputs.items():
+        simulation.set_input(name.replace("__", "."), value)
+    return simulation
+
+
 def record(simulation: Any, times: Iterable[float]) -> Recording:
     """Goes on from where the simulation stands."""
     outputs = {signal.name: signal.unit for signal in simulation.outputs}

@@ -11,12 +11,10 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, reaction, scene
 from scipy.integrate import solve_ivp
 
-import gelenk
-
 from .driven import Array, run
 from .geared_five_bar import five_bar, five_bar_bodies
 from .one_freedom import OneFreedom
-from .running import assert_close
+from .running import assert_close, started
 
 ABOUT_Z: dict[str, Any] = {"axis": [0, 0, 1]}
 EXACT = 1e-12  # of accelerations in closed form: rounding
@@ -40,18 +38,10 @@ def shafts(ratio: float, offset: float = 0.0, **fields: Any) -> Scene:
     )
 
 
-def accelerated(source: Scene, **inputs: float) -> gelenk.Simulation:
-    plant = gelenk.Simulation(gelenk.load(source))
-    plant.initialize()
-    for name, value in inputs.items():
-        plant.set_input(name.replace("__", "."), value)
-    return plant
-
-
 @pytest.mark.parametrize("ratio", [-2.5, 0.4, 1.0, -1.0, 40.0])
 def test_two_shafts_move_as_one_of_the_effective_inertia(ratio: float) -> None:
     """(I_b + n^2 I_a) b'' = tau_b + n tau_a; the mesh gives what the first shaft lacks."""
-    plant = accelerated(shafts(ratio), left__tau=0.7, right__tau=-0.3)
+    plant = started(shafts(ratio), left__tau=0.7, right__tau=-0.3)
     b = (-0.3 + ratio * 0.7) / (0.2 + ratio**2 * 0.5)
     assert_close("B.a", plant.output("B.a"), b, EXACT, "closed form")
     assert_close("A.a", plant.output("A.a"), ratio * b, EXACT, "closed form")
@@ -69,7 +59,7 @@ def test_two_shafts_move_as_one_of_the_effective_inertia(ratio: float) -> None:
 def test_offset_is_the_first_angle_where_the_other_is_at_zero() -> None:
     source = shafts(-3.0, 0.6)
     source["joints"]["B"]["start"] = {"phi": 0.25, "w": 1.5, "fixed": True}
-    plant = accelerated(source)
+    plant = started(source)
     assert plant.output("A.phi") == pytest.approx(0.6 - 3.0 * 0.25, abs=1e-13)
     assert plant.output("A.w") == pytest.approx(-4.5, abs=1e-13)
 
@@ -130,7 +120,7 @@ def test_planetary_gear_follows_willis_and_its_lagrangian() -> None:
     rows = np.array([[1, 0], [0, 1], [-m, 1 + m], [-n, 1 + n]])
     forces = np.array([0.8, -0.5]) + np.array([-m, 1 + m]) * 0.3
     sun, arm = np.linalg.solve(inertias(rows), forces)
-    plant = accelerated(planetary(), at_sun__tau=0.8, at_arm__tau=-0.5, at_ring__tau=0.3)
+    plant = started(planetary(), at_sun__tau=0.8, at_arm__tau=-0.5, at_ring__tau=0.3)
     expected = {"S.a": sun, "C.a": arm, "R.a": rows[2] @ [sun, arm], "P.a": rows[3] @ [sun, arm] - arm}
     for name, value in expected.items():
         assert_close(name, plant.output(name), value, 1e-11, "of 30, rounding")
@@ -148,7 +138,7 @@ def test_with_its_ring_held_it_is_a_reduction_of_one_freedom() -> None:
     """The classical 1 + Z_R / Z_S."""
     n, total = SUN / PLANET, 1 + RING / SUN
     rows = np.array([[1], [1 / total], [0], [1 / total - n * (1 - 1 / total)]])
-    plant = accelerated(planetary(ring=False), at_sun__tau=0.8, at_arm__tau=-0.5)
+    plant = started(planetary(ring=False), at_sun__tau=0.8, at_arm__tau=-0.5)
     sun = (0.8 - 0.5 / total) / inertias(rows)[0, 0]
     assert_close("S.a", plant.output("S.a"), sun, 1e-11, "of 30, rounding")
     assert_close("C.a", plant.output("C.a"), sun / total, 1e-11, "of 10, rounding")
@@ -166,7 +156,7 @@ def test_wheels_on_the_ground_with_a_carrier_are_meant_against_it() -> None:
     rows = np.array([[1, 0], [0, 1], [-m, 1 + m]])
     M = rows.T @ np.diag([I_SUN, I_ARM, I_RING]) @ rows
     sun, arm = np.linalg.solve(M, [0.8, -0.5])
-    plant = accelerated(source, at_sun__tau=0.8, at_arm__tau=-0.5)
+    plant = started(source, at_sun__tau=0.8, at_arm__tau=-0.5)
     assert_close("S.a", plant.output("S.a"), sun, 1e-11, "of 30, rounding")
     assert_close("C.a", plant.output("C.a"), arm, 1e-11, "of 10, rounding")
 
@@ -196,7 +186,7 @@ def test_gear_between_two_wheels_on_an_arm_that_swings() -> None:
     M = np.array([[total, coupled], [coupled, ratio**2 * wheel + other]])
     weight = -GRAVITY * math.cos(0.4) * (2.0 * 0.3 + 0.5 * 0.5 + 0.2 * 0.7)
     arm, b = np.linalg.solve(M, [weight, 0.6])
-    plant = accelerated(source, drive__tau=0.6)
+    plant = started(source, drive__tau=0.6)
     assert_close("C.a", plant.output("C.a"), arm, 1e-11, "of 10, rounding")
     assert_close("B.a", plant.output("B.a"), b, 1e-11, "of 10, rounding")
 
@@ -217,7 +207,7 @@ def test_differential_shares_torque_evenly() -> None:
     moments = np.diag([0.02, 0.5, 0.8]) / 2
     rows = np.array([[0.5, 0.5], [1, 0], [0, 1]])
     left, right = np.linalg.solve(rows.T @ moments @ rows, rows.T @ [5.0, -1.0, 0.0])
-    plant = accelerated(source, engine__tau=5.0, brake__tau=-1.0)
+    plant = started(source, engine__tau=5.0, brake__tau=-1.0)
     assert_close("L.a", plant.output("L.a"), left, 1e-11, "of 10, rounding")
     assert_close("R.a", plant.output("R.a"), right, 1e-11, "of 10, rounding")
     share = plant.output("bevel.tau")
@@ -242,7 +232,7 @@ def test_rack_that_falls_turns_its_pinion(radius: float) -> None:
         },
     )
     fall = GRAVITY / (1 + moment / (mass * radius**2))
-    plant = accelerated(source)
+    plant = started(source)
     assert plant.output("slide.s") - radius * plant.output("hinge.phi") == pytest.approx(0.1, abs=1e-14)
     assert_close("slide.a", plant.output("slide.a"), fall, EXACT, "closed form")
     assert_close("hinge.a", plant.output("hinge.a"), fall / radius, 1e-10, "of 100, rounding")
@@ -295,7 +285,7 @@ def three_shafts(last: float) -> Scene:
 
 def test_ring_of_gears_that_agree_turns() -> None:
     """A = -2 B, B = 1.5 C, so C = -A / 3: the third row repeats the others; forces are shared."""
-    plant = accelerated(three_shafts(-1 / 3), left__tau=0.7)
+    plant = started(three_shafts(-1 / 3), left__tau=0.7)
     moment = 0.5 + 0.2 / 4 + 0.1 / 9
     assert_close("A.a", plant.output("A.a"), 0.7 / moment, EXACT, "closed form")
     assert plant.independent_speeds == ("A.w",) or len(plant.independent_speeds) == 1
@@ -309,7 +299,7 @@ def test_ring_of_gears_that_agree_turns() -> None:
 
 def test_ring_of_gears_that_differ_locks() -> None:
     """No speed but 0 is possible: the motor's torque ends in the teeth."""
-    plant = accelerated(three_shafts(1 / 3), left__tau=0.7)
+    plant = started(three_shafts(1 / 3), left__tau=0.7)
     assert plant.size.freedoms == 0
     for name in "ABC":
         assert plant.output(f"{name}.a") == pytest.approx(0, abs=1e-13)

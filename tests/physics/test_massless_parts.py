@@ -17,7 +17,7 @@ import gelenk
 
 from .driven import Array, run
 from .rods import spatial_four_bar
-from .running import assert_close
+from .running import assert_close, started
 
 ABOUT_Z: dict[str, Any] = {"axis": [0, 0, 1]}
 ALONG_X: dict[str, Any] = {"axis": [1, 0, 0]}
@@ -38,14 +38,6 @@ def hinge(
 
 def slide(on: str, what: str, **fields: Any) -> dict[str, Any]:
     return joint("prismatic", frame(on), frame(what), **ALONG_X, **fields)
-
-
-def started(source: Scene, **inputs: float) -> gelenk.Simulation:
-    plant = gelenk.Simulation(gelenk.load(source))
-    plant.initialize()
-    for name, value in inputs.items():
-        plant.set_input(name.replace("__", "."), value)
-    return plant
 
 
 def rack_and_wheel(pinion: dict[str, Any], radius: float = 0.03, ratio: float = -2.5) -> Scene:
