@@ -109,7 +109,7 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
   Catalogue catalogue(carried);
   Simulation simulation(carried);
-  simulation.initialize();
+  simulation.assemble();
   catalogue.declare_states(simulation.independent());
 
   const FmuFacts facts{model_identifier(carried.name), fingerprint(json),

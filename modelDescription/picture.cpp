@@ -36,7 +36,7 @@ std::vector<Pose3> start_poses(const Scene& scene) {
     watched.sensors.push_back(sensor);
   }
   Simulation simulation(watched);
-  simulation.initialize();
+  simulation.assemble();
   int next = 0;
   for (const Signal& signal : simulation.outputs()) next += signal.joint >= 0 ? 1 : 0;
   std::vector<Pose3> poses;

@@ -33,7 +33,7 @@ PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
 const PlantModel::States& PlantModel::states() const {
   std::call_once(asked_, [this] {
     Simulation simulation(scene);
-    simulation.initialize();
+    simulation.assemble();
     States found{catalogue, simulation.independent()};
     found.catalogue.declare_states(found.independent);
     states_ = std::move(found);

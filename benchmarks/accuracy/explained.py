@@ -33,7 +33,7 @@ EXPLANATIONS = (
     Explanation("some 1e5 steps of 3e4 rad/s: the time allowed", scene="two-masses", outcome="failed"),
     *(
         Explanation(ROUNDING, integrator=name, scene=scene, outcome="wrong")
-        for name in ("ida", "cvode") for scene in ("heavy-top*", "v6")
+        for name in ("ida", "cvode") for scene in ("heavy-top*", "v6", "spatial-slider-crank")
     ),
     *(
         Explanation("a history of steps does not lead through a position at which the loop loses rank",

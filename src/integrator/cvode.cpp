@@ -27,7 +27,7 @@ class Cvode : public SundialsIntegrator {
   ~Cvode() override { CVodeFree(&memory_); }
 
  protected:
-  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {
+  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {  // of one step
     memory_ = sundials::made(CVodeCreate(method, context_));
     CVodeInit(memory_, rhs, 0, y_.get());
     CVodeSetUserData(memory_, user_data());
@@ -98,6 +98,7 @@ class Bdf final : public Cvode {
  private:
   // Where the starter does not meet them (started.cpp) the scene is stiff, and the history is worth keeping.
   bool restarts_at_jumps() const override { return false; }
+  double finest_tolerance() const override { return tolerance_of_bdf(bdf_share, least_tolerance); }
 
   // As with IDA (ida.cpp): the projected state's difference from the prediction is handed on as the step's correction.
   // CVODE's own hook moves the state alone, not the derivatives of the history.
@@ -140,6 +141,7 @@ class Adams final : public Cvode {
   // Derivatives carried across a jump spoil many steps: on the four-bar with a new torque every millisecond and no
   // starter, tolerance 1e-8, errors of 1e4 times the tolerance instead of some hundred times, for as much work.
   bool restarts_at_jumps() const override { return true; }
+  double finest_tolerance() const override { return least_tolerance / adams_share; }
 
   bool finish(double t) override {
     if (!system_.project(t, sundials::data(y_.get()))) return false;

@@ -75,6 +75,10 @@ class Ida final : public SundialsIntegrator {
   }
 
  private:
+  double finest_tolerance() const override {
+    return dae_ ? least_dae_tolerance / dae_share : tolerance_of_bdf(local_share, least_tolerance);
+  }
+
   void prepare_dae() {
     IDAWFtolerances(memory_, weigh);
     IDASetNonlinConvCoef(memory_, newton_share);
@@ -87,11 +91,11 @@ class Ida final : public SundialsIntegrator {
   // A jump of the inputs that the starter does not meet (started.cpp) does not begin anew: the scene is stiff, and the
   // history is worth keeping.
   void prepare(double end) override {
-    if (fresh_) begin(end);
+    if (fresh_) begin_anew(end);
     IDASetStopTime(memory_, end);
   }
 
-  void begin(double end) override {
+  void begin_anew(double end) {
     double* x = sundials::data(y_.get());
     double* xdot = sundials::data(ydot_.get());
     if (!system_.consistent(t_, x, xdot)) refuse(system_, t_, x, "the accelerations are not finite");

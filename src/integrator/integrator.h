@@ -41,6 +41,9 @@ class Integrator {
   // reached, of which y is the state.
   virtual double advance_some(double end, double* y, long /*most*/) { return advance(end, y); }
 
+  // Steps are no finer with a tolerance below this. 0: they always are.
+  virtual double finest_tolerance() const { return 0; }
+
   // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
   // advance(). Where it stands afterwards is not said.
   virtual void warm_up(double end, double* y) { advance_some(end, y, 2); }

@@ -49,6 +49,7 @@ class Started final : public Integrator {
   }
 
   void inputs_changed() override { jumped_ = true; }
+  double finest_tolerance() const override { return multistep_->finest_tolerance(); }
 
   void warm_up(double end, double* y) override {
     for (Integrator* method : {erk_.get(), multistep_.get()}) {

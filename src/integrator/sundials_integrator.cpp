@@ -6,8 +6,14 @@
 #include <limits>
 
 namespace gelenk {
-double bdf_tolerance(double share, double tolerance, bool dae) {
-  return share * tolerance * (dae ? 1 : std::pow(std::min(1.0, tolerance / 1e-4), 0.2));
+
+double bdf_tolerance(double share, double tolerance) {
+  return share * tolerance * std::pow(std::min(1.0, tolerance / 1e-4), 0.2);
+}
+
+double tolerance_of_bdf(double share, double error) {
+  const double whole = error / share;
+  return whole > 1e-4 ? whole : 1e-4 * std::pow(whole / 1e-4, 1 / 1.2);
 }
 
 SundialsIntegrator::SundialsIntegrator(Equations& system) : system_(system), n_(system.size()), y_(new_vector()) {}

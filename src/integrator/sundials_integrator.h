@@ -13,7 +13,9 @@ namespace gelenk {
 // For the error of one step of BDF: this share of the tolerance at 1e-4, and less below. Steps of order 5 become
 // shorter as its sixth root and more in number, and what they leave adds up: a fixed share of it would leave errors as
 // tolerance^(5/6), at 1e-8 six times as many tolerances as at 1e-4.
-double bdf_tolerance(double share, double tolerance, bool dae = false);
+double bdf_tolerance(double share, double tolerance);
+// The tolerance of which that is the error of one step.
+double tolerance_of_bdf(double share, double error);
 
 class SundialsIntegrator : public Integrator {
  public:

@@ -54,7 +54,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
 void Island::start_integrator(double tolerance) {
   if (mechanism().nv == 0) return;
   IntegratorOptions options;
-  options.tolerance = tolerance > 0 ? tolerance : scene_.experiment.tolerance;
+  options.tolerance = tolerance;
   options.step = step_of(scene_);
   options.rho_inf = scene_.solver.rho_inf;
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);

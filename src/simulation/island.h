@@ -66,6 +66,7 @@ class Island {
   // Of all coordinate rows, where it stands (Targets::derivatives).
   std::vector<MotionLaw::Derivatives> targets() const;
 
+  double finest_tolerance() const { return integrator_ ? integrator_->finest_tolerance() : 0; }
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
   long singular_positions() const { return equations_->passages().count(); }

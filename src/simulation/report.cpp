@@ -261,6 +261,12 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
          "does not: the body would be where its force is zero, at any speed)";
 }
 
+std::string describe_finest(const std::string& integrator, double tolerance, double finest) {
+  return "solver.tolerance: " + text::rounded(tolerance) + " is below what '" + integrator +
+         "' can keep, whose steps meet rounding: errors will be those of " + text::rounded(finest) +
+         "; 'erk' and 'dirk' take finer steps";
+}
+
 std::string describe_singular_position(double t) {
   return "t = " + text::rounded(t) + " s: passed a singular position, where loops could go on by another branch";
 }

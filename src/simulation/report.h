@@ -47,6 +47,9 @@ std::string describe_equal_assemblies(const Scene& scene, const std::string& coo
 // The ends of a spring meet at the start.
 std::string describe_collapsed_spring(const Scene& scene, int force);
 
+// A tolerance that the integrator's steps are too coarse for, whatever is asked of them.
+std::string describe_finest(const std::string& integrator, double tolerance, double finest);
+
 // A step that was refused.
 // The step to `end` was left at t, its evaluations spent.
 std::string describe_cut_short(double t, double end, long evaluations);

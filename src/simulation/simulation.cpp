@@ -120,24 +120,37 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-void Simulation::initialize(double time, double tolerance) {
+void Simulation::assemble(double time) {
   Impl& s = *impl_;
   if (!std::isfinite(time)) throw UsageError("the start time is not a finite number");
   s.time = time;
   s.u.start(time);
-  s.initialized = false;
+  s.initialized = s.runs = false;
   s.prepared = prepare(s.scene, s.reduced, time, s.u);
   s.make_islands();
   s.find_independent();
   if (s.scene.solver.start == "equilibrium") s.settle();
-  for (const auto& island : s.islands) island->start_integrator(tolerance);
-  if (std::ranges::any_of(s.islands, &Island::may_have_past)) s.log.make_room();
   s.initialized = true;
+}
+
+void Simulation::initialize(double time, double tolerance) {
+  assemble(time);
+  Impl& s = *impl_;
+  s.initialized = false;
+  const double wanted = tolerance > 0 ? tolerance : s.scene.experiment.tolerance;
+  double finest = 0;
+  for (const auto& island : s.islands) {
+    island->start_integrator(wanted);
+    finest = std::max(finest, island->finest_tolerance());
+  }
+  if (wanted < finest) s.prepared.warnings.push_back(describe_finest(s.scene.solver.integrator, wanted, finest));
+  if (std::ranges::any_of(s.islands, &Island::may_have_past)) s.log.make_room();
+  s.initialized = s.runs = true;
 }
 
 void Simulation::step_to(double end) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("a step before initialize()");
+  if (!s.runs) throw UsageError("a step before initialize()");
   if (!std::isfinite(end)) throw UsageError("the end of a step is not a finite number");
   if (end < s.time) {
     throw UsageError(at_time(end) + "lies before the plant's time " + std::to_string(s.time) + " s");
@@ -149,7 +162,7 @@ void Simulation::step_to(double end) {
 
 void Simulation::exchange(Record& record) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("a record of a run before initialize()");
+  if (!s.runs) throw UsageError("a record of a run before initialize()");
   record.exchange(s.time);
   s.u.exchange(record);
   for (const auto& island : s.islands) island->exchange(record);

@@ -68,6 +68,8 @@ class Simulation {
   // Closes the loops at the start values and makes everything consistent at `time` [s].
   // tolerance: overrides the scene's when positive. Throws AssemblyError.
   void initialize(double time = 0, double tolerance = 0);
+  // Likewise without an integrator: outputs, states and derivatives at the start are to be had, steps are not.
+  void assemble(double time = 0);
 
   // Advances to `end` [s] under the inputs set now, which follow the derivatives set with them. Inputs may differ from
   // those of the step before.

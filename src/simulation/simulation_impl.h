@@ -58,6 +58,7 @@ struct Simulation::Impl {
   double still_energy = 0;         // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
+  bool runs = false;       // with integrators
   InputLog log;            // for islands with a history
   bool cut_short = false;  // the last advance was
   IndependentOutputs independent;

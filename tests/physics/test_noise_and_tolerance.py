@@ -7,11 +7,14 @@ estimates are none.
 from __future__ import annotations
 
 import math
+import re
+import warnings
 
 import numpy as np
 import pytest
 from mechanisms import Scene, body, frame, joint, scene
 
+import gelenk
 from gelenk.chart.mechanisms import equal_slider_crank, shipped
 
 from .running import Recording, run
@@ -50,6 +53,28 @@ def largest_error(source: Scene, found: Recording, truth: Recording) -> float:
     """Of coordinates and speeds, the unit of each."""
     names = [n for n in found.joint_states(source) if n.split(".")[1][0] not in "azft"]
     return max(float(np.abs(found[n] - truth[n]).max()) for n in names)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "finest"), [("ida", 4e-10), ("cvode", 1e-9), ("cvode-adams", 6.7e-11)]
+)
+def test_a_tolerance_that_rounding_keeps_a_method_from_is_warned_of(integrator: str, finest: float) -> None:
+    """The figures of docs/methods.md, where the test of one step reaches 2e-13."""
+    plant = gelenk.Simulation(shipped("four_bar") | {"solver": {"integrator": integrator}})
+    with warnings.catch_warnings(action="error"):
+        plant.initialize(0.0, 1.1 * finest)
+    with pytest.warns(gelenk.StartWarning, match=f"is below what '{integrator}' can keep") as told:
+        plant.initialize(0.0, 0.9 * finest)
+    named = re.search("errors will be those of ([^;]*);", str(told[0].message))
+    assert named is not None
+    assert math.isclose(float(named[1]), finest, rel_tol=0.05), "the figures are rounded"
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "rk4"])
+def test_other_methods_take_any_tolerance(integrator: str) -> None:
+    plant = gelenk.Simulation(shipped("four_bar") | {"solver": {"integrator": integrator}})
+    with warnings.catch_warnings(action="error"):
+        plant.initialize(0.0, 1e-13)
 
 
 @pytest.mark.parametrize("integrator", BDF)

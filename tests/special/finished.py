@@ -6,6 +6,7 @@ from __future__ import annotations
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +31,15 @@ def finished(name: str, source: Scene) -> Iterator[tuple[str, list[Verdict]]]:
     if not options:
         return
     with tempfile.TemporaryDirectory() as folder:
-        first = started(source, options[0])
-        fmu = gelenk.export_fmu(gelenk.load(first), Path(folder) / "Plant.fmu")
-        for words, angles in ((", ".join(f"{j} at {x:.3g}" for j, x in a.items()), a) for a in options[1:]):
-            yield f"{name}, FMU: {words}", list(_compared(fmu, started(first, angles), angles))
+        for at_first in options:
+            first = started(source, at_first)
+            fmu = attempt(partial(gelenk.export_fmu, first, Path(folder) / "Plant.fmu"))
+            if isinstance(fmu, str):
+                continue  # the loops cannot be closed there
+            for angles in (a for a in options if a is not at_first):
+                words = ", ".join(f"{joint} at {x:.3g}" for joint, x in angles.items())
+                yield f"{name}, FMU: {words}", list(_compared(fmu, started(first, angles), angles))
+            return
 
 
 def _compared(fmu: Path, source: Scene, angles: Mapping[str, float]) -> Iterator[Verdict]:
