@@ -47,6 +47,20 @@ def chain(n: int) -> Scene:
     return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
 
 
+def equipped(n: int) -> Scene:
+    """The chain with a motor at each joint, a frame sensor and a spring on each body, and all parameters."""
+    springs = {
+        f"f{i}": {"type": "spring_damper", "from": {"body": f"b{i}"}, "to": "ground", "stiffness": 1.0}
+        for i in range(n)
+    }
+    return chain(n) | {
+        "motors": {f"m{i}": {"joint": f"j{i}"} for i in range(n)},
+        "sensors": {f"s{i}": {"type": "frame", "body": f"b{i}"} for i in range(n)},
+        "forces": springs,
+        "parameters": "all",
+    }
+
+
 def tree(n: int) -> Scene:
     """Each rod carries two."""
     joints = {
@@ -85,6 +99,7 @@ def scene(bodies: Scene, joints: Scene) -> Scene:
 
 FAMILIES: dict[str, Callable[[int], Scene]] = {
     "chain": chain,
+    "equipped chain": equipped,
     "tree": tree,
     "islands": islands,
     "N-four-bar": n_four_bar,

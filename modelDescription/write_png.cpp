@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "modelDescription/picture.h"
 #include "modelDescription/zip.h"
@@ -57,23 +59,43 @@ class Canvas {
   }
 
  private:
-  void paint(const Shape& shape) {
-    Vector2d least = shape.points.front();
+  // Pixels, the end not included.
+  struct Box {
+    int left, top, right, bottom;
+    bool contains(int x, int y) const { return left <= x && x < right && top <= y && y < bottom; }
+  };
+
+  Box around(std::span<const Vector2d> points, double reach) const {
+    Vector2d least = points.front();
     Vector2d most = least;
-    for (const Vector2d& p : shape.points) {
+    for (const Vector2d& p : points) {
       least = least.cwiseMin(p);
       most = most.cwiseMax(p);
     }
-    const double reach = shape.radius + shape.width + 1;
     const auto clipped = [](double x, int end) {
       return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(end)));
     };
-    for (int y = clipped(least.y() - reach, height_); y < clipped(most.y() + reach + 1, height_); ++y) {
-      for (int x = clipped(least.x() - reach, width_); x < clipped(most.x() + reach + 1, width_); ++x) {
-        const double d = distance(shape, {x + 0.5, y + 0.5});
-        if (shape.kind != Shape::Kind::line) blend(x, y, shape.fill, 0.5 - d);
-        blend(x, y, shape.edge, 0.5 + shape.width / 2 - std::abs(d));
+    return {clipped(least.x() - reach, width_), clipped(least.y() - reach, height_),
+            clipped(most.x() + reach + 1, width_), clipped(most.y() + reach + 1, height_)};
+  }
+
+  // Of a line only what lies about its pieces is looked at: a long one goes slantwise through much that is empty.
+  void paint(const Shape& shape) {
+    const double reach = shape.radius + shape.width + 1;
+    const bool line = shape.kind == Shape::Kind::line;
+    const std::span<const Vector2d> points = shape.points;
+    std::vector<Box> done;
+    for (std::size_t i = 0; i + 1 < (line ? points.size() : 2); ++i) {
+      const Box box = around(line ? points.subspan(i, 2) : points, reach);
+      for (int y = box.top; y < box.bottom; ++y) {
+        for (int x = box.left; x < box.right; ++x) {
+          if (std::ranges::any_of(done, [&](const Box& b) { return b.contains(x, y); })) continue;
+          const double d = distance(shape, {x + 0.5, y + 0.5});
+          if (!line) blend(x, y, shape.fill, 0.5 - d);
+          blend(x, y, shape.edge, 0.5 + shape.width / 2 - std::abs(d));
+        }
       }
+      done.push_back(box);
     }
   }
 

@@ -19,7 +19,7 @@ SMALL, LARGE = 1024, 4096
 MOST_MEMORY = 500  # MB
 
 
-@pytest.mark.parametrize("family", ["chain", "tree", "N-four-bar"])
+@pytest.mark.parametrize("family", ["chain", "equipped chain", "tree", "N-four-bar"])
 def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
     """Processor time, the least of two processes each: an N-four-bar's initialising grew as the cube."""
     small, large = (

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 
 #include "joint/registry.h"
 #include "scene/check.h"
@@ -111,14 +113,17 @@ std::vector<Settable> settables(const Scene& scene) {
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   if (scene.parameters.empty()) return;
   const std::vector<Settable> all = settables(scene);
+  std::unordered_map<std::string_view, const Settable*> named;
+  for (const Settable& settable : all) named.emplace(settable.path, &settable);
   std::set<std::string> seen;
   for (std::size_t i = 0; i < scene.parameters.size(); ++i) {
     const std::string& parameter = scene.parameters[i];
     const std::string path = "parameters[" + std::to_string(i + 1) + "]";
     const Split given = split(parameter);
     if (parameter.empty() || doubtful.contains(given.base.substr(0, given.base.find('.')))) continue;
-    const auto found = std::ranges::find(all, given.base, &Settable::path);
-    if (found == all.end()) {
+    const auto entry = named.find(given.base);
+    const Settable* found = entry == named.end() ? nullptr : entry->second;
+    if (found == nullptr) {
       faults.add(path, text::quoted(parameter), expected(given, all));
     } else if (!given.index.empty() && found->size == 1) {
       faults.add(path, text::quoted(parameter), found->path + ", which is one number");

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "formulation/formulation.h"
@@ -193,15 +195,19 @@ void add_solver(std::vector<Parameter>& table) {
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {
   const std::vector<Property> known = scene_properties(scene);
+  std::unordered_map<std::string_view, std::vector<const Property*>> named;
+  for (const Property& property : known) {
+    named[property.path].push_back(&property);
+    if (property.element_path != property.path) named[property.element_path].push_back(&property);
+  }
   for (const std::string& path : scene.parameters) {
     if (path.substr(0, path.find('[')) == "gravity") continue;  // always there
-    bool found = false;
-    for (const Property& property : known) {
-      if (property.path != path && property.element_path != path) continue;
-      table.push_back(property.parameter);
-      found = true;
+    const auto found = named.find(path);
+    if (found != named.end()) {
+      for (const Property* property : found->second) table.push_back(property->parameter);
+    } else {
+      throw SceneError({"parameters: found '" + path + "', expected the path of a number that can be set"});
     }
-    if (!found) throw SceneError({"parameters: found '" + path + "', expected the path of a number that can be set"});
   }
 }
 

@@ -118,8 +118,9 @@ class Comparison:
         plant = self.base.plant
         yield from self.compared_starts()
         if not isinstance(plant, str):
-            if self.base.warned and self.rank is not None and not self.singular and self.rank[1] > ALARM:
-                yield Verdict("warning", "ALARM", self.base.warned)
+            told = self.base.warned_of_singularity
+            if told and self.rank is not None and not self.singular and self.rank[1] > ALARM:
+                yield Verdict("warning", "ALARM", told)
             yield from self.assemblies()
             yield from self.second_opinion()
             yield from self.linear_models()

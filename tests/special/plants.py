@@ -54,8 +54,17 @@ class Start:
 
     @cached_property
     def warned(self) -> str:
-        """What the start says of a singular position; empty if nothing."""
-        return "" if isinstance(self.plant, str) else " ".join(self.plant._core.start_warnings())
+        """What the start is warned of; empty if nothing."""
+        return " ".join(self._warnings)
+
+    @property
+    def warned_of_singularity(self) -> str:
+        """Likewise, without words on loops that can be closed in two ways."""
+        return " ".join(w for w in self._warnings if "equally near" not in w)
+
+    @property
+    def _warnings(self) -> list[str]:
+        return [] if isinstance(self.plant, str) else self.plant._core.start_warnings()
 
     @cached_property
     def values(self) -> dict[str, float]:

@@ -133,7 +133,10 @@ class Sketch:
         in_world = [np.asarray(a, float) / np.linalg.norm(np.asarray(a, float)) for a in axes]
         R_F = R_P
         if kind == "planar":  # its normal is z of F
-            x = np.cross([0.3, 0.5, 0.8], in_world[0]) if abs(in_world[0][2]) < 0.999 else R_P[:, 0]
+            x = np.cross([0.3, 0.5, 0.8], in_world[0])
+            if abs(in_world[0][2]) >= 0.999:  # most parents turn about the world's z
+                level = R_P - np.outer(in_world[0], in_world[0] @ R_P)
+                x = level[:, 0] if np.linalg.norm(level[:, 0]) > 0.1 else level[:, 1]
             x = x / np.linalg.norm(x)
             R_F = np.column_stack([x, np.cross(in_world[0], x), in_world[0]])
         if q is None:
