@@ -12,7 +12,7 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(scene|modelDescription|mechanism)/[^/]*$|/simulation/(inspection|parameters|preparation|properties|report|signals)\\.cpp$|/dynamics/extended_kernels\\.cpp$")
+  "/(scene|modelDescription|mechanism)/[^/]*$|/simulation/(inertia|inspection|parameters|preparation|properties|report)\\.cpp$|/dynamics/extended_kernels\\.cpp$")
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 gelenk_harden(${small})

@@ -7,7 +7,8 @@
 
 #include "joint/registry.h"
 #include "modelDescription/units.h"
-#include "simulation/signals.h"
+#include "scene/signals.h"
+#include "scene/wanted_outputs.h"
 
 namespace gelenk {
 namespace {
@@ -71,6 +72,18 @@ Catalogue::Catalogue(const Scene& scene) {
   }
   add_diagnostics();
   add_sizes(scene);
+  if (!scene.outputs.empty()) hide_unwanted(scene);
+}
+
+void Catalogue::hide_unwanted(const Scene& scene) {
+  const std::vector<bool> wanted = wanted_outputs(scene);
+  for (Variable& v : variables_) {
+    const bool shown =
+        v.source == Source::output ? wanted[static_cast<std::size_t>(v.index)] : v.source != Source::rate;
+    if (shown) continue;
+    v.hidden = true;
+    v.causality = Causality::local;
+  }
 }
 
 void Catalogue::add_inputs(const Scene& scene) {
@@ -149,6 +162,7 @@ void Catalogue::add_sizes(const Scene& scene) {
 
 void Catalogue::declare(int state, int derivative) {
   variables_[static_cast<std::size_t>(derivative)].derivative_of = state;
+  for (const int shown : {state, derivative}) variables_[static_cast<std::size_t>(shown)].hidden = false;
   states_.push_back({state, derivative});
 }
 

@@ -42,6 +42,7 @@ struct Variable {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   double nominal = 0;      // the size to expect; 0: not known
+  bool hidden = false;     // an output that is not wanted, and no state or derivative of one: not in the description
   int derivative_of = -1;  // index of the variable whose time derivative this is, where it is a state
 };
 
@@ -62,7 +63,8 @@ class Catalogue {
   // Of a scene that was read and checked: its names are all different.
   explicit Catalogue(const Scene& scene);
 
-  // In this order: inputs, outputs, parameters, rates, diagnostics. A variable's value reference is its index.
+  // In this order: inputs, outputs, parameters, rates, diagnostics; those that are hidden, too. A variable's value
+  // reference is its index.
   const std::vector<Variable>& variables() const { return variables_; }
   const Variable* find(unsigned value_reference) const {
     return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
@@ -75,7 +77,8 @@ class Catalogue {
   int first_output(int joint) const { return first_output_[static_cast<std::size_t>(joint)]; }
 
   // Declares these as states (Simulation::independent): of a coordinate its rate is the derivative, of a speed the
-  // acceleration.
+  // acceleration. Of those that are not wanted, all are in the description, too, though not as outputs: a linear model
+  // takes them all.
   void declare_states(const IndependentOutputs& independent);
   const std::vector<State>& states() const { return states_; }
 
@@ -86,6 +89,7 @@ class Catalogue {
   void add_diagnostics();
   void add_sizes(const Scene& scene);
   void declare(int state, int derivative);
+  void hide_unwanted(const Scene& scene);
   int output_variable(int output) const { return outputs_begin_ + output; }
 
   std::vector<Variable> variables_;

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "mechanism/wanted_part.h"
 #include "modelDescription/catalogue.h"
 #include "modelDescription/dependencies.h"
 #include "modelDescription/file_name.h"
@@ -105,7 +106,8 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
                 const fs::path& licenses) {
   std::vector<Binary> binaries;
   for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
-  const std::string json = write_scene_json(scene);
+  const WantedPart part = wanted_part(scene);
+  const std::string json = write_scene_json(part.scene);
   const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
   Catalogue catalogue(carried);
   Simulation simulation(carried);
@@ -123,7 +125,7 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
     zip.add("binaries/" + binary.platform + "/" + facts.model_identifier + binary.ending, binary.content, true);
   }
   zip.add("resources/scene.json", json);
-  zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture));
+  zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture, part.told()));
   if (!licenses.empty()) {
     add_licenses(zip, licenses);
     std::error_code none;

@@ -34,15 +34,20 @@ std::string range_text(const Variable& v) {
   return (bounded_below ? text::number(v.min) + " …" : "…") + (bounded_above ? " " + text::number(v.max) : "");
 }
 
-void add_table(std::string& page, const char* heading, Causality causality, const Catalogue& catalogue) {
+void add_table(std::string& page, const char* heading, Causality causality, const Catalogue& catalogue,
+               bool of_joints = false) {
   const auto& variables = catalogue.variables();
-  if (std::ranges::find(variables, causality, &Variable::causality) == variables.end()) return;
+  const auto belongs = [&](const Variable& v) {
+    const bool of_joint = v.causality == Causality::local && v.source == Source::output;
+    return !v.hidden && v.causality == causality && of_joint == of_joints;
+  };
+  if (std::ranges::none_of(variables, belongs)) return;
   const bool settable = causality == Causality::input || causality == Causality::parameter;
   page += std::string("<h2>") + heading + "</h2>\n<table>\n<tr><th>name</th><th>unit</th>";
   page += settable ? "<th>start</th><th>allowed</th>" : "";
   page += "<th>meaning</th></tr>\n";
   for (const Variable& v : variables) {
-    if (v.causality != causality) continue;
+    if (!belongs(v)) continue;
     page += "<tr><td>" + escaped(v.name) + "</td><td>" + escaped(v.unit == "1" ? "" : v.unit) + "</td>";
     if (settable) {
       page += "<td>" + escaped(start_text(v, catalogue)) + "</td><td>" + escaped(range_text(v)) + "</td>";
@@ -86,7 +91,8 @@ void add_reductions(std::string& page, const Inspection& report) {
 
 }  // namespace
 
-std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture) {
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture,
+                                const std::string& left_out) {
   const Scene& scene = simulation.scene();
   const ModelSize& size = simulation.size();
   const std::string name = escaped(scene.name);
@@ -110,9 +116,11 @@ std::string write_documentation(Simulation& simulation, const Catalogue& catalog
       "<figure>\n" + write_svg(picture) + "<figcaption>At the start. Red joints are driven.</figcaption>\n</figure>\n";
   add_table(page, "Inputs", Causality::input, catalogue);
   add_table(page, "Outputs", Causality::output, catalogue);
+  add_table(page, "States that are no outputs, and their derivatives", Causality::local, catalogue, true);
   add_table(page, "Parameters", Causality::parameter, catalogue);
   add_table(page, "Diagnostics", Causality::local, catalogue);
-  add_reductions(page, inspect(simulation));
+  if (!left_out.empty()) page += "<p>Of the scene it was made of was " + escaped(left_out) + ".</p>\n";
+  add_reductions(page, inspect(simulation, scene));
   page += "<p>Made by Gelenk " + escaped(gelenk_version()) +
           ". The scene is in <code>resources/scene.json</code>, the licences of what the runtime contains are in "
           "<a href=\"licenses/\">licenses</a>.</p>\n</body>\n</html>\n";

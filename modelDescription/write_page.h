@@ -10,7 +10,9 @@
 
 namespace gelenk {
 
-// simulation: of the same scene, assembled at its start values.
-std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture);
+// simulation: of the same scene, assembled at its start values. left_out: what no wanted output depends on, as a
+// sentence.
+std::string write_documentation(Simulation& simulation, const Catalogue& catalogue, const Picture& picture,
+                                const std::string& left_out);
 
 }  // namespace gelenk

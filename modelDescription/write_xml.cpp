@@ -94,7 +94,7 @@ void write_unit(Writer& w, const std::string& unit) {
 void write_units(Writer& w, const Catalogue& catalogue) {
   std::set<std::string> used;
   for (const Variable& v : catalogue.variables()) {
-    if (!v.unit.empty()) used.insert(v.unit);
+    if (!v.unit.empty() && !v.hidden) used.insert(v.unit);
   }
   w.open(1, "UnitDefinitions").inside();
   for (const std::string& unit : used) write_unit(w, unit);
@@ -105,7 +105,8 @@ void write_types(Writer& w, const Catalogue& catalogue) {
   std::set<std::string> written;
   w.open(1, "TypeDefinitions").inside();
   for (const Variable& v : catalogue.variables()) {
-    if (v.type != ParameterType::real || v.type_name.empty() || !written.insert(v.type_name).second) continue;
+    if (v.hidden || v.type != ParameterType::real || v.type_name.empty() || !written.insert(v.type_name).second)
+      continue;
     w.open(2, "SimpleType").attribute("name", v.type_name).inside();
     w.open(3, "Real").attribute("quantity", quantity(v.unit)).attribute("unit", v.unit);
     if (!v.display_unit.empty()) w.attribute("displayUnit", v.display_unit);
@@ -151,7 +152,17 @@ void write_log_categories(Writer& w) {
   w.close(1, "LogCategories");
 }
 
-void write_type(Writer& w, const Variable& v) {
+// By variable: its place in the description, from 1, as FMI counts; 0: hidden.
+using PlacesInFile = std::vector<int>;
+
+PlacesInFile places_in_file(const Catalogue& catalogue) {
+  PlacesInFile out;
+  int next = 1;
+  for (const Variable& v : catalogue.variables()) out.push_back(v.hidden ? 0 : next++);
+  return out;
+}
+
+void write_type(Writer& w, const Variable& v, const PlacesInFile& places) {
   switch (v.type) {
     case ParameterType::real:
       w.open(3, "Real");
@@ -162,7 +173,7 @@ void write_type(Writer& w, const Variable& v) {
       if (std::isfinite(v.max)) w.attribute("max", v.max);
       if (v.nominal > 0) w.attribute("nominal", v.nominal);
       if (v.start) w.attribute("start", *v.start);
-      if (v.derivative_of >= 0) w.attribute("derivative", v.derivative_of + 1);
+      if (v.derivative_of >= 0) w.attribute("derivative", places[static_cast<std::size_t>(v.derivative_of)]);
       break;
     case ParameterType::boolean:
       w.open(3, "Boolean").attribute("start", v.start == 1.0);
@@ -176,14 +187,14 @@ void write_type(Writer& w, const Variable& v) {
   w.end();
 }
 
-void write_variable(Writer& w, const Variable& v, std::size_t value_reference) {
+void write_variable(Writer& w, const Variable& v, std::size_t value_reference, const PlacesInFile& places) {
   w.open(2, "ScalarVariable").attribute("name", v.name);
   w.attribute("valueReference", static_cast<int>(value_reference)).attribute("description", v.description);
   w.attribute("causality", name_of(v.causality)).attribute("variability", name_of(v.variability));
   if (v.causality == Causality::parameter) w.attribute("initial", "exact");
   if (v.causality == Causality::output || v.causality == Causality::local) w.attribute("initial", "calculated");
   w.inside();
-  write_type(w, v);
+  write_type(w, v, places);
   w.close(2, "ScalarVariable");
 }
 
@@ -202,18 +213,19 @@ bool lists_are_readable(const std::set<int>& indices, const std::vector<Knowns>&
   return sum <= most_listed;
 }
 
-// Indices from 1, as FMI counts. dependencies: by variable. all: how many knowns make up a list that can be left out.
+// dependencies: by variable. all: how many knowns make up a list that can be left out.
 void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices,
-                    const std::vector<Knowns>& dependencies, std::size_t all) {
+                    const std::vector<Knowns>& dependencies, std::size_t all, const PlacesInFile& places) {
   if (indices.empty()) return;
   const std::size_t longest = lists_are_readable(indices, dependencies, all) ? std::max(all - 1, few) : few;
   w.open(2, element).inside();
   for (const int index : indices) {
-    w.open(3, "Unknown").attribute("index", index + 1);
+    w.open(3, "Unknown").attribute("index", places[static_cast<std::size_t>(index)]);
     const std::vector<int>& on = *dependencies[static_cast<std::size_t>(index)];
     if (on.size() <= longest) {
       std::string text;
-      for (const int known : on) text += (text.empty() ? "" : " ") + std::to_string(known + 1);
+      for (const int known : on)
+        text += (text.empty() ? "" : " ") + std::to_string(places[static_cast<std::size_t>(known)]);
       w.attribute("dependencies", text);
     }
     w.end();
@@ -221,7 +233,8 @@ void write_unknowns(Writer& w, std::string_view element, const std::set<int>& in
   w.close(2, element);
 }
 
-void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Knowns>& dependencies) {
+void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Knowns>& dependencies,
+                     const PlacesInFile& places) {
   std::set<int> outputs;
   std::size_t knowns = catalogue.states().size();
   for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
@@ -235,10 +248,10 @@ void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Kn
     initial.insert({state.variable, state.derivative});
   }
   w.open(1, "ModelStructure").inside();
-  write_unknowns(w, "Outputs", outputs, dependencies, knowns);
-  write_unknowns(w, "Derivatives", derivatives, dependencies, knowns);
+  write_unknowns(w, "Outputs", outputs, dependencies, knowns, places);
+  write_unknowns(w, "Derivatives", derivatives, dependencies, knowns, places);
   // Of the parameters almost all act on everything, so these lists would only be long.
-  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalogue, dependencies), few + 1);
+  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalogue, dependencies), few + 1, places);
   w.close(1, "ModelStructure");
 }
 
@@ -283,9 +296,12 @@ std::string write_model_description(const Scene& scene, const Catalogue& catalog
   w.attribute("tolerance", scene.experiment.tolerance).attribute("stepSize", scene.experiment.step).end();
   write_annotations(w, scene, catalogue, facts);
   w.open(1, "ModelVariables").inside();
-  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) write_variable(w, catalogue.variables()[i], i);
+  const PlacesInFile places = places_in_file(catalogue);
+  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
+    if (!catalogue.variables()[i].hidden) write_variable(w, catalogue.variables()[i], i, places);
+  }
   w.close(1, "ModelVariables");
-  write_structure(w, catalogue, dependencies);
+  write_structure(w, catalogue, dependencies, places);
   w.close(0, "fmiModelDescription");
   return w.take();
 }

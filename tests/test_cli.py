@@ -127,6 +127,7 @@ def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
     sizes = {"bodies", "coordinates", "speeds", "rows", "freedoms", "algebra", "islands", "evaluation"}
     assert set(report) == {
         "name", "described", "reduced", "reductions", "redundant_rows", "undetermined_reactions", "mobility",
+        "left_out",
     }  # fmt: skip
     assert set(report["described"]) == set(report["reduced"]) == sizes
     assert (report["described"]["rows"], report["reduced"]["rows"]) == (5, 2)

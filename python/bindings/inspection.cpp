@@ -29,6 +29,7 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("undetermined_reactions", &Inspection::undetermined_reactions)
       .def_ro("counted_freedoms", &Inspection::counted_freedoms)
       .def_ro("momentary_freedoms", &Inspection::momentary_freedoms)
-      .def_ro("mobility", &Inspection::mobility);
+      .def_ro("mobility", &Inspection::mobility)
+      .def_ro("left_out", &Inspection::left_out, "What no wanted output depends on, as a sentence; empty: nothing.");
   m.attr("reduction_names") = nb::cast(words::reductions);
 }

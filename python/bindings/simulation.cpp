@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "scene/wanted_outputs.h"
 #include "simulation/inspection.h"
 
 namespace nb = nanobind;
@@ -299,6 +300,9 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
       .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
       .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
+      .def_prop_ro(
+          "wanted", [](const Plant& p) { return gelenk::wanted_outputs(p.fixed().scene()); },
+          "By output, whether the scene wants it.")
       .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
       .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
       .def(
@@ -316,8 +320,11 @@ void gelenk::bind_simulation(nb::module_& m) {
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
       .def(
-          "inspect", [](Plant& p) { return p.with([](Simulation& s) { return gelenk::inspect(s); }); },
-          "What the reductions did. After initialize().")
+          "inspect",
+          [](Plant& p, const gelenk::Scene& whole) {
+            return p.with([&](Simulation& s) { return gelenk::inspect(s, whole); });
+          },
+          nb::arg("whole"), "What the reductions did to the scene that it was made of. After initialize().")
       .def("start_warnings", [](Plant& p) { return p.with([](Simulation& s) { return s.start_warnings(); }); })
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
 }

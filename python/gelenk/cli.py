@@ -14,7 +14,7 @@ import gelenk
 from gelenk import cli_points
 from gelenk.branches import STARTS
 from gelenk.chart.cli import app as chart_app
-from gelenk.cli_values import settings_given, table_file
+from gelenk.cli_values import all_listed, settings_given, table_file
 from gelenk.errors import StepError, UsageError
 from gelenk.export import file_name_notes, fmu_file, missing_platforms
 from gelenk.progress import progress_bar
@@ -33,6 +33,10 @@ app.add_typer(chart_app, name="chart")
 Without = Annotated[
     list[str] | None,
     typer.Option("--without", metavar="NAME", help="Leave out a reduction, or `all`; repeatable."),
+]
+Outputs = Annotated[
+    list[str] | None,
+    typer.Option("--outputs", metavar="NAME", help="A wanted output, or a pattern: 'crank.*'; repeatable."),
 ]
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file: .yaml, .yml or .json.")]
 
@@ -63,6 +67,7 @@ def export(
     platforms: Annotated[
         str, typer.Option(metavar="LIST", help="For whom: linux64, win64 or both, with a comma between.")
     ] = "linux64",
+    outputs: Outputs = None,
 ) -> None:
     """Export a scene as an FMU (FMI 2.0 co-simulation); platforms that are missing are told on stderr."""
     wanted = [name.strip() for name in platforms.split(",")]
@@ -70,7 +75,7 @@ def export(
     there = [name for name in wanted if name not in missing]
     loaded = gelenk.load(Path(scene)).without(without or [])
     # With none left, the export says why.
-    out = gelenk.export_fmu(loaded, output or fmu_file(loaded.name), there or wanted)
+    out = gelenk.export_fmu(loaded, output or fmu_file(loaded.name), there or wanted, all_listed(outputs))
     for sentence in [*missing.values(), *file_name_notes(loaded.name, output)]:
         print(sentence, file=sys.stderr)
     print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
@@ -99,10 +104,11 @@ def check(scene: SceneFile) -> None:
 def inspect(
     scene: SceneFile,
     without: Without = None,
+    outputs: Outputs = None,
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """Tell what the model is reduced to, why, and what an evaluation costs with and without."""
-    report = gelenk.inspect(Path(scene), without or [])
+    report = gelenk.inspect(Path(scene), without or [], all_listed(outputs))
     print(json.dumps(report.to_dict(), indent=2) if as_json else report)
 
 
@@ -185,6 +191,7 @@ def simulate(
         ),
     ] = None,
     without: Without = None,
+    outputs: Outputs = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE.csv", help="Result table; - is stdout.")
     ] = None,
@@ -196,7 +203,8 @@ def simulate(
             result = gelenk.simulate(
                 plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator,
                 formulation=formulation, inputs=inputs,
-                parameters=settings_given(settings or []), without=without or [], progress=progress,
+                parameters=settings_given(settings or []), outputs=all_listed(outputs),
+                without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:
         if e.result is not None and output is not None:

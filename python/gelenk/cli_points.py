@@ -12,7 +12,14 @@ from typing import Annotated
 import typer
 
 import gelenk
-from gelenk.cli_values import input_values_given, listed, numbers_given, point_given, settings_given
+from gelenk.cli_values import (
+    all_listed,
+    input_values_given,
+    listed,
+    numbers_given,
+    point_given,
+    settings_given,
+)
 from gelenk.errors import UsageError
 from gelenk.linearization import linear_model
 from gelenk.told import told
@@ -57,7 +64,8 @@ def linearize(
         str | None, typer.Option(metavar="LIST", help="Inputs of the model, commas between; by default all.")
     ] = None,
     outputs: Annotated[
-        str | None, typer.Option(metavar="LIST", help="Outputs of the model; by default all.")
+        list[str] | None,
+        typer.Option(metavar="LIST", help="Outputs of the model, names or patterns; repeatable."),
     ] = None,
     states: States = None,
     settings: Settings = None,
@@ -67,7 +75,7 @@ def linearize(
     """Linear model of a scene or an FMU: states, A, B, C, D; what is no equilibrium is told on stderr."""
     model = linear_model(
         plant, at=point_given(at or []), input_values=input_values_given(given or []), inputs=listed(inputs),
-        outputs=listed(outputs), states=listed(states), parameters=settings_given(settings or []),
+        outputs=all_listed(outputs), states=listed(states), parameters=settings_given(settings or []),
         tolerance=tolerance,
     )  # fmt: skip
     if model.unrest:

@@ -43,6 +43,11 @@ def listed(text: str | None) -> list[str] | None:
     return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
 
 
+def all_listed(texts: list[str] | None) -> list[str] | None:
+    """Names of an option that may be repeated; None where it is not given."""
+    return None if texts is None else [name for text in texts for name in listed(text) or ()]
+
+
 def settings_given(given: list[str], option: str = "--set") -> dict[str, Value]:
     """Values by name. Raises UsageError: not NAME=VALUE, or a name twice."""
     settings: dict[str, Value] = {}

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import resources
 from os import PathLike
 from pathlib import Path
@@ -15,19 +15,27 @@ from gelenk.scene import Source, load
 RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so", "win64": "runtime/win64/gelenk_fmu.dll"}
 
 
-def export_fmu(scene: Source, out: str | PathLike[str], platforms: Sequence[str] = ("linux64",)) -> Path:
+def export_fmu(
+    scene: Source,
+    out: str | PathLike[str],
+    platforms: Sequence[str] = ("linux64",),
+    outputs: Iterable[str] | None = None,
+) -> Path:
     """Writes an FMI 2.0 co-simulation FMU, as a whole or not at all.
 
     Args:
         scene: anything `gelenk.load` takes.
         out: the .fmu file; one that exists is replaced.
         platforms: for whom, `linux64` or `win64`; what is missing is an error (see `missing_platforms`).
+        outputs: names and patterns of the outputs that are wanted; by default the scene's own. What none of
+            them depends on is not in the FMU.
 
     Returns:
         Path: the file written.
 
     Raises:
         SceneError: the scene is wrong.
+        UsageError: an entry of `outputs` that names no output.
         AssemblyError: its loops cannot be closed with the start values.
         ExportError: the file cannot be written, or a platform is unknown or missing.
         OSError: the scene cannot be read.
@@ -41,6 +49,8 @@ def export_fmu(scene: Source, out: str | PathLike[str], platforms: Sequence[str]
         raise ExportError(sentence)
     runtimes = [runtime_library(platform) for platform in dict.fromkeys(platforms)]
     loaded = load(scene)
+    if outputs is not None:
+        loaded = loaded.with_outputs(outputs)
     with loaded.located():
         _core.export_fmu(loaded._core, runtimes, target, licenses())
     return target

@@ -48,6 +48,8 @@ class FmuPlant(Plant):
         self.inputs = self._names("input")
         self.outputs = self._names("output")
         self.parameters = self._names("parameter")
+        self.idle: list[str] = []
+        self.readings = [*self.outputs, *self._names("local")]
         self.units = {name: _unit(v) for name, v in self._variables.items() if v.type == "Real"}
         self.assembly_report = ""
         self._references: list[int] = []

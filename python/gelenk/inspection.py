@@ -45,6 +45,7 @@ class Inspection:
         counted_freedoms: by Gruebler's count: 6 for each body, less what is constrained.
         momentary_freedoms: at the start; more than `freedoms` where it is singular.
         mobility: why the freedoms are not as counted, in sentences.
+        left_out: what no wanted output depends on, in a sentence; empty: nothing.
         cost: of an evaluation as asked for.
         cost_literal: of an evaluation with no reduction.
         cost_without: of an evaluation without the reduction of that name.
@@ -59,6 +60,7 @@ class Inspection:
     counted_freedoms: int
     momentary_freedoms: int
     mobility: tuple[str, ...]
+    left_out: str
     cost: Cost
     cost_literal: Cost
     cost_without: dict[str, Cost]
@@ -83,6 +85,7 @@ class Inspection:
                 }
                 for name, report in self.reductions.items()
             },
+            "left_out": self.left_out,
             "redundant_rows": [{"joint": joint, "forbids": motion} for joint, motion in self.redundant_rows],
             "undetermined_reactions": list(self.undetermined_reactions),
             "mobility": {
@@ -97,25 +100,28 @@ class Inspection:
         return "\n".join(_lines(self))
 
 
-def inspect(scene: Source, without: Iterable[str] = ()) -> Inspection:
+def inspect(scene: Source, without: Iterable[str] = (), outputs: Iterable[str] | None = None) -> Inspection:
     """Reduces a scene, closes its loops, and tells what was done and what it gains.
 
     Args:
         scene: anything `gelenk.load` takes.
         without: names of reductions to leave out, or "all".
+        outputs: names and patterns of the outputs that are wanted; by default the scene's own.
 
     Raises:
         SceneError, AssemblyError: no model can be made of the scene.
-        UsageError: a name that is no reduction.
+        UsageError: a name that is no reduction, an entry of `outputs` that names no output.
 
     >>> report = gelenk.inspect(four_bar)
     >>> report.described.rows, report.reduced.rows, report.freedoms
     (5, 2, 1)
     """
     asked = load(scene).without(without)
+    if outputs is not None:
+        asked = asked.with_outputs(outputs)
     plant = Simulation(asked)
     plant.initialize()
-    found = plant._core.inspect()
+    found = plant._core.inspect(asked._core)
     reductions = {report.name: report for report in found.reductions}
     return Inspection(
         name=asked.name,
@@ -127,6 +133,7 @@ def inspect(scene: Source, without: Iterable[str] = ()) -> Inspection:
         counted_freedoms=found.counted_freedoms,
         momentary_freedoms=found.momentary_freedoms,
         mobility=tuple(found.mobility),
+        left_out=found.left_out,
         cost=Cost(plant._core.evaluation_cost()),
         cost_literal=evaluation_cost(asked, ["all"]),
         cost_without={name: evaluation_cost(asked, [name]) for name in REDUCTIONS},

@@ -17,7 +17,7 @@ from gelenk.errors import GelenkError, OperatingPointWarning, UsageError
 from gelenk.inputs import Inputs, Signal, functions_and_constants, is_motion, set_inputs
 from gelenk.linear import LinearModel
 from gelenk.plant import Plant
-from gelenk.run import configure, grid, open_plant
+from gelenk.run import configure, expanded, grid, open_plant
 from gelenk.scene import Scene, Value, number, unknown
 from gelenk.state_basis import completed, felt, transformed
 
@@ -94,7 +94,9 @@ def linear_model(
     tolerance: float | None = None,
 ) -> LinearModel:
     """The same as `linearize`, as matrices with the point they belong to; warns of nothing."""
-    plant = open_plant(source, ())
+    point = at if isinstance(at, Mapping) else ()
+    named = [[names] if isinstance(names, str) else names or () for names in (inputs, states, point)]
+    plant = open_plant(source, (), outputs, list(itertools.chain(*named)))
     try:
         settings, exact, signals = point_given(plant, at, parameters, input_values)
         configure(plant, settings, tolerance, {})
@@ -117,7 +119,11 @@ def point_given(
     """Parameters to set before the start, states that have to be so afterwards, inputs by time."""
     settings, exact = _settings(plant, at if isinstance(at, Mapping) else {}, parameters or {})
     twice = "twice, as an input and as part of the point"
-    return settings, exact, functions_and_constants(input_values, settings, plant.inputs, twice)
+    return (
+        settings,
+        exact,
+        functions_and_constants(input_values, settings, [*plant.inputs, *plant.idle], twice),
+    )
 
 
 def start_parameter(name: str) -> str:
@@ -139,7 +145,7 @@ def _settings(
     plant: Plant, at: Mapping[str, Value], parameters: Mapping[str, Value]
 ) -> tuple[dict[str, Value], dict[str, float]]:
     """What to set before the start, and what of it has to be so afterwards."""
-    known = [*plant.parameters, *plant.inputs]
+    known = [*plant.parameters, *plant.inputs, *plant.idle]
     settings = dict(parameters)
     exact = {}
     faults = []
@@ -192,7 +198,8 @@ def _assembled(
     states: Names | None,
 ) -> LinearModel:
     chosen_inputs = _selected(inputs, found.inputs, "input")
-    chosen_outputs = _selected(outputs, found.outputs, "output")
+    named = None if outputs is None else expanded(outputs, found.outputs)
+    chosen_outputs = _selected(named, found.outputs, "output")
     minimal = Minimal(found.in_own_units())
     x = chosen_states(minimal, states)
     check_whole(minimal)

@@ -164,11 +164,11 @@ def _model_given(source: Any, arguments: Mapping[str, Any]) -> LinearModel | Non
 def _opened(source: Any) -> tuple[Scene | str, Scene | None, bool]:
     """What is to be linearised, the scene to draw, and whether it is an FMU's."""
     if not (isinstance(source, str | PathLike) and str(source).lower().endswith(".fmu")):
-        scene = load(source)
+        scene = load(source).wanted_part()
         return scene, scene, False
     try:
         with zipfile.ZipFile(source) as archive:
-            return str(source), load(archive.read(SCENE).decode()), True
+            return str(source), load(archive.read(SCENE).decode()).wanted_part(), True
     except (zipfile.BadZipFile, KeyError):  # linear_model says what is the matter; or no FMU of Gelenk
         return str(source), None, True
 

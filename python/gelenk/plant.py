@@ -22,7 +22,11 @@ class Plant(Protocol):
     inputs: list[str]
     outputs: list[str]
     parameters: list[str]
-    units: dict[str, str]  # of all that can be read
+    idle: list[
+        str
+    ]  # inputs of what no wanted output depends on: they may be set, and act on nothing there is
+    readings: list[str]  # outputs, and states and their derivatives that are none
+    units: dict[str, str]  # of all that can be selected
     assembly_report: str
 
     def set_parameters(self, settings: Mapping[str, Value]) -> None:

@@ -137,7 +137,7 @@ class Rest:
         self.hold = {**hold, **(speeds or {})}
         self.conditions = conditions
         known = set(plant.parameters)
-        self._starts = [name for name in plant.outputs if start_parameter(name) in known]
+        self._starts = [name for name in plant.readings if start_parameter(name) in known]
         flags: dict[str, Value] = {
             name: False for name in plant.parameters if name.endswith(".fixed") and self._owned(name)
         }

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
 from gelenk.errors import StepError, UsageError
 from gelenk.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
 from gelenk.plant import Plant
@@ -21,6 +22,7 @@ from gelenk.scene_plant import ScenePlant
 
 PASSAGES = "solver.singular_positions"  # how many were passed
 MOST_NUMBERS = 500_000_000  # of a result, 4 GB
+_DIAGNOSTICS = frozenset(_core.diagnostic_names)
 
 
 def simulate(
@@ -53,7 +55,8 @@ def simulate(
         formulation: how loops meet the integrator: "projection", or a rival of it (docs/scene-format.md).
         inputs: see `gelenk.inputs.functions`; inputs that are not named stay 0.
         parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
-        outputs: names to record; by default all outputs.
+        outputs: names and patterns ("crank.*") to record; by default all outputs. Of a scene, what none of
+            them depends on is left out of the computation; in place of the `outputs` it lists itself.
         without: reductions to leave out, see `gelenk.inspect`; scenes only.
         progress: called after every step with the time reached and `stop` [s].
 
@@ -71,10 +74,11 @@ def simulate(
     >>> bool(result["A.phi"][-1] > result["A.phi"][0])
     True
     """
-    opened = open_plant(plant, without)
+    opened = open_plant(plant, without, outputs)
     try:
         settings = dict(parameters or {})
-        signals = functions_and_constants(inputs, settings, opened.inputs, "as input and as parameter")
+        known = [*opened.inputs, *opened.idle]
+        signals = functions_and_constants(inputs, settings, known, "as input and as parameter")
         configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)
@@ -118,15 +122,49 @@ def grid(stop: float, step: float) -> NDArray[np.float64]:
     return times
 
 
-def open_plant(plant: Scene | str | PathLike[str] | Mapping[str, Any], without: Sequence[str]) -> Plant:
-    """A scene without these reductions, or an FMU. Raises SceneError, UsageError, OSError."""
+def open_plant(
+    plant: Scene | str | PathLike[str] | Mapping[str, Any],
+    without: Sequence[str],
+    outputs: Sequence[str] | None = None,
+    needed: Sequence[str] = (),
+) -> Plant:
+    """A scene without these reductions, or an FMU.
+
+    Args:
+        plant: as of `simulate`.
+        without: names of reductions.
+        outputs: names and patterns; of a scene, what none of them depends on is left out; None: as it says.
+        needed: inputs and joint states that stay, whether an output depends on them or not.
+
+    Raises:
+        SceneError, UsageError, OSError: what is wrong.
+    """
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
         if without:
             raise UsageError("without: reductions of an FMU are settled when it is exported")
         from gelenk.fmu_plant import FmuPlant
 
         return FmuPlant(Path(plant))
-    return ScenePlant(load(plant).without(without))
+    return ScenePlant(_narrowed(load(plant).without(without), outputs, needed))
+
+
+def _narrowed(scene: Scene, outputs: Sequence[str] | None, needed: Sequence[str]) -> Scene:
+    if not outputs:
+        return scene
+    names = list(dict.fromkeys([outputs] if isinstance(outputs, str) else outputs))
+    faults = _core.faults_of_outputs(scene._core, names)
+    unknown_names = any(
+        fault and not set("*?[") & set(name) for name, fault in zip(names, faults, strict=True)
+    )
+    if unknown_names or any(name in _DIAGNOSTICS for name in names):
+        return scene.with_outputs(None)  # as of an FMU, these are told; diagnostics are of all that moves
+    narrow = scene.with_outputs(names)
+    if not needed:
+        return narrow
+    plant = ScenePlant(narrow)
+    there = {*plant.inputs, *plant.readings}
+    everything = {*plant.idle, *ScenePlant(scene.with_outputs(None)).readings}
+    return narrow if all(n in there or n not in everything for n in needed) else scene.with_outputs(None)
 
 
 def configure(
@@ -141,7 +179,7 @@ def configure(
         if f"solver.{word}" in settings:
             raise UsageError(f"solver.{word}: given as {word} and as parameter")
         settings[f"solver.{word}"] = choice
-    known = [*plant.parameters, *plant.inputs]
+    known = [*plant.parameters, *plant.inputs, *plant.idle]
     faults = [unknown(name, "parameter or input", known) for name in settings if name not in plant.parameters]
     if faults:
         raise UsageError("\n".join(faults))
@@ -149,8 +187,21 @@ def configure(
         plant.set_parameters(settings)
 
 
+def expanded(outputs: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Names in the place of patterns, in the order asked for; of patterns those that no other entry names."""
+    entries = [outputs] if isinstance(outputs, str) else list(outputs)
+    exact = set(known)
+    taken = set(entries)
+    names: list[str] = []
+    for entry in entries:
+        met = [] if entry in exact else [name for name in known if _core.meets(entry, name)]
+        names += [name for name in met if name not in taken] if met else [entry]
+        taken.update(met)
+    return names
+
+
 def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
-    names = list(plant.outputs if outputs is None else outputs)
+    names = list(plant.outputs) if outputs is None else expanded(outputs, [*plant.outputs])
     faults = [unknown(name, "output", plant.units) for name in names if name not in plant.units]
     faults += [f"{name}: asked for twice" for name in dict.fromkeys(names) if names.count(name) > 1]
     if faults:

@@ -96,6 +96,51 @@ class Scene:
         _warn([doubt for doubt in _core.find_doubts(changed._core) if doubt not in before])
         return changed
 
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names and patterns of the outputs that are wanted; none: all."""
+        return tuple(self._core.outputs)
+
+    def with_outputs(self, outputs: Iterable[str] | None) -> Scene:
+        """A copy that wants these outputs in place of its own; None: all.
+
+        What none of them depends on is left out wherever the scene is simulated, linearized or exported.
+
+        Args:
+            outputs: names ("A.phi"), or patterns as in shells ("crank.*", "*.w", "tip.r[1-2]").
+
+        Raises:
+            UsageError: none at all, a name that is no output, or a pattern that none meets.
+        """
+        names = [outputs] if isinstance(outputs, str) else list(outputs or [])
+        if outputs is not None and not names:
+            raise UsageError("outputs: found none, expected at least one name or pattern")
+        faults = [f"outputs: {fault}" for fault in _core.faults_of_outputs(self._core, names) if fault]
+        if faults:
+            raise UsageError("\n".join(faults))
+        source = None if self._source is None else {k: v for k, v in self._source.items() if k != "outputs"}
+        if source is not None and names:
+            source["outputs"] = names
+        return Scene(_core.with_outputs(self._core, names), source, self.report, self._places)
+
+    def pruned(self) -> Scene:
+        """A copy without what no wanted output depends on."""
+        if not self.outputs:
+            return self
+        return Scene(_core.wanted_part(self._core), None, self.report, self._places)
+
+    def inputs_beyond(self, known: Iterable[str]) -> list[str]:
+        """The inputs of the whole scene that are not among these."""
+        names = set(known)
+        return [name for name in _core.input_names(self._core) if name not in names]
+
+    def wanted_part(self) -> Scene:
+        """What the wanted outputs depend on, as a scene of its own; it shows all outputs of that part."""
+        if not self.outputs:
+            return self
+        core = _core.with_outputs(_core.wanted_part(self._core), [])
+        return Scene(core, None, self.report, self._places)
+
     def without(self, reductions: Iterable[str]) -> Scene:
         """A copy in which these reductions are switched off; "all" stands for every one.
 

@@ -21,14 +21,18 @@ class ScenePlant(Plant):
     """See `gelenk.plant.Plant`."""
 
     def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-        self._simulation = Simulation(scene)
+        self._whole = scene
+        self._scene = scene.pruned()
+        self._simulation = Simulation(self._scene)
         self.name = scene.name
         self.stop, self.step = scene.stop, scene.step
         self.inputs = [s.name for s in self._simulation.inputs]
         self.outputs = [s.name for s in self._simulation.outputs]
-        signals = (*self._simulation.outputs, *self._simulation.diagnostic_signals)
-        self.units = {s.name: s.unit for s in signals}
+        self.readings = [s.name for s in self._simulation._signals]
+        self.idle = scene.inputs_beyond(self.inputs)
+        diagnostics = self._simulation.diagnostic_signals
+        self._units = {s.name: s.unit for s in (*self._simulation._signals, *diagnostics)}
+        self.units = {name: self._units[name] for name in (*self.outputs, *(s.name for s in diagnostics))}
         self.parameters = list(scene.parameters)
         self.assembly_report = ""
         self._scales = Scales(*scene._core.scales)
@@ -37,7 +41,12 @@ class ScenePlant(Plant):
 
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
-        self._simulation = Simulation(self._scene.with_parameters(settings))
+        kept = self._scene.parameters if self._scene is not self._whole else settings
+        if any(name not in kept for name in settings):
+            self._whole.with_parameters(settings)  # raises what is wrong
+        self._simulation = Simulation(
+            self._scene.with_parameters({name: value for name, value in settings.items() if name in kept})
+        )
 
     @override
     def reset(self) -> None:
@@ -51,7 +60,7 @@ class ScenePlant(Plant):
         input_derivatives: Mapping[str, Sequence[float]] | None = None,
     ) -> None:
         for name, value in inputs.items():
-            self._simulation.set_input(name, value)
+            self.set_input(name, value)
         for name, derivatives in (input_derivatives or {}).items():
             self.set_input_derivatives(name, derivatives)
         self._simulation.initialize(0.0, tolerance or 0.0)
@@ -65,11 +74,12 @@ class ScenePlant(Plant):
 
     @override
     def set_input(self, name: str, value: float) -> None:
-        self._simulation.set_input(name, value)
+        if name not in self.idle:
+            self._simulation.set_input(name, value)
 
     @override
     def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
-        for order, value in enumerate(derivatives, 1):
+        for order, value in enumerate(derivatives if name not in self.idle else (), 1):
             self._simulation.set_input_derivative(name, order, value)
 
     @override
@@ -87,29 +97,30 @@ class ScenePlant(Plant):
     @override
     def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
         plant = self._simulation
+        output = {s.name: i for i, s in enumerate(plant._signals)}
         rates = {}
-        for signal in plant.outputs:
+        for signal in plant._signals:
             of = rate_told(signal.name, signal.description)
-            if of in plant._output:
+            if of in output:
                 rates[of] = signal.name
         try:
             found = plant._core._linearize()
         except UsageError:  # a dead centre for the states taken, maybe not for those wanted
-            taken = [plant._output[name] for name in coordinates if name in plant._output]
-            speeds = [plant._output[rates[name]] for name in coordinates if name in rates]
+            taken = [output[name] for name in coordinates if name in output]
+            speeds = [output[rates[name]] for name in coordinates if name in rates]
             if not taken:
                 raise
             plant._core._take_states(taken, speeds)
             found = plant._core._linearize()
         _, _, C, D, _ = found
-        states = [self.outputs[i] for i in plant._core._states()[0]]
-        ny = len(self.outputs)
-        values = dict(zip(self.outputs, plant.values().tolist(), strict=True))
+        states = [self.readings[i] for i in plant._core._states()[0]]
+        ny = len(self.readings)
+        values = dict(zip(self.readings, plant._core.read_outputs(range(ny)).tolist(), strict=True))
         return Derivatives(
-            tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.outputs),
+            tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.readings),
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
             values | {name: plant.input(name) for name in self.inputs}, rates,
-            self.units | {s.name: s.unit for s in plant.inputs},
+            self._units | {s.name: s.unit for s in plant.inputs},
             plant.size.freedoms + plant.size.free_coordinates, self._scales,
         )  # fmt: skip
 

@@ -33,13 +33,15 @@ class Simulation:
             self._core = _core.Simulation(self.scene._core)
         #: What can be set: tuple of signals with `.name`, `.unit`, `.description`.
         self.inputs = tuple(self._core.inputs)
+        self._signals = tuple(self._core.outputs)  # those that are not wanted, too
+        wanted = self._core.wanted
         #: What can be read, joints first, then sensors: tuple of signals.
-        self.outputs = tuple(self._core.outputs)
+        self.outputs = tuple(s for s, shown in zip(self._signals, wanted, strict=True) if shown)
         #: Health of the run: tuple of signals; their values are in `diagnostics`.
         self.diagnostic_signals = tuple(self._core.diagnostics)
         self._input = {s.name: i for i, s in enumerate(self.inputs)}
         self._diagnostic = {s.name: i for i, s in enumerate(self.diagnostic_signals)}
-        self._output = {s.name: i for i, s in enumerate(self.outputs)}
+        self._output = {s.name: i for i, s in enumerate(self._signals) if wanted[i]}
 
     def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
         """Closes the loops at the start values.
@@ -136,7 +138,7 @@ class Simulation:
             UsageError: a name that does not exist.
         """
         if names is None:
-            return self._core.read_outputs(range(len(self.outputs)))
+            return self._core.read_outputs(list(self._output.values()))
         return self._core.read_outputs([self._index(name, "output", self._output) for name in names])
 
     def diagnostic(self, name: str) -> float:
@@ -151,12 +153,12 @@ class Simulation:
     @property
     def independent_coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates that make up a minimal set of states; known after `initialize`."""
-        return tuple(self.outputs[i].name for i in self._core.independent_coordinates)
+        return tuple(self._signals[i].name for i in self._core.independent_coordinates)
 
     @property
     def independent_speeds(self) -> tuple[str, ...]:
         """Names of the speeds beside them: fewer, where wheels roll; known after `initialize`."""
-        return tuple(self.outputs[i].name for i in self._core.independent_speeds)
+        return tuple(self._signals[i].name for i in self._core.independent_speeds)
 
     def assembly_report(self) -> str:
         """What assembly found, in words: the branch and what it changed."""

@@ -124,7 +124,7 @@ struct Loads {
   double potential_offset = 0;
 };
 
-// Signs and places of the scene's loads, by island. Inputs are numbered as in simulation/signals.h.
+// Signs and places of the scene's loads, by island. Inputs are numbered as in scene/signals.h.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
 
 // Likewise, but over loads of the same scene with other numbers, which costs nothing of the heap then. Keeps to both.

@@ -68,6 +68,9 @@ class BodyNumbers {
 
 // --- the passes, in this order ---
 
+// By joint of the scene: a sensor reads its reaction.
+std::vector<bool> observed_reactions(const Scene& scene);
+
 // Merges welds and joints that stand still (weld.cpp). keep[j]: joint j stays a joint, because its reaction is asked
 // for.
 Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const StandingJoints& standing,
@@ -75,6 +78,18 @@ Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const Stand
 
 // Parts that neither joints nor forces couple, except through the ground (islands.cpp).
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
+
+// The scene's groups, and the parts that are solved apart: its islands, or all of it where they are switched off
+// (islands.cpp).
+struct Parts {
+  Graph whole;
+  std::vector<Graph> islands;
+};
+Parts parts_of(const Scene& scene, const StandingJoints& standing, std::vector<Note>& notes);
+
+// As reduce() in mechanism.h. rods_stay_bodies: by joint of the scene, in its island rods without mass do; empty: in
+// none.
+ReducedScene reduce(const Scene& scene, const StandingJoints& standing, const std::vector<bool>& rods_stay_bodies);
 
 // Joints whose coordinates constraints name (constraints.cpp).
 std::vector<std::string_view> constrained_joints(const Scene& scene);

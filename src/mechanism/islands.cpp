@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of a scene that nothing couples can be solved apart, each with its own steps.
+#include <algorithm>
 #include <string_view>
 #include <unordered_map>
 
@@ -76,6 +77,27 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
     contact.group_a = number[contact.group_a];
     contact.group_b = number[contact.group_b];
     out[p].contacts.push_back(contact);
+  }
+  return out;
+}
+
+std::vector<bool> observed_reactions(const Scene& scene) {
+  std::vector<bool> out(scene.joints.size(), false);
+  for (const Sensor& sensor : scene.sensors) {
+    if (sensor.type != SensorType::reaction) continue;
+    const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
+    out[joint - scene.joints.begin()] = true;
+  }
+  return out;
+}
+
+Parts parts_of(const Scene& scene, const StandingJoints& standing, std::vector<Note>& notes) {
+  Parts out;
+  out.whole = merge_welds(scene, observed_reactions(scene), standing, notes);
+  if (scene.solver.reduces(Reduction::islands)) {
+    out.islands = islands_of(scene, out.whole);
+  } else {
+    out.islands.push_back(out.whole);
   }
   return out;
 }

@@ -21,16 +21,6 @@ const Cut* cut_at_two_heights(const Mechanism& mechanism) {
   return nullptr;
 }
 
-std::vector<bool> observed_reactions(const Scene& scene) {
-  std::vector<bool> out(scene.joints.size(), false);
-  for (const Sensor& sensor : scene.sensors) {
-    if (sensor.type != SensorType::reaction) continue;
-    const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
-    out[joint - scene.joints.begin()] = true;
-  }
-  return out;
-}
-
 std::string joints_in(const Scene& scene, const Graph& graph) {
   std::vector<std::string> names;
   for (const Edge& edge : graph.edges) names.push_back(scene.joints[edge.scene_joint].name);
@@ -40,6 +30,7 @@ std::string joints_in(const Scene& scene, const Graph& graph) {
 struct Reducer {
   const Scene& scene;
   std::vector<bool> observed;
+  const std::vector<bool>& rods_stay_bodies;
   ReducedScene out{};
 
   void note(Reduction pass, const std::string& text, bool changed = true) {
@@ -54,11 +45,17 @@ struct Reducer {
     return {};
   }
 
+  bool may_replace_rods(const Graph& graph) const {
+    const auto stays = [&](const Edge& edge) { return rods_stay_bodies[edge.scene_joint]; };
+    return scene.solver.reduces(Reduction::massless) &&
+           (rods_stay_bodies.empty() || std::ranges::none_of(graph.edges, stays));
+  }
+
   void add_island(const Graph& graph) {
     if (!add_planar(graph)) {
       const int island = static_cast<int>(out.islands.size());
       Graph in_space = graph;
-      if (scene.solver.reduces(Reduction::massless)) replace_rods(scene, false, in_space, out.notes);
+      if (may_replace_rods(graph)) replace_rods(scene, false, in_space, out.notes);
       out.islands.push_back(make_mechanism(scene, in_space, island, std::nullopt, out));
     }
     check_drives(graph);
@@ -83,7 +80,7 @@ struct Reducer {
     Graph aligned = graph;
     align_to_plane(aligned, plane.normals);
     std::vector<Note> rods;
-    if (scene.solver.reduces(Reduction::massless)) replace_rods(scene, true, aligned, rods);
+    if (may_replace_rods(graph)) replace_rods(scene, true, aligned, rods);
     const int island = static_cast<int>(out.islands.size());
     const Eigen::Vector3d& n = plane.normals[0];
     Mechanism mechanism = make_mechanism(scene, aligned, island, n, out);
@@ -131,8 +128,10 @@ struct Reducer {
 
 }  // namespace
 
-ReducedScene reduce(const Scene& scene, const StandingJoints& standing) {
-  Reducer reducer{.scene = scene, .observed = observed_reactions(scene)};
+ReducedScene reduce(const Scene& scene, const StandingJoints& standing) { return reduce(scene, standing, {}); }
+
+ReducedScene reduce(const Scene& scene, const StandingJoints& standing, const std::vector<bool>& rods_stay_bodies) {
+  Reducer reducer{.scene = scene, .observed = observed_reactions(scene), .rods_stay_bodies = rods_stay_bodies};
   ReducedScene& out = reducer.out;
   out.bodies.resize(scene.bodies.size());
   out.joints.resize(scene.joints.size());
@@ -140,9 +139,7 @@ ReducedScene reduce(const Scene& scene, const StandingJoints& standing) {
   if (!standing.empty()) {
     for (std::size_t j = 0; j < standing.size(); ++j) out.joints[j].q = standing[j];
   }
-  const Graph graph = merge_welds(scene, reducer.observed, standing, out.notes);
-  const std::vector<Graph> parts =
-      scene.solver.reduces(Reduction::islands) ? islands_of(scene, graph) : std::vector<Graph>{graph};
+  const auto [graph, parts] = parts_of(scene, standing, out.notes);
   if (parts.size() > 1) {
     reducer.note(Reduction::islands,
                  std::to_string(parts.size()) + " parts without coupling, each solved with its own steps");

@@ -128,6 +128,7 @@ void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   check_elements(scene, faults, partial);
   check_constraints(scene, faults, partial);
   check_parameters(scene, faults, doubtful);
+  check_outputs(scene, faults, !faults.none());
   check_settings(scene, faults, partial);
 }
 

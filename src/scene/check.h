@@ -30,6 +30,8 @@ void check_elements(const Scene& scene, Faults& faults, bool partial);
 const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
                               bool partial);
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful);
+// partial: what outputs there are is not known.
+void check_outputs(const Scene& scene, Faults& faults, bool partial);
 
 // A frame whose numbers are finite and whose rotation is one, on a body there is.
 void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& path, Faults& faults, bool partial);

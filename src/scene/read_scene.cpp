@@ -58,9 +58,9 @@ void read_sections(Fields& fields, Scene& scene, Doubtful& doubtful) {
   if (bodies != nullptr) read_bodies(*bodies, reader);
   if (joints != nullptr) read_joints(*joints, reader);
   constexpr std::pair<const char*, Section> rest[] = {
-      {"motors", read_motors},   {"forces", read_forces},         {"constraints", read_constraints},
-      {"sensors", read_sensors}, {"parameters", read_parameters}, {"experiment", read_experiment},
-      {"solver", read_solver}};
+      {"motors", read_motors},     {"forces", read_forces},         {"constraints", read_constraints},
+      {"sensors", read_sensors},   {"parameters", read_parameters}, {"outputs", read_outputs},
+      {"left_out", read_left_out}, {"experiment", read_experiment}, {"solver", read_solver}};
   for (const auto& [name, read] : rest) {
     if (const Json* section = fields.find(name)) read(*section, reader);
   }

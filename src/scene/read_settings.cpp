@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters, experiment, solver.
+// Parameters, outputs, experiment, solver.
 #include <cmath>
 #include <limits>
 
@@ -26,6 +26,29 @@ void read_parameters(const Json& section, Reader& reader) {
     const auto name = read_text(section[i], path, reader.faults, "a path such as crank.mass");
     reader.scene.parameters.push_back(name.value_or(""));
   }
+}
+
+void read_outputs(const Json& section, Reader& reader) {
+  constexpr const char* expected =
+      "a list of names and patterns of outputs such as [A.phi, 'B.*']; without `outputs` all are there";
+  if (!section.is_array() || section.empty()) {
+    reader.faults.add("outputs", section.is_array() ? "an empty list" : shown(section), expected);
+    return;
+  }
+  for (std::size_t i = 0; i < section.size(); ++i) {
+    const std::string path = "outputs[" + std::to_string(i + 1) + "]";
+    const auto name = read_text(section[i], path, reader.faults, "the name of an output, or a pattern");
+    reader.scene.outputs.push_back(name.value_or(""));
+  }
+}
+
+void read_left_out(const Json& section, Reader& reader) {
+  Fields fields(section, "left_out", reader.faults, "a mapping with length, travel, mass");
+  LeftOut& sizes = reader.scene.left_out.emplace();
+  sizes.length = fields.number("length", 0, "m", Allowed::not_negative);
+  sizes.travel = fields.number("travel", 0, "m", Allowed::not_negative);
+  sizes.mass = fields.number("mass", 0, "kg", Allowed::not_negative);
+  fields.done();
 }
 
 void read_experiment(const Json& section, Reader& reader) {

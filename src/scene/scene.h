@@ -187,6 +187,14 @@ struct Solver {
   bool reduces(Reduction pass) const { return reductions[static_cast<std::size_t>(pass)]; }
 };
 
+// Of what a scene has been freed of, since no wanted output depends on it: the sizes that natural units are chosen by
+// (unit_system.h), so that what is left is solved in the units of the whole.
+struct LeftOut {
+  double length = 0;  // m: largest of its bodies
+  double travel = 0;  // m: largest distance at which things stand
+  double mass = 0;    // kg: of its heaviest body
+};
+
 struct Scene {
   std::string file;  // for messages; empty if the scene was not read from a file
   std::string name = "Mechanism";
@@ -199,6 +207,9 @@ struct Scene {
   std::vector<Constraint> constraints;
   std::vector<Sensor> sensors;
   std::vector<std::string> parameters;  // paths the FMU exposes, "crank.mass"
+  std::vector<std::string> outputs;  // names and patterns of the outputs that are wanted (wanted_outputs.h); none: all
+  std::optional<LeftOut> left_out;
+  bool is_wanted_part = false;  // nothing more can be left out (mechanism/wanted_part.h); not in files
   Experiment experiment;
   Solver solver;
 };

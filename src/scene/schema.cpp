@@ -255,6 +255,19 @@ std::string scene_schema() {
   fields["parameters"] = {
       {"anyOf", {{{"type", "array"}, {"items", {{"type", "string"}}}, {"uniqueItems", true}}, {{"const", "all"}}}},
       {"description", "Paths of numbers that may be set before a run, such as crank.mass; all: whatever can be"}};
+  fields["outputs"] = {{"type", "array"},
+                       {"items", {{"type", "string"}, {"minLength", 1}}},
+                       {"minItems", 1},
+                       {"uniqueItems", true},
+                       {"description",
+                        "Outputs that are wanted, by name or pattern (*, ?, [...]); what none of them depends on is "
+                        "left out. All if not given"}};
+  Json left_out = object({{"length", number("m", "Largest length of its bodies", Allowed::not_negative)},
+                          {"travel", number("m", "Largest distance at which things stand", Allowed::not_negative)},
+                          {"mass", number("kg", "Mass of its heaviest body", Allowed::not_negative)}},
+                         {});
+  left_out["description"] = "In FMUs: the size of what `outputs` has left out, which natural units are chosen by.";
+  fields["left_out"] = left_out;
   fields.update(settings());
   Json out;
   out["$schema"] = "https://json-schema.org/draft/2020-12/schema";

@@ -198,11 +198,18 @@ double UnitSystem::size_of(std::string_view unit) const {
   return std::pow(mass, e[0]) * std::pow(length, e[1]);
 }
 
+LeftOut sizes_of(const Scene& scene) {
+  LeftOut out = scene.left_out.value_or(LeftOut{});
+  out.length = std::max(out.length, size_of_bodies(scene));
+  out.travel = std::max(out.travel, size_of_travel(scene));
+  for (const Body& body : scene.bodies) out.mass = std::max(out.mass, body.mass);
+  return out;
+}
+
 UnitSystem natural_units(const Scene& scene) {
-  const double bodies = size_of_bodies(scene);
-  double mass = 0;
-  for (const Body& body : scene.bodies) mass = std::max(mass, body.mass);
-  return {power_of_two(bodies > 0 ? bodies : size_of_travel(scene), usual_length), power_of_two(mass, usual_mass)};
+  const LeftOut sizes = sizes_of(scene);
+  return {power_of_two(sizes.length > 0 ? sizes.length : sizes.travel, usual_length),
+          power_of_two(sizes.mass, usual_mass)};
 }
 
 void convert(Scene& scene, const UnitSystem& units) {

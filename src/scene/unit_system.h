@@ -30,7 +30,12 @@ struct UnitSystem {
 };
 
 // Units near the size and the mass of a scene's bodies; SI for what engineers usually build (0.1 to 10 m, 1 g to 1 t).
+// What has been left out of it counts.
 UnitSystem natural_units(const Scene& scene);
+
+struct LeftOut;
+// The sizes by which these are chosen.
+LeftOut sizes_of(const Scene& scene);
 
 // Takes the numbers of a scene that is in SI to these units. Angles and times stay.
 void convert(Scene& scene, const UnitSystem& units);

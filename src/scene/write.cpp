@@ -250,6 +250,10 @@ std::string write_scene_json(const Scene& scene) {
   if (!scene.constraints.empty()) out["constraints"] = section(scene.constraints, constraint);
   out["sensors"] = section(scene.sensors, sensor);
   out["parameters"] = scene.parameters;
+  if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
+  if (const auto& l = scene.left_out) {
+    out["left_out"] = {{"length", l->length}, {"travel", l->travel}, {"mass", l->mass}};
+  }
   const Experiment& e = scene.experiment;
   out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
   const Solver& s = scene.solver;

@@ -235,9 +235,9 @@ void tell_spinning(const ReducedScene& reduced, Inspection& out) {
 }
 
 // What the choice of cuts gains over the order of the file.
-void compare_cuts(const Scene& scene, Inspection& out) {
+void compare_cuts(const Scene& scene, int described_rows, Inspection& out) {
   const bool chosen = scene.solver.reduces(Reduction::cut_choice);
-  if (!chosen || out.described.rows == 0) return;
+  if (!chosen || described_rows == 0) return;
   Scene by_file = scene;
   by_file.solver.reductions[static_cast<std::size_t>(Reduction::cut_choice)] = false;
   const ModelSize other = size_of(reduce(by_file));
@@ -285,32 +285,39 @@ Scene natural(Scene scene) {
   return scene;
 }
 
+// Without any reduction.
+ModelSize size_literally(Scene scene) {
+  scene.solver.reductions.fill(false);
+  return size_of(reduce(scene));
+}
+
 }  // namespace
 
-Inspection inspect(Simulation& simulation) {
+Inspection inspect(Simulation& simulation, const Scene& whole) {
   const Scene scene = natural(simulation.scene());
   const ReducedScene& reduced = simulation.prepared().reduced;
   Inspection out;
-  Scene literal = scene;
-  literal.solver.reductions.fill(false);
-  out.described = size_of(reduce(literal));
+  const ModelSize described = size_literally(scene);
+  out.left_out = simulation.left_out();
+  out.described = out.left_out.empty() ? described : size_literally(natural(whole));
   out.reduced = simulation.size();
-  out.counted_freedoms = out.described.speeds - out.described.rows;
+  out.counted_freedoms = described.speeds - described.rows;
   for (int i = 0; i < reduction_count; ++i) {
     out.reductions.push_back(
         {.name = words::reductions[i], .on = scene.solver.reductions[i], .changed = false, .notes = {}});
   }
   for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
-  compare_cuts(scene, out);
+  compare_cuts(scene, described.rows, out);
   tell_spinning(reduced, out);
   out.momentary_freedoms = out.reduced.freedoms;
   for (const PreparedIsland& island : simulation.prepared().islands) {
     out.momentary_freedoms += island.structure.rank - island.structure.rank_start;
   }
-  if (out.described.rows > 0 && out.described.rows <= most_rows) {
+  if (described.rows > 0 && described.rows <= most_rows) {
     const RowInspector rows(natural(in_space(simulation)), out);
   }
   add_row_notes(scene, out);
+  if (!out.left_out.empty()) tell(out, Reduction::outputs, out.left_out, true);
   if (scene.solver.reduces(Reduction::outputs)) {
     tell(out, Reduction::outputs,
          "accelerations, reactions, poses and energies are computed when they are read, not at every evaluation", true);

@@ -23,7 +23,7 @@ struct ReductionReport {
 };
 
 struct Inspection {
-  ModelSize described;                              // the scene taken literally: no reduction, rank not known
+  ModelSize described;                              // the whole scene taken literally: no reduction, rank not known
   ModelSize reduced;                                // what is computed
   std::vector<ReductionReport> reductions;          // in the order of enum Reduction
   std::vector<RedundantRow> redundant_rows;         // left out, or not there in the plane
@@ -31,9 +31,11 @@ struct Inspection {
   int counted_freedoms = 0;                         // by Gruebler's count: 6 for each body, less what joints forbid
   int momentary_freedoms = 0;                       // at the start: more where it is singular
   std::vector<std::string> mobility;                // why the freedoms are not as counted; sentences
+  std::string left_out;                             // what no wanted output depends on; a sentence, empty: nothing
 };
 
 // simulation: initialised. Looks at the scene in space, too, where it is computed in a plane.
-Inspection inspect(Simulation& simulation);
+// whole: the scene that it was made of, which may have more than any wanted output depends on.
+Inspection inspect(Simulation& simulation, const Scene& whole);
 
 }  // namespace gelenk

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "scene/signals.h"
 #include "simulation/reaction.h"
-#include "simulation/signals.h"
 
 namespace gelenk {
 

@@ -1,83 +1,93 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/preparation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include "analysis/singular_start.h"
 #include "dynamics/collapsed_spring.h"
 #include "formulation/targets.h"
+#include "mechanism/graph.h"
+#include "scene/signals.h"
 #include "scene/text.h"
+#include "simulation/inertia.h"
 #include "simulation/report.h"
-#include "simulation/signals.h"
 #include "simulation/start.h"
 
 namespace gelenk {
 namespace {
 
+std::vector<bool> islands_with_rods(const ReducedScene& reduced) {
+  std::vector<bool> out(reduced.islands.size(), false);
+  for (const JointPlace& joint : reduced.joints) {
+    if (joint.role == JointPlace::Role::rod) out[joint.island] = true;
+  }
+  return out;
+}
+
 bool has_rods(const ReducedScene& reduced) {
   return std::ranges::any_of(reduced.joints, [](const JointPlace& j) { return j.role == JointPlace::Role::rod; });
 }
 
-// For what is only kinematics: nothing in it moves without inertia.
-void give_inertia(Mechanism& mechanism) {
-  mechanism.mass_needs_rows = false;
-  for (Link& link : mechanism.links) {
-    link.G = Spatial::Inertia::about_com(1, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
-  }
-}
+// What dynamics refer to.
+struct Stage {
+  ReducedScene reduced;
+  std::vector<Loads> loads;
+};
 
-// Some link has no inertia, but for rounding, along a motion of its own.
-bool lacks_inertia(const Mechanism& mechanism) {
-  return std::any_of(mechanism.links.begin() + 1, mechanism.links.end(), [&](const Link& link) {
-    const Spatial::Inertia& G = link.G;
-    if (G.m <= 0) return true;
-    const Eigen::Vector3d c = G.h / G.m;
-    const Eigen::Matrix3d I = G.I - G.m * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
-    const double nothing = 1e-9 * G.I.norm();  // what subtracting leaves is some 1e-16 of it
-    if (mechanism.planar) return I(2, 2) <= nothing;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I, Eigen::EigenvaluesOnly);
-    return solver.eigenvalues()[0] <= nothing;
-  });
-}
-
-Scene without_rods(const Scene& scene) {
-  Scene out = scene;
-  out.solver.reductions[static_cast<std::size_t>(Reduction::massless)] = false;
-  return out;
-}
-
+// Whether an island is done is its own affair: what others need leaves it as it would be alone, to the bit.
 struct Preparer {
   const Scene& scene;
   double time;
   const Inputs& inputs;
-  Scene wished{};            // the scene whose start values count
-  bool rods_as_rows = true;  // as far as the scene allows
-  bool rows_help = true;     // where the mass matrix alone is singular
+  Scene wished{};                        // the scene whose start values count
+  std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; none: nowhere
+  bool rows_help = true;                 // where the mass matrix alone is singular
   std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};
+  std::vector<std::unique_ptr<Stage>> former{};  // to which dynamics that were kept refer
 
-  // Closes the loops of all islands of `reduced`, as near to the wishes as can be.
-  void assemble_islands(ReducedScene made) {
+  static constexpr int anew = -1;
+
+  // Goes on with other islands. same: by island, the one so far that it is, which keeps all it has, or `anew`; empty:
+  // all are.
+  void take_islands(ReducedScene made, const std::vector<int>& same = {}) {
+    former.push_back(std::make_unique<Stage>(std::move(out.reduced), std::move(loads)));
+    std::vector<PreparedIsland> islands = std::exchange(out.islands, {});
+    std::vector<std::unique_ptr<Dynamics>> kept = std::exchange(dynamics, {});
     out.reduced = std::move(made);
-    const ReducedScene& reduced = out.reduced;
-    out.islands.clear();
-    dynamics.clear();
-    loads = make_loads(scene, reduced);
-    for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
-      out.islands.emplace_back();
-      dynamics.push_back(make_moving_dynamics(reduced.islands[i], i));
-      try {
-        assemble_island(i);
-      } catch (const CannotAssemble& fault) {
-        throw AssemblyError(describe_failure(scene, reduced, i, fault));
-      } catch (const SingularMass& fault) {
-        throw SceneError({describe_massless(scene, fault.what())});
+    loads = make_loads(scene, out.reduced);
+    for (std::size_t i = 0; i < out.reduced.islands.size(); ++i) {
+      if (same.empty() || same[i] == anew) {
+        out.islands.emplace_back();
+        dynamics.push_back(make_moving_dynamics(out.reduced.islands[i], static_cast<int>(i)));
+        continue;
       }
+      out.islands.push_back(std::move(islands[same[i]]));
+      dynamics.push_back(std::move(kept[same[i]]));
+      out.reduced.islands[i].mass_needs_rows = former.back()->reduced.islands[same[i]].mass_needs_rows;
+    }
+  }
+
+  // Closes the loops of an island, as near to the wishes as can be.
+  void close(int i) {
+    try {
+      assemble_island(i);
+    } catch (const CannotAssemble& fault) {
+      throw AssemblyError(describe_failure(scene, out.reduced, i, fault));
+    } catch (const SingularMass& fault) {
+      throw SceneError({describe_massless(scene, fault.what())});
+    }
+  }
+
+  void assemble_islands(ReducedScene made, const std::vector<int>& same = {}) {
+    take_islands(std::move(made), same);
+    for (int i = 0; i < static_cast<int>(out.islands.size()); ++i) {
+      if (same.empty() || same[i] == anew) close(i);
     }
   }
 
@@ -135,30 +145,49 @@ struct Preparer {
   // The start is looked for while the rods are still bodies: so wishes at their joints count, and it is the same with
   // and without this reduction.
   void assemble_with_rods(const ReducedScene& reduced) {
-    assemble_islands(reduce_to_geometry(scene));
+    const std::vector<bool> with_rods = islands_with_rods(reduced);
+    ReducedScene geometry = reduce_to_geometry(scene);
+    for (std::size_t i = 0; i < with_rods.size(); ++i) {
+      if (!with_rods[i]) geometry.islands[i] = reduced.islands[i];
+    }
+    assemble_islands(std::move(geometry));
     tell_assembly();
-    const Scene near = found();
-    std::exception_ptr singular;
-    for (const bool help : {false, true}) {
-      rows_help = help;
-      for (const bool rods : {true, false}) {
-        // A neighbour may have had its inertia from beyond the rod.
-        rods_as_rows = rods;
-        wished = rods ? near : scene;
+    const Scene near = found(with_rods);
+    rods_stay_bodies.assign(scene.joints.size(), false);
+    std::vector<int> attempt(with_rods.size(), 0);
+    std::vector<std::exception_ptr> singular(with_rods.size());
+    std::vector<int> same;  // of those that are done
+    for (std::size_t i = 0; i < with_rods.size(); ++i) same.push_back(with_rods[i] ? anew : static_cast<int>(i));
+    for (bool done = false; !done;) {
+      for (std::size_t i = 0; i < same.size(); ++i) {
+        if (same[i] == anew) choose(reduced.islands[i], attempt[i], near);
+      }
+      take_islands(reduce(scene, {}, rods_stay_bodies), same);
+      done = true;
+      for (std::size_t i = 0; i < same.size(); ++i) {
+        if (same[i] != anew) continue;
         try {
-          assemble_islands(rods ? reduced : reduce(basis()));
-          rows_help = true;
-          return;
+          rows_help = attempt[i] >= 2;
+          close(static_cast<int>(i));
+          same[i] = static_cast<int>(i);
         } catch (const SceneError&) {
-          if (!singular) singular = std::current_exception();
+          if (!singular[i]) singular[i] = std::current_exception();
+          if (++attempt[i] == 4) std::rethrow_exception(singular[i]);
+          done = false;
         }
       }
     }
-    std::rethrow_exception(singular);
+    rows_help = true;
   }
 
-  // The scene with the switches of what is left to do.
-  Scene basis() const { return rods_as_rows ? scene : without_rods(scene); }
+  // Every other attempt leaves the rods bodies: a neighbour may have had its inertia from beyond the rod.
+  void choose(const Mechanism& mechanism, int attempt, const Scene& near) {
+    const bool rods = attempt % 2 == 0;
+    for (const int j : mechanism.joints) {
+      rods_stay_bodies[j] = !rods;
+      wished.joints[j].start = (rods ? near : scene).joints[j].start;
+    }
+  }
 
   void tell_assembly() {
     std::vector<Assembled> starts;
@@ -192,31 +221,31 @@ struct Preparer {
     out.warnings.push_back(describe_equal_assemblies(scene, name, taken, other));
   }
 
-  // Goes to other positions, too, where a part may come to move without inertia.
-  void find_structure() {
+  // Goes to other positions, too, where a part may come to move without inertia. same: as above.
+  void find_structure(const std::vector<int>& same = {}) {
     try {
-      explore();
+      for (std::size_t i = 0; i < out.islands.size(); ++i) {
+        if (same.empty() || same[i] == anew) explore(i);
+      }
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
     }
   }
 
-  void explore() {
-    for (std::size_t i = 0; i < out.islands.size(); ++i) {
-      PreparedIsland& island = out.islands[i];
-      const Mechanism& mechanism = out.reduced.islands[i];
-      const std::vector<double>& q = island.start.q;
-      if (!mechanism.driven()) {
-        island.structure = structure_of(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
-        continue;
-      }
-      Mechanism free_mechanism = without_drives(mechanism);
-      if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may be what holds a part without any
-      const auto free = make_dynamics(free_mechanism, loads[i]);
-      free->set_targets(Targets(free_mechanism).at(time, inputs));
-      island.structure =
-          driven_structure_of(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
+  void explore(std::size_t i) {
+    PreparedIsland& island = out.islands[i];
+    const Mechanism& mechanism = out.reduced.islands[i];
+    const std::vector<double>& q = island.start.q;
+    if (!mechanism.driven()) {
+      island.structure = structure_of(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
+      return;
     }
+    Mechanism free_mechanism = without_drives(mechanism);
+    if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may be what holds a part without any
+    const auto free = make_dynamics(free_mechanism, loads[i]);
+    free->set_targets(Targets(free_mechanism).at(time, inputs));
+    island.structure =
+        driven_structure_of(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
   }
 
   // The motion with which an island sets out: its speeds, or from rest its accelerations without inputs.
@@ -266,10 +295,28 @@ struct Preparer {
     return any ? standing : StandingJoints();
   }
 
-  // The scene with the positions and speeds found as its wishes.
-  Scene found() const {
-    Scene at = scene;
+  // What loops hold still becomes part of the ground, and the rest of these islands is assembled anew.
+  void drop_standing(const StandingJoints& standing) {
+    std::vector<bool> changed;
+    for (const Mechanism& mechanism : out.reduced.islands) {
+      changed.push_back(std::ranges::any_of(mechanism.joints, [&](int j) { return !standing[j].empty(); }));
+    }
+    wished = found(changed);
+    ReducedScene made = reduce(scene, standing, rods_stay_bodies);
+    std::vector<int> same;
+    for (const Mechanism& mechanism : made.islands) {
+      const int before = mechanism.joints.empty() ? anew : out.reduced.joints[mechanism.joints.front()].island;
+      same.push_back(before == anew || changed[before] ? anew : before);
+    }
+    assemble_islands(std::move(made), same);
+    find_structure(same);
+  }
+
+  // The wishes, and in these islands the positions and speeds found.
+  Scene found(const std::vector<bool>& islands) const {
+    Scene at = wished;
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
+      if (!islands[i]) continue;
       const Assembled& start = out.islands[i].start;
       dynamics[i]->set_velocity(start.v.data());
       for (const int j : out.reduced.islands[i].joints) {
@@ -321,12 +368,6 @@ struct Preparer {
 
 }  // namespace
 
-ReducedScene reduce_to_geometry(const Scene& scene) {
-  ReducedScene out = reduce(without_rods(scene));
-  for (Mechanism& mechanism : out.islands) give_inertia(mechanism);
-  return out;
-}
-
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs) {
   Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .wished = scene};
   if (has_rods(reduced)) {
@@ -337,11 +378,7 @@ PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double ti
   }
   preparer.find_structure();
   if (scene.solver.reduces(Reduction::fixed)) {
-    if (const StandingJoints standing = preparer.standing_joints(); !standing.empty()) {
-      preparer.wished = preparer.found();
-      preparer.assemble_islands(reduce(preparer.basis(), standing));
-      preparer.find_structure();
-    }
+    if (const StandingJoints standing = preparer.standing_joints(); !standing.empty()) preparer.drop_standing(standing);
   }
   preparer.examine_starts();
   preparer.drop_rows();

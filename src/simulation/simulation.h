@@ -12,9 +12,9 @@
 #include "formulation/equations.h"
 #include "math/record.h"
 #include "scene/scene.h"
+#include "scene/signals.h"
 #include "simulation/preparation.h"
 #include "simulation/sensitivity.h"
-#include "simulation/signals.h"
 
 namespace gelenk {
 
@@ -59,7 +59,8 @@ ModelSize size_of(const ReducedScene& reduced);
 // Not thread-safe; different simulations may run in different threads.
 class Simulation {
  public:
-  // Compiles the scene. Throws SceneError for what no single field shows (a body without inertia that moves).
+  // Compiles the scene, without what none of its wanted outputs depends on (mechanism/wanted_part.h). Throws SceneError
+  // for what no single field shows (a body without inertia that moves).
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -85,10 +86,11 @@ class Simulation {
   void exchange(Record& record);
 
   double time() const;
-  const Scene& scene() const;
+  const Scene& scene() const;           // without what was left out
+  const std::string& left_out() const;  // as a sentence; empty: nothing
   const ModelSize& size() const;
 
-  // Signals, in the order of signals.h.
+  // Signals, in the order of signals.h; of outputs those that are not wanted, too (wanted_outputs.h).
   const std::vector<Signal>& inputs() const;
   const std::vector<Signal>& outputs() const;
   const std::vector<Signal>& diagnostics() const;

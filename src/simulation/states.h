@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mechanism/mechanism.h"
-#include "simulation/signals.h"
+#include "scene/signals.h"
 
 namespace gelenk {
 

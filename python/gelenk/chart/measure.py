@@ -124,8 +124,8 @@ class Runner:
         self._constants = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, int | float)]
         self._waves = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Smooth)]
         self._jumps = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Jumps)]
-        self.states = [i for i, s in enumerate(self.simulation.outputs) if s.level in (0, 1)]
-        self.names = [self.simulation.outputs[i].name for i in self.states]
+        self.states = [i for i, s in enumerate(self.simulation._signals) if s.level in (0, 1)]
+        self.names = [self.simulation._signals[i].name for i in self.states]
         grid = case.grid
         self._ends = grid[1:].tolist()
         self._values = [[x.at(k) for _, x in self._jumps] for k in range(len(self._ends))]

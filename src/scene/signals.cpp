@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/signals.h"
+#include "scene/signals.h"
 
 #include <algorithm>
 #include <span>

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/wanted_part.h"
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+
+#include "mechanism/graph.h"
+#include "mechanism/sets.h"
+#include "scene/check.h"
+#include "scene/numbers.h"
+#include "scene/signals.h"
+#include "scene/text.h"
+#include "scene/wanted_outputs.h"
+
+namespace gelenk {
+namespace {
+
+// What belongs together is kept or left out together: the islands, and, of what stands still, what is welded into one
+// without the ground.
+class Pruner {
+ public:
+  explicit Pruner(const Scene& scene)
+      : scene_(scene),
+        numbers_(scene),
+        part_of_body_(scene.bodies.size(), none),
+        part_of_joint_(scene.joints.size(), none) {
+    std::vector<Note> notes;
+    const Parts parts = parts_of(scene, {}, notes);
+    islands_ = static_cast<int>(parts.islands.size());
+    for (int p = 0; p < islands_; ++p) enter(parts.islands[static_cast<std::size_t>(p)], p);
+    enter_standing(parts.whole.groups.front());
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      if (part_of_joint_[j] != none) continue;  // else a weld within one of them
+      part_of_joint_[j] = part_of(scene.joints[j].child.body);
+      if (part_of_joint_[j] == none) part_of_joint_[j] = part_of(scene.joints[j].parent.body);
+    }
+    kept_.assign(static_cast<std::size_t>(parts_), false);
+  }
+
+  WantedPart run() {
+    sensors_ = wanted_sensors();
+    keep_neighbours();
+    WantedPart out{.scene = scene_, .islands = 0, .bodies = {}, .joints = {}};
+    tell(out);
+    filter(out.scene);
+    if (!out.bodies.empty() || !out.joints.empty()) out.scene.left_out = sizes_of(rest(out.scene));
+    return out;
+  }
+
+ private:
+  static constexpr int none = -1;
+
+  void enter(const Graph& island, int part) {
+    for (std::size_t g = 1; g < island.groups.size(); ++g) {
+      for (const int body : island.groups[g].bodies) part_of_body_[static_cast<std::size_t>(body)] = part;
+    }
+    for (const Edge& edge : island.edges) part_of_joint_[static_cast<std::size_t>(edge.scene_joint)] = part;
+  }
+
+  void enter_standing(const Group& still) {
+    parts_ = islands_;
+    Sets sets(scene_.bodies.size());
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const int parent = numbers_.body(scene_.joints[j].parent.body);
+      const int child = numbers_.body(scene_.joints[j].child.body);
+      if (part_of_joint_[j] == none && parent >= 0 && child >= 0) sets.join(parent, child);
+    }
+    std::vector<int> part_of_set(scene_.bodies.size(), none);
+    for (const int body : still.bodies) {
+      int& part = part_of_set[static_cast<std::size_t>(sets.find(body))];
+      if (part == none) part = parts_++;
+      part_of_body_[static_cast<std::size_t>(body)] = part;
+    }
+  }
+
+  int part_of(const std::string& body) const {
+    const int b = numbers_.body(body);
+    return b < 0 ? none : part_of_body_[static_cast<std::size_t>(b)];
+  }
+  int part_of_joint(const std::string& joint) const {
+    const int j = numbers_.joint(joint);
+    return j < 0 ? none : part_of_joint_[static_cast<std::size_t>(j)];
+  }
+
+  // The parts that a constraint, a force, a joint touches; none among them: the ground.
+  std::vector<int> touched(const Constraint& c) const {
+    if (c.joint.empty()) return {part_of(c.at.body), part_of(c.on.body)};
+    return {part_of_joint(c.joint), part_of_joint(c.other), part_of_joint(c.carrier)};
+  }
+  std::vector<int> touched(const Force& force) const {
+    if (force.type == ForceType::wrench) return {part_of(force.at.body)};
+    return {part_of(force.from.body), part_of(force.to.body)};
+  }
+  std::vector<int> touched(const Motor& motor) const { return {part_of_joint(motor.joint)}; }
+  std::vector<int> touched(const Joint& joint) const {
+    return {part_of_joint(joint.name), part_of(joint.parent.body), part_of(joint.child.body)};
+  }
+  int part_of(const Sensor& sensor) const {
+    return sensor.type == SensorType::reaction ? part_of_joint(sensor.joint) : part_of(sensor.frame.body);
+  }
+
+  bool is_kept(int part) const { return part != none && kept_[static_cast<std::size_t>(part)]; }
+  void keep(int part) {
+    if (part != none) kept_[static_cast<std::size_t>(part)] = true;
+  }
+  // It goes with the island it touches: what stands still holds several. Elsewhere nothing comes of it but between what
+  // is kept.
+  template <class Element>
+  bool is_kept(const Element& element) const {
+    std::vector<int> parts = touched(element);
+    if (std::ranges::any_of(parts, [&](int p) { return is_island(p); })) {
+      std::erase_if(parts, [&](int p) { return !is_island(p); });
+      return std::ranges::any_of(parts, [&](int p) { return is_kept(p); });
+    }
+    return std::ranges::all_of(parts, [&](int p) { return p == none || is_kept(p); });
+  }
+  bool is_island(int part) const { return part != none && part < islands_; }
+
+  // Marks the parts that outputs come from; returns the names of sensors with a wanted output.
+  std::unordered_set<std::string_view> wanted_sensors() {
+    const std::vector<Signal> outputs = output_signals(scene_);
+    const std::vector<bool> wanted = wanted_outputs(scene_);
+    std::unordered_set<std::string> owners;  // of sensors and constraints
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      if (!wanted[i]) continue;
+      if (outputs[i].joint >= 0) keep(part_of_joint_[static_cast<std::size_t>(outputs[i].joint)]);
+      if (outputs[i].joint < 0) owners.insert(outputs[i].name.substr(0, outputs[i].name.find('.')));
+    }
+    std::unordered_set<std::string_view> sensors;
+    for (const Sensor& sensor : scene_.sensors) {
+      if (!owners.contains(sensor.name)) continue;
+      sensors.insert(sensor.name);
+      if (sensor.type == SensorType::energy) kept_.assign(kept_.size(), true);
+      keep(part_of(sensor));
+    }
+    for (const Constraint& c : scene_.constraints) {
+      if (!owners.contains(c.name)) continue;
+      for (const int part : touched(c)) keep(part);
+    }
+    return sensors;
+  }
+
+  // Nothing that is kept may refer to what is not. Islands have no coupling; they may be held by what stands still.
+  void keep_neighbours() {
+    for (bool grown = true; grown;) {
+      grown = false;
+      const auto spread = [&](const auto& elements) {
+        for (const auto& element : elements) {
+          if (!is_kept(element)) continue;
+          for (const int part : touched(element)) {
+            grown = grown || (part != none && !is_kept(part));
+            keep(part);
+          }
+        }
+      };
+      spread(scene_.joints);
+      spread(scene_.forces);
+      spread(scene_.constraints);
+    }
+  }
+
+  // A reaction that is read keeps its island in space, whether it is wanted or not: so a sensor of one stays there.
+  bool is_kept(const Sensor& sensor) const {
+    return sensors_.contains(sensor.name) || (sensor.type == SensorType::reaction && is_kept(part_of(sensor)));
+  }
+
+  void filter(Scene& scene) const {
+    std::erase_if(scene.bodies, [&](const Body& body) { return !is_kept(part_of(body.name)); });
+    std::erase_if(scene.joints, [&](const Joint& joint) { return !is_kept(joint); });
+    std::erase_if(scene.motors, [&](const Motor& motor) { return !is_kept(motor); });
+    std::erase_if(scene.forces, [&](const Force& force) { return !is_kept(force); });
+    std::erase_if(scene.constraints, [&](const Constraint& c) { return !is_kept(c); });
+    std::erase_if(scene.sensors, [&](const Sensor& sensor) { return !is_kept(sensor); });
+    std::unordered_set<std::string> known;
+    for (const Settable& number : settables(scene)) known.insert(number.path);
+    std::erase_if(scene.parameters,
+                  [&](const std::string& path) { return !known.contains(path.substr(0, path.find('['))); });
+  }
+
+  // The scene without what is kept.
+  Scene rest(const Scene& kept) const {
+    Scene out = scene_;
+    const auto drop = [](auto& elements, const auto& those) {
+      std::unordered_set<std::string_view> names;
+      for (const auto& element : those) names.insert(element.name);
+      std::erase_if(elements, [&](const auto& element) { return names.contains(element.name); });
+    };
+    drop(out.bodies, kept.bodies);
+    drop(out.joints, kept.joints);
+    drop(out.forces, kept.forces);
+    drop(out.constraints, kept.constraints);
+    return out;
+  }
+
+  void tell(WantedPart& out) const {
+    for (int p = 0; p < islands_; ++p) out.islands += is_kept(p) ? 0 : 1;
+    for (const Body& body : scene_.bodies) {
+      if (!is_kept(part_of(body.name))) out.bodies.push_back(body.name);
+    }
+    for (const Joint& joint : scene_.joints) {
+      if (!is_kept(joint)) out.joints.push_back(joint.name);
+    }
+  }
+
+  const Scene& scene_;
+  Numbers numbers_;
+  int islands_ = 0, parts_ = 0;                    // these first, then what stands still
+  std::vector<int> part_of_body_, part_of_joint_;  // none: a weld of the ground to itself
+  std::vector<bool> kept_;                         // by part
+  std::unordered_set<std::string_view> sensors_;   // with a wanted output
+};
+
+}  // namespace
+
+std::string WantedPart::told() const {
+  if (bodies.empty() && joints.empty()) return {};
+  std::string what = islands == 1 ? "1 island" : std::to_string(islands) + " islands";
+  if (islands == 0) what = "what stands still";
+  std::string names;
+  if (!bodies.empty()) names = (bodies.size() == 1 ? "body " : "bodies ") + text::some(bodies);
+  if (!joints.empty()) {
+    names += (names.empty() ? "" : "; ") + std::string(joints.size() == 1 ? "joint " : "joints ") + text::some(joints);
+  }
+  return "left out, since no wanted output depends on it: " + what + " (" + names + ")";
+}
+
+WantedPart wanted_part(const Scene& scene) {
+  const bool may = scene.solver.reduces(Reduction::outputs) && scene.solver.reduces(Reduction::islands);
+  WantedPart out = scene.outputs.empty() || scene.is_wanted_part || !may
+                       ? WantedPart{.scene = scene, .islands = 0, .bodies = {}, .joints = {}}
+                       : Pruner(scene).run();
+  out.scene.is_wanted_part = true;
+  return out;
+}
+
+}  // namespace gelenk
