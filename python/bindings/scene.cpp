@@ -39,6 +39,7 @@ void gelenk::bind_scene(nb::module_& m) {
       .def_prop_ro(
           "integrator", [](const Scene& s) { return s.solver.integrator; }, "Name of the integrator.")
       .def_ro("outputs", &Scene::outputs, "Names and patterns of the outputs that are wanted; none: all.")
+      .def_ro("is_wanted_part", &Scene::is_wanted_part, "Nothing more can be left out.")
       .def_prop_ro("formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.");
 
   m.def("check_size", &gelenk::check_size, nb::arg("size"), nb::arg("file"),

@@ -38,6 +38,7 @@ class Scene:
         self._core = core
         self._source = source
         self._places = places
+        self._pruned: Scene | None = None
         #: What an import did not take over, in words; empty for scenes of Gelenk's own.
         self.report = tuple(report)
 
@@ -124,10 +125,12 @@ class Scene:
         return Scene(_core.with_outputs(self._core, names), source, self.report, self._places)
 
     def pruned(self) -> Scene:
-        """A copy without what no wanted output depends on."""
-        if not self.outputs:
+        """The scene without what no wanted output depends on."""
+        if not self.outputs or self._core.is_wanted_part:
             return self
-        return Scene(_core.wanted_part(self._core), None, self.report, self._places)
+        if self._pruned is None:
+            self._pruned = Scene(_core.wanted_part(self._core), None, self.report, self._places)
+        return self._pruned
 
     def inputs_beyond(self, known: Iterable[str]) -> list[str]:
         """The inputs of the whole scene that are not among these."""

@@ -30,7 +30,7 @@ class Simulation:
         """Compiles the scene (anything `gelenk.load` takes). Raises SceneError."""
         self.scene = load(scene)
         with self.scene.located():
-            self._core = _core.Simulation(self.scene._core)
+            self._core = _core.Simulation(self.scene.pruned()._core)
         #: What can be set: tuple of signals with `.name`, `.unit`, `.description`.
         self.inputs = tuple(self._core.inputs)
         self._signals = tuple(self._core.outputs)  # those that are not wanted, too

@@ -42,15 +42,6 @@ void read_outputs(const Json& section, Reader& reader) {
   }
 }
 
-void read_left_out(const Json& section, Reader& reader) {
-  Fields fields(section, "left_out", reader.faults, "a mapping with length, travel, mass");
-  LeftOut& sizes = reader.scene.left_out.emplace();
-  sizes.length = fields.number("length", 0, "m", Allowed::not_negative);
-  sizes.travel = fields.number("travel", 0, "m", Allowed::not_negative);
-  sizes.mass = fields.number("mass", 0, "kg", Allowed::not_negative);
-  fields.done();
-}
-
 void read_experiment(const Json& section, Reader& reader) {
   Fields fields(section, "experiment", reader.faults, "a mapping with stop, step, tolerance");
   Experiment& experiment = reader.scene.experiment;
@@ -67,6 +58,15 @@ void read_reductions(const Json& section, Solver& solver, Faults& faults) {
   Fields fields(section, "solver.reductions", faults, "a mapping from names of reductions to true or false");
   const bool all = fields.flag("all", true);
   for (int i = 0; i < reduction_count; ++i) solver.reductions[i] = fields.flag(words::reductions[i], all);
+  fields.done();
+}
+
+void read_left_out(const Json& section, Reader& reader) {
+  Fields fields(section, "solver.left_out", reader.faults, "a mapping with length, travel, mass");
+  LeftOut& sizes = reader.scene.left_out.emplace();
+  sizes.length = fields.number("length", 0, "m", Allowed::not_negative);
+  sizes.travel = fields.number("travel", 0, "m", Allowed::not_negative);
+  sizes.mass = fields.number("mass", 0, "kg", Allowed::not_negative);
   fields.done();
 }
 
@@ -99,6 +99,7 @@ void read_solver(const Json& section, Reader& reader) {
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Allowed::not_negative);
   solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Allowed::not_negative);
   if (const Json* reductions = fields.find("reductions")) read_reductions(*reductions, solver, reader.faults);
+  if (const Json* left_out = fields.find("left_out")) read_left_out(*left_out, reader);
   fields.done();
 }
 

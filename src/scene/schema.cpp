@@ -195,6 +195,15 @@ Json reductions() {
   return out;
 }
 
+Json left_out() {
+  Json out = object({{"length", number("m", "Largest length of its bodies", Allowed::not_negative)},
+                     {"travel", number("m", "Largest distance at which things stand", Allowed::not_negative)},
+                     {"mass", number("kg", "Mass of its heaviest body", Allowed::not_negative)}},
+                    {});
+  out["description"] = "In FMUs: the size of what `outputs` has left out, which natural units are chosen by.";
+  return out;
+}
+
 Json settings() {
   Json out;
   out["experiment"] =
@@ -233,7 +242,8 @@ Json settings() {
           "given"}}},
        {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Allowed::not_negative)},
        {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Allowed::not_negative)},
-       {"reductions", reductions()}},
+       {"reductions", reductions()},
+       {"left_out", left_out()}},
       {});
   return out;
 }
@@ -262,12 +272,6 @@ std::string scene_schema() {
                        {"description",
                         "Outputs that are wanted, by name or pattern (*, ?, [...]); what none of them depends on is "
                         "left out. All if not given"}};
-  Json left_out = object({{"length", number("m", "Largest length of its bodies", Allowed::not_negative)},
-                          {"travel", number("m", "Largest distance at which things stand", Allowed::not_negative)},
-                          {"mass", number("kg", "Mass of its heaviest body", Allowed::not_negative)}},
-                         {});
-  left_out["description"] = "In FMUs: the size of what `outputs` has left out, which natural units are chosen by.";
-  fields["left_out"] = left_out;
   fields.update(settings());
   Json out;
   out["$schema"] = "https://json-schema.org/draft/2020-12/schema";

@@ -251,9 +251,6 @@ std::string write_scene_json(const Scene& scene) {
   out["sensors"] = section(scene.sensors, sensor);
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
-  if (const auto& l = scene.left_out) {
-    out["left_out"] = {{"length", l->length}, {"travel", l->travel}, {"mass", l->mass}};
-  }
   const Experiment& e = scene.experiment;
   out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
   const Solver& s = scene.solver;
@@ -264,6 +261,9 @@ std::string write_scene_json(const Scene& scene) {
   if (s.rho_inf != Solver{}.rho_inf) out["solver"]["rho_inf"] = s.rho_inf;
   if (s.baumgarte_alpha != 0) out["solver"]["baumgarte_alpha"] = s.baumgarte_alpha;
   if (s.baumgarte_beta != 0) out["solver"]["baumgarte_beta"] = s.baumgarte_beta;
+  if (const auto& l = scene.left_out) {
+    out["solver"]["left_out"] = {{"length", l->length}, {"travel", l->travel}, {"mass", l->mass}};
+  }
   for (int i = 0; i < reduction_count; ++i) {
     if (!s.reductions[i]) out["solver"]["reductions"][words::reductions[i]] = false;
   }

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "mechanism/wanted_part.h"
 #include "scene/text.h"
 #include "scene/words.h"
 #include "simulation/reaction.h"
@@ -298,7 +299,7 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
   const ReducedScene& reduced = simulation.prepared().reduced;
   Inspection out;
   const ModelSize described = size_literally(scene);
-  out.left_out = simulation.left_out();
+  out.left_out = wanted_part(whole).told();
   out.described = out.left_out.empty() ? described : size_literally(natural(whole));
   out.reduced = simulation.size();
   out.counted_freedoms = described.speeds - described.rows;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "integrator/integrator.h"
+#include "mechanism/wanted_part.h"
 #include "scene/text.h"
 #include "simulation/parameters.h"
 #include "simulation/report.h"
@@ -115,7 +116,7 @@ Energy Simulation::Impl::energy() {
   return sum;
 }
 
-Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(wanted_part(scene))) {}
+Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(wanted_part(scene).scene)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -172,7 +173,6 @@ void Simulation::exchange(Record& record) {
 
 double Simulation::time() const { return impl_->time; }
 const Scene& Simulation::scene() const { return impl_->given; }
-const std::string& Simulation::left_out() const { return impl_->left_out; }
 const ModelSize& Simulation::size() const { return impl_->size; }
 const std::vector<Signal>& Simulation::inputs() const { return impl_->inputs; }
 const std::vector<Signal>& Simulation::outputs() const { return impl_->outputs; }

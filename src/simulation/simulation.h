@@ -86,8 +86,7 @@ class Simulation {
   void exchange(Record& record);
 
   double time() const;
-  const Scene& scene() const;           // without what was left out
-  const std::string& left_out() const;  // as a sentence; empty: nothing
+  const Scene& scene() const;  // without what was left out
   const ModelSize& size() const;
 
   // Signals, in the order of signals.h; of outputs those that are not wanted, too (wanted_outputs.h).

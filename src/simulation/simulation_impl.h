@@ -8,16 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "mechanism/wanted_part.h"
 #include "simulation/island.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
 
 struct Simulation::Impl {
-  explicit Impl(WantedPart part)
-      : left_out(part.told()),
-        given(std::move(part.scene)),
+  explicit Impl(Scene wanted)
+      : given(std::move(wanted)),
         scene(in_units(given, natural_units(given))),
         tuned(scene),
         reduced(reduce(scene)),
@@ -41,7 +39,6 @@ struct Simulation::Impl {
     for (const Signal& signal : signals) sizes.push_back(scene.units.size_of(signal.unit));
   }
 
-  std::string left_out;        // since no wanted output depends on it, as a sentence
   Scene given;                 // in SI, as all that the user sees
   Scene scene;                 // in natural units, as all that follows
   Scene tuned;                 // in natural units, while it is taken over
