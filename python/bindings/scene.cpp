@@ -19,6 +19,40 @@
 namespace nb = nanobind;
 using gelenk::Scene;
 
+namespace {
+
+void bind_outputs(nb::module_& m) {
+  m.def(
+      "with_outputs",
+      [](Scene scene, const std::vector<std::string>& outputs) {
+        scene.outputs = outputs;
+        scene.is_wanted_part = false;
+        return scene;
+      },
+      nb::arg("scene"), nb::arg("outputs"),
+      "A copy that wants these outputs, in which faults_of_outputs found nothing; all where there are none.");
+  m.def("faults_of_outputs", &gelenk::faults_of_outputs, nb::arg("scene"), nb::arg("outputs"),
+        "What is wrong with these names and patterns, a clause each; empty where nothing is.");
+  std::vector<std::string> diagnostics;
+  for (const gelenk::Signal& signal : gelenk::diagnostic_signals()) diagnostics.push_back(signal.name);
+  m.attr("diagnostic_names") = nb::cast(diagnostics);
+  m.def(
+      "input_names",
+      [](const Scene& scene) {
+        std::vector<std::string> names;
+        for (const gelenk::Signal& input : gelenk::input_signals(scene)) names.push_back(input.name);
+        return names;
+      },
+      nb::arg("scene"), "The names of all its inputs.");
+  m.def("meets", &gelenk::meets, nb::arg("pattern"), nb::arg("name"),
+        "Whether a name is the one meant, or is met by the pattern.");
+  m.def(
+      "wanted_part", [](const Scene& scene) { return gelenk::wanted_part(scene).scene; }, nb::arg("scene"),
+      "The scene without what none of its wanted outputs depends on.");
+}
+
+}  // namespace
+
 void gelenk::bind_scene(nb::module_& m) {
   nb::class_<Scene>(m, "Scene", "A scene that has been read and found valid. Immutable.")
       .def_ro("name", &Scene::name, "Name of the mechanism.")
@@ -60,33 +94,7 @@ void gelenk::bind_scene(nb::module_& m) {
   m.def(
       "find_doubts", [](const Scene& scene) { return gelenk::find_doubts(scene); }, nb::arg("scene"),
       "What in a scene is allowed and hardly meant, one line each.");
-  m.def(
-      "with_outputs",
-      [](Scene scene, const std::vector<std::string>& outputs) {
-        scene.outputs = outputs;
-        scene.is_wanted_part = false;
-        return scene;
-      },
-      nb::arg("scene"), nb::arg("outputs"),
-      "A copy that wants these outputs, in which faults_of_outputs found nothing; all where there are none.");
-  m.def("faults_of_outputs", &gelenk::faults_of_outputs, nb::arg("scene"), nb::arg("outputs"),
-        "What is wrong with these names and patterns, a clause each; empty where nothing is.");
-  std::vector<std::string> diagnostics;
-  for (const gelenk::Signal& signal : gelenk::diagnostic_signals()) diagnostics.push_back(signal.name);
-  m.attr("diagnostic_names") = nb::cast(diagnostics);
-  m.def(
-      "input_names",
-      [](const Scene& scene) {
-        std::vector<std::string> names;
-        for (const gelenk::Signal& input : gelenk::input_signals(scene)) names.push_back(input.name);
-        return names;
-      },
-      nb::arg("scene"), "The names of all its inputs.");
-  m.def("meets", &gelenk::meets, nb::arg("pattern"), nb::arg("name"),
-        "Whether a name is the one meant, or is met by the pattern.");
-  m.def(
-      "wanted_part", [](const Scene& scene) { return gelenk::wanted_part(scene).scene; }, nb::arg("scene"),
-      "The scene without what none of its wanted outputs depends on.");
+  bind_outputs(m);
   m.def("write_scene_json", &gelenk::write_scene_json, nb::arg("scene"),
         "The scene as JSON text: all defaults filled in, all frames in bodies.");
   m.def("scene_schema", &gelenk::scene_schema, "JSON Schema (draft 2020-12) of scene files.");
