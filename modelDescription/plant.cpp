@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mechanism/wanted_part.h"
 #include "modelDescription/fingerprint.h"
 #include "scene/read.h"
 #include "scene/text.h"
@@ -29,7 +28,7 @@ void take_starts(const Catalogue& catalogue, Inputs& inputs) {
 }  // namespace
 
 PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
-    : scene(wanted_part(read_scene_json(scene_json, file)).scene), catalogue(scene), guid(fingerprint(scene_json)) {}
+    : scene(read_scene_json(scene_json, file)), catalogue(scene), guid(fingerprint(scene_json)) {}
 
 const PlantModel::States& PlantModel::states() const {
   std::call_once(asked_, [this] {

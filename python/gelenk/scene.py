@@ -133,7 +133,11 @@ class Scene:
         return self._pruned
 
     def inputs_beyond(self, known: Iterable[str]) -> list[str]:
-        """The inputs of the whole scene that are not among these."""
+        """The names of the scene's inputs that are not among others.
+
+        Args:
+            known: these others.
+        """
         names = set(known)
         return [name for name in _core.input_names(self._core) if name not in names]
 

@@ -153,7 +153,7 @@ class Explainer {
       const std::string near = text::nearest(owner, owners_);
       if (!near.empty()) return "; did you mean '" + near + entry.substr(owner.size()) + "'?";
     }
-    return names_.size() <= 12 ? ": " + text::list(names_) : "";
+    return names_.size() <= 12 ? "; there are " + text::list(names_) : "";
   }
 
   const Scene& scene_;

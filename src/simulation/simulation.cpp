@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "integrator/integrator.h"
-#include "mechanism/wanted_part.h"
 #include "scene/text.h"
 #include "simulation/parameters.h"
 #include "simulation/report.h"
@@ -116,7 +115,7 @@ Energy Simulation::Impl::energy() {
   return sum;
 }
 
-Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(wanted_part(scene).scene)) {}
+Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;

@@ -59,7 +59,7 @@ ModelSize size_of(const ReducedScene& reduced);
 // Not thread-safe; different simulations may run in different threads.
 class Simulation {
  public:
-  // Compiles the scene, without what none of its wanted outputs depends on (mechanism/wanted_part.h). Throws SceneError
+  // Compiles the scene as it is, what its wanted outputs do not need, too (mechanism/wanted_part.h). Throws SceneError
   // for what no single field shows (a body without inertia that moves).
   explicit Simulation(const Scene& scene);
   ~Simulation();
@@ -86,7 +86,7 @@ class Simulation {
   void exchange(Record& record);
 
   double time() const;
-  const Scene& scene() const;  // without what was left out
+  const Scene& scene() const;
   const ModelSize& size() const;
 
   // Signals, in the order of signals.h; of outputs those that are not wanted, too (wanted_outputs.h).

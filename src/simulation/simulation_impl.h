@@ -14,8 +14,8 @@
 namespace gelenk {
 
 struct Simulation::Impl {
-  explicit Impl(Scene wanted)
-      : given(std::move(wanted)),
+  explicit Impl(const Scene& given)
+      : given(given),
         scene(in_units(given, natural_units(given))),
         tuned(scene),
         reduced(reduce(scene)),
