@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads what `pip install -v` prints and tells each step in a line: what is fetched, what is compiled of how much."""
+"""Tells each step of `pip install -v`, read from stdin, in a line: what is fetched, what is compiled."""
 
 import re
 import sys

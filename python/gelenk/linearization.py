@@ -94,9 +94,7 @@ def linear_model(
     tolerance: float | None = None,
 ) -> LinearModel:
     """The same as `linearize`, as matrices with the point they belong to; warns of nothing."""
-    point = at if isinstance(at, Mapping) else ()
-    named = [[names] if isinstance(names, str) else names or () for names in (inputs, states, point)]
-    plant = open_plant(source, (), outputs, list(itertools.chain(*named)))
+    plant = open_plant(source, (), whole=outputs is not None)
     try:
         settings, exact, signals = point_given(plant, at, parameters, input_values)
         configure(plant, settings, tolerance, {})

@@ -126,7 +126,8 @@ def open_plant(
     plant: Scene | str | PathLike[str] | Mapping[str, Any],
     without: Sequence[str],
     outputs: Sequence[str] | None = None,
-    needed: Sequence[str] = (),
+    *,
+    whole: bool = False,
 ) -> Plant:
     """A scene without these reductions, or an FMU.
 
@@ -134,7 +135,7 @@ def open_plant(
         plant: as of `simulate`.
         without: names of reductions.
         outputs: names and patterns; of a scene, what none of them depends on is left out; None: as it says.
-        needed: inputs and joint states that stay, whether an output depends on them or not.
+        whole: nothing of a scene is left out, whatever outputs it lists.
 
     Raises:
         SceneError, UsageError, OSError: what is wrong.
@@ -145,10 +146,11 @@ def open_plant(
         from gelenk.fmu_plant import FmuPlant
 
         return FmuPlant(Path(plant))
-    return ScenePlant(_narrowed(load(plant).without(without), outputs, needed))
+    scene = load(plant).without(without)
+    return ScenePlant(scene.with_outputs(None) if whole else _narrowed(scene, outputs))
 
 
-def _narrowed(scene: Scene, outputs: Sequence[str] | None, needed: Sequence[str]) -> Scene:
+def _narrowed(scene: Scene, outputs: Sequence[str] | None) -> Scene:
     if not outputs:
         return scene
     names = list(dict.fromkeys([outputs] if isinstance(outputs, str) else outputs))
@@ -158,13 +160,7 @@ def _narrowed(scene: Scene, outputs: Sequence[str] | None, needed: Sequence[str]
     )
     if unknown_names or any(name in _DIAGNOSTICS for name in names):
         return scene.with_outputs(None)  # as of an FMU, these are told; diagnostics are of all that moves
-    narrow = scene.with_outputs(names)
-    if not needed:
-        return narrow
-    plant = ScenePlant(narrow)
-    there = {*plant.inputs, *plant.readings}
-    everything = {*plant.idle, *ScenePlant(scene.with_outputs(None)).readings}
-    return narrow if all(n in there or n not in everything for n in needed) else scene.with_outputs(None)
+    return scene.with_outputs(names)
 
 
 def configure(

@@ -129,7 +129,7 @@ def test_natural_units_are_those_of_the_whole(size: float) -> None:
 def test_linear_model_of_a_part_is_that_block_of_the_whole() -> None:
     scene = gelenk.load(many_islands(12))
     whole = gelenk.linearize(scene)
-    part = gelenk.linearize(scene, outputs=["i5_L.phi", "i5_R.w_a"])
+    part = gelenk.linearize(scene.with_outputs(["i5_L.phi", "i5_R.w_a"]))
     x = [whole.state_labels.index(name) for name in part.state_labels]
     y = [whole.output_labels.index(name) for name in part.output_labels]
     assert part.output_labels == ["i5_L_phi", "i5_R_w_a"]
