@@ -9,6 +9,10 @@ if(GELENK_SANITIZE)  # whose runtimes stand before the newest symbols
 endif()
 
 gelenk_harden(${fmu_sources})
+set(fmu_once ${fmu_sources})
+list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|states)\\.cpp$")  # called once, or not often
+set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
+  "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 add_library(gelenk_fmu MODULE ${fmu_sources})
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)

@@ -12,7 +12,11 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(scene|modelDescription|mechanism)/[^/]*$|/simulation/(inertia|inspection|parameters|preparation|properties|report)\\.cpp$|/dynamics/extended_kernels\\.cpp$")
+  "/(scene|modelDescription|mechanism)/[^/]*$|/dynamics/extended_kernels\\.cpp$")
+set(once ${core_sources})
+list(FILTER once INCLUDE REGEX
+  "/(analysis/(assembly|branches|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|singular_start|structure)|dynamics/model|simulation/(adjustment|assemblies|closed_start|inertia|inspection|parameters|preparation|properties|report|settle|start))\\.cpp$")
+list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 gelenk_harden(${small})
