@@ -126,8 +126,8 @@ def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
     report = json.loads(told("inspect", four_bar_file, "--json"))
     sizes = {"bodies", "coordinates", "speeds", "rows", "freedoms", "algebra", "islands", "evaluation"}
     assert set(report) == {
-        "name", "described", "reduced", "reductions", "redundant_rows", "undetermined_reactions", "mobility",
-        "left_out",
+        "name", "described", "reduced", "reductions", "redundant_rows", "undetermined_reactions",
+        "moved_frames", "mobility", "left_out",
     }  # fmt: skip
     assert set(report["described"]) == set(report["reduced"]) == sizes
     assert (report["described"]["rows"], report["reduced"]["rows"]) == (5, 2)

@@ -9,6 +9,7 @@
 
 namespace nb = nanobind;
 using gelenk::Inspection;
+using gelenk::MovedFrame;
 using gelenk::ReductionReport;
 using gelenk::RedundantRow;
 
@@ -21,6 +22,11 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("on", &ReductionReport::on)
       .def_ro("changed", &ReductionReport::changed, "Whether it made the model smaller.")
       .def_ro("notes", &ReductionReport::notes, "Sentences; none: it found nothing to do.");
+  nb::class_<MovedFrame>(m, "MovedFrame", "A joint's frame in a body, moved so that loops with rounded numbers close.")
+      .def_ro("joint", &MovedFrame::joint)
+      .def_ro("body", &MovedFrame::body)
+      .def_ro("turn", &MovedFrame::turn, "By how much it was turned [rad].")
+      .def_ro("shift", &MovedFrame::shift, "By how much it was shifted [m].");
   nb::class_<Inspection>(m, "Inspection", "What the reductions did to a scene.")
       .def_ro("described", &Inspection::described)
       .def_ro("reduced", &Inspection::reduced)
@@ -29,6 +35,7 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("undetermined_reactions", &Inspection::undetermined_reactions)
       .def_ro("counted_freedoms", &Inspection::counted_freedoms)
       .def_ro("momentary_freedoms", &Inspection::momentary_freedoms)
+      .def_ro("moved_frames", &Inspection::moved_frames)
       .def_ro("mobility", &Inspection::mobility)
       .def_ro("left_out", &Inspection::left_out, "What no wanted output depends on, as a sentence; empty: nothing.");
   m.attr("reduction_names") = nb::cast(words::reductions);

@@ -325,6 +325,7 @@ void gelenk::bind_simulation(nb::module_& m) {
             return p.with([&](Simulation& s) { return gelenk::inspect(s, whole); });
           },
           nb::arg("whole"), "What the reductions did to the scene that it was made of. After initialize().")
+      .def("moved_frames", [](Plant& p) { return p.with([](Simulation& s) { return s.moved_frames(); }); })
       .def("start_warnings", [](Plant& p) { return p.with([](Simulation& s) { return s.start_warnings(); }); })
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
 }

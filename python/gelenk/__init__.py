@@ -75,12 +75,23 @@ __all__ = [
 ]
 
 
-def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_inertia: bool = False) -> Scene:
+def import_urdf(
+    path: str | PathLike[str],
+    *,
+    floating: bool = False,
+    repair_inertia: bool = False,
+    assembly_tolerance: float | None = None,
+) -> Scene:
     """A scene from a URDF robot description, its root welded to the ground or `floating`.
 
-    repair_inertia: take the nearest physical inertia where a link has one that no rigid body has. See
-    `gelenk.urdf.import_urdf`.
+    repair_inertia: take the nearest physical inertia where a link has one that no rigid body has.
+    assembly_tolerance: the scene's `assembly.tolerance`. See `gelenk.urdf.import_urdf`.
     """
     from gelenk import urdf
 
-    return urdf.import_urdf(path, floating=floating, repair_inertia=repair_inertia)
+    return urdf.import_urdf(
+        path,
+        floating=floating,
+        repair_inertia=repair_inertia,
+        assembly_tolerance=assembly_tolerance,
+    )

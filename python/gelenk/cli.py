@@ -14,7 +14,14 @@ import gelenk
 from gelenk import cli_points
 from gelenk.branches import STARTS
 from gelenk.chart.cli import app as chart_app
-from gelenk.cli_values import all_listed, settings_given, table_file
+from gelenk.cli_values import (
+    AssemblyTolerance,
+    all_listed,
+    scene_given,
+    settings_given,
+    settings_with,
+    table_file,
+)
 from gelenk.errors import StepError, UsageError
 from gelenk.export import file_name_notes, fmu_file, missing_platforms
 from gelenk.progress import progress_bar
@@ -68,12 +75,13 @@ def export(
         str, typer.Option(metavar="LIST", help="For whom: linux64, win64 or both, with a comma between.")
     ] = "linux64",
     outputs: Outputs = None,
+    assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
     """Export a scene as an FMU (FMI 2.0 co-simulation); platforms that are missing are told on stderr."""
     wanted = [name.strip() for name in platforms.split(",")]
     missing = missing_platforms(wanted)
     there = [name for name in wanted if name not in missing]
-    loaded = gelenk.load(Path(scene)).without(without or [])
+    loaded = scene_given(scene, assembly_tolerance).without(without or [])
     # With none left, the export says why.
     out = gelenk.export_fmu(loaded, output or fmu_file(loaded.name), there or wanted, all_listed(outputs))
     for sentence in [*missing.values(), *file_name_notes(loaded.name, output)]:
@@ -83,9 +91,9 @@ def export(
 
 @app.command()
 @told
-def check(scene: SceneFile) -> None:
+def check(scene: SceneFile, assembly_tolerance: AssemblyTolerance = None) -> None:
     """Check a scene, close its loops, and say what it is."""
-    plant = gelenk.Simulation(Path(scene))
+    plant = gelenk.Simulation(scene_given(scene, assembly_tolerance))
     plant.initialize()
     size = plant.size
     algebra = "planar" if size.planar else "spatial"
@@ -105,10 +113,11 @@ def inspect(
     scene: SceneFile,
     without: Without = None,
     outputs: Outputs = None,
+    assembly_tolerance: AssemblyTolerance = None,
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """Tell what the model is reduced to, why, and what an evaluation costs with and without."""
-    report = gelenk.inspect(Path(scene), without or [], all_listed(outputs))
+    report = gelenk.inspect(scene_given(scene, assembly_tolerance), without or [], all_listed(outputs))
     print(json.dumps(report.to_dict(), indent=2) if as_json else report)
 
 
@@ -158,9 +167,12 @@ def import_(
         bool,
         typer.Option("--repair-inertia", help="Take the nearest inertia where no body has the one given."),
     ] = False,
+    assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
     """Make a scene of a URDF robot description; what is not taken over is told on stderr."""
-    scene = gelenk.import_urdf(robot, floating=floating, repair_inertia=repair_inertia)
+    scene = gelenk.import_urdf(
+        robot, floating=floating, repair_inertia=repair_inertia, assembly_tolerance=assembly_tolerance
+    )
     scene.save(output)
     for line in scene.report:
         print(line, file=sys.stderr)
@@ -190,6 +202,7 @@ def simulate(
             "--set", metavar="NAME=VALUE", help="A parameter, or an input as a constant; repeatable."
         ),
     ] = None,
+    assembly_tolerance: AssemblyTolerance = None,
     without: Without = None,
     outputs: Outputs = None,
     output: Annotated[
@@ -203,7 +216,7 @@ def simulate(
             result = gelenk.simulate(
                 plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator,
                 formulation=formulation, inputs=inputs,
-                parameters=settings_given(settings or []), outputs=all_listed(outputs),
+                parameters=settings_with(settings or [], assembly_tolerance), outputs=all_listed(outputs),
                 without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:

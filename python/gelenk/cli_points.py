@@ -13,12 +13,13 @@ import typer
 
 import gelenk
 from gelenk.cli_values import (
+    AssemblyTolerance,
     all_listed,
     input_values_given,
     listed,
     numbers_given,
     point_given,
-    settings_given,
+    settings_with,
 )
 from gelenk.errors import UsageError
 from gelenk.linearization import linear_model
@@ -69,14 +70,15 @@ def linearize(
     ] = None,
     states: States = None,
     settings: Settings = None,
+    assembly_tolerance: AssemblyTolerance = None,
     tolerance: Annotated[float | None, typer.Option(help="Relative tolerance on the way to a time.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Linear model of a scene or an FMU: states, A, B, C, D; what is no equilibrium is told on stderr."""
     model = linear_model(
         plant, at=point_given(at or []), input_values=input_values_given(given or []), inputs=listed(inputs),
-        outputs=all_listed(outputs), states=listed(states), parameters=settings_given(settings or []),
-        tolerance=tolerance,
+        outputs=all_listed(outputs), states=listed(states),
+        parameters=settings_with(settings or [], assembly_tolerance), tolerance=tolerance,
     )  # fmt: skip
     if model.unrest:
         print(model.unrest, file=sys.stderr)
@@ -93,6 +95,7 @@ def modes(
     given: Given = None,
     states: States = None,
     settings: Settings = None,
+    assembly_tolerance: AssemblyTolerance = None,
     animate: Annotated[
         int | None, typer.Option(metavar="MODE", help="Draw this mode's shape, into --output.")
     ] = None,
@@ -108,7 +111,7 @@ def modes(
         warnings.simplefilter("always", gelenk.OperatingPointWarning)
         found = gelenk.modes(
             plant, at=point_given(at or []), input_values=input_values_given(given or []),
-            states=listed(states), parameters=settings_given(settings or []),
+            states=listed(states), parameters=settings_with(settings or [], assembly_tolerance),
         )  # fmt: skip
     for warning in caught:
         print(warning.message, file=sys.stderr)
@@ -137,6 +140,7 @@ def equilibrium(
     ] = None,
     given: Given = None,
     settings: Settings = None,
+    assembly_tolerance: AssemblyTolerance = None,
     as_json: AsJson = False,
 ) -> None:
     """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there."""
@@ -145,6 +149,7 @@ def equilibrium(
     found = gelenk.equilibrium(
         plant, at=point_given(at or []), solve_for=solve_for or [], hold=numbers_given(hold or [], "--hold"),
         steady={**dict.fromkeys(open_speeds), **speeds} if steady else None,
-        input_values=input_values_given(given or []), parameters=settings_given(settings or []),
+        input_values=input_values_given(given or []),
+        parameters=settings_with(settings or [], assembly_tolerance),
     )  # fmt: skip
     print(json.dumps(found.to_dict(), indent=2) if as_json else found)

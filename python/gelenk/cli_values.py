@@ -4,10 +4,38 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from gelenk.errors import UsageError
 from gelenk.inputs import Input
-from gelenk.scene import Value, number
+from gelenk.scene import Scene, Value, load, number
+
+AssemblyTolerance = Annotated[
+    float | None,
+    typer.Option(
+        "--assembly-tolerance",
+        metavar="X",
+        help="Move joint frames by up to this [rad, lengths] so that loops with rounded numbers close.",
+    ),
+]
+
+
+def scene_given(path: str, assembly_tolerance: float | None = None) -> Scene:
+    """The scene of a file, with this `assembly.tolerance` if one is given."""
+    scene = load(Path(path))
+    return scene.with_parameters(settings_with([], assembly_tolerance)) if assembly_tolerance else scene
+
+
+def settings_with(given: list[str], assembly_tolerance: float | None) -> dict[str, Value]:
+    """Values by name, `assembly.tolerance` among them if one is given. Raises UsageError."""
+    settings = settings_given(given)
+    if assembly_tolerance is None:
+        return settings
+    if "assembly.tolerance" in settings:
+        raise UsageError("--assembly-tolerance: assembly.tolerance is set twice")
+    return {**settings, "assembly.tolerance": assembly_tolerance}
 
 
 def point_given(at: list[str]) -> float | dict[str, Value] | None:

@@ -44,6 +44,8 @@ class Inspection:
         undetermined_reactions: components of reactions that rigid bodies leave open ("A.f[3]").
         counted_freedoms: by Gruebler's count: 6 for each body, less what is constrained.
         momentary_freedoms: at the start; more than `freedoms` where it is singular.
+        moved_frames: joint frames that were moved so that loops with rounded numbers close
+            (`assembly.tolerance`): joint, body, by how much turned [rad] and shifted [m].
         mobility: why the freedoms are not as counted, in sentences.
         left_out: what no wanted output depends on, in a sentence; empty: nothing.
         cost: of an evaluation as asked for.
@@ -59,6 +61,7 @@ class Inspection:
     undetermined_reactions: tuple[str, ...]
     counted_freedoms: int
     momentary_freedoms: int
+    moved_frames: tuple[tuple[str, str, float, float], ...]
     mobility: tuple[str, ...]
     left_out: str
     cost: Cost
@@ -88,6 +91,10 @@ class Inspection:
             "left_out": self.left_out,
             "redundant_rows": [{"joint": joint, "forbids": motion} for joint, motion in self.redundant_rows],
             "undetermined_reactions": list(self.undetermined_reactions),
+            "moved_frames": [
+                {"joint": joint, "body": body, "turn": turn, "shift": shift}
+                for joint, body, turn, shift in self.moved_frames
+            ],
             "mobility": {
                 "freedoms": self.freedoms,
                 "counted": self.counted_freedoms,
@@ -132,6 +139,7 @@ def inspect(scene: Source, without: Iterable[str] = (), outputs: Iterable[str] |
         undetermined_reactions=tuple(found.undetermined_reactions),
         counted_freedoms=found.counted_freedoms,
         momentary_freedoms=found.momentary_freedoms,
+        moved_frames=tuple((m.joint, m.body, m.turn, m.shift) for m in found.moved_frames),
         mobility=tuple(found.mobility),
         left_out=found.left_out,
         cost=Cost(plant._core.evaluation_cost()),
@@ -199,6 +207,11 @@ def _lines(report: Inspection) -> Iterable[str]:
         yield from _entry(name, report.cost_without[name].text, told or ["nothing to do"])
     yield ""
     yield from _paragraph("  mobility  ", "; ".join([_counted(report), *report.mobility]))
+    if report.moved_frames:
+        yield ""
+        yield "  frames moved so that the loops close    turned [rad]   shifted [m]"
+    for joint, body, turn, shift in report.moved_frames:
+        yield f"    {f'{joint} in {body}':37} {turn:12.2e}  {shift:12.2e}"
 
 
 def _entry(name: str, cost: str, notes: list[str]) -> Iterable[str]:

@@ -37,6 +37,7 @@ def simulate(
     parameters: Mapping[str, Value] | None = None,
     outputs: Sequence[str] | None = None,
     without: Sequence[str] = (),
+    assembly_tolerance: float | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Runs a scene, or an FMU, from t = 0.
@@ -58,6 +59,8 @@ def simulate(
         outputs: names and patterns ("crank.*") to record; by default all outputs. Of a scene, what none of
             them depends on is left out of the computation; in place of the `outputs` it lists itself.
         without: reductions to leave out, see `gelenk.inspect`; scenes only.
+        assembly_tolerance: the parameter `assembly.tolerance`, how far joint frames may be moved (rad,
+            lengths of about the mechanism's size) so that loops with rounded numbers close.
         progress: called after every step with the time reached and `stop` [s].
 
     Returns:
@@ -77,6 +80,8 @@ def simulate(
     opened = open_plant(plant, without, outputs)
     try:
         settings = dict(parameters or {})
+        if assembly_tolerance is not None:
+            settings["assembly.tolerance"] = assembly_tolerance
         known = [*opened.inputs, *opened.idle]
         signals = functions_and_constants(inputs, settings, known, "as input and as parameter")
         configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})

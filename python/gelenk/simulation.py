@@ -54,7 +54,8 @@ class Simulation:
             AssemblyError: the loops cannot be closed.
 
         Warns:
-            StartWarning: the start is a singular configuration, or beside one.
+            StartWarning: the start is a singular configuration, or beside one; or joint frames were moved
+                within `assembly.tolerance`.
         """
         with self.scene.located():
             self._core.initialize(time, tolerance)

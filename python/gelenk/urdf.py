@@ -35,7 +35,13 @@ DRIVEN = ("revolute", "prismatic")
 GRAVITY = 9.81  # m/s2 along -z: URDF says nothing of it, its tools mean this
 
 
-def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_inertia: bool = False) -> Scene:
+def import_urdf(
+    path: str | PathLike[str],
+    *,
+    floating: bool = False,
+    repair_inertia: bool = False,
+    assembly_tolerance: float | None = None,
+) -> Scene:
     """A scene from a URDF file; meshes and shapes are not needed and not looked for.
 
     Args:
@@ -45,6 +51,7 @@ def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_ine
             body has: negative second moments about the centre of mass are raised to a millionth of the
             largest. A link that moves without mass and inertia gets a millionth of its carrier's. All other
             masses and inertias stay as they are to the bit.
+        assembly_tolerance: the scene's `assembly.tolerance`, for loops that are closed by joints added to it.
 
     Returns:
         Scene: its `report` tells, line by line, what was not taken over, and what was repaired by how much.
@@ -57,6 +64,8 @@ def import_urdf(path: str | PathLike[str], *, floating: bool = False, repair_ine
     file = Path(path)
     _check(file)
     scene, name, notes = _convert(file, _read(file), floating)
+    if assembly_tolerance is not None:
+        scene["assembly"] = {"tolerance": assembly_tolerance}
     if repair_inertia:
         return repaired(scene, name, notes)
     try:
@@ -289,6 +298,7 @@ class _Names:
         self._taken = {
             "ground",
             "gravity",
+            "assembly",
             "solver",
             "constraints",
             "energy",

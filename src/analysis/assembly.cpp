@@ -207,6 +207,7 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
     out.equal_q = heed_guesses(problem, tree, out.q);
     settle_on_given(mechanism, dynamics, tree, cuts, out.q);
   }
+  out.gap = largest(problem.gap(out.q)) / problem.length();
   out.moved = problem.moved(out.q);
   out.v = consistent_speeds(mechanism, dynamics, problem, tree, cuts, out.q);
   return out;

@@ -26,6 +26,7 @@ struct Assembled {
   std::vector<double> equal_q;  // another position of the tree that is as near to the wishes; empty: none is known
   double moved = 0;             // largest change of a coordinate that was given but not fixed, cut joints' included
   int tries = 1;                // starts needed until the loops closed
+  double gap = 0;               // m or rad: the largest left where positions are held, of lengths near 1
 };
 
 // A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of Wishes.

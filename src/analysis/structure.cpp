@@ -331,6 +331,7 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
     }
   }
   const bool stuck = seen.size() == 1 && out.rank < mechanism.nv;
+  out.stuck = stuck && deficient;
   const bool by_rounding = out.soundest < barely && (stuck || deficient || less_elsewhere);
   // No sound position is known.
   if ((stuck && deficient) || by_rounding || explorer.is_rigid_at_second_order(out.rank)) out.soundest = INFINITY;

@@ -18,6 +18,9 @@ struct Structure {
   // The largest ratio of smallest to largest pivot among the positions seen (row_factor.h). Infinite: the rows leave a
   // motion free at q, but no other position closes, so that q is singular (rigid, though not at first order).
   double soundest = 0;
+  // Rows are redundant at q, as far as pivots tell, and no other position closes: the redundant ones contradict the
+  // others.
+  bool stuck = false;
   // By cut, those of its rows (Cut::kept) that are needed. The others are combinations of these with constant factors,
   // so that leaving them out changes nothing at any position, singular ones included. Rows that repeat
   // others with factors that change with the position stay: each of them is needed somewhere.

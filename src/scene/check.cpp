@@ -79,6 +79,12 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   if (!(experiment.tolerance >= tightest && experiment.tolerance <= loosest)) {
     faults.add("experiment.tolerance", text::number(experiment.tolerance), "a number from 1e-15 to 1");
   }
+  if (!(scene.assembly.tolerance >= 0 && scene.assembly.tolerance <= words::loosest_assembly)) {
+    faults.add(
+        "assembly.tolerance", text::number(scene.assembly.tolerance),
+        "0, or a number up to " + text::number(words::loosest_assembly) +
+            ": how far [rad, or in lengths of about the mechanism's size] rounding has moved the joints' frames");
+  }
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
   check_word(scene.solver.start, words::starts, "solver.start", faults, partial);

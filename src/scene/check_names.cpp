@@ -126,6 +126,7 @@ void check_names(const Scene& scene, Faults& faults) {
 
   Names names(faults);
   const std::string always = "every mechanism";
+  names.take(always, "assembly", {"tolerance"});
   names.take(always, "constraints", {"position", "velocity"});
   names.take(always, "energy", {"kinetic", "potential", "total"});
   names.take(always, "solver",

@@ -57,10 +57,10 @@ void read_sections(Fields& fields, Scene& scene, Doubtful& doubtful) {
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
   if (joints != nullptr) read_joints(*joints, reader);
-  constexpr std::pair<const char*, Section> rest[] = {{"motors", read_motors},           {"forces", read_forces},
-                                                      {"constraints", read_constraints}, {"sensors", read_sensors},
-                                                      {"parameters", read_parameters},   {"outputs", read_outputs},
-                                                      {"experiment", read_experiment},   {"solver", read_solver}};
+  constexpr std::pair<const char*, Section> rest[] = {
+      {"motors", read_motors},     {"forces", read_forces},         {"constraints", read_constraints},
+      {"sensors", read_sensors},   {"parameters", read_parameters}, {"outputs", read_outputs},
+      {"assembly", read_assembly}, {"experiment", read_experiment}, {"solver", read_solver}};
   for (const auto& [name, read] : rest) {
     if (const Json* section = fields.find(name)) read(*section, reader);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters, outputs, experiment, solver.
+// Parameters, outputs, assembly, experiment, solver.
 #include <cmath>
 #include <limits>
 
@@ -40,6 +40,13 @@ void read_outputs(const Json& section, Reader& reader) {
     const auto name = read_text(section[i], path, reader.faults, "the name of an output, or a pattern");
     reader.scene.outputs.push_back(name.value_or(""));
   }
+}
+
+void read_assembly(const Json& section, Reader& reader) {
+  Fields fields(section, "assembly", reader.faults, "a mapping with tolerance");
+  AssemblySettings& assembly = reader.scene.assembly;
+  assembly.tolerance = fields.number("tolerance", assembly.tolerance, "", Allowed::not_negative);
+  fields.done();
 }
 
 void read_experiment(const Json& section, Reader& reader) {

@@ -34,6 +34,7 @@ void read_constraints(const Json& section, Reader& reader);
 void read_sensors(const Json& section, Reader& reader);
 void read_parameters(const Json& section, Reader& reader);
 void read_outputs(const Json& section, Reader& reader);
+void read_assembly(const Json& section, Reader& reader);
 void read_experiment(const Json& section, Reader& reader);
 void read_solver(const Json& section, Reader& reader);
 

@@ -195,6 +195,13 @@ struct LeftOut {
   double mass = 0;    // kg: of its heaviest body
 };
 
+// How far numbers may be off that were rounded, and how the loops are closed all the same.
+struct AssemblySettings {
+  // rad, and the unit of length that the scene is solved in: how far a frame may be moved so that loops with redundant
+  // constraints close exactly; 0: none is moved by more than what loops may gape by.
+  double tolerance = 0;
+};
+
 struct Scene {
   std::string file;  // for messages; empty if the scene was not read from a file
   std::string name = "Mechanism";
@@ -210,6 +217,7 @@ struct Scene {
   std::vector<std::string> outputs;  // names and patterns of the outputs that are wanted (wanted_outputs.h); none: all
   std::optional<LeftOut> left_out;
   bool is_wanted_part = false;  // nothing more can be left out (mechanism/wanted_part.h); not in files
+  AssemblySettings assembly;
   Experiment experiment;
   Solver solver;
 };

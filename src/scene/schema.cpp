@@ -206,6 +206,15 @@ Json left_out() {
 
 Json settings() {
   Json out;
+  out["assembly"] = object({{"tolerance",
+                             {{"type", "number"},
+                              {"minimum", 0},
+                              {"maximum", words::loosest_assembly},
+                              {"description",
+                               "How far joint frames may be moved [rad, lengths of about the mechanism's size] so that "
+                               "loops with redundant constraints, whose numbers were rounded, close exactly; 0 if not "
+                               "given: by no more than 1e-9"}}}},
+                           {});
   out["experiment"] =
       object({{"stop", number("s", "Default end of a run", Allowed::positive)},
               {"step", number("s", "Default communication step", Allowed::positive)},

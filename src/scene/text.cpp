@@ -113,7 +113,7 @@ std::string one_of(std::string_view found, const std::vector<std::string>& names
   const std::string ours = advice::our_word(found, names);
   const std::string near = ours.empty() ? nearest(found, names) : ours;
   const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
-  if (names.size() > 13) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
+  if (names.size() > 14) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
   // A list of four is seen at a glance.
   return "one of " + list(names) + (names.size() > 4 || !ours.empty() ? hint : "");
 }

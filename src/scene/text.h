@@ -30,7 +30,7 @@ std::string quoted(std::string_view raw);
 // The name closest to `found` if a slip of the fingers explains the difference; else empty.
 std::string nearest(std::string_view found, const std::vector<std::string>& names);
 
-// "one of ground, crank" with a proposal where the list is long; of more than 13 names the list is left out.
+// "one of ground, crank" with a proposal where the list is long; of more than 14 names the list is left out.
 // many: what these are, "bodies".
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many);
 

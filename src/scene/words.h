@@ -20,6 +20,9 @@ namespace gelenk::words {
 inline constexpr Counted max_evaluations{1, std::numeric_limits<int>::max()};
 inline constexpr Counted corrections{0, 100};
 
+// Of assembly.tolerance. What is farther off is another mechanism, not the same one with fewer digits.
+inline constexpr double loosest_assembly = 1e-2;
+
 inline const std::vector<std::string> formulations = {
     "projection",           "baumgarte",   "udwadia-kalaba", "penalty",
     "augmented-lagrangian", "independent", "index3",         "stabilized-index2"};

@@ -251,6 +251,7 @@ std::string write_scene_json(const Scene& scene) {
   out["sensors"] = section(scene.sensors, sensor);
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
+  if (scene.assembly.tolerance > 0) out["assembly"] = {{"tolerance", scene.assembly.tolerance}};
   const Experiment& e = scene.experiment;
   out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
   const Solver& s = scene.solver;

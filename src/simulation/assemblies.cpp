@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "formulation/targets.h"
+#include "simulation/adjustment.h"
 #include "simulation/preparation.h"
 #include "simulation/report.h"
 #include "simulation/simulation.h"
@@ -53,6 +54,7 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
                                           unsigned seed) {
   Scene natural = scene;
   convert(natural, natural_units(scene));
+  if (natural.assembly.tolerance > 0) natural = adjust(natural, natural.assembly.tolerance).scene;
   for (const std::string& name : bodies) {
     if (std::ranges::find(scene.bodies, name, &Body::name) == scene.bodies.end()) {
       throw UsageError(name + ": no such body");

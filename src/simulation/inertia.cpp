@@ -17,6 +17,18 @@ Scene without_rods(const Scene& scene) {
 
 }  // namespace
 
+std::vector<bool> islands_with_rods(const ReducedScene& reduced) {
+  std::vector<bool> out(reduced.islands.size(), false);
+  for (const JointPlace& joint : reduced.joints) {
+    if (joint.role == JointPlace::Role::rod) out[joint.island] = true;
+  }
+  return out;
+}
+
+bool has_rods(const ReducedScene& reduced) {
+  return std::ranges::any_of(reduced.joints, [](const JointPlace& j) { return j.role == JointPlace::Role::rod; });
+}
+
 void give_inertia(Mechanism& mechanism) {
   mechanism.mass_needs_rows = false;
   for (Link& link : mechanism.links) {

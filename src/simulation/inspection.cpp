@@ -41,7 +41,7 @@ std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_U
 // The scene at the start found, without the reductions that hide rows. What has no mass is given some: rows are
 // geometry, and in space such bodies may be free to turn about themselves.
 Scene in_space(Simulation& simulation) {
-  Scene scene = simulation.scene();
+  Scene scene = simulation.adjusted_scene();
   for (Body& body : scene.bodies) {
     if (body.mass > 0) continue;
     body.mass = 1;
@@ -295,7 +295,7 @@ ModelSize size_literally(Scene scene) {
 }  // namespace
 
 Inspection inspect(Simulation& simulation, const Scene& whole) {
-  const Scene scene = natural(simulation.scene());
+  const Scene scene = natural(simulation.adjusted_scene());
   const ReducedScene& reduced = simulation.prepared().reduced;
   Inspection out;
   const ModelSize described = size_literally(scene);
@@ -309,6 +309,7 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
   }
   for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
   compare_cuts(scene, described.rows, out);
+  out.moved_frames = simulation.moved_frames();
   tell_spinning(reduced, out);
   out.momentary_freedoms = out.reduced.freedoms;
   for (const PreparedIsland& island : simulation.prepared().islands) {

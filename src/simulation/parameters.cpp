@@ -156,6 +156,13 @@ void add_solver(std::vector<Parameter>& table) {
   tolerance.min = 1e-15;  // below, a step's error estimate is rounding only
   tolerance.max = 1;
   table.push_back(std::move(tolerance));
+  Parameter rounded = real_parameter("assembly.tolerance", "1",
+                                     "how far joint frames may be moved (rad, lengths of about the mechanism's size) "
+                                     "so that loops whose numbers were rounded close exactly; 0: by no more than 1e-9",
+                                     [](auto& scene) -> auto& { return scene.assembly.tolerance; });
+  rounded.min = 0;
+  rounded.max = words::loosest_assembly;
+  table.push_back(std::move(rounded));
   Parameter step = real_parameter("solver.step", "s", "step of fixed-step methods; 0: chosen from the default step",
                                   [](auto& scene) -> auto& { return scene.solver.step; });
   step.min = 0;

@@ -19,16 +19,20 @@
 namespace gelenk {
 namespace {
 
-std::vector<bool> islands_with_rods(const ReducedScene& reduced) {
-  std::vector<bool> out(reduced.islands.size(), false);
-  for (const JointPlace& joint : reduced.joints) {
-    if (joint.role == JointPlace::Role::rod) out[joint.island] = true;
-  }
-  return out;
-}
+// m or rad: loops that gape by more do so for another reason than rounded numbers.
+constexpr double rounded_gap = 0.1;
 
-bool has_rods(const ReducedScene& reduced) {
-  return std::ranges::any_of(reduced.joints, [](const JointPlace& j) { return j.role == JointPlace::Role::rod; });
+// Of the mechanism's length: loops that gape by more at the start do so because their equations contradict each other.
+constexpr double rounding = 1e-12;
+// A pivot below this share of the largest may be what rounded numbers have left of one that was zero.
+constexpr double nearly_singular = 1e-2;
+
+bool is_doubtful(const PreparedIsland& island) {
+  const Structure& structure = island.structure;
+  const auto stands = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  const bool sound = std::isfinite(structure.soundest) && structure.soundest >= nearly_singular;
+  const bool barely = !sound && structure.needed_rows > 0;
+  return island.start.gap > rounding || structure.stuck || (barely && stands(structure.standing_links));
 }
 
 // What dynamics refer to.
@@ -78,7 +82,12 @@ struct Preparer {
     try {
       assemble_island(i);
     } catch (const CannotAssemble& fault) {
-      throw AssemblyError(describe_failure(scene, out.reduced, i, fault));
+      const std::string what = describe_failure(scene, out.reduced, i, fault);
+      // Velocities that fail although none is fixed do so because rows contradict each other.
+      const bool loop = fault.cut < 0 ? fault.conflict.values.empty()
+                                      : fault.cut < static_cast<int>(out.reduced.islands[i].cuts.size());
+      if (loop && fault.gap + fault.turn < rounded_gap) throw OpenLoop(what, fault.gap + fault.turn);
+      throw AssemblyError(what);
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
     }
@@ -368,7 +377,7 @@ struct Preparer {
 
 }  // namespace
 
-PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs) {
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs, bool asking) {
   Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .wished = scene};
   if (has_rods(reduced)) {
     preparer.assemble_with_rods(reduced);
@@ -377,6 +386,8 @@ PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double ti
     preparer.tell_assembly();
   }
   preparer.find_structure();
+  preparer.out.doubtful = std::ranges::any_of(preparer.out.islands, is_doubtful);
+  if (asking && preparer.out.doubtful) return std::move(preparer.out);
   if (scene.solver.reduces(Reduction::fixed)) {
     if (const StandingJoints standing = preparer.standing_joints(); !standing.empty()) preparer.drop_standing(standing);
   }

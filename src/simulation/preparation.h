@@ -16,6 +16,13 @@ class AssemblyError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Likewise, of a loop that gapes by little: numbers with few digits may be the reason.
+class OpenLoop : public AssemblyError {
+ public:
+  OpenLoop(const std::string& what, double gap) : AssemblyError(what), gap(gap) {}
+  double gap;  // m or rad, in natural units
+};
+
 struct PreparedIsland {
   Mechanism mechanism;  // without the rows that are not needed
   Assembled start;
@@ -28,13 +35,16 @@ struct PreparedScene {
   std::vector<PreparedIsland> islands;
   std::string report;                 // on assembly, for people
   std::vector<std::string> warnings;  // of what is doubtful about the start, likewise
+  // Its numbers may have been rounded: equations of loops contradict each other, or what stands still hardly does.
+  bool doubtful = false;
 };
 
 // The scene as kinematics alone: everything in it has inertia, rods without mass are bodies as others are.
 ReducedScene reduce_to_geometry(const Scene& scene);
 
 // reduced: reduce(scene). time [s], inputs: of the start, where rows change with them. Throws AssemblyError, and
-// SceneError for parts that move without inertia.
-PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs);
+// SceneError for parts that move without inertia. asking: where the outcome is doubtful, preparation ends there.
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs,
+                      bool asking = false);
 
 }  // namespace gelenk

@@ -126,7 +126,7 @@ void Simulation::assemble(double time) {
   s.time = time;
   s.u.start(time);
   s.initialized = s.runs = false;
-  s.prepared = prepare(s.scene, s.reduced, time, s.u);
+  s.prepare_start();
   s.make_islands();
   s.find_independent();
   if (s.scene.solver.start == "equilibrium") s.settle();

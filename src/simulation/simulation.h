@@ -13,6 +13,7 @@
 #include "math/record.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
+#include "simulation/adjustment.h"
 #include "simulation/preparation.h"
 #include "simulation/sensitivity.h"
 
@@ -133,6 +134,10 @@ class Simulation {
 
   // What assembly found, in words: the branch (start values of every joint) and what it changed.
   std::string assembly_report() const;
+  // Joint frames that were moved so that loops with rounded numbers close; and the scene with these, in SI. Known after
+  // initialize().
+  std::vector<MovedFrame> moved_frames() const;
+  Scene adjusted_scene() const;
   // What is doubtful about the start, a sentence each: singular configurations.
   const std::vector<std::string>& start_warnings() const;
 

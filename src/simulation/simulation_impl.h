@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "simulation/adjustment.h"
 #include "simulation/island.h"
 #include "simulation/simulation.h"
 
@@ -39,10 +40,10 @@ struct Simulation::Impl {
     for (const Signal& signal : signals) sizes.push_back(scene.units.size_of(signal.unit));
   }
 
-  Scene given;                 // in SI, as all that the user sees
-  Scene scene;                 // in natural units, as all that follows
-  Scene tuned;                 // in natural units, while it is taken over
-  const ReducedScene reduced;  // before the start values are known
+  Scene given;           // in SI, as all that the user sees
+  Scene scene;           // in natural units, as all that follows
+  Scene tuned;           // in natural units, while it is taken over
+  ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
   std::vector<double> input_size, output_size, diagnostic_size;  // the SI value of 1 in natural units
   Inputs u;
@@ -50,6 +51,7 @@ struct Simulation::Impl {
 
   // From initialize() on.
   PreparedScene prepared;
+  std::vector<MovedFrame> moved;  // frames of the scene that are not where they are in `given`
   std::vector<std::unique_ptr<Island>> islands;
   std::vector<int> island_of_input;
   std::unique_ptr<Outputs> readings;
@@ -67,6 +69,11 @@ struct Simulation::Impl {
   std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
 
   Eigen::VectorXd sizes_of_states() const;  // as output_size; of their derivatives, too
+  void prepare_start();  // closes the loops, of a scene whose numbers were rounded, too (closed_start.cpp)
+  void close_loops();
+  void prepare_or_advise(double tolerance);
+  void take(AdjustedScene adjusted);
+  void tell_moves();
   void make_islands();
   void find_independent();
   void settle();                     // the start becomes a rest (settle.cpp)

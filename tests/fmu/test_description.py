@@ -288,6 +288,8 @@ def another(variable: Any) -> float:
         return float(variable.start != "true")
     if variable.type == "Integer":
         return float(int(variable.start) + 1)
+    if variable.name == "assembly.tolerance":
+        return 1e-3
     if variable.type == "Real":
         return 1.013 * float(variable.start) + 0.011
     return 1 + int(variable.start) % len(variable.declaredType.items)

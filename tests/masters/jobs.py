@@ -18,7 +18,7 @@ STEP, STEPS = 1e-3, 30  # s; a multiple of nanoseconds, in which libcosim counts
 METHODS: list[dict[str, str]] = [
     {},
     {"formulation": "baumgarte", "integrator": "rk4"},
-    {"formulation": "udwadia-kalaba", "integrator": "cvode"},
+    {"formulation": "udwadia-kalaba", "integrator": "cvode-adams"},
 ]
 RATE = "rad/s"  # every scene has an output of that unit
 
