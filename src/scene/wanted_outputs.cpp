@@ -109,6 +109,10 @@ class Explainer {
     if (is_parameter(entry)) {
       return found + ", a parameter, expected an output: parameters are there wherever what they belong to is";
     }
+    const auto is_of_owner = [&](const std::string& input) { return input.starts_with(owner + "."); };
+    if (entry == owner && !has_outputs(owner) && std::ranges::any_of(inputs_, is_of_owner)) {
+      return found + ", which has inputs alone, expected an output: inputs are there wherever what they act on is";
+    }
     const std::string expected =
         is_pattern(entry) ? ", a pattern that no output meets, expected one that some do" : ", expected an output";
     return found + expected + hint(entry, owner);
@@ -151,7 +155,7 @@ class Explainer {
     }
     if (!is_pattern(owner) && !has_outputs(owner)) {
       const std::string near = text::nearest(owner, owners_);
-      if (!near.empty()) return "; did you mean '" + near + entry.substr(owner.size()) + "'?";
+      if (!near.empty()) return "; did you mean '" + near + (entry == owner ? ".*" : entry.substr(owner.size())) + "'?";
     }
     return names_.size() <= 12 ? "; there are " + text::list(names_) : "";
   }
