@@ -59,7 +59,7 @@ AdjustedScene adjust(const Scene& scene, double tolerance) {
       if (closes) apply(reduced, i, move, out.scene);
     }
   }
-  std::ranges::stable_sort(moves, {}, [](const FrameMove& m) { return 2 * m.scene_joint + (m.child ? 1 : 0); });
+  std::ranges::sort(moves, {}, [](const FrameMove& m) { return 2 * m.scene_joint + (m.child ? 1 : 0); });
   for (const FrameMove& move : moves) {
     out.moved.push_back({scene.joints[move.scene_joint].name, half(out.scene, move).body, move.turn, move.shift});
   }
