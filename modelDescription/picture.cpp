@@ -25,29 +25,12 @@ constexpr Colour drive = {214, 72, 48};
 constexpr double margin = 40;        // pixels
 constexpr std::size_t legible = 12;  // names of more joints than these would lie on each other
 
-// Poses in the world of all bodies at the start: read from sensors, added to a copy of the scene.
-std::vector<Pose3> start_poses(const Scene& scene) {
-  Scene watched = scene;
-  watched.sensors.clear();
-  for (const Body& body : scene.bodies) {
-    Sensor sensor;
-    sensor.name = body.name;
-    sensor.frame.body = body.name;
-    watched.sensors.push_back(sensor);
+std::vector<Pose3> poses_of(Simulation& simulation) {
+  std::vector<Pose3> out;
+  for (std::size_t b = 0; b < simulation.scene().bodies.size(); ++b) {
+    out.push_back(simulation.body_pose(static_cast<int>(b)));
   }
-  Simulation simulation(watched);
-  simulation.assemble();
-  int next = 0;
-  for (const Signal& signal : simulation.outputs()) next += signal.joint >= 0 ? 1 : 0;
-  std::vector<Pose3> poses;
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b, next += 13) {
-    const auto value = [&](int i) { return simulation.output(next + i); };
-    Pose3 X_WB;
-    X_WB.p = {value(0), value(1), value(2)};
-    X_WB.R = Eigen::Quaterniond(value(6), value(3), value(4), value(5)).toRotationMatrix();
-    poses.push_back(X_WB);
-  }
-  return poses;
+  return out;
 }
 
 // Whether there is anything to draw: a joint with all freedoms holds nothing.
@@ -118,8 +101,8 @@ std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
 
 class Artist {
  public:
-  explicit Artist(const Simulation& simulation)
-      : scene_(simulation.scene()), numbers_(scene_), poses_(start_poses(scene_)), view_(view_of(simulation)) {
+  explicit Artist(Simulation& simulation)
+      : scene_(simulation.scene()), numbers_(scene_), poses_(poses_of(simulation)), view_(view_of(simulation)) {
     find_marks();
     fit();
   }
@@ -289,6 +272,6 @@ class Artist {
 
 }  // namespace
 
-Picture draw(const Simulation& simulation) { return Artist(simulation).run(); }
+Picture draw(Simulation& simulation) { return Artist(simulation).run(); }
 
 }  // namespace gelenk

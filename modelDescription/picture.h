@@ -35,8 +35,8 @@ struct Picture {
   std::vector<Label> labels;
 };
 
-// simulation: assembled. Its bodies are drawn where they start, in their plane or from aslant above.
-Picture draw(const Simulation& simulation);
+// simulation: assembled. Its bodies are drawn where they are, in their plane or from aslant above.
+Picture draw(Simulation& simulation);
 
 std::string write_svg(const Picture& picture);
 

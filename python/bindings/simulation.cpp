@@ -67,6 +67,21 @@ Vector read_outputs(Plant& plant, const std::vector<int>& indices) {
   }));
 }
 
+std::vector<std::string> body_names(const Plant& plant) {
+  std::vector<std::string> out;
+  for (const gelenk::Body& body : plant.fixed().scene().bodies) out.push_back(body.name);
+  return out;
+}
+
+Vector body_pose(Plant& plant, int body) {
+  check_index(body, plant.fixed().scene().bodies.size());
+  const gelenk::Pose3 X = plant.with([&](Simulation& s) { return s.body_pose(body); });
+  std::vector<double> out;
+  for (int i = 0; i < 3; ++i) out.insert(out.end(), {X.R(i, 0), X.R(i, 1), X.R(i, 2)});
+  out.insert(out.end(), X.p.data(), X.p.data() + 3);
+  return to_numpy(std::move(out));
+}
+
 Vector state_of(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(s.state(island)); }));
 }
@@ -304,6 +319,10 @@ void gelenk::bind_simulation(nb::module_& m) {
           "wanted", [](const Plant& p) { return gelenk::wanted_outputs(p.fixed().scene()); },
           "By output, whether the scene wants it.")
       .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
+      .def_prop_ro("body_names", &body_names, "In the order of the scene.")
+      .def("body_pose", &body_pose, nb::arg("body"),
+           "Of the body of this number: the rotation matrix, row by row, and the position [m] of its frame in the "
+           "world.")
       .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
       .def(
           "diagnostic",

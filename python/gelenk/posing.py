@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gelenk.linear import LinearModel
 from gelenk.linearization import start_parameter
-from gelenk.mode_shapes import elements, free_prefix, turned
+from gelenk.mode_shapes import elements, turned
 from gelenk.scene import Scene, Value, load
 from gelenk.simulation import Simulation
 
@@ -26,16 +26,14 @@ class Posed:
     """A scene at a point.
 
     Attributes:
-        scene: with its parameters, and a frame sensor on every body.
+        scene: with its parameters, without sensors.
         data: the scene as plain data.
-        prefix: before a body's name, the sensor's.
         values: of the joints' coordinates at the point.
         units: of coordinates, `J.theta[1..3]` among them.
     """
 
     scene: Scene
     data: Mapping[str, Any]
-    prefix: str
     values: Mapping[str, float]
     units: Mapping[str, str]
 
@@ -57,23 +55,15 @@ class Posed:
                 starts[start_parameter(name)] = value + moved.get(name, 0.0)
         plant = Simulation(self.scene.with_parameters(starts))
         plant.initialize()
-        return {name: self._pose(plant, name) for name in self.data["bodies"]}
-
-    def _pose(self, plant: Simulation, body: str) -> Pose:
-        sensor = f"{self.prefix}{body}"
-        x, y, z, s = plant.values(elements(f"{sensor}.Q", 4))
-        K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        return np.eye(3) + 2 * s * K + 2 * K @ K, plant.values(elements(f"{sensor}.r", 3))
+        return {name: plant.pose(name) for name in self.data["bodies"]}
 
 
 def posed(scene: Scene, settings: Mapping[str, Value], model: LinearModel) -> Posed:
     """settings: parameters of the point; others in it are of no interest. model: with all outputs."""
     data = copy.deepcopy(scene.with_parameters(_known(scene, settings)).to_dict())
-    prefix = free_prefix(data)
-    sensors = {f"{prefix}{name}": {"type": "frame", "body": name} for name in data["bodies"]}
-    watched = load({**data, "sensors": sensors, "parameters": []})
+    bare = load({**data, "sensors": {}, "parameters": []})
     values, speeds = {}, {}
-    parameters = watched.parameters
+    parameters = bare.parameters
     for name, value in zip(model.outputs, model.y0, strict=True):
         if start_parameter(name) not in parameters:
             continue
@@ -83,7 +73,7 @@ def posed(scene: Scene, settings: Mapping[str, Value], model: LinearModel) -> Po
             values[name] = float(value)
     loose: dict[str, Value] = {name: False for name in parameters if name.endswith(".fixed")}
     still = {name: value for name, value in loose.items() if isinstance(parameters[name], bool)} | speeds
-    return Posed(watched.with_parameters(still), data, prefix, values, model.units)
+    return Posed(bare.with_parameters(still), data, values, model.units)
 
 
 def _known(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:

@@ -42,6 +42,7 @@ class Simulation:
         self._input = {s.name: i for i, s in enumerate(self.inputs)}
         self._diagnostic = {s.name: i for i, s in enumerate(self.diagnostic_signals)}
         self._output = {s.name: i for i, s in enumerate(self._signals) if wanted[i]}
+        self._body = {name: i for i, name in enumerate(self._core.body_names)}
 
     def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
         """Closes the loops at the start values.
@@ -141,6 +142,15 @@ class Simulation:
         if names is None:
             return self._core.read_outputs(list(self._output.values()))
         return self._core.read_outputs([self._index(name, "output", self._output) for name in names])
+
+    def pose(self, body: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A body's frame in the world: rotation matrix, shape (3, 3), and position [m], shape (3,).
+
+        Raises:
+            UsageError: no such body, or before `initialize`.
+        """
+        numbers = self._core.body_pose(self._index(body, "body", self._body))
+        return numbers[:9].reshape(3, 3), numbers[9:]
 
     def diagnostic(self, name: str) -> float:
         """One of `diagnostics`, read alone. Raises UsageError for an unknown name."""

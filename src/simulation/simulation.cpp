@@ -260,6 +260,22 @@ double Simulation::output(int index) {
   return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
+Pose3 Simulation::body_pose(int body) {
+  Impl& s = *impl_;
+  if (!s.initialized) throw UsageError("a pose before initialize()");
+  const BodyPlace& place = s.prepared.reduced.bodies.at(static_cast<std::size_t>(body));
+  Pose3 X_WB = place.X_LB;  // of what stands still
+  if (place.island >= 0) {
+    Island& island = *s.islands[place.island];
+    island.refresh(Outputs::Needs::velocities);
+    const auto& readings = island.dynamics();
+    const Pose3 X_0L = place.rod >= 0 ? readings.rod_pose(place.rod) : readings.link_pose(place.link);
+    X_WB = s.prepared.reduced.islands[place.island].X_W0 * X_0L * place.X_LB;
+  }
+  X_WB.p *= s.scene.units.size_of("m");
+  return X_WB;
+}
+
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("a diagnostic before initialize()");

@@ -109,6 +109,8 @@ class Simulation {
   void tune(const Scene& scene);
   double output(int index);      // computed when first read after a change
   double diagnostic(int index);  // likewise
+  // X_WB of a body of the scene, by its number: the pose of its frame in the world.
+  Pose3 body_pose(int body);
 
   // Indices into outputs(): of the joints' coordinates and speeds that make up a minimal, independent set of states at
   // the start: size().freedoms speeds, as many coordinates and one more for each row that holds no position, and for
