@@ -284,35 +284,9 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
            "First, then second time derivatives of all outputs; [] where inputs are constant.");
 }
 
-}  // namespace
-
-void gelenk::bind_simulation(nb::module_& m) {
-  bind_signal(m);
-  bind_size(m);
-  nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");
-  bind_inputs(simulation);
-  bind_checks(simulation);
-  bind_derivatives(simulation);
-  simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
-      .def(
-          "initialize",
-          [](Plant& p, double time, double tolerance) {
-            p.with([&](Simulation& s) { s.initialize(time, tolerance); });
-          },
-          nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
-          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
-      .def(
-          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
-          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
-      .def("save", save,
-           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
-           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
-      .def("restore", restore, nb::arg("saved"),
-           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
-           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
-      .def_prop_ro(
-          "time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].")
-      .def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
+// What can be read, and where bodies are.
+void bind_readings(nb::class_<Plant>& simulation) {
+  simulation.def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
       .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
       .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
       .def_prop_ro(
@@ -334,7 +308,12 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) { return p.with([](Simulation& s) { return s.independent().coordinates; }); })
       .def_prop_ro("independent_speeds",
-                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().speeds; }); })
+                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().speeds; }); });
+}
+
+// What was made of the scene.
+void bind_reports(nb::class_<Plant>& simulation) {
+  simulation
       .def(
           "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
@@ -347,4 +326,35 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def("moved_frames", [](Plant& p) { return p.with([](Simulation& s) { return s.moved_frames(); }); })
       .def("start_warnings", [](Plant& p) { return p.with([](Simulation& s) { return s.start_warnings(); }); })
       .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
+}
+
+}  // namespace
+
+void gelenk::bind_simulation(nb::module_& m) {
+  bind_signal(m);
+  bind_size(m);
+  nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");
+  bind_inputs(simulation);
+  bind_checks(simulation);
+  bind_derivatives(simulation);
+  bind_readings(simulation);
+  bind_reports(simulation);
+  simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
+      .def(
+          "initialize",
+          [](Plant& p, double time, double tolerance) {
+            p.with([&](Simulation& s) { s.initialize(time, tolerance); });
+          },
+          nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
+          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
+      .def(
+          "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
+          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+      .def("save", save,
+           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
+           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
+      .def("restore", restore, nb::arg("saved"),
+           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
+           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
+      .def_prop_ro("time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].");
 }
