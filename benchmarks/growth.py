@@ -38,13 +38,18 @@ class Cost:
     export_memory: float
 
 
-def chain(n: int) -> Scene:
-    """A chain of n hinged rods of 0.1 m."""
+def grown(n: int, carried: int) -> Scene:
+    """Hinged rods of 0.1 m, each of which carries so many others at its end."""
     joints = {
-        f"j{i}": hinge(at(f"b{i - 1}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
+        f"j{i}": hinge(at(f"b{(i - 1) // carried}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
         for i in range(n)
     }
     return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
+
+
+def chain(n: int) -> Scene:
+    """A chain of n rods."""
+    return grown(n, 1)
 
 
 def equipped(n: int) -> Scene:
@@ -63,11 +68,7 @@ def equipped(n: int) -> Scene:
 
 def tree(n: int) -> Scene:
     """Each rod carries two."""
-    joints = {
-        f"j{i}": hinge(at(f"b{(i - 1) // 2}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
-        for i in range(n)
-    }
-    return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
+    return grown(n, 2)
 
 
 def islands(n: int) -> Scene:

@@ -10,6 +10,19 @@
 
 namespace gelenk {
 
+namespace {
+
+// As many as the list has; empty where one is no text.
+std::vector<std::string> read_names(const Json& list, const std::string& path, Faults& faults, std::string_view what) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    out.push_back(read_text(list[i], path + "[" + std::to_string(i + 1) + "]", faults, what).value_or(""));
+  }
+  return out;
+}
+
+}  // namespace
+
 void read_parameters(const Json& section, Reader& reader) {
   if (section.is_string() && section.get<std::string>() == "all") {
     for (const Settable& number : settables(reader.scene)) {
@@ -21,11 +34,7 @@ void read_parameters(const Json& section, Reader& reader) {
     reader.faults.add("parameters", shown(section), "a list of paths such as crank.mass, or all");
     return;
   }
-  for (std::size_t i = 0; i < section.size(); ++i) {
-    const std::string path = "parameters[" + std::to_string(i + 1) + "]";
-    const auto name = read_text(section[i], path, reader.faults, "a path such as crank.mass");
-    reader.scene.parameters.push_back(name.value_or(""));
-  }
+  reader.scene.parameters = read_names(section, "parameters", reader.faults, "a path such as crank.mass");
 }
 
 void read_outputs(const Json& section, Reader& reader) {
@@ -35,11 +44,7 @@ void read_outputs(const Json& section, Reader& reader) {
     reader.faults.add("outputs", section.is_array() ? "an empty list" : shown(section), expected);
     return;
   }
-  for (std::size_t i = 0; i < section.size(); ++i) {
-    const std::string path = "outputs[" + std::to_string(i + 1) + "]";
-    const auto name = read_text(section[i], path, reader.faults, "the name of an output, or a pattern");
-    reader.scene.outputs.push_back(name.value_or(""));
-  }
+  reader.scene.outputs = read_names(section, "outputs", reader.faults, "the name of an output, or a pattern");
 }
 
 void read_assembly(const Json& section, Reader& reader) {
