@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "scene/text.h"
 #include "simulation/report.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

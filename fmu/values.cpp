@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fmu/edge.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

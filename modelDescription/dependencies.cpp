@@ -29,6 +29,20 @@ struct Part {
   }
 };
 
+// The bodies at an element's ports without the ground, of a joint one of the two.
+std::vector<int> moving_bodies(const Scene& scene, const Numbers& numbers, const ElementPlace& element) {
+  std::vector<int> out;
+  for (const BodyFrame& frame : element.frames) out.push_back(numbers.body(frame.body));
+  for (const std::string& name : element.joints) {
+    if (name.empty()) continue;
+    const Joint& joint = scene.joints[static_cast<std::size_t>(numbers.joint(name))];
+    const int child = numbers.body(joint.child.body);
+    out.push_back(child >= 0 ? child : numbers.body(joint.parent.body));
+  }
+  std::erase(out, -1);
+  return out;
+}
+
 // By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
 // once by these, by others of the part only through springs, so through states.
 std::vector<int> clusters_of(const Scene& scene, const Numbers& numbers) {
@@ -39,18 +53,9 @@ std::vector<int> clusters_of(const Scene& scene, const Numbers& numbers) {
     if (parent >= 0 && child >= 0) sets.join(parent, child);
   }
   // What constraints couple feels forces at once, too.
-  const auto joint_body = [&](const std::string& name) {
-    const int j = numbers.joint(name);
-    if (j < 0) return -1;
-    const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
-    return std::max(numbers.body(joint.parent.body), numbers.body(joint.child.body));
-  };
-  for (const Constraint& c : scene.constraints) {
-    const int first = c.joint.empty() ? numbers.body(c.at.body) : joint_body(c.joint);
-    for (const int other :
-         {c.joint.empty() ? numbers.body(c.on.body) : -1, joint_body(c.other), joint_body(c.carrier)}) {
-      if (first >= 0 && other >= 0) sets.join(first, other);
-    }
+  for (const Constraint& constraint : scene.constraints) {
+    const std::vector<int> bodies = moving_bodies(scene, numbers, constraint);
+    for (std::size_t i = 1; i < bodies.size(); ++i) sets.join(bodies[0], bodies[i]);
   }
   std::vector<int> out;
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) out.push_back(sets.find(b));
@@ -75,18 +80,17 @@ class Finder {
         cluster_(clusters_of(scene_, numbers_)),
         inputs_of_(scene_.bodies.size()) {
     collect_states(simulation);
-    collect_inputs();
+    collect_inputs(simulation.inputs());
   }
 
   std::vector<Knowns> run() {
     std::vector<Knowns> out(catalogue_.variables().size(), nothing_);
-    std::size_t sensor_outputs = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Variable& v = catalogue_.variables()[i];
       if (v.source == Source::rate) out[i] = of_rate(catalogue_.rates()[static_cast<std::size_t>(v.index)]);
       if (v.source != Source::output) continue;
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
-      out[i] = signal.joint >= 0 ? of_joint(signal, static_cast<int>(i)) : of_sensor(sensor_outputs++);
+      out[i] = signal.joint >= 0 ? of_joint(signal, static_cast<int>(i)) : of_element(signal);
     }
     return out;
   }
@@ -114,40 +118,32 @@ class Finder {
     whole_.list();
   }
 
-  // In the order of input_signals(), which are the first variables.
-  void collect_inputs() {
+  // They are the first variables.
+  void collect_inputs(const std::vector<Signal>& inputs) {
     std::set<int> all;
-    int next = 0;
-    const auto add = [&](const std::string& body, int count) {
-      std::set<int>& inputs =
-          inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(numbers_.body(body))])];
-      for (int i = 0; i < count; ++i) {
-        inputs.insert(next);
-        all.insert(next++);
+    for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
+      const Signal& input = inputs[static_cast<std::size_t>(i)];
+      all.insert(i);
+      if (input.section == sections::constraints) continue;  // whatever moves with it: see known_
+      for (const int body : moving_bodies(scene_, numbers_, element_of(input))) {
+        inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])].insert(i);
       }
-    };
-    for (const Motor& motor : scene_.motors) add(moving_body(joint(motor.joint)), 1);
-    for (const Force& force : scene_.forces) {
-      if (force.type == ForceType::wrench && force.input) add(force.at.body, 6);
-    }
-    for (const Constraint& c : scene_.constraints) {
-      if (c.type == ConstraintType::motion && c.motion.is_input()) all.insert(next++);
     }
     all.insert(whole_.states.begin(), whole_.states.end());
     all_ = listed(all);
   }
 
-  const Joint& joint(const std::string& name) const {
-    return scene_.joints[static_cast<std::size_t>(numbers_.joint(name))];
+  const ElementPlace& element_of(const Signal& signal) const {
+    const ElementPlace* out = nullptr;
+    int section = 0;
+    each_section(scene_, [&](const Section&, const auto& elements) {
+      if (section++ == signal.section) out = &elements[static_cast<std::size_t>(signal.element)];
+    });
+    return *out;
   }
 
   static bool follows_input(const Mechanism& mechanism) {
     return std::ranges::any_of(mechanism.coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
-  }
-
-  // One of the two that is not the ground.
-  static const std::string& moving_body(const Joint& joint) {
-    return joint.child.body != ground ? joint.child.body : joint.parent.body;
   }
 
   // island: none where something stands still.
@@ -156,15 +152,18 @@ class Finder {
     return island < 0 ? still_ : parts_[static_cast<std::size_t>(island)];
   }
 
-  // The states of a part, and the inputs that a body of it feels.
-  Knowns of_accelerations(const std::string& moving, int island) {
+  // The states of a part, and the inputs that bodies of it feel.
+  Knowns of_accelerations(const std::vector<int>& bodies, int island) {
     if (!known_) return all_;
-    const int cluster = cluster_[static_cast<std::size_t>(numbers_.body(moving))];
-    Knowns& out = accelerations_[{island, cluster}];
+    std::set<int> clusters;
+    for (const int body : bodies) clusters.insert(cluster_[static_cast<std::size_t>(body)]);
+    Knowns& out = accelerations_[{island, clusters}];
     if (out) return out;
     std::set<int> on = part(island).states;
-    const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster)];
-    on.insert(inputs.begin(), inputs.end());
+    for (const int cluster : clusters) {
+      const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster)];
+      on.insert(inputs.begin(), inputs.end());
+    }
     out = listed(on);
     return out;
   }
@@ -176,7 +175,10 @@ class Finder {
     const Part& p = part(moves ? place.island : -1);
     if (p.states.contains(variable)) return of_state(signal, variable);
     if (!known_) return all_;
-    if (signal.level == 2) return moves ? of_accelerations(moving_body(scene_.joints[j]), place.island) : nothing_;
+    if (signal.level == 2) {
+      const ElementPlace at{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
+      return moves ? of_accelerations(moving_bodies(scene_, numbers_, at), place.island) : nothing_;
+    }
     return signal.level == 0 ? p.of_positions : p.of_states;
   }
 
@@ -195,51 +197,29 @@ class Finder {
     return known_ ? part(place.role == JointPlace::Role::merged ? -1 : place.island).of_states : all_;
   }
 
-  Knowns of_sensor(std::size_t output) {
-    for (const Sensor& sensor : scene_.sensors) {
-      const std::size_t size = size_of(sensor);
-      if (output < size) return of_sensor(sensor, output);
-      output -= size;
-    }
-    return of_constraint(output);
-  }
-
-  Knowns of_constraint(std::size_t output) {
-    for (std::size_t i = 0; i < scene_.constraints.size(); ++i) {
-      const Constraint& c = scene_.constraints[i];
-      const std::size_t size = c.type == ConstraintType::rolling ? 6 : 1;
-      if (output >= size) {
-        output -= size;
-        continue;
-      }
-      const int island = reduced_.constraints[i].island;
-      if (!known_) return all_;
-      if (island < 0) return nothing_;
-      const bool force = output < 3;  // else the contact point
-      if (!force) return part(island).of_positions;
-      const std::string& body = numbers_.joint(c.joint) >= 0 ? moving_body(joint(c.joint))
-                                : c.at.body != ground        ? c.at.body
-                                                             : c.on.body;
-      return of_accelerations(body, island);
-    }
-    return all_;
-  }
-
-  static std::size_t size_of(const Sensor& sensor) {
-    if (sensor.type == SensorType::reaction) return 6;
-    return sensor.type == SensorType::frame ? 13 : 3;
-  }
-
-  Knowns of_sensor(const Sensor& sensor, std::size_t component) {
+  Knowns of_element(const Signal& signal) {
     if (!known_) return all_;
-    if (sensor.type == SensorType::energy) return component == 1 ? whole_.of_positions : whole_.of_states;
-    if (sensor.type == SensorType::frame) {
-      const Part& p = part(place(scene_, reduced_, -1, sensor.frame).island);
-      return component < 7 ? p.of_positions : p.of_states;
+    const ElementPlace& element = element_of(signal);
+    const bool whole = signal.section == sections::sensors &&
+                       kind_of(scene_.sensors[static_cast<std::size_t>(signal.element)].is).of_whole;
+    const int island = island_of(element);
+    if (signal.section == sections::constraints && island < 0) return nothing_;
+    if (signal.stage == Stage::acceleration) {
+      return of_accelerations(moving_bodies(scene_, numbers_, element), island);
     }
-    const int j = numbers_.joint(sensor.joint);
-    const int island = reduced_.joints[static_cast<std::size_t>(j)].island;
-    return of_accelerations(moving_body(scene_.joints[static_cast<std::size_t>(j)]), island);
+    const Part& from = whole ? whole_ : part(island);
+    return signal.stage == Stage::position ? from.of_positions : from.of_states;
+  }
+
+  // -1: all that it is at stands still.
+  int island_of(const ElementPlace& element) const {
+    int out = -1;
+    for (const BodyFrame& frame : element.frames) out = std::max(out, place(scene_, reduced_, -1, frame).island);
+    for (const std::string& name : element.joints) {
+      if (name.empty()) continue;
+      out = std::max(out, reduced_.joints[static_cast<std::size_t>(numbers_.joint(name))].island);
+    }
+    return out;
   }
 
   const Scene& scene_;
@@ -248,9 +228,9 @@ class Finder {
   const Catalogue& catalogue_;
   Numbers numbers_;
   std::vector<Part> parts_;
-  std::vector<int> cluster_;                             // by body
-  std::vector<std::set<int>> inputs_of_;                 // by cluster
-  std::map<std::pair<int, int>, Knowns> accelerations_;  // by island and cluster
+  std::vector<int> cluster_;                                       // by body
+  std::vector<std::set<int>> inputs_of_;                           // by cluster
+  std::map<std::pair<int, std::set<int>>, Knowns> accelerations_;  // by island and clusters
   Part whole_;
   Knowns nothing_ = listed({});
   Part still_{.positions = {}, .states = {}, .of_positions = nothing_, .of_states = nothing_};

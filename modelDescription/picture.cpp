@@ -36,6 +36,9 @@ std::vector<Pose3> poses_of(Simulation& simulation) {
 // Whether there is anything to draw: a joint with all freedoms holds nothing.
 bool holds(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
 
+// Whether there is something between two bodies to draw.
+bool joins(const Force& force) { return force.frames.size() == 2; }
+
 // From where the scene is looked at: directions of the picture's axes in the world.
 struct View {
   Vector3d right{1, 0, 0}, up{0, 0, 1};
@@ -114,9 +117,9 @@ class Artist {
       draw_ground(joint.child);
     }
     for (const Force& force : scene_.forces) {
-      if (force.type != ForceType::spring_damper) continue;
-      draw_ground(force.from);
-      draw_ground(force.to);
+      if (!joins(force)) continue;
+      draw_ground(force.frames[0]);
+      draw_ground(force.frames[1]);
     }
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) draw_body(b);
     for (const Force& force : scene_.forces) draw_force(force);
@@ -144,9 +147,9 @@ class Artist {
       mark(joint.child);
     }
     for (const Force& force : scene_.forces) {
-      if (force.type != ForceType::spring_damper) continue;
-      mark(force.from);
-      mark(force.to);
+      if (!joins(force)) continue;
+      mark(force.frames[0]);
+      mark(force.frames[1]);
     }
   }
 
@@ -162,9 +165,9 @@ class Artist {
     for (const std::vector<Vector3d>& of_body : marks_) std::ranges::for_each(of_body, include);
     for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
     for (const Force& force : scene_.forces) {
-      if (force.type != ForceType::spring_damper) continue;
-      include(in_world(force.from));
-      include(in_world(force.to));
+      if (!joins(force)) continue;
+      include(in_world(force.frames[0]));
+      include(in_world(force.frames[1]));
     }
     if (!(least.x() <= most.x())) return;  // nothing there
     const Vector2d room(picture_.width - 2 * margin, picture_.height - 2 * margin);
@@ -216,9 +219,9 @@ class Artist {
   }
 
   void draw_force(const Force& force) {
-    if (force.type != ForceType::spring_damper) return;
-    const Vector2d from = on_paper(in_world(force.from));
-    const Vector2d to = on_paper(in_world(force.to));
+    if (!joins(force)) return;
+    const Vector2d from = on_paper(in_world(force.frames[0]));
+    const Vector2d to = on_paper(in_world(force.frames[1]));
     const Vector2d along = to - from;
     if (along.norm() < 1) return;
     const Vector2d aside = 7 * Vector2d(-along.y(), along.x()) / along.norm();
@@ -234,7 +237,8 @@ class Artist {
     const Vector2d at = on_paper(in_world(joint.child));
     const Vector2d from = on_paper(in_world(joint.parent));
     if ((at - from).norm() > 1) line({from, at}, 2, ink);
-    const bool driven = std::ranges::find(scene_.motors, joint.name, &Motor::joint) != scene_.motors.end();
+    const bool driven =
+        std::ranges::any_of(scene_.motors, [&](const Motor& motor) { return motor.joints.front() == joint.name; });
     const JointKind& kind = *find_joint_kind(joint.type);
     const Colour fill = driven ? drive : kind.nv == 0 ? ink : paper;
     const bool slides = kind.nv > 0 && kind.q[0].unit == "m";

@@ -8,7 +8,7 @@
 
 #include "modelDescription/fingerprint.h"
 #include "scene/read.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -49,7 +49,7 @@ Plant::Plant(std::shared_ptr<const PlantModel> model)
       inputs_(inputs_of(model_->catalogue)),
       first_inputs_(inputs_) {
   take_starts(model_->catalogue, inputs_);
-  for (const Joint& joint : scene_.joints) joints_.push_back(make_joint(joint.type, joint.axes));
+  for (const Joint& joint : scene_.joints) joints_.push_back(joint.is);
 }
 
 void Plant::set_experiment(double start, double tolerance) {

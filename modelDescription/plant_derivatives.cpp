@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "modelDescription/capabilities.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

@@ -23,6 +23,7 @@ constexpr Measured quantities[] = {
     {"kg", "Mass"},
     {"kg.m2", "MomentOfInertia"},
     {"J", "Energy"},
+    {"W", "Power"},
     {"s", "Time"},
     {"Hz", "Frequency"},
     {"N/m", "TranslationalSpringConstant"},

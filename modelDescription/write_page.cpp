@@ -6,8 +6,8 @@
 #include "formulation/inputs.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/write_xml.h"
-#include "scene/text.h"
 #include "simulation/inspection.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

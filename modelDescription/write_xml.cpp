@@ -10,7 +10,7 @@
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/units.h"
 #include "scene/natural_time.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

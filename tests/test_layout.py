@@ -10,9 +10,10 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
-BELOW: dict[str, set[str]] = {"math": set()}
-BELOW["joint"] = {"math"}
-BELOW["scene"] = {"joint", *BELOW["joint"]}
+BELOW: dict[str, set[str]] = {"util": set(), "field": set(), "math": set()}
+BELOW["joint"] = {"field", "math"}
+BELOW["element"] = {"joint", "util", *BELOW["joint"]}
+BELOW["scene"] = {"element", *BELOW["element"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
 BELOW["dynamics"] = {"mechanism", *BELOW["mechanism"]}
 BELOW["formulation"] = {"dynamics", *BELOW["dynamics"]}

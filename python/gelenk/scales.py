@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 # Exponents of mass, length and time in the symbols of units.
 _SYMBOLS = {
     "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "rad": (0, 0, 0), "1": (0, 0, 0),
-    "N": (1, 1, -2), "J": (1, 2, -2), "Hz": (0, 0, -1),
+    "N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3), "Hz": (0, 0, -1),
 }  # fmt: skip
-_FACTOR = re.compile(r"(kg|rad|Hz|[mNJs1])(\d*)")
+_FACTOR = re.compile(r"(kg|rad|Hz|[mNJWs1])(\d*)")
 
 
 @dataclass(frozen=True)

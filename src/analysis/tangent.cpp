@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "analysis/dual_columns.h"
-#include "dynamics/collapsed_spring.h"
+#include "dynamics/undefined_force.h"
 
 namespace gelenk {
 namespace {
@@ -78,9 +78,9 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   d.factorise();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
-  if (!loads_.springs.empty()) {
+  if (!no_list_has_any(loads_.forces)) {
     d.set_root_poses();
-    const int force = collapsed_spring(loads_, d);
+    const int force = undefined_force(loads_, d);
     if (force >= 0) throw Undetermined(Undetermined::What::spring, force);
   }
   partition_known_ = slopes_known_ = false;

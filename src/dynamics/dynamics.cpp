@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "dynamics/coordinate_rows.h"
+#include "dynamics/coordinate_slopes.h"
 #include "dynamics/kernels.h"
 #include "dynamics/load_kernels.h"
 #include "dynamics/mass_factor.h"
@@ -22,10 +23,14 @@ namespace {
 // Links whose poses in the root frame the loads ask for, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
   std::vector<bool> needed(mechanism.links.size(), false);
-  for (const PointSpring& spring : loads.springs) needed[spring.from.link] = needed[spring.to.link] = true;
-  for (const Wrench& wrench : loads.wrenches) {
-    if (!wrench.in_link) needed[wrench.at.link] = true;
-  }
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      if constexpr (requires { force.element.is_local(); }) {
+        if (force.element.is_local()) continue;
+      }
+      for (const Attachment& at : force.at) needed[at.link] = true;
+    }
+  });
   for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
     if (needed[i]) needed[mechanism.links[i].parent] = true;
   }
@@ -62,7 +67,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
         all_plain_(std::ranges::all_of(model_.links, [](const auto& link) { return link.plain || link.nv == 0; })),
-        M_(model_, ws_, loads.reflected_inertia),
+        M_(model_, ws_, loads.added_inertia),
         Y_(M_, ws_.J, model_.nv),
         max_rank_(model_.rows),
         w_(model_.nv),
@@ -89,10 +94,10 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   }
 
   void factorise() override {
-    const bool as_before = same(loads_.reflected_inertia.data(), added_);
+    const bool as_before = same(loads_.added_inertia.data(), added_);
     if (factorised_ && as_before) return;
     factorised_ = false;
-    if (!as_before) added_ = loads_.reflected_inertia;
+    if (!as_before) added_ = loads_.added_inertia;
     if (model_.rows > 0) fill_jacobian();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows > 0) Y_.factorise(max_rank_);
@@ -101,7 +106,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   bool mass_is_definite() override {
     factorised_ = false;
-    added_ = loads_.reflected_inertia;
+    added_ = loads_.added_inertia;
     return M_.definite();
   }
 
@@ -240,8 +245,22 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     if (!factorised_ && model_.rows > 0) fill_jacobian();
     return ws_.J.matrix(model_.nv);
   }
-  const std::vector<JointStop>& stops() const override { return loads_.tree.stops; }
-  void hold_stops(const int* sides) override { held_ = sides; }
+  int branchings() const override {
+    int n = 0;
+    loads_.tree.each_branching([&](const auto&) { ++n; });
+    return n;
+  }
+  void switch_values(const double* q, const double* v, double* g, double* gdot) const override {
+    loads_.tree.each_branching([&](const auto& force) {
+      force.element.switches(force.sign * q[force.q], force.sign * v[force.v], g, gdot);
+      g += 2;
+      gdot += 2;
+    });
+  }
+  void branches(const double* q, const double* v, int* sides) const override {
+    loads_.tree.each_branching([&](const auto& force) { *sides++ = force.side(q, v); });
+  }
+  void hold_branches(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void limit_rank(int rank) override {
@@ -276,7 +295,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   // tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    const bool none = loads_.springs.empty() && loads_.wrenches.empty() &&
+    const bool none = no_list_has_any(loads_.forces) &&
                       std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
     if (!none || !unloaded_) {
       kernels::link_loads(model_, loads_, u, ws_);
@@ -290,12 +309,14 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   // From the branches of the state to those held.
   void differentiate_held(Slopes& out) const {
-    for (std::size_t i = 0; i < loads_.tree.stops.size(); ++i) {
-      const JointStop& s = loads_.tree.stops[i];
-      const int pushes = std::abs(held_[i]) - std::abs(s.side(q_[s.q], v_[s.v]));
-      out.r_q()(s.v, s.q) += pushes * s.stop.stiffness;
-      out.r_v()(s.v, s.v) += pushes * s.stop.damping;
-    }
+    const int* side = held_;
+    loads_.tree.each_branching([&](const auto& force) {
+      const auto held = slopes_by_duals(force, q_.data(), v_.data(), nullptr, 0, side);
+      const auto free = slopes_by_duals(force, q_.data(), v_.data(), nullptr, 0);
+      out.r_q()(force.v, force.q) += free[0] - held[0];
+      out.r_v()(force.v, force.v) += free[1] - held[1];
+      ++side;
+    });
   }
 
   const double* row_target() {

@@ -91,11 +91,14 @@ class Dynamics : public Readings<double> {
   virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
-  // Stops of tree joints.
-  virtual const std::vector<JointStop>& stops() const = 0;
-  // From now on solve() and assemble() take them on these branches (JointStop::side; read then), and differentiate()
-  // too; null: on those of the state.
-  virtual void hold_stops(const int* sides) = 0;
+  // What acts along tree joints and has branches (element/coordinate_force.h): how many, and, of each, the branch on
+  // which a state lies and two numbers that vanish where it changes, with their rates.
+  virtual int branchings() const = 0;
+  virtual void branches(const double* q, const double* v, int* sides) const = 0;
+  virtual void switch_values(const double* q, const double* v, double* g, double* gdot) const = 0;
+  // From now on solve() and assemble() take them on these branches (read then), and differentiate() too; null: on those
+  // of the state.
+  virtual void hold_branches(const int* sides) = 0;
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

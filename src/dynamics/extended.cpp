@@ -72,7 +72,7 @@ class ExtendedOf final : public WithReadings<A, Extended<typename A::Scalar>> {
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       for (int k = link.iv; k < link.iv + link.nv; ++k) {
-        r_[k] = A::dot(ws_.S[k], ws_.F[i]) - r_[k] + loads_.reflected_inertia[k] * vdot[k];
+        r_[k] = A::dot(ws_.S[k], ws_.F[i]) - r_[k] + loads_.added_inertia[k] * vdot[k];
       }
     }
     for (std::size_t i = 0; i < model_.coordinate_rows.size(); ++i) {

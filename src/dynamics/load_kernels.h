@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loads: springs between points, wrenches on links, springs, stops and drives on joints.
+// Loads: what acts between bodies and along joints.
 #pragma once
 
 #include "dynamics/kernels.h"
@@ -37,9 +37,5 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
 template <class A>
 void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
                 typename A::Scalar* v);
-
-// Length of a point spring and its direction from `from` to `to`, in the root's axes.
-template <class A>
-Vector3<typename A::Scalar> spring_span(const PointSpring& spring, const Workspace<A>& ws);
 
 }  // namespace gelenk::kernels

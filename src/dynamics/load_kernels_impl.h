@@ -65,60 +65,75 @@ void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typen
   F.y += f.y();
 }
 
-template <class A>
-void spring_load(const PointSpring& spring, Workspace<A>& ws) {
-  using T = typename A::Scalar;
-  const auto& X_from = ws.X_0L[spring.from.link];
-  const auto& X_to = ws.X_0L[spring.to.link];
-  const Vector3<T> d = spring_span(spring, ws);
-  const Vector3<T> none = Vector3<T>::Zero();
-  const auto pull_by = [&](const Vector3<T>& pull) {  // on `from`
-    apply<T>(spring.from, to_link<T>(X_from, pull), none, ws.F_ext[spring.from.link]);
-    apply<T>(spring.to, to_link<T>(X_to, Vector3<T>(-pull)), none, ws.F_ext[spring.to.link]);
-  };
-  if (spring.is_linear()) return pull_by(T(spring.stiffness) * d);
-  const T L = d.norm();
-  if (L == T(0)) return;  // no direction: collapsed_spring() tells
-  const Vector3<T> e = d / L;
-  const Vector3<T> v_to = to_root<T>(X_to, point_velocity<T>(ws.V[spring.to.link], spring.to));
-  const Vector3<T> v_from = to_root<T>(X_from, point_velocity<T>(ws.V[spring.from.link], spring.from));
-  const T rate = e.dot(v_to - v_from);
-  const T tension = T(spring.stiffness) * (L - T(spring.length)) + T(spring.damping) * rate;
-  pull_by(tension * e);
+// Only the force.
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, typename SpatialAlgebra<T>::Force& F) {
+  F.n += cast<T>(at.p).cross(f);
+  F.f += f;
+}
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, typename PlanarAlgebra<T>::Force& F) {
+  F.n += T(at.p.x()) * f.y() - T(at.p.y()) * f.x();
+  F.x += f.x();
+  F.y += f.y();
 }
 
-template <class A>
-void wrench_load(const Wrench& wrench, const typename A::Scalar* u, Workspace<A>& ws) {
+template <class T>
+Vector3<T> angular_velocity(const typename SpatialAlgebra<T>::Motion& V) {
+  return V.w;
+}
+template <class T>
+Vector3<T> angular_velocity(const typename PlanarAlgebra<T>::Motion& V) {
+  return {T(0), T(0), V.w};
+}
+
+// A force's port (element/force.h), in the root's axes. W: Workspace<A>, or const.
+template <class A, class W>
+class PortOn {
+ public:
   using T = typename A::Scalar;
-  Vector3<T> f = cast<T>(wrench.force);
-  Vector3<T> n = cast<T>(wrench.torque);
-  if (wrench.input >= 0) {
-    const T* in = u + wrench.input;
-    const Matrix3<T> R = wrench.R_user.cast<T>();
-    f += R * Vector3<T>(in[0], in[1], in[2]);
-    n += R * Vector3<T>(in[3], in[4], in[5]);
+
+  PortOn() = default;
+  PortOn(const Attachment& at, const Loads& loads, W& ws) : at_(&at), loads_(&loads), ws_(&ws) {}
+
+  Vector3<T> p() const { return point<T>(X(), *at_); }
+  Vector3<T> v() const { return to_root<T>(X(), point_velocity<T>(ws_->V[at_->link], *at_)); }
+  Vector3<T> w() const { return to_root<T>(X(), angular_velocity<T>(ws_->V[at_->link])); }
+  Vector3<T> turned(const Vector3<T>& x) const { return to_root<T>(X(), Vector3<T>(at_->R.cast<T>() * x)); }
+  Vector3<T> own(const Vector3<T>& x) const { return at_->R.transpose().cast<T>() * to_link<T>(X(), x); }
+  Vector3<T> from_world(const Vector3<T>& x) const { return loads_->R_0W.cast<T>() * x; }
+
+  void push(const Vector3<T>& f) { apply<T>(*at_, to_link<T>(X(), f), F()); }
+  void push(const Vector3<T>& f, const Vector3<T>& n) { apply<T>(*at_, to_link<T>(X(), f), to_link<T>(X(), n), F()); }
+  void push_along(const Vector3<T>& f, const Vector3<T>& n) {
+    const Matrix3<T> R = at_->R.cast<T>();
+    apply<T>(*at_, Vector3<T>(R * f), Vector3<T>(R * n), F());
   }
-  const int link = wrench.at.link;
-  if (!wrench.in_link) {
-    f = to_link<T>(ws.X_0L[link], f);
-    n = to_link<T>(ws.X_0L[link], n);
-  }
-  apply<T>(wrench.at, f, n, ws.F_ext[link]);
+
+ private:
+  const typename A::Pose& X() const { return ws_->X_0L[at_->link]; }
+  typename A::Force& F() { return ws_->F_ext[at_->link]; }
+
+  const Attachment* at_ = nullptr;
+  const Loads* loads_ = nullptr;
+  W* ws_ = nullptr;
+};
+
+template <class A, class F, class W>
+auto ports_of(const PlacedForce<F>& force, const Loads& loads, W& ws) {
+  std::array<PortOn<A, W>, PlacedForce<F>::ports> out;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = {force.at[k], loads, ws};
+  return out;
 }
 
 }  // namespace detail
 
 template <class A>
-Vector3<typename A::Scalar> spring_span(const PointSpring& spring, const Workspace<A>& ws) {
-  using T = typename A::Scalar;
-  return point<T>(ws.X_0L[spring.to.link], spring.to) - point<T>(ws.X_0L[spring.from.link], spring.from);
-}
-
-template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws) {
   for (std::size_t i = 0; i < model.links.size(); ++i) ws.F_ext[i] = {};
-  for (const PointSpring& spring : loads.springs) spring_load(spring, ws);
-  for (const Wrench& wrench : loads.wrenches) wrench_load(wrench, u, ws);
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) force.element.act(ports_of<A>(force, loads, ws).data(), u + force.input);
+  });
 }
 
 template <class A>

@@ -5,33 +5,25 @@
 #include <utility>
 
 #include "dynamics/model.h"
+#include "scene/signals.h"
 
 namespace gelenk {
 namespace {
 
-// A stop on sign * q.
-Stop in_sign(double sign, Stop stop) {
-  if (sign > 0) return stop;
-  std::swap(stop.lower, stop.upper);
-  stop.lower = -stop.lower;
-  stop.upper = -stop.upper;
-  return stop;
-}
-
 // What is there is forgotten, its room kept.
-void empty(JointLoads& loads) {
-  loads.springs.clear();
-  loads.actuations.clear();
-  loads.stops.clear();
-}
-
 void empty(Loads& loads) {
-  empty(loads.tree);
-  for (JointLoads& cut : loads.cuts) empty(cut);
-  loads.springs.clear();
-  loads.wrenches.clear();
+  const auto clear = [](auto& list) { list.clear(); };
+  each_list(loads.tree.lists, clear);
+  for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear);
+  each_list(loads.forces, clear);
   loads.inputs.clear();
   loads.potential_offset = 0;
+}
+
+template <class E>
+bool is_idle(const E& element) {
+  if constexpr (requires { element.is_idle(); }) return element.is_idle();
+  return false;
 }
 
 // Adds the loads of one scene to `out`, an island each, which are empty().
@@ -40,7 +32,6 @@ struct LoadAdder {
   const ReducedScene& reduced;
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
   std::vector<Loads>& out;
-  int inputs = 0;
 
   void prepare() {
     out.resize(reduced.islands.size());
@@ -49,52 +40,72 @@ struct LoadAdder {
 
   void prepare(const Mechanism& mechanism, Loads& loads) const {
     empty(loads);
-    loads.gravity = mechanism.X_W0.R.transpose() * scene.gravity;
+    loads.R_0W = mechanism.X_W0.R.transpose();
+    loads.gravity = loads.R_0W * scene.gravity;
     for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
       const Spatial::Inertia& G = mechanism.links[i].G;
       loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
       if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
     }
-    // Springs of no stiffness and damping are left out, and may be asked for later.
-    loads.tree.springs.reserve(mechanism.nv);
+    // What does nothing is left out, and may be asked for later.
+    make_room(loads.tree, mechanism.nv);
     loads.cuts.resize(mechanism.cuts.size());
-    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) loads.cuts[c].springs.reserve(mechanism.cuts[c].nv);
-    loads.reflected_inertia.assign(mechanism.nv, 0);
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) make_room(loads.cuts[c], mechanism.cuts[c].nv);
+    loads.added_inertia.assign(mechanism.nv, 0);
   }
 
-  void motor(const Motor& motor) {
-    const int input = inputs++;
-    const JointPlace& place = reduced.joints[joint_number.at(motor.joint)];
-    if (place.role == JointPlace::Role::merged) return;
+  static void make_room(JointLoads& loads, int nv) {
+    std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces());
+  }
+  template <class E>
+  static void reserve(JointLoads& loads, const E&, int nv) {
+    std::get<std::vector<AlongCoordinate<E>>>(loads.lists).reserve(static_cast<std::size_t>(nv));
+  }
+  template <class E>
+  static void reserve(JointLoads&, const std::optional<E>&, int) {}
+
+  // Where what acts along a joint goes; null: it stands still, or is no joint any more.
+  JointLoads* along(const JointPlace& place) const {
+    if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return nullptr;
     Loads& loads = out[place.island];
-    loads.inputs.push_back(input);
-    const double gain = motor.gear_ratio * place.v_sign[0];
-    if (place.role == JointPlace::Role::cut) {
-      loads.cuts[place.index].actuations.push_back({0, input, gain});
-    } else {
-      loads.tree.actuations.push_back({place.iv, input, gain});
-      loads.reflected_inertia[place.iv] += motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia;
-    }
+    return place.role == JointPlace::Role::cut ? &loads.cuts[place.index] : &loads.tree;
+  }
+
+  void motor(const Motor& motor, int input) {
+    const JointPlace& place = reduced.joints[joint_number.at(motor.joints.front())];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    Loads& loads = out[place.island];
+    for (int i = 0; i < input_count(motor.is); ++i) loads.inputs.push_back(input + i);
+    const bool cut = place.role == JointPlace::Role::cut;
+    std::visit([&](const auto& element) { add(*to, element, place, cut, 0, input); }, motor.is);
+    if (!cut) loads.added_inertia[place.iv] += inertia_of(motor.is);
   }
 
   void joint(int j) {
-    const Joint& joint = scene.joints[j];
     const JointPlace& place = reduced.joints[j];
-    if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return;
-    Loads& loads = out[place.island];
-    const bool cut = place.role == JointPlace::Role::cut;
-    const int iq = cut ? 0 : place.iq;
-    const int iv = cut ? 0 : place.iv;
-    // Damping works on every speed, stiffness only where the coordinate is the speed's integral.
-    const bool springs = find_joint_kind(joint.type)->springs();
-    JointLoads& along = cut ? loads.cuts[place.index] : loads.tree;
-    if (joint.stop) along.stops.push_back({iq, iv, in_sign(place.q_sign[0], *joint.stop)});
-    for (int i = 0; i < static_cast<int>(joint.damping.size()); ++i) {
-      const double k = springs ? joint.stiffness[i] : 0;
-      if (k == 0 && joint.damping[i] == 0) continue;
-      const double reference = springs ? place.q_sign[i] * joint.spring_reference[i] : 0;
-      along.springs.push_back({iq + i, iv + i, k, joint.damping[i], reference});
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    const std::vector<JointForces>& forces = scene.joints[j].along;
+    for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
+      std::apply([&](const auto&... force) { (add_if_there(*to, force, place, i), ...); }, forces[i]);
     }
+  }
+
+  template <class E>
+  void add_if_there(JointLoads& to, const E& element, const JointPlace& place, int i) {
+    const bool cut = place.role == JointPlace::Role::cut;
+    if constexpr (requires { *element; }) {
+      if (element) add(to, *element, place, cut, i, 0);
+    } else {
+      if (!is_idle(element)) add(to, element, place, cut, i, 0);
+    }
+  }
+
+  template <class E>
+  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input) {
+    std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
+        {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input});
   }
 
   // Those that are inputs.
@@ -106,24 +117,20 @@ struct LoadAdder {
     }
   }
 
-  void force(const Force& force) {
-    if (force.type == ForceType::spring_damper) {
-      const int island = std::max(island_of(force.from), island_of(force.to));
-      if (island < 0) return;
-      out[island].springs.push_back({attach(island, force.from), attach(island, force.to), force.stiffness,
-                                     force.damping, force.length, static_cast<int>(&force - scene.forces.data())});
-      return;
-    }
-    const int first_input = inputs;
-    if (force.input) inputs += 6;
-    const int island = island_of(force.at);
+  void force(int f, int input) {
+    const Force& force = scene.forces[f];
+    int island = -1;
+    for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
     if (island < 0) return;
-    Wrench wrench = make_wrench(island, force);
-    if (force.input) {
-      wrench.input = first_input;
-      for (int i = 0; i < 6; ++i) out[island].inputs.push_back(first_input + i);
-    }
-    out[island].wrenches.push_back(wrench);
+    for (int i = 0; i < input_count(force.is); ++i) out[island].inputs.push_back(input + i);
+    std::visit(
+        [&](const auto& element) {
+          using F = std::decay_t<decltype(element)>;
+          PlacedForce<F> placed{.element = element, .at = {}, .input = input, .force = f};
+          for (std::size_t k = 0; k < placed.at.size(); ++k) placed.at[k] = attach(island, force.frames[k]);
+          std::get<std::vector<PlacedForce<F>>>(out[island].forces).push_back(placed);
+        },
+        force.is);
   }
 
  private:
@@ -135,24 +142,23 @@ struct LoadAdder {
   Attachment attach(int island, const BodyFrame& frame) const {
     const BodyPlace found = place(scene, reduced, island, frame);
     const Mechanism& mechanism = reduced.islands[island];
-    return {found.link, found.X_LB.p, mechanism.planar ? mechanism.heights[found.link] : 0};
-  }
-
-  Wrench make_wrench(int island, const Force& force) const {
-    Wrench out;
-    out.at = attach(island, force.at);
-    out.in_link = force.in_body;
-    const Eigen::Matrix3d& R_W0 = reduced.islands[island].X_W0.R;
-    out.R_user = force.in_body ? place(scene, reduced, island, force.at).X_LB.R : Eigen::Matrix3d(R_W0.transpose());
-    out.force = out.R_user * force.force;
-    out.torque = out.R_user * force.torque;
-    return out;
+    return {found.link, found.X_LB.p, found.X_LB.R, mechanism.planar ? mechanism.heights[found.link] : 0};
   }
 };
 
 }  // namespace
 
-LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced) : scene_(scene), reduced_(reduced) {
+bool JointLoads::stores_nothing() const {
+  bool out = true;
+  each_list(lists, [&](const auto& list) {
+    using E = std::decay_t<decltype(list.front().element)>;
+    if constexpr (requires(const E& element) { element.energy(0.0); }) out = out && list.empty();
+  });
+  return out;
+}
+
+LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced)
+    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
 }
@@ -160,9 +166,11 @@ LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced) : scene_(s
 void LoadMaker::fill(std::vector<Loads>& loads) const {
   LoadAdder adder{scene_, reduced_, body_number_, joint_number_, loads};
   adder.prepare();
-  for (const Motor& motor : scene_.motors) adder.motor(motor);
+  for (std::size_t m = 0; m < scene_.motors.size(); ++m) adder.motor(scene_.motors[m], inputs_[sections::motors][m]);
   for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) adder.joint(j);
-  for (const Force& force : scene_.forces) adder.force(force);
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+    adder.force(static_cast<int>(f), inputs_[sections::forces][f]);
+  }
   adder.motions();
 }
 
@@ -172,6 +180,47 @@ std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
   return loads;
 }
 
+namespace {
+
+template <class E>
+double stored(const E& element, double q) {
+  if constexpr (requires { element.energy(q); }) return element.energy(q);
+  return 0;
+}
+template <class E>
+double stored(const std::optional<E>& element, double q) {
+  return element ? stored(*element, q) : 0;
+}
+
+// A frame that stands still in the world.
+struct StandingPort {
+  Pose3 X_WP;
+  const Eigen::Vector3d& p() const { return X_WP.p; }
+  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
+  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return X_WP.R.transpose() * x; }
+  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
+};
+
+// Between what stands still.
+double standing_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
+  std::vector<StandingPort> at;
+  for (const BodyFrame& frame : force.frames) {
+    const BodyPlace found = place(scene, reduced, -1, frame);
+    if (found.island >= 0) return 0;
+    at.push_back({found.X_LB});
+  }
+  return std::visit(
+      [&](const auto& element) -> double {
+        if constexpr (requires { element.template energy<double>(at.data()); }) {
+          return element.template energy<double>(at.data());
+        }
+        return 0;
+      },
+      force.is);
+}
+
+}  // namespace
+
 double standing_energy(const Scene& scene, const ReducedScene& reduced) {
   double sum = 0;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -179,21 +228,14 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced) {
     if (place.island < 0) sum -= scene.bodies[b].mass * scene.gravity.dot(place.X_LB.point(scene.bodies[b].com));
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const Joint& joint = scene.joints[j];
+    const std::vector<JointForces>& along = scene.joints[j].along;
     const std::vector<double>& q = reduced.joints[j].q;
-    for (std::size_t i = 0; i < q.size() && i < joint.stiffness.size(); ++i) {
-      sum += joint.stiffness[i] / 2 * (q[i] - joint.spring_reference[i]) * (q[i] - joint.spring_reference[i]);
+    for (std::size_t i = 0; i < q.size() && i < along.size(); ++i) {
+      if (!find_joint_kind(scene.joints[j].type)->springs()) continue;
+      std::apply([&](const auto&... force) { ((sum += stored(force, q[i])), ...); }, along[i]);
     }
-    if (joint.stop && !q.empty()) sum += energy_of(*joint.stop, q[0]);
   }
-  for (const Force& force : scene.forces) {
-    if (force.type != ForceType::spring_damper) continue;
-    const BodyPlace from = place(scene, reduced, -1, force.from);
-    const BodyPlace to = place(scene, reduced, -1, force.to);
-    if (from.island >= 0 || to.island >= 0) continue;
-    const double stretch = (to.X_LB.p - from.X_LB.p).norm() - force.length;
-    sum += force.stiffness / 2 * stretch * stretch;
-  }
+  for (const Force& force : scene.forces) sum += standing_energy(scene, reduced, force);
   return sum;
 }
 

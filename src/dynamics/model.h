@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <string_view>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
 
@@ -12,113 +14,133 @@
 
 namespace gelenk {
 
-// A point on a link. Planar kernels know its height through `height` and p.z().
+// A frame on a link. Planar kernels know its height through `height` and p.z().
 struct Attachment {
   int link = 0;
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // m, in the link's frame
-  double height = 0;                            // m, of the link's origin along the plane's normal; 0 in space
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      // m, in the link's frame
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // its axes in the link's
+  double height = 0;                                // m, of the link's origin along the plane's normal; 0 in space
 };
 
-struct PointSpring {
-  Attachment from, to;
-  double stiffness = 0, damping = 0, length = 0;
+// A force where it acts.
+template <class F>
+struct PlacedForce {
+  static constexpr std::size_t ports = std::size(F::ports);
+
+  F element;
+  std::array<Attachment, ports> at;
+  int input = 0;   // its first one, of the scene's
   int force = -1;  // of the scene
-
-  // It pulls with stiffness times the way between its ends, smooth also where these meet. Any other one has a direction
-  // that is not defined there.
-  bool is_linear() const { return length == 0 && damping == 0; }
 };
 
-struct Wrench {
-  Attachment at;
-  Eigen::Vector3d force, torque;  // constant part, in the link's axes (in_link) or the root's
-  bool in_link = false;
-  Eigen::Matrix3d R_user;  // from the axes in which the inputs are given to those above
-  int input = -1;          // first of six inputs (force, torque), -1: none
-};
-
-// tau[v] = gain * input.
-struct Actuation {
-  int v = 0;
-  int input = 0;
-  double gain = 1;
-};
-// tau[v] = -stiffness (q[q] - reference) - damping v[v].
-struct JointSpring {
+// What acts along a coordinate, in the user's sense: sign times the mechanism's.
+template <class F>
+struct AlongCoordinate {
+  F element;
   int q = 0, v = 0;
-  double stiffness = 0, damping = 0, reference = 0;
-};
-// tau[v] = what the stop gives at q[q], v[v]; bounds in the mechanism's own sign.
-struct JointStop {
-  int q = 0, v = 0;
-  Stop stop;
+  double sign = 1;
+  int input = 0;  // its first one, of the scene's
 
-  // In the direction of the speed, by the branch it is on: 1 at the upper bound, -1 at the lower one, 0 at none.
   template <class T>
-  T effort(int side, const T& at, const T& speed) const {
-    if (side > 0) return -(T(stop.stiffness) * (at - T(stop.upper)) + T(stop.damping) * speed);
-    if (side < 0) return T(stop.stiffness) * (T(stop.lower) - at) - T(stop.damping) * speed;
-    return T(0);
-  }
-  // The branch on which a state lies: it pushes, or there is none.
-  template <class T>
-  int side(const T& at, const T& speed) const {
-    if (at > T(stop.upper)) return effort(1, at, speed) < T(0) ? 1 : 0;
-    if (at < T(stop.lower)) return effort(-1, at, speed) > T(0) ? -1 : 0;
-    return 0;
+  T effort(const T* at, const T* speed, const T* u) const {
+    return T(sign) * element.effort(T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
   }
   template <class T>
-  T effort(const T& at, const T& speed) const {
-    return effort(side(at, speed), at, speed);
+  T held(int side, const T* at, const T* speed) const {
+    return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]));
   }
+  int side(const double* at, const double* speed) const { return element.side(sign * at[q], sign * speed[v]); }
 };
-// J: stored in a stop at the coordinate q.
-template <class T>
-T energy_of(const Stop& stop, const T& q) {
-  const T depth = std::max({T(q - stop.upper), T(stop.lower - q), T(0)});
-  return stop.stiffness / 2 * depth * depth;
+
+namespace detail {
+
+template <class F>
+struct Plain {
+  using type = F;
+};
+template <class F>
+struct Plain<std::optional<F>> {
+  using type = F;
+};
+
+// A list for each kind.
+template <class Any, class Tuple>
+struct Lists;
+template <class... Motor, class... Force>
+struct Lists<std::variant<Motor...>, std::tuple<Force...>> {
+  using type =
+      std::tuple<std::vector<AlongCoordinate<Motor>>..., std::vector<AlongCoordinate<typename Plain<Force>::type>>...>;
+};
+template <class... Force>
+struct Lists<std::variant<Force...>, void> {
+  using type = std::tuple<std::vector<PlacedForce<Force>>...>;
+};
+
+}  // namespace detail
+
+using PlacedForces = detail::Lists<AnyForce, void>::type;
+
+// visit(list) for each kind of force in turn.
+template <class L, class Visit>
+void each_list(L& lists, Visit&& visit) {
+  std::apply([&](auto&... list) { (visit(list), ...); }, lists);
 }
-// Drives, springs and stops along joints: of the whole tree, or of one cut joint (indices from its own first).
-struct JointLoads {
-  std::vector<Actuation> actuations;
-  std::vector<JointSpring> springs;
-  std::vector<JointStop> stops;
+template <class L>
+bool no_list_has_any(const L& lists) {
+  return std::apply([](const auto&... list) { return (list.empty() && ...); }, lists);
+}
 
-  bool empty() const { return actuations.empty() && stores_nothing(); }
-  bool stores_nothing() const { return springs.empty() && stops.empty(); }
-  // sides: the branches on which stops are held, or null: each is on that of the state.
+// Motors, springs, dampers and stops along joints: of the whole tree, or of one cut joint (indices from its own first).
+struct JointLoads {
+  using Lists = detail::Lists<AnyMotor, JointForces>::type;
+  Lists lists;
+
+  bool empty() const { return no_list_has_any(lists); }
+  bool stores_nothing() const;
+  // sides: the branches on which those that have some are held, or null: each is on that of the state.
   template <class T>
   void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
-    for (const Actuation& drive : actuations) tau[drive.v] += T(drive.gain) * u[drive.input];
-    for (const JointSpring& s : springs) {
-      tau[s.v] -= T(s.damping) * v[s.v];
-      if (s.stiffness != 0) tau[s.v] -= T(s.stiffness) * (q[s.q] - T(s.reference));
-    }
-    for (const JointStop& s : stops) {
-      const int side = sides == nullptr ? s.side(q[s.q], v[s.v]) : *sides++;
-      tau[s.v] += s.effort(side, q[s.q], v[s.v]);
-    }
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
+          tau[force.v] += sides == nullptr ? force.effort(q, v, u) : force.held(*sides++, q, v);
+        } else {
+          tau[force.v] += force.effort(q, v, u);
+        }
+      }
+    });
   }
-  // J, stored in springs and stops.
+  // J, stored in it.
   template <class T>
   T energy(const T* q) const {
     T sum(0);
-    for (const JointSpring& s : springs) {
-      if (s.stiffness != 0) sum += s.stiffness / 2 * (q[s.q] - s.reference) * (q[s.q] - s.reference);
-    }
-    for (const JointStop& s : stops) sum += energy_of(s.stop, q[s.q]);
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        const auto& element = force.element;
+        if constexpr (requires { element.energy(q[0]); }) sum += element.energy(T(T(force.sign) * q[force.q]));
+      }
+    });
     return sum;
+  }
+  // visit(force) for what has branches.
+  template <class Visit>
+  void each_branching(Visit&& visit) const {
+    each_list(lists, [&](const auto& list) {
+      for (const auto& force : list) {
+        if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) visit(force);
+      }
+    });
   }
 };
 
 struct Loads {
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // in the root's axes
-  std::vector<PointSpring> springs;
-  std::vector<Wrench> wrenches;
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // in the root's axes
+  Eigen::Matrix3d R_0W = Eigen::Matrix3d::Identity();  // the world's axes along the root's
+  PlacedForces forces;
   JointLoads tree;
-  std::vector<JointLoads> cuts;           // by cut
-  std::vector<double> reflected_inertia;  // by speed: gear_ratio^2 rotor_inertia
-  std::vector<int> inputs;                // those that act here
+  std::vector<JointLoads> cuts;       // by cut
+  std::vector<double> added_inertia;  // by speed: of motors
+  std::vector<int> inputs;            // those that act here
   // J: potential energy of gravity that the kernels do not see, from the world's origin to the root's and, in planar
   // mechanisms, along the normal.
   double potential_offset = 0;
@@ -137,6 +159,7 @@ class LoadMaker {
   const Scene& scene_;
   const ReducedScene& reduced_;
   std::unordered_map<std::string_view, int> body_number_, joint_number_;
+  std::vector<std::vector<int>> inputs_;
 };
 
 // J: potential energy of what stands still, bodies, springs and stops, zero at the world's origin.

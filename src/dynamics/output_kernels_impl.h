@@ -3,7 +3,7 @@
 
 #include "dynamics/output_kernels.h"
 
-#include "dynamics/load_kernels.h"
+#include "dynamics/load_kernels_impl.h"
 #include "dynamics/turning.h"
 #include "dynamics/visit.h"
 #include "math/dual.h"
@@ -103,15 +103,14 @@ EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, c
     sum.kinetic += A::dot(ws.V[i], G * ws.V[i]) / 2;
     sum.potential -= loads.gravity.cast<T>().dot(first_moment_in_root<A>(ws.X_0L[i], G));
   }
-  for (const PointSpring& spring : loads.springs) {
-    const auto d = spring_span(spring, ws);
-    if (spring.is_linear()) {  // the length has no derivative where the ends meet
-      sum.potential += spring.stiffness / 2 * d.squaredNorm();
-      continue;
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      const auto ports = ports_of<A>(force, loads, ws);
+      if constexpr (requires { force.element.template energy<T>(ports.data()); }) {
+        sum.potential += force.element.template energy<T>(ports.data());
+      }
     }
-    const T stretch = d.norm() - spring.length;
-    sum.potential += spring.stiffness / 2 * stretch * stretch;
-  }
+  });
   return sum;
 }
 

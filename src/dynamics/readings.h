@@ -42,8 +42,9 @@ class Readings {
   // is 1. N or N m.
   virtual T contact_force(int cut, int i) const = 0;
   virtual T coordinate_force(int row) const = 0;
-  // Where a wheel touches its plane, in the root frame; after set_root_poses.
-  virtual Vector3<T> contact_point(int cut) const = 0;
+  // Of a constraint between bodies: its plane F in the root frame, after set_root_poses; M in F.
+  virtual Pose plane_pose(int cut) const = 0;
+  virtual Pose pose_on_plane(int cut) const = 0;
 };
 
 }  // namespace gelenk

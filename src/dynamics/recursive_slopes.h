@@ -74,21 +74,21 @@ class RecursiveSlopes {
   void add_pair(const Pair& of, const Motion& V_b, Changes changes, Slopes& by) const;
 
   // Loads (recursive_slopes_loads_impl.h).
-  struct Spring {
-    Eigen::Vector3d p, e = Eigen::Vector3d::Zero();  // its end on `to`, its direction there
-    Eigen::Vector3d w, u;                            // how `to` turns against `from`, and how fast p moves
-    double length = 0, tension = 0;
-  };
-  Spring spring(const PointSpring& s) const;
-  Force applied(const Wrench& w, const Eigen::Vector3d& f, const Eigen::Vector3d& n) const;
+  template <class F>
+  auto ports_at(const PlacedForce<F>& force) const;
+  template <class F>
+  PortSlopes port_slopes(const PlacedForce<F>& force, const double* u) const;
   typename Dually::Force cut_force(int c, const typename Dually::Pose& X, const typename Dually::Motion& V,
                                    const Point& at) const;
   void set_loads(const Point& at, int inputs);
   void load_slopes(const Point& at, Slopes& by, Slopes& out);
-  void spring_slopes(const PointSpring& s, const Pair& of, Slopes& by) const;
-  void wrench_slopes(const Wrench& w, const Pair& of, Slopes& by, Slopes& out) const;
+  template <class F>
+  void force_slopes(const PlacedForce<F>& force, const Pair& of, const Point& at, Slopes& by, Slopes& out) const;
+  template <class F>
+  void force_input_slopes(const PlacedForce<F>& force, const Pair& of, const double* u, Slopes& out) const;
   void cut_load_slopes(int c, const Point& at, Slopes& by, Slopes& out);
   void cut_input_slopes(int c, const Point& at, Slopes& out);
+  void cut_input_slope(int c, int input, const typename Dually::Motion& V, const Point& at, Slopes& out);
 
   // Rows of loops (recursive_slopes_rows_impl.h).
   // What the rows of a cut are like where it stands; all in F's axes about M's origin.
@@ -113,7 +113,7 @@ class RecursiveSlopes {
   std::vector<Motion> S_of_, P_of_, Q_of_, R_of_;  // by speed
   MotionColumns<A> S_, P_, Q_, R_;                 // the same
   std::vector<std::vector<Run>> inwards_;          // by link: the speeds from the ground to it, its own included
-  std::vector<Pair> cuts_, cut_loads_, springs_, wrenches_;
+  std::vector<Pair> cuts_, cut_loads_, forces_;
   std::vector<Dual> u_;
   bool other_numbers_ = false;  // than turns are in q
   Slopes turned_;               // by turns, if so

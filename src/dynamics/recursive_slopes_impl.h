@@ -2,6 +2,7 @@
 // The recursion along the tree.
 #pragma once
 
+#include "dynamics/coordinate_slopes.h"
 #include "dynamics/load_kernels.h"
 #include "dynamics/recursive_slopes.h"
 #include "dynamics/visit.h"
@@ -75,8 +76,12 @@ RecursiveSlopes<A>::RecursiveSlopes(const Model<A>& model, const Workspace<A>& w
     for (; !from_a.empty() && !from_b.empty() && from_a.back() == from_b.back(); from_b.pop_back()) from_a.pop_back();
     return pair(from_a, from_b);
   };
-  for (const PointSpring& s : loads.springs) springs_.push_back(between(s.from.link, s.to.link));
-  for (const Wrench& w : loads.wrenches) wrenches_.push_back(between(0, w.at.link));
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      const std::size_t last = force.at.size() - 1;
+      forces_.push_back(between(last == 0 ? 0 : force.at[0].link, force.at[last].link));
+    }
+  });
 }
 
 template <class A>
@@ -251,20 +256,22 @@ template <class A>
 void RecursiveSlopes<A>::joint_loads(const Point& at, Slopes& out) const {
   auto r_q = out.r_q();
   auto r_v = out.r_v();
-  for (const JointSpring& s : loads_.tree.springs) {
-    r_v(s.v, s.v) += s.damping;
-    r_q(s.v, s.q) += s.stiffness;
-  }
-  for (const JointStop& s : loads_.tree.stops) {
-    Dual q(at.q[s.q]);
-    Dual v(at.v[s.v]);
-    q.slope()[0] = v.slope()[1] = 1;
-    const Dual effort = s.effort(q, v);
-    r_q(s.v, s.q) -= effort.slope()[0];
-    r_v(s.v, s.v) -= effort.slope()[1];
-  }
-  if (!out.of_inputs) return;
-  for (const Actuation& drive : loads_.tree.actuations) out.r_u(drive.v, drive.input) -= drive.gain;
+  each_list(loads_.tree.lists, [&](const auto& list) {
+    using E = std::decay_t<decltype(list.front().element)>;
+    for (const auto& force : list) {
+      if constexpr (requires(const E& element) { element.slopes(0.0, 0.0); }) {
+        const auto [by_q, by_v] = force.element.slopes(force.sign * at.q[force.q], force.sign * at.v[force.v]);
+        r_q(force.v, force.q) -= by_q;
+        r_v(force.v, force.v) -= by_v;
+      } else {
+        const int inputs = inputs_along(force.element);
+        const Dual::Directions slopes = slopes_by_duals(force, at.q, at.v, at.u, inputs);
+        r_q(force.v, force.q) -= slopes[0];
+        r_v(force.v, force.v) -= slopes[1];
+        for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input + i) -= slopes[2 + i];
+      }
+    }
+  });
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 // and sigma_t sigma_m P_m . D^T S_t more; by speeds sigma_t sigma_m S_m . D^T S_t.
 #pragma once
 
+#include "dynamics/force_ports.h"
 #include "dynamics/load_kernels_impl.h"
 #include "dynamics/loop_kernels_impl.h"
 #include "dynamics/recursive_slopes_joints_impl.h"
@@ -81,15 +82,8 @@ typename A::Force gradient(const Dual& x) {
   return F;
 }
 
-inline Eigen::Vector3d angular(const Spatial::Motion& V) { return V.w; }
-inline Eigen::Vector3d angular(const Planar::Motion& V) { return {0, 0, V.w}; }
 inline Eigen::Vector3d linear(const Spatial::Force& F) { return F.f; }
 inline Eigen::Vector3d linear(const Planar::Force& F) { return {F.x, F.y, 0}; }
-// Of a point, in the axes of V and from the same origin.
-inline Eigen::Vector3d velocity(const Spatial::Motion& V, const Eigen::Vector3d& p) { return V.v + V.w.cross(p); }
-inline Eigen::Vector3d velocity(const Planar::Motion& V, const Eigen::Vector3d& p) {
-  return {V.x - V.w * p.y(), V.y + V.w * p.x(), 0};
-}
 // The force f at p, about the origin, and a torque n.
 template <class A>
 typename A::Force force_at(const Eigen::Vector3d& p, const Eigen::Vector3d& f,
@@ -162,21 +156,16 @@ void RecursiveSlopes<A>::add_pair(const Pair& of, const Motion& V_b, Changes cha
 
 template <class A>
 void RecursiveSlopes<A>::set_loads(const Point& at, int inputs) {
-  for (std::size_t i = 0; i < springs_.size(); ++i) {
-    const PointSpring& s = loads_.springs[i];
-    const Spring now = spring(s);
-    need(springs_[i], s.from.link, s.to.link, detail::force_at<A>(now.p, now.tension * now.e));
-  }
-  for (std::size_t i = 0; i < wrenches_.size(); ++i) {
-    const Wrench& w = loads_.wrenches[i];
-    Eigen::Vector3d f = w.force;
-    Eigen::Vector3d n = w.torque;
-    if (w.input >= 0) {
-      f += w.R_user * Eigen::Map<const Eigen::Vector3d>(at.u + w.input);
-      n += w.R_user * Eigen::Map<const Eigen::Vector3d>(at.u + w.input + 3);
+  std::size_t n = 0;
+  each_list(loads_.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      auto ports = ports_at(force);
+      force.element.act(ports.data(), at.u + force.input);
+      const auto& last = ports.back();
+      need(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
+           detail::force_at<A>(last.p(), -last.f, -last.n));
     }
-    need(wrenches_[i], 0, w.at.link, applied(w, -f, -n));
-  }
+  });
   bool loaded = false;
   for (const JointLoads& on : loads_.cuts) loaded = loaded || !on.empty();
   if (!loaded) return;
@@ -193,83 +182,110 @@ void RecursiveSlopes<A>::set_loads(const Point& at, int inputs) {
 
 template <class A>
 void RecursiveSlopes<A>::load_slopes(const Point& at, Slopes& by, Slopes& out) {
-  for (std::size_t i = 0; i < springs_.size(); ++i) spring_slopes(loads_.springs[i], springs_[i], by);
-  for (std::size_t i = 0; i < wrenches_.size(); ++i) wrench_slopes(loads_.wrenches[i], wrenches_[i], by, out);
+  std::size_t n = 0;
+  each_list(loads_.forces, [&](const auto& list) {
+    for (const auto& force : list) force_slopes(force, forces_[n++], at, by, out);
+  });
   for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
     if (!loads_.cuts[c].empty()) cut_load_slopes(c, at, by, out);
   }
 }
 
 template <class A>
-typename RecursiveSlopes<A>::Spring RecursiveSlopes<A>::spring(const PointSpring& s) const {
-  Spring out;
-  out.p = kernels::point<double>(body_[s.to.link].X, s.to);
-  const Eigen::Vector3d d = out.p - kernels::point<double>(body_[s.from.link].X, s.from);
-  out.length = d.norm();
-  if (out.length == 0) return out;  // no direction, no force
-  out.e = d / out.length;
-  const Motion U = body_[s.to.link].V - body_[s.from.link].V;
-  out.w = detail::angular(U);
-  out.u = detail::velocity(U, out.p);
-  out.tension = s.stiffness * (out.length - s.length) + s.damping * out.e.dot(out.u);
+template <class F>
+auto RecursiveSlopes<A>::ports_at(const PlacedForce<F>& force) const {
+  std::array<detail::PortAt<A>, PlacedForce<F>::ports> out;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Body& body = body_[force.at[k].link];
+    out[k] = {&force.at[k], &loads_, &body.X, &body.V};
+  }
   return out;
 }
 
-// With x the velocity S of `to`'s point p, dp its change and u its velocity seen from `from`, e the direction there:
-//   de = (1 - e e^T) dp / length,   d tension = k e . dp + c (de . u + e . (du + w x dp)),   L = (p x e | e) tension.
+// The last port moves, the first one stands still: what a force does depends on how they are against each other.
 template <class A>
-void RecursiveSlopes<A>::spring_slopes(const PointSpring& s, const Pair& of, Slopes& by) const {
-  const Spring now = spring(s);
-  if (s.is_linear()) {
-    const Eigen::Vector3d d = now.length * now.e;
-    const auto changes = [&](const Motion& S) -> Change {
-      const Eigen::Vector3d by_p = s.stiffness * (detail::velocity(S, now.p) + d.cross(detail::angular(S)));
-      return {detail::force_at<A>(now.p, by_p), {}};
-    };
-    add_pair<true>(of, body_[s.to.link].V, changes, by);
-    return;
+template <class F>
+PortSlopes RecursiveSlopes<A>::port_slopes(const PlacedForce<F>& force, const double* u) const {
+  auto ports = ports_at(force);
+  if constexpr (requires { force.element.slopes(ports.data(), u); }) {
+    return force.element.slopes(ports.data(), u);
+  } else {
+    const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
+    const Motion U = body_[force.at.back().link].V - body_[link_a].V;
+    const auto input = detail::constants(force.element, u);
+    PortSlopes out;
+    for (const bool of_rates : {false, true}) {
+      std::array<detail::MovedPort, PlacedForce<F>::ports> moved;
+      for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = detail::still(ports[k], loads_);
+      detail::move(moved.back(), detail::angular(U), detail::velocity(U, ports.back().p()), of_rates);
+      force.element.act(moved.data(), input.data());
+      const detail::MovedPort& last = moved.back();
+      for (int i = 0; i < 3; ++i) {
+        for (int d = 0; d < 3; ++d) {
+          (of_rates ? out.f_v : out.f_p)(i, d) = last.f[i].slope()[d];
+          (of_rates ? out.f_w : out.f_a)(i, d) = last.f[i].slope()[3 + d];
+          (of_rates ? out.n_v : out.n_p)(i, d) = last.n[i].slope()[d];
+          (of_rates ? out.n_w : out.n_a)(i, d) = last.n[i].slope()[3 + d];
+        }
+      }
+    }
+    return out;
   }
-  if (now.length == 0) return;
-  const auto across = [&](const Eigen::Vector3d& x) {
-    return Eigen::Vector3d((x - now.e.dot(x) * now.e) / now.length);
-  };
-  const Eigen::Vector3d of_tension = s.stiffness * now.e + s.damping * (across(now.u) + now.e.cross(now.w));
-  const auto changes = [&](const Motion& S) -> Change {
-    const Eigen::Vector3d x = detail::velocity(S, now.p);
-    const double along = x.dot(now.e);
-    const Eigen::Vector3d by_p = along * of_tension + now.tension * (across(x) + now.e.cross(detail::angular(S)));
-    return {detail::force_at<A>(now.p, by_p), detail::force_at<A>(now.p, s.damping * along * now.e)};
-  };
-  add_pair<true>(of, body_[s.to.link].V, changes, by);
 }
 
-// Force and torque as a wrench gives them, about the origin.
+// Of S . L, L being the force that the last port needs, f and n at its point p: with x = v + w x p, S = (w | v),
+//   d(x . f + w . n) = (f x w) . dp + x . df + w . dn.
 template <class A>
-typename A::Force RecursiveSlopes<A>::applied(const Wrench& w, const Eigen::Vector3d& f,
-                                              const Eigen::Vector3d& n) const {
-  const Pose& X = body_[w.at.link].X;
-  const Eigen::Vector3d p = kernels::point<double>(X, w.at);
-  if (!w.in_link) return detail::force_at<A>(p, f, n);
-  return detail::force_at<A>(p, kernels::to_root<double>(X, f), kernels::to_root<double>(X, n));
-}
-
-template <class A>
-void RecursiveSlopes<A>::wrench_slopes(const Wrench& w, const Pair& of, Slopes& by, Slopes& out) const {
-  const Body& on = body_[w.at.link];
-  const Eigen::Vector3d p = kernels::point<double>(on.X, w.at);
+template <class F>
+void RecursiveSlopes<A>::force_slopes(const PlacedForce<F>& force, const Pair& of, const Point& at, Slopes& by,
+                                      Slopes& out) const {
+  const PortSlopes K = port_slopes(force, at.u + force.input);
+  const Body& on = body_[force.at.back().link];
+  const Eigen::Vector3d p = kernels::point<double>(on.X, force.at.back());
   const Eigen::Vector3d f = detail::linear(of.needed);
   const auto changes = [&](const Motion& S) -> Change {
-    if (w.in_link) return {Force{} - A::cross_force(S, of.needed), {}};  // it is carried along
-    return {detail::force_at<A>(p, f.cross(detail::angular(S))), {}};
+    const Eigen::Vector3d x = detail::velocity(S, p);
+    const Eigen::Vector3d w = detail::angular(S);
+    const Eigen::Vector3d by_p = f.cross(w) - K.f_p.transpose() * x;
+    if (K.of_points) {
+      return {detail::force_at<A>(p, by_p), detail::force_at<A>(p, Eigen::Vector3d(-K.f_v.transpose() * x))};
+    }
+    return {detail::force_at<A>(p, by_p - K.n_p.transpose() * w, -K.f_a.transpose() * x - K.n_a.transpose() * w),
+            detail::force_at<A>(p, -K.f_v.transpose() * x - K.n_v.transpose() * w,
+                                -K.f_w.transpose() * x - K.n_w.transpose() * w)};
   };
-  add_pair<false>(of, on.V, changes, by);
-  if (w.input < 0 || !out.of_inputs) return;
-  for (int j = 0; j < 6; ++j) {
-    const Eigen::Vector3d unit = w.R_user.col(j % 3);
-    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-    const Force F = applied(w, j < 3 ? unit : none, j < 3 ? none : unit);
-    for (const Run run : of.runs_b) {
-      for (int t = run.first; t < run.last; ++t) out.r_u(t, w.input + j) -= A::dot(S_of_[t], F);
+  if (K.damped) {
+    add_pair<true>(of, on.V, changes, by);
+  } else {
+    add_pair<false>(of, on.V, changes, by);
+  }
+  if (out.of_inputs) force_input_slopes(force, of, at.u, out);
+}
+
+template <class A>
+template <class F>
+void RecursiveSlopes<A>::force_input_slopes(const PlacedForce<F>& force, const Pair& of, const double* u,
+                                            Slopes& out) const {
+  const int inputs = inputs_along(force.element);
+  if (inputs == 0) return;
+  const auto ports = ports_at(force);
+  auto input = detail::constants(force.element, u + force.input);
+  for (int i = 0; i < inputs; ++i) input[i].slope()[i] = 1;
+  std::array<detail::MovedPort, PlacedForce<F>::ports> moved;
+  for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = detail::still(ports[k], loads_);
+  force.element.act(moved.data(), input.data());
+  const detail::MovedPort& last = moved.back();
+  for (int i = 0; i < inputs; ++i) {
+    Eigen::Vector3d f, n;
+    for (int d = 0; d < 3; ++d) {
+      f[d] = last.f[d].slope()[i];
+      n[d] = last.n[d].slope()[i];
+    }
+    const Force F_0 = detail::force_at<A>(ports.back().p(), f, n);
+    for (const auto& [runs, sign] : {std::pair(&of.runs_a, 1), std::pair(&of.runs_b, -1)}) {
+      for (const Run run : *runs) {
+        for (int t = run.first; t < run.last; ++t) out.r_u(t, force.input + i) += sign * A::dot(S_of_[t], F_0);
+      }
     }
   }
 }
@@ -328,14 +344,23 @@ void RecursiveSlopes<A>::cut_input_slopes(int c, const Point& at, Slopes& out) {
   const auto& cut = model_.cuts[c];
   const Pose X = at_M(c);
   const auto V = detail::constant(X.to_child(body_[cut.link_b].V - body_[cut.link_a].V));
-  for (const Actuation& drive : loads_.cuts[c].actuations) {
-    u_[drive.input].slope()[0] = 1;
-    const Force F = X.to_parent(detail::slope(cut_force(c, detail::constant(ws_.X_FM[c]), V, at), 0));
-    u_[drive.input].slope()[0] = 0;
-    for (const auto& [runs, sign] : {std::pair(&cut_loads_[c].runs_a, 1), std::pair(&cut_loads_[c].runs_b, -1)}) {
-      for (const Run run : *runs) {
-        for (int t = run.first; t < run.last; ++t) out.r_u(t, drive.input) += sign * A::dot(S_of_[t], F);
-      }
+  each_list(loads_.cuts[c].lists, [&](const auto& list) {
+    for (const auto& force : list) {
+      for (int i = 0; i < inputs_along(force.element); ++i) cut_input_slope(c, force.input + i, V, at, out);
+    }
+  });
+}
+
+template <class A>
+void RecursiveSlopes<A>::cut_input_slope(int c, int input, const typename Dually::Motion& V, const Point& at,
+                                         Slopes& out) {
+  const Pose X = at_M(c);
+  u_[input].slope()[0] = 1;
+  const Force F = X.to_parent(detail::slope(cut_force(c, detail::constant(ws_.X_FM[c]), V, at), 0));
+  u_[input].slope()[0] = 0;
+  for (const auto& [runs, sign] : {std::pair(&cut_loads_[c].runs_a, 1), std::pair(&cut_loads_[c].runs_b, -1)}) {
+    for (const Run run : *runs) {
+      for (int t = run.first; t < run.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
     }
   }
 }

@@ -45,7 +45,7 @@ class WithReadings : public Base {
 
   EnergyOf<T> energy() const override {
     EnergyOf<T> sum = kernels::energy(model_, loads_, ws_);
-    for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.reflected_inertia[k] * v_[k] * v_[k] / 2;
+    for (int k = 0; k < model_.nv; ++k) sum.kinetic += loads_.added_inertia[k] * v_[k] * v_[k] / 2;
     sum.potential += loads_.tree.energy(q_.data());
     for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) {
       if (loads_.cuts[c].stores_nothing()) continue;
@@ -73,15 +73,11 @@ class WithReadings : public Base {
   Force cut_reaction(int cut) const override { return kernels::force3<A>(kernels::cut_reaction(model_, ws_, cut)); }
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
   T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
-  Vector3<T> contact_point(int cut) const override {
-    if constexpr (A::planar) {
-      __builtin_unreachable();  // contacts are in space
-    } else {
-      const auto& c = model_.cuts[cut];
-      const Rolling& wheel = std::get<Rolling>(c.joint);
-      return (ws_.X_0L[c.link_a] * c.X_AF).point(wheel.contact_point<T>(ws_.X_FM[cut]));
-    }
+  Pose plane_pose(int cut) const override {
+    const auto& c = model_.cuts[cut];
+    return kernels::pose3<A>(ws_.X_0L[c.link_a] * c.X_AF, 0);  // they are in space
   }
+  Pose pose_on_plane(int cut) const override { return kernels::pose3<A>(ws_.X_FM[cut], 0); }
 
  protected:
   struct RodState {

@@ -51,7 +51,8 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
       turns_(mechanism, dynamics),
       length_(size_of(mechanism)),
       dv_(mechanism.nv) {
-  sides_.resize(dynamics.stops().size());
+  sides_.resize(static_cast<std::size_t>(dynamics.branchings()));
+  present_.resize(sides_.size());
   for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
     if (std::holds_alternative<Rolling>(mechanism.cuts[c].joint)) wheels_.push_back(c);
   }
@@ -60,7 +61,7 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
 // A cut; -1: none lies flat.
 int Formulation::flat_wheel() const {
   for (const int c : wheels_) {
-    if (lies_flat(mechanism_.cuts[c].joint, dynamics_.cut_pose(c))) return c;
+    if (is_undefined(mechanism_.cuts[c].joint, dynamics_.cut_pose(c))) return c;
   }
   return -1;
 }
@@ -190,18 +191,8 @@ void Formulation::accepted(double t, const double* y) {
   if (rows() > 0) passages_.accepted(t);
 }
 
-// A stop pushes beyond its bound where k depth + d rate > 0: at a damped one's release that is what vanishes first.
 void Formulation::switch_values(const double* y, double* g, double* gdot) const {
-  for (const JointStop& s : dynamics_.stops()) {
-    const double settling = s.stop.damping / s.stop.stiffness;  // s
-    for (const double side : {1.0, -1.0}) {
-      const double depth = side * (y[s.q] - (side > 0 ? s.stop.upper : s.stop.lower));
-      const double rate = side * y[nq_ + s.v];
-      const bool releasing = settling > 0 && rate < 0 && depth > 0;
-      *g++ = releasing ? depth + settling * rate : depth;
-      *gdot++ = releasing ? NAN : rate;
-    }
-  }
+  dynamics_.switch_values(y, y + nq_, g, gdot);
 }
 
 void Formulation::hold_switches(double t, const bool* on) {
@@ -214,16 +205,14 @@ void Formulation::hold_switches(double t, const bool* on) {
       on += 2;
     }
   }
-  dynamics_.hold_stops(held_ ? sides_.data() : nullptr);
+  dynamics_.hold_branches(held_ ? sides_.data() : nullptr);
 }
 
 // Of an evaluation: whether it is beyond a kink.
 void Formulation::watch(double t, const double* y) {
   if (!(t > held_from_ && t < strayed_)) return;
-  const std::vector<JointStop>& stops = dynamics_.stops();
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    if (stops[i].side(y[stops[i].q], y[nq_ + stops[i].v]) != sides_[i]) strayed_ = t;
-  }
+  dynamics_.branches(y, y + nq_, present_.data());
+  if (present_ != sides_) strayed_ = t;
 }
 
 // Not by refactor(): reading outputs must not change the run.

@@ -45,7 +45,7 @@ class Formulation : public Equations {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   // Two for each stop of a tree joint, at its upper and its lower bound: positive where it pushes.
-  int switches() const final { return 2 * static_cast<int>(dynamics_.stops().size()); }
+  int switches() const final { return 2 * dynamics_.branchings(); }
   void switch_values(const double* y, double* g, double* gdot) const final;
   void hold_switches(double t, const bool* on) final;
   double strayed() const final { return strayed_; }
@@ -145,12 +145,12 @@ class Formulation : public Equations {
   Passages passages_;
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
-  std::vector<int> wheels_;    // cuts
-  std::vector<int> sides_;     // on which stops are held
-  bool held_ = false;          // they are
-  double held_from_ = 0;       // s
-  double strayed_ = INFINITY;  // s
-  double length_;              // m: rounding of a closed loop grows with it
+  std::vector<int> wheels_;           // cuts
+  std::vector<int> sides_, present_;  // branches that are held, and those of a state
+  bool held_ = false;                 // they are
+  double held_from_ = 0;              // s
+  double strayed_ = INFINITY;         // s
+  double length_;                     // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };
 

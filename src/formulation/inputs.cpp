@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

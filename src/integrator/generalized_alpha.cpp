@@ -16,7 +16,7 @@
 
 #include "integrator/fixed_step.h"
 #include "integrator/pivots.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

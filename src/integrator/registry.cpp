@@ -4,7 +4,7 @@
 
 #include "integrator/integrator.h"
 #include "integrator/started.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

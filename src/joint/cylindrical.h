@@ -18,7 +18,6 @@ struct Cylindrical : PlainJoint<2>, AlongZ {
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"},
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool turned = true;
-  static constexpr Quantity effort_name = {};
 
   static Cylindrical make(std::span<const Eigen::Vector3d>) { return {}; }
 

@@ -35,7 +35,6 @@ struct Free : NoAxis {
       {"z[2]", "rad/s2", "angular acceleration, der(w[2])"}, {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
   static constexpr bool turned = false, constant_S = false, rows_turn = false;
   static constexpr int shifts_in_F = 3;
-  static constexpr Quantity effort_name = {};
   static constexpr double q_zero[] = {0, 0, 0, 0, 0, 0, 1};
 
   static Free make(std::span<const Eigen::Vector3d>) { return {}; }

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "field/field.h"
 #include "math/spatial.h"
 
 namespace gelenk {
@@ -31,12 +32,11 @@ struct JointKind {
   int nv = 0;    // speeds = degrees of freedom
   int axes = 0;  // axes the user may give: 0, 1 (`axis`) or 2 (`axes`)
   PlanarRole planar = PlanarRole::never;
-  std::span<const Quantity> q;     // nq coordinates
-  std::span<const Quantity> v;     // nv speeds
-  std::span<const Quantity> a;     // nv accelerations
-  std::span<const double> q_zero;  // nq coordinates of the reference configuration, X_FM = 1
-  // The effort a motor may apply, on joints with one degree of freedom; empty name: no motor here.
-  Quantity effort{};
+  std::span<const Quantity> q;      // nq coordinates
+  std::span<const Quantity> v;      // nv speeds
+  std::span<const Quantity> a;      // nv accelerations
+  std::span<const double> q_zero;   // nq coordinates of the reference configuration, X_FM = 1
+  std::span<const Field> fields{};  // its own numbers, as a screw's pitch
 
   // Springs need a coordinate whose rate is the speed: not the quaternion's.
   bool springs() const { return nq == nv && nv > 0; }

@@ -24,7 +24,6 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool turned = false, constant_S = false;
   static constexpr int shifts_in_F = 2;
-  static constexpr Quantity effort_name = {};
   static constexpr double flip[] = {1, -1, -1};  // F and M turned half a turn about x
 
   static PlanarJoint make(std::span<const Eigen::Vector3d>) { return {}; }

@@ -15,7 +15,6 @@ struct Prismatic : PlainJoint<1>, AlongZ {
   static constexpr Quantity v_names[] = {{"v", "m/s", "velocity, der(s)"}};
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"}};
   static constexpr bool turned = true;
-  static constexpr Quantity effort_name = {"f", "N", "force at the motor side"};
   static constexpr double flip[] = {1};
 
   static Prismatic make(std::span<const Eigen::Vector3d>) { return {}; }

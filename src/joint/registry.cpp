@@ -10,6 +10,12 @@ namespace gelenk {
 namespace {
 
 template <class J>
+std::span<const Field> fields_of() {
+  if constexpr (requires { J::fields(); }) return J::fields();
+  return {};
+}
+
+template <class J>
 JointKind describe() {
   return {.name = J::kind,
           .summary = J::summary,
@@ -21,7 +27,7 @@ JointKind describe() {
           .v = J::v_names,
           .a = J::a_names,
           .q_zero = std::span<const double>(J::q_zero, J::nq),
-          .effort = J::effort_name};
+          .fields = fields_of<J>()};
 }
 
 template <class... J>
@@ -63,6 +69,11 @@ AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes
   if (found == nullptr) throw std::out_of_range("no kind of joint is called " + std::string(kind));
   const auto index = static_cast<std::size_t>(found - joint_kinds().data());
   return make_nth(index, axes, static_cast<const AnyJoint*>(nullptr));
+}
+
+std::vector<Eigen::Vector3d> default_axes(const JointKind& kind) {
+  if (kind.axes == 2) return {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  return std::vector<Eigen::Vector3d>(static_cast<std::size_t>(kind.axes), Eigen::Vector3d::UnitZ());
 }
 
 const JointKind& kind_of(const AnyJoint& joint) { return joint_kinds()[joint.index()]; }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every kind of joint, once. A new joint is one new header and one name in JointTypes.
+// Every kind of joint, once. A new joint is one new header and one name in AnyJoint.
 #pragma once
 
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "joint/cylindrical.h"
 #include "joint/free.h"
@@ -23,9 +26,29 @@ namespace gelenk {
 // Most used first: the order of the tests when a joint's kind is looked at while computing.
 using AnyJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Weld>;
 
+namespace detail {
+
+// Those whose roles turning does not exchange, reversed.
+template <class J>
+using ReversedOrNone = std::conditional_t<J::turned, std::tuple<>, std::tuple<Reversed<J>>>;
+template <class Tuple>
+struct AsVariant;
+template <class... J>
+struct AsVariant<std::tuple<J...>> {
+  using type = std::variant<J...>;
+};
+template <class Any>
+struct InTree;
+template <class... J>
+struct InTree<std::variant<J...>> {
+  using type =
+      typename AsVariant<decltype(std::tuple_cat(std::tuple<J...>(), std::declval<ReversedOrNone<J>>()...))>::type;
+};
+
+}  // namespace detail
+
 // A joint of the spanning tree, seen from the inner body outwards.
-using TreeJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Weld,
-                               Reversed<Spherical>, Reversed<Universal>, Reversed<PlanarJoint>, Reversed<Free>>;
+using TreeJoint = detail::InTree<AnyJoint>::type;
 
 // Joints that stay in a plane have code in planar algebra.
 template <class A, class J>
@@ -42,6 +65,17 @@ const JointKind* find_joint_kind(std::string_view name);
 AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes);
 
 const JointKind& kind_of(const AnyJoint& joint);
+
+// The user's axes where none are given.
+std::vector<Eigen::Vector3d> default_axes(const JointKind& kind);
+
+// The joint itself, for its fields.
+inline void* data_of(AnyJoint& joint) {
+  return std::visit([](auto& j) -> void* { return &j; }, joint);
+}
+inline const void* data_of(const AnyJoint& joint) {
+  return std::visit([](const auto& j) -> const void* { return &j; }, joint);
+}
 
 // The joint as the tree meets it; reversed: the outer body carries F. Joints that reverse by turning
 // their frames (below) stay what they are.

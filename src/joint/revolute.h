@@ -16,7 +16,6 @@ struct Revolute : PlainJoint<1>, AlongZ {
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool turned = true;
   static constexpr bool pure_turn = true;
-  static constexpr Quantity effort_name = {"tau", "N.m", "torque at the motor side"};
   static constexpr double flip[] = {-1};  // what q and v become when F and M are turned upside down
 
   static Revolute make(std::span<const Eigen::Vector3d>) { return {}; }

@@ -25,7 +25,6 @@ struct Spherical : NoAxis {
                                          {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
   static constexpr bool turned = false, constant_S = true, rows_turn = false;
   static constexpr int shifts_in_F = 0;
-  static constexpr Quantity effort_name = {};
   static constexpr double q_zero[] = {0, 0, 0, 1};
 
   static Spherical make(std::span<const Eigen::Vector3d>) { return {}; }

@@ -21,7 +21,6 @@ struct Universal : PlainJoint<2> {
   static constexpr Quantity a_names[] = {{"a_a", "rad/s2", "angular acceleration, der(w_a)"},
                                          {"a_b", "rad/s2", "angular acceleration, der(w_b)"}};
   static constexpr bool turned = false, constant_S = false, rows_turn = true;
-  static constexpr Quantity effort_name = {};
 
   double cos_beta = 0;
   double sin_beta = 1;

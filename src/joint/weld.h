@@ -14,7 +14,6 @@ struct Weld : PlainJoint<0>, NoAxis {
   static constexpr std::array<Quantity, 0> v_names{};
   static constexpr std::array<Quantity, 0> a_names{};
   static constexpr bool turned = true;
-  static constexpr Quantity effort_name = {};
   static constexpr double flip[] = {1};
 
   static Weld make(std::span<const Eigen::Vector3d>) { return {}; }

@@ -5,14 +5,11 @@
 #include <unordered_map>
 
 #include "mechanism/graph.h"
-#include "scene/units.h"
+#include "scene/element_numbers.h"
+#include "scene/signals.h"
 
 namespace gelenk {
 namespace {
-
-bool is_contact(const Constraint& c) {
-  return c.type == ConstraintType::rolling || c.type == ConstraintType::knife_edge;
-}
 
 // "scene.yaml: constraints.mesh: ".
 std::string at(const Scene& scene, const Constraint& c) {
@@ -38,47 +35,47 @@ struct RowMaker {
       in_graph.emplace(name, edge.scene_joint);
       edge_of.emplace(name, &edge);
     }
-    for (const bool moves : {false, true}) {  // those that stand still first
-      int input = load_input_count(scene);
-      for (int c = 0; c < static_cast<int>(scene.constraints.size()); ++c) {
-        const Constraint& constraint = scene.constraints[c];
-        const bool motion = constraint.type == ConstraintType::motion;
-        const int its_input = motion && constraint.motion.is_input() ? input++ : -1;
-        if (is_contact(constraint) || motion != moves || !in_graph.contains(constraint.joint)) continue;
-        places.constraints[c] = {island, -1, static_cast<int>(out.size())};
-        CoordinateRow row = motion ? motion_row(constraint) : gear_row(constraint);
-        row.constraint = c;
-        row.input = its_input;
-        out.push_back(std::move(row));
-      }
+    const std::vector<int> inputs = first_inputs(scene)[sections::constraints];
+    for (int c = 0; c < static_cast<int>(scene.constraints.size()); ++c) {
+      const Constraint& constraint = scene.constraints[c];
+      if (kind_of(constraint.is).is_between_bodies || !in_graph.contains(constraint.joints.front())) continue;
+      CoordinateRow& row = out.emplace_back();
+      row.constraint = c;
+      std::visit([&](const auto& element) { fill(row, constraint, element, inputs[c]); }, constraint.is);
     }
     if (!errors.empty()) throw SceneError(errors);
+    std::ranges::stable_partition(out, [](const CoordinateRow& row) { return !row.moves(); });
+    for (std::size_t r = 0; r < out.size(); ++r)
+      places.constraints[out[r].constraint] = {island, -1, static_cast<int>(r)};
   }
 
-  CoordinateRow motion_row(const Constraint& c) {
-    CoordinateRow row;
-    const JointKind& kind = *find_joint_kind(scene.joints[in_graph.at(c.joint)].type);
-    const int component = motion_signals(kind, c).component;
-    add_term(row, c, c.joint, component, 1);
+  template <class C>
+  void fill(CoordinateRow& row, const Constraint& c, const C& element, int input) {
+    const JointKind& kind = kind_of(scene.joints[in_graph.at(c.joints.front())].is);
+    const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
-    row.holds_position = !c.motion.speed_only();
-    if (!c.motion.is_input()) row.law.emplace(c.motion);
-    return row;
+    if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
+    if constexpr (requires { element.constant(); }) row.constant = element.constant();
+    if constexpr (requires { element.law(); }) row.law = element.law();
+    if constexpr (requires { element.holds_position(); }) row.holds_position = element.holds_position();
+    if constexpr (requires { element.follows_input(); }) {
+      if (element.follows_input()) row.input = input;
+    }
   }
 
-  // phi_a - phi_c - ratio (phi_b - phi_c) = offset, phi_c left out where a joint hangs on the carrier itself: its angle
-  // is against it already.
-  CoordinateRow gear_row(const Constraint& c) {
-    CoordinateRow row;
-    add_term(row, c, c.joint, 0, 1);
-    add_term(row, c, c.other, 0, -c.ratio);
-    if (!c.carrier.empty() && moves(c, c.other) && moves(c, c.carrier)) {
-      const double factor = (on_base(c, c.other) ? c.ratio : 0) - (on_base(c, c.joint) ? 1 : 0);
-      if (factor != 0) add_term(row, c, c.carrier, 0, factor);
+  // The last joint counts where all others move: against what stands still there is nothing to turn on.
+  template <class C>
+  void add_terms(CoordinateRow& row, const Constraint& c, const C& element, int component) {
+    const auto base = [&](int k) { return on_base(c, c.joints[static_cast<std::size_t>(k)]); };
+    bool all = true;
+    for (std::size_t i = 0; i < c.joints.size(); ++i) {
+      const std::string& name = c.joints[i];
+      if (name.empty() || !all) continue;
+      all = moves(c, name);
+      if (!all) continue;
+      const double factor = element.factor(static_cast<int>(i), base);
+      if (factor != 0) add_term(row, c, name, i == 0 ? component : 0, factor);
     }
-    row.is_angle = c.type == ConstraintType::gear;
-    row.constant = c.offset;
-    return row;
   }
 
   // A joint between bodies that stand still is in no part that moves.
@@ -89,22 +86,22 @@ struct RowMaker {
     return false;
   }
 
-  // Whether a joint of a gear is on what the carrier turns on; else it is on the carrier.
+  // Whether a joint is on what the last one turns on; else it is on what that turns.
   bool on_base(const Constraint& c, const std::string& name) {
-    const Edge& carrier = *edge_of.at(c.carrier);
+    const Edge& carrier = *edge_of.at(c.joints.back());
     const Edge& joint = *edge_of.at(name);
     const auto touches = [&](int group) { return joint.group_a == group || joint.group_b == group; };
     if (touches(carrier.group_b)) return false;
     if (touches(carrier.group_a)) return true;
     errors.push_back(at(scene, c) + "found joint " + name + " neither on the carrier " +
-                     scene.joints[in_graph.at(c.carrier)].child.body + " nor on " +
-                     scene.joints[in_graph.at(c.carrier)].parent.body + ", which it turns on; expected one of them");
+                     scene.joints[in_graph.at(c.joints.back())].child.body + " nor on " +
+                     scene.joints[in_graph.at(c.joints.back())].parent.body +
+                     ", which it turns on; expected one of them");
     return true;
   }
 
   // factor: of the user's coordinate.
   void add_term(CoordinateRow& row, const Constraint& c, const std::string& name, int component, double factor) {
-    if (!moves(c, name)) return;
     const JointPlace& place = places.joints[in_graph.at(name)];
     if (place.role != JointPlace::Role::tree) {
       errors.push_back(at(scene, c) + "found joint " + name +
@@ -121,8 +118,8 @@ struct RowMaker {
 std::vector<std::string_view> constrained_joints(const Scene& scene) {
   std::vector<std::string_view> out;
   for (const Constraint& c : scene.constraints) {
-    for (const std::string* name : {&c.joint, &c.other, &c.carrier}) {
-      if (!name->empty()) out.emplace_back(*name);
+    for (const std::string& name : c.joints) {
+      if (!name.empty()) out.emplace_back(name);
     }
   }
   return out;
@@ -135,24 +132,28 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
   std::vector<std::string> errors;
   for (int i = 0; i < static_cast<int>(scene.constraints.size()); ++i) {
     const Constraint& c = scene.constraints[i];
-    if (!is_contact(c)) continue;
-    const int a = number(c.on.body) + 1;
-    const int b = number(c.at.body) + 1;
+    if (!kind_of(c.is).is_between_bodies) continue;
+    const BodyFrame& of = c.frames[0];
+    const BodyFrame& on = c.frames[1];
+    const int a = number(on.body) + 1;
+    const int b = number(of.body) + 1;
     ContactEdge edge;
     edge.constraint = i;
-    if (c.type == ConstraintType::rolling) {
-      Rolling wheel;
-      wheel.radius = c.radius;
-      edge.joint = wheel;
-    } else {
-      edge.joint = KnifeEdge();
-    }
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+    std::visit(
+        [&](const auto& element) {
+          if constexpr (BodyConstraint<std::decay_t<decltype(element)>>) {
+            edge.joint = element;
+            axis = element.axis.along;
+          }
+        },
+        c.is);
     edge.group_a = group_of[a];
     edge.group_b = group_of[b];
-    edge.X_AF = X_GB[a] * c.on.X_BF;
-    edge.X_BM = X_GB[b] * c.at.X_BF * with_z_along(c.axis);
+    edge.X_AF = X_GB[a] * on.X_BF;
+    edge.X_BM = X_GB[b] * of.X_BF * with_z_along(axis);
     if (edge.group_a == edge.group_b) {
-      errors.push_back(at(scene, c) + "found " + c.at.body + " welded to " + c.on.body +
+      errors.push_back(at(scene, c) + "found " + of.body + " welded to " + on.body +
                        ", which it is on; expected bodies that can move against each other");
     }
     out.push_back(edge);

@@ -21,22 +21,24 @@ Sets coupled(const Scene& scene, const Graph& graph) {
   for (int g = 0; g < static_cast<int>(graph.groups.size()); ++g) {
     for (const int body : graph.groups[g].bodies) group_of[body + 1] = g;
   }
-  for (const Force& force : scene.forces) {
-    if (force.type != ForceType::spring_damper) continue;
-    couple(group_of[number(force.from.body) + 1], group_of[number(force.to.body) + 1]);
-  }
-  for (const ContactEdge& contact : graph.contacts) couple(contact.group_a, contact.group_b);
   std::unordered_map<std::string_view, int> moved;  // by joint: a group that it moves
   for (const Edge& edge : graph.edges) {
     moved[scene.joints[edge.scene_joint].name] = edge.group_a != 0 ? edge.group_a : edge.group_b;
   }
-  for (const Constraint& c : scene.constraints) {
-    const auto first = moved.find(c.joint);
-    if (first == moved.end()) continue;
-    for (const std::string* other : {&c.other, &c.carrier}) {
-      if (const auto second = moved.find(*other); second != moved.end()) couple(first->second, second->second);
+  // What is at the ports of one element belongs together.
+  each_section(scene, [&](const Section&, const auto& elements) {
+    for (const auto& element : elements) {
+      int first = 0;
+      const auto take = [&](int group) {
+        couple(first, group);
+        if (first == 0) first = group;
+      };
+      for (const BodyFrame& frame : element.frames) take(group_of[number(frame.body) + 1]);
+      for (const std::string& joint : element.joints) {
+        if (const auto found = moved.find(joint); found != moved.end()) take(found->second);
+      }
     }
-  }
+  });
   return sets;
 }
 
@@ -84,8 +86,8 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
 std::vector<bool> observed_reactions(const Scene& scene) {
   std::vector<bool> out(scene.joints.size(), false);
   for (const Sensor& sensor : scene.sensors) {
-    if (sensor.type != SensorType::reaction) continue;
-    const auto joint = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
+    if (!kind_of(sensor.is).reads_reaction) continue;
+    const auto joint = std::ranges::find(scene.joints, sensor.joints.front(), &Joint::name);
     out[joint - scene.joints.begin()] = true;
   }
   return out;

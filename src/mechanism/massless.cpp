@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <unordered_set>
 
 #include "mechanism/graph.h"
 #include "mechanism/sets.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -18,39 +19,44 @@ bool has_inertia(const Group& group) { return group.G.m != 0 || !group.G.I.isZer
 class Busy {
  public:
   explicit Busy(const Scene& scene) : scene_(scene) {
-    for (const Motor& motor : scene.motors) joints_.insert(motor.joint);
-    for (const Sensor& sensor : scene.sensors) {
-      if (sensor.type == SensorType::reaction) joints_.insert(sensor.joint);
-    }
-    for (const Force& force : scene.forces) {
-      const bool spring = force.type == ForceType::spring_damper;
-      bodies_.insert(spring ? force.from.body : force.at.body);
-      if (spring) bodies_.insert(force.to.body);
-    }
-    for (const std::string_view joint : constrained_joints(scene)) joints_.insert(joint);
-    for (const Constraint& c : scene.constraints) {
-      const bool contact = c.joint.empty();
-      if (contact) bodies_.insert({c.at.body, c.on.body});
-    }
+    each_section(scene, [&](const Section&, const auto& elements) {
+      for (const auto& element : elements) enter(element, kind_of(element.is));
+    });
   }
 
   bool at(const Edge& edge) const {
     const Joint& joint = scene_.joints[edge.scene_joint];
-    const auto some = [](const std::vector<double>& k) {
-      return std::ranges::any_of(k, [](double x) { return x != 0; });
-    };
-    return joints_.contains(joint.name) || some(joint.stiffness) || some(joint.damping) || joint.stop ||
-           may_be_tuned(joint.name + ".stiffness") || may_be_tuned(joint.name + ".damping");
+    return joints_.contains(joint.name) || !joint.is_idle() || may_be_tuned(joint.name);
   }
   bool on(const Group& group) const {
     return std::ranges::any_of(group.bodies, [&](int b) { return bodies_.contains(scene_.bodies[b].name); });
   }
 
  private:
-  // Listed as a parameter that can change during a run, as a whole or by its elements.
-  bool may_be_tuned(const std::string& path) const {
-    return std::ranges::any_of(
-        scene_.parameters, [&](const std::string& listed) { return listed == path || listed.starts_with(path + "["); });
+  // A sensor changes nothing; only a reaction must be there to be read.
+  template <class Any>
+  void enter(const Element<Any>& element, const ElementKind& kind) {
+    const bool acts = !std::is_same_v<Any, AnySensor>;
+    for (const std::string& joint : element.joints) {
+      if (acts || kind.reads_reaction) joints_.insert(joint);
+    }
+    for (const BodyFrame& frame : element.frames) {
+      if (acts) bodies_.insert(frame.body);
+    }
+  }
+
+  // Something along the joint is listed as a parameter that can change during a run, as a whole or by its elements.
+  bool may_be_tuned(const std::string& joint) const {
+    return std::ranges::any_of(scene_.parameters, [&](const std::string& listed) {
+      if (!listed.starts_with(joint + ".")) return false;
+      const std::string_view field = std::string_view(listed).substr(joint.size() + 1);
+      for (const JointForceKind& force : joint_force_kinds()) {
+        for (const Field& f : force.fields) {
+          if (f.tunable && force.group.empty() && field.substr(0, field.find('[')) == f.name) return true;
+        }
+      }
+      return false;
+    });
   }
 
   const Scene& scene_;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "joint/cut_joint.h"
-#include "mechanism/motion_law.h"
+#include "element/cut_joint.h"
+#include "element/motion_law.h"
 #include "scene/scene.h"
 
 namespace gelenk {

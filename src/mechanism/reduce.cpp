@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mechanism/graph.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -99,14 +99,16 @@ struct Reducer {
   void check_drives(const Graph& graph) const {
     std::vector<std::string> errors;
     for (const Motor& motor : scene.motors) {
-      if (motor.rotor_inertia == 0) continue;
+      const double inertia = inertia_of(motor.is);
+      if (inertia == 0) continue;
       for (const Edge& edge : graph.edges) {
         const int j = edge.scene_joint;
-        if (scene.joints[j].name != motor.joint || out.joints[j].role == JointPlace::Role::tree) continue;
-        errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name +
-                         ".rotor_inertia: found " + std::to_string(motor.rotor_inertia) +
-                         " kg m2 where every joint of a loop is driven with rotor inertia; expected 0 at one joint of "
-                         "each loop (add the rotor's inertia to a body there)");
+        if (scene.joints[j].name != motor.joints.front() || out.joints[j].role == JointPlace::Role::tree) continue;
+        errors.push_back(
+            (scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name + ": found an inertia of " +
+            text::number(inertia) +
+            " kg m2 at the joint where every joint of a loop is driven with inertia; expected 0 at one joint of "
+            "each loop (add the rotor's inertia to a body there)");
       }
     }
     if (!errors.empty()) throw SceneError(errors);

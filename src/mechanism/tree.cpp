@@ -22,8 +22,8 @@ class Preferences {
  public:
   Preferences(const Scene& scene, const Graph& graph) : scene_(scene), graph_(graph) {
     for (const Motor& motor : scene.motors) {
-      wanted_.insert(motor.joint);
-      if (motor.rotor_inertia > 0) inertia_.insert(motor.joint);
+      wanted_.insert(motor.joints.front());
+      if (inertia_of(motor.is) > 0) inertia_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) inertia_.insert(joint);
   }
@@ -35,8 +35,7 @@ class Preferences {
     if (!scene_.solver.reduces(Reduction::cut_choice)) return {inertia, massless, 0, false, false};
     const JointKind& kind = kind_of(edge.joint);
     const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
-    const bool wanted = wanted_.contains(joint.name) || any(joint.start.q_fixed) || any(joint.stiffness) ||
-                        any(joint.damping) || joint.stop;
+    const bool wanted = wanted_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle();
     return {inertia, massless, -kind.nv, !kind.has_quaternion(), wanted};
   }
 

@@ -8,11 +8,11 @@
 
 #include "mechanism/graph.h"
 #include "mechanism/sets.h"
-#include "scene/check.h"
 #include "scene/numbers.h"
+#include "scene/settable.h"
 #include "scene/signals.h"
-#include "scene/text.h"
 #include "scene/wanted_outputs.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -84,21 +84,15 @@ class Pruner {
     return j < 0 ? none : part_of_joint_[static_cast<std::size_t>(j)];
   }
 
-  // The parts that a constraint, a force, a joint touches; none among them: the ground.
-  std::vector<int> touched(const Constraint& c) const {
-    if (c.joint.empty()) return {part_of(c.at.body), part_of(c.on.body)};
-    return {part_of_joint(c.joint), part_of_joint(c.other), part_of_joint(c.carrier)};
+  // The parts that an element, a joint touches; none among them: the ground.
+  std::vector<int> touched(const ElementPlace& element) const {
+    std::vector<int> out;
+    for (const BodyFrame& frame : element.frames) out.push_back(part_of(frame.body));
+    for (const std::string& joint : element.joints) out.push_back(part_of_joint(joint));
+    return out;
   }
-  std::vector<int> touched(const Force& force) const {
-    if (force.type == ForceType::wrench) return {part_of(force.at.body)};
-    return {part_of(force.from.body), part_of(force.to.body)};
-  }
-  std::vector<int> touched(const Motor& motor) const { return {part_of_joint(motor.joint)}; }
   std::vector<int> touched(const Joint& joint) const {
     return {part_of_joint(joint.name), part_of(joint.parent.body), part_of(joint.child.body)};
-  }
-  int part_of(const Sensor& sensor) const {
-    return sensor.type == SensorType::reaction ? part_of_joint(sensor.joint) : part_of(sensor.frame.body);
   }
 
   bool is_kept(int part) const { return part != none && kept_[static_cast<std::size_t>(part)]; }
@@ -132,13 +126,16 @@ class Pruner {
     for (const Sensor& sensor : scene_.sensors) {
       if (!owners.contains(sensor.name)) continue;
       sensors.insert(sensor.name);
-      if (sensor.type == SensorType::energy) kept_.assign(kept_.size(), true);
-      keep(part_of(sensor));
+      if (kind_of(sensor.is).of_whole) kept_.assign(kept_.size(), true);
+      for (const int part : touched(sensor)) keep(part);
     }
-    for (const Constraint& c : scene_.constraints) {
-      if (!owners.contains(c.name)) continue;
-      for (const int part : touched(c)) keep(part);
-    }
+    each_section(scene_, [&](const Section& section, const auto& elements) {
+      if (section.name == sensors_section.name) return;
+      for (const auto& element : elements) {
+        if (!owners.contains(element.name)) continue;
+        for (const int part : touched(element)) keep(part);
+      }
+    });
     return sensors;
   }
 
@@ -163,16 +160,17 @@ class Pruner {
 
   // A reaction that is read keeps its island in space, whether it is wanted or not: so a sensor of one stays there.
   bool is_kept(const Sensor& sensor) const {
-    return sensors_.contains(sensor.name) || (sensor.type == SensorType::reaction && is_kept(part_of(sensor)));
+    const auto kept = [&](int part) { return is_kept(part); };
+    return sensors_.contains(sensor.name) ||
+           (kind_of(sensor.is).reads_reaction && std::ranges::any_of(touched(sensor), kept));
   }
 
   void filter(Scene& scene) const {
     std::erase_if(scene.bodies, [&](const Body& body) { return !is_kept(part_of(body.name)); });
     std::erase_if(scene.joints, [&](const Joint& joint) { return !is_kept(joint); });
-    std::erase_if(scene.motors, [&](const Motor& motor) { return !is_kept(motor); });
-    std::erase_if(scene.forces, [&](const Force& force) { return !is_kept(force); });
-    std::erase_if(scene.constraints, [&](const Constraint& c) { return !is_kept(c); });
-    std::erase_if(scene.sensors, [&](const Sensor& sensor) { return !is_kept(sensor); });
+    each_section(scene, [&](const Section&, auto& elements) {
+      std::erase_if(elements, [&](const auto& element) { return !is_kept(element); });
+    });
     std::unordered_set<std::string> known;
     for (const Settable& number : settables(scene)) known.insert(number.path);
     std::erase_if(scene.parameters,

@@ -5,7 +5,7 @@
 #include <deque>
 
 #include "mechanism/graph.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -21,7 +21,7 @@ struct Weld {
 };
 
 Pose3 pose_at(const Joint& joint, const std::vector<double>& q) {
-  const AnyJoint kind = make_joint(joint.type, joint.axes);
+  const AnyJoint kind = joint.is;
   const Pose3 X_UC{canonical_rotation(kind, joint.axes), Eigen::Vector3d::Zero()};
   const Pose3 X = std::visit([&](const auto& j) { return j.template X_FM<Spatial>(q.data()); }, kind);
   return X_UC * X * X_UC.inverse();
@@ -120,7 +120,7 @@ struct Merger {
       const int b = number(joint.child.body);
       Edge edge;
       edge.scene_joint = j;
-      edge.joint = make_joint(joint.type, joint.axes);
+      edge.joint = joint.is;
       edge.R_UC = canonical_rotation(edge.joint, joint.axes);
       const Pose3 X_UC{edge.R_UC, Eigen::Vector3d::Zero()};
       edge.group_a = group_of[a + 1];

@@ -7,55 +7,11 @@
 #include <optional>
 #include <utility>
 
-#include "scene/text.h"
+#include "util/other_words.h"
+#include "util/text.h"
 
 namespace gelenk::advice {
 namespace {
-
-// Words with spaces between.
-using Words = std::string_view;
-
-// Our word, and what URDF, MJCF, SDF, Modelica, Simscape, Adams and textbooks call the same.
-constexpr std::pair<std::string_view, Words> synonyms[] = {
-    {"revolute", "hinge pin rotational rotary rotation continuous turning"},
-    {"prismatic", "slide slider sliding linear translational translation"},
-    {"spherical", "ball ball_socket ballsocket socket ball_and_socket"},
-    {"weld", "fixed rigid welded"},
-    {"free", "floating freejoint 6dof freeflyer free_flyer"},
-    {"universal", "cardan hooke u_joint"},
-    {"spring_damper", "spring damper spring-damper springdamper tsda"},
-    {"motion", "driver actuator prescribed"},
-    {"ground", "world base earth fixed root frame inertial"},
-    {"bodies", "links link parts part body segments"},
-    {"joints", "joint connections"},
-    {"motors", "actuators actuator drives inputs"},
-    {"forces", "springs dampers loads force_elements"},
-    {"experiment", "simulation run"},
-    {"solver", "options"},
-    {"gravity", "g"},
-    {"mass", "m weight"},
-    {"com", "cog cg cm center_of_mass centre_of_mass center_of_gravity centroid r_CM"},
-    {"inertia", "i j moi moments moments_of_inertia moment_of_inertia inertia_tensor"},
-    {"position", "pos xyz origin location translation"},
-    {"rotation", "orientation quaternion rpy euler matrix"},
-    {"quaternion", "quat"},
-    {"stop", "limit limits range bounds endstop end_stop"},
-    {"lower", "min minimum phi_min s_min low"},
-    {"upper", "max maximum phi_max s_max high"},
-    {"start", "initial init initial_condition initial_conditions q0 ref"},
-    {"phi", "angle theta q position pos"},
-    {"s", "q position pos x"},
-    {"w", "omega phidot phi_dot qdot qd speed velocity"},
-    {"v", "sdot s_dot qdot qd speed velocity"},
-    {"damping", "damper d c viscous_friction"},
-    {"stiffness", "spring k c"},
-    {"length", "rest_length free_length unstretched_length s_unstretched l0"},
-    {"parent", "body1 predecessor frame_a base"},
-    {"child", "body2 successor frame_b follower"},
-    {"gear_ratio", "gear ratio n"},
-    {"step", "dt timestep time_step"},
-    {"stop", "end tstop t_end stop_time duration"},
-};
 
 // What has no place in a scene, and what is there instead.
 constexpr std::pair<Words, std::string_view> absent[] = {
@@ -66,21 +22,6 @@ constexpr std::pair<Words, std::string_view> absent[] = {
     {"motor actuated driven", "motors have a section of their own, motors: {NAME: {joint: JOINT}}"},
     {"units unit", "numbers are in SI units, angles in rad: leave it out"},
 };
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-bool same(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
-}
-
-bool contains(Words words, std::string_view word) {
-  while (!words.empty()) {
-    const std::size_t end = std::min(words.find(' '), words.size());
-    if (same(words.substr(0, end), word)) return true;
-    words.remove_prefix(std::min(end + 1, words.size()));
-  }
-  return false;
-}
 
 bool all_digits(std::string_view s) {
   return !s.empty() && std::ranges::all_of(s, [](char c) { return c >= '0' && c <= '9'; });
@@ -169,13 +110,6 @@ bool is_matrix(const Json& value) {
 }
 
 }  // namespace
-
-std::string our_word(std::string_view found, const std::vector<std::string>& known) {
-  for (const auto& [ours, theirs] : synonyms) {
-    if (contains(theirs, found) && std::ranges::find(known, ours) != known.end()) return std::string(ours);
-  }
-  return {};
-}
 
 std::string on_field(std::string_view name, const std::vector<std::string>& known) {
   if (all_digits(name)) return "; the decimal sign is a point, a comma begins something new";

@@ -11,9 +11,6 @@
 
 namespace gelenk::advice {
 
-// Our word for what another program calls `found`, if it is one of `known`; else empty.
-std::string our_word(std::string_view found, const std::vector<std::string>& known);
-
 // A field that is none of the known.
 std::string on_field(std::string_view name, const std::vector<std::string>& known);
 // Something else where a number is expected; unit: of that number.

@@ -6,8 +6,8 @@
 
 #include "scene/frames.h"
 #include "scene/read.h"
-#include "scene/text.h"
 #include "scene/words.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -132,7 +132,6 @@ void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   check_joints(scene, faults, partial);
   check_connection(scene, faults);
   check_elements(scene, faults, partial);
-  check_constraints(scene, faults, partial);
   check_parameters(scene, faults, doubtful);
   check_outputs(scene, faults, !faults.none());
   check_settings(scene, faults, partial);

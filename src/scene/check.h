@@ -24,11 +24,12 @@ void check_bodies(const Scene& scene, Faults& faults, bool partial);
 void check_inertias(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
-void check_constraints(const Scene& scene, Faults& faults, bool partial);
 void check_elements(const Scene& scene, Faults& faults, bool partial);
-// The joint of that name; a fault and nullptr if there is none.
-const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
-                              bool partial);
+// The fields of an element, alone and together.
+template <class Any>
+void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults);
+// Likewise what a joint has of that kind.
+void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults);
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful);
 // partial: what outputs there are is not known.
 void check_outputs(const Scene& scene, Faults& faults, bool partial);
@@ -38,12 +39,5 @@ void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& 
 
 // Adds a fault if a number is not finite. size: how many numbers there are at data.
 void check_finite(const double* data, std::size_t size, const std::string& path, Faults& faults);
-
-// What a scene can give parameters for: "crank.mass" 1, "crank.com" 3.
-struct Settable {
-  std::string path;
-  int size;
-};
-std::vector<Settable> settables(const Scene& scene);
 
 }  // namespace gelenk

@@ -3,7 +3,7 @@
 
 #include "scene/check.h"
 #include "scene/frames.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 

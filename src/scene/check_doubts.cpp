@@ -6,8 +6,9 @@
 
 #include "joint/registry.h"
 #include "scene/doubts.h"
-#include "scene/text.h"
+#include "scene/element_numbers.h"
 #include "scene/units.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -27,13 +28,6 @@ bool looks_like_degrees(double x) {
   return std::abs(std::remainder(x, pi / 2)) > one_decimal;
 }
 
-void doubt_angles(const std::vector<double>& angles, const std::string& path, Faults& faults) {
-  const auto found = std::ranges::find_if(angles, looks_like_degrees);
-  if (found == angles.end()) return;
-  const std::string index = angles.size() == 1 ? "" : "[" + std::to_string(found - angles.begin() + 1) + "]";
-  doubt_angle(*found, path + index, faults);
-}
-
 void doubt_start(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
   for (const QuantityGroup& group : groups(kind.q)) {
     if (group.array || group.unit != "rad" || !joint.start.q_given[group.first]) continue;
@@ -41,40 +35,40 @@ void doubt_start(const Joint& joint, const JointKind& kind, const std::string& p
   }
 }
 
-// Angles of a joint's spring and stop.
-void doubt_references(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
-  if (!kind.springs() || kind.q[0].unit != "rad") return;
-  const bool all_turn = std::ranges::all_of(kind.q, [](const Quantity& q) { return q.unit == "rad"; });
-  if (all_turn) doubt_angles(joint.spring_reference, path + ".spring_reference", faults);
-  if (!joint.stop) return;
-  doubt_angle(joint.stop->lower, path + ".stop.lower", faults);
-  doubt_angle(joint.stop->upper, path + ".stop.upper", faults);
+// Of an element's numbers those in rad; of a list the first.
+void doubt_numbers(std::span<const Field> fields, const void* element, const Coordinate& coordinate,
+                   const std::string& path, Faults& faults, const std::string& index = {}) {
+  const Field* doubted = nullptr;
+  each_number(fields, const_cast<void*>(element), [&](const Number& x) {  // NOLINT(*-const-cast): only read
+    if (x.unit(coordinate) != "rad" || x.field == doubted || !looks_like_degrees(*x.value)) return;
+    doubted = x.field;
+    doubt_angle(*x.value, path + "." + x.path() + x.index() + index, faults);
+  });
 }
 
-// It may be meant: what rests on a stop has pressed it in.
-void doubt_stop(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
-  if (!joint.stop || !kind.stops() || !joint.start.q_given[0]) return;
-  const Stop& stop = *joint.stop;
-  const double q = joint.start.q[0];
-  const double depth = std::max(stop.lower - q, q - stop.upper);
-  if (!(depth > 0)) return;
-  const bool above = q > stop.upper;
-  const JointUnits units = joint_units(kind);
-  const std::string effort = units.coordinate == "rad" ? "N m" : "N";
-  const auto number = [&](double x) { return text::with_unit(text::rounded(x), units.coordinate); };
-  faults.doubt(path + ".start." + std::string(kind.q[0].name), number(q),
-               std::string(above ? "at most stop.upper = " : "at least stop.lower = ") +
-                   number(above ? stop.upper : stop.lower) + "; " + number(depth) +
-                   " beyond it, the stop pushes with " + text::rounded(stop.stiffness * depth, 3) + " " + effort);
+void doubt_forces(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
+  for (const JointForceKind& force : joint_force_kinds()) {
+    for (int i = 0; i < kind.nv; ++i) {
+      const void* there = force.fits(kind) ? force.in(joint.along[i]) : nullptr;
+      const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
+      if (there == nullptr) continue;
+      const Coordinate coordinate = coordinate_of(kind, i);
+      const std::string index = kind.nv > 1 ? "[" + std::to_string(i + 1) + "]" : "";
+      doubt_numbers(force.fields, there, coordinate, path + group, faults, index);
+      if (!kind.springs() || !joint.start.q_given[i]) continue;
+      const auto doubt = force.doubt(joint.along[i], joint.start.q[i], coordinate);
+      if (doubt) faults.doubt(path + ".start." + std::string(coordinate.name), doubt->found, doubt->expected);
+    }
+  }
 }
 
 void doubt_motors(const Scene& scene, Faults& faults) {
   std::map<std::string, std::string> drives;
   for (const Motor& motor : scene.motors) {
-    const auto [first, alone] = drives.try_emplace(motor.joint, motor.name);
+    const std::string& joint = motor.joints.front();
+    const auto [first, alone] = drives.try_emplace(joint, motor.name);
     if (alone) continue;
-    faults.doubt("motors." + motor.name + ".joint",
-                 text::quoted(motor.joint) + ", which '" + first->second + "' drives",
+    faults.doubt("motors." + motor.name + ".joint", text::quoted(joint) + ", which '" + first->second + "' drives",
                  "one motor at a joint; where two are meant, what they apply adds up");
   }
 }
@@ -87,19 +81,6 @@ void doubt_names(const Scene& scene, Faults& faults) {
     faults.doubt("joints." + body.name, "the name of a body",
                  "another; " + body.name + ".mass will be of the body, " + body.name + ".damping of the joint");
   }
-}
-
-void doubt_motion(const Scene& scene, const Constraint& constraint, const std::string& path, Faults& faults) {
-  const auto joint = std::ranges::find(scene.joints, constraint.joint, &Joint::name);
-  const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
-  if (kind == nullptr) return;
-  const GivenMotion& motion = constraint.motion;
-  doubt_angle(motion.phase, path + ".sine.phase", faults);
-  const auto coordinate = std::ranges::find(kind->q, constraint.coordinate, &Quantity::name);
-  if (coordinate == kind->q.end() || coordinate->unit != "rad") return;
-  doubt_angle(motion.amplitude, path + ".sine.amplitude", faults);
-  if (!motion.polynomial.empty()) doubt_angle(motion.polynomial[0], path + ".polynomial[1]", faults);
-  doubt_angles(motion.values, path + ".table.value", faults);
 }
 
 }  // namespace
@@ -117,16 +98,16 @@ void find_doubts(const Scene& scene, Faults& faults) {
     if (kind == nullptr) continue;
     const std::string path = "joints." + joint.name;
     doubt_start(joint, *kind, path, faults);
-    doubt_references(joint, *kind, path, faults);
-    doubt_stop(joint, *kind, path, faults);
+    doubt_forces(joint, *kind, path, faults);
   }
   doubt_names(scene, faults);
   doubt_motors(scene, faults);
-  for (const Constraint& constraint : scene.constraints) {
-    const std::string path = "constraints." + constraint.name;
-    if (constraint.type == ConstraintType::motion) doubt_motion(scene, constraint, path, faults);
-    if (constraint.type == ConstraintType::gear) doubt_angle(constraint.offset, path + ".offset", faults);
-  }
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    for (const auto& element : elements) {
+      doubt_numbers(kind_of(element.is).fields, data_of(element.is), coordinate_of(scene, element),
+                    std::string(section.name) + "." + element.name, faults);
+    }
+  });
 }
 
 std::vector<std::string> find_doubts(const Scene& scene) {

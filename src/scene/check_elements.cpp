@@ -1,82 +1,139 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "joint/registry.h"
 #include "scene/check.h"
-#include "scene/text.h"
+#include "scene/element_fields.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
 
-const Joint* find_joint(const Scene& scene, const std::string& name) {
+const Joint* find_joint(const Scene& scene, const std::string& name, const std::string& path, Faults& faults) {
   const auto found = std::ranges::find(scene.joints, name, &Joint::name);
-  return found == scene.joints.end() ? nullptr : &*found;
-}
-
-void check_motor(const Scene& scene, const Motor& motor, Faults& faults, bool partial) {
-  const std::string path = "motors." + text::printable(motor.name);
-  check_finite(&motor.gear_ratio, 1, path + ".gear_ratio", faults);
-  if (motor.gear_ratio == 0) faults.add(path + ".gear_ratio", "0", "a number other than 0");
-  check_finite(&motor.rotor_inertia, 1, path + ".rotor_inertia", faults);
-  if (motor.rotor_inertia < 0) faults.add(path + ".rotor_inertia", text::number(motor.rotor_inertia), "0 or more");
-  const Joint* joint = check_joint_name(scene, motor.joint, path + ".joint", faults, partial);
-  if (joint == nullptr) return;
-  const JointKind* kind = find_joint_kind(joint->type);
-  if (kind == nullptr || !kind->effort.name.empty()) return;
-  std::vector<std::string> driven;
-  for (const JointKind& k : joint_kinds()) {
-    if (!k.effort.name.empty()) driven.emplace_back(k.name);
-  }
-  faults.add(path + ".joint", text::quoted(motor.joint) + ", a " + joint->type + " joint",
-             "a joint of one of the types " + text::list(driven));
-}
-
-void check_force(const Scene& scene, const Force& force, Faults& faults, bool partial) {
-  const std::string path = "forces." + text::printable(force.name);
-  if (force.type == ForceType::wrench) {
-    check_frame(force.at, scene, path, faults, partial);
-    if (force.at.body == ground) faults.add(path + ".body", "'ground'", "a body that a force can move");
-    check_finite(force.force.data(), 3, path + ".force", faults);
-    check_finite(force.torque.data(), 3, path + ".torque", faults);
-    return;
-  }
-  check_frame(force.from, scene, path + ".from", faults, partial);
-  check_frame(force.to, scene, path + ".to", faults, partial);
-  if (force.from.body == force.to.body && !force.from.body.empty()) {
-    faults.add(path, text::quoted(force.from.body) + " at both ends", "two different bodies");
-  }
-  for (const auto& [value, field] : {std::pair(force.stiffness, "stiffness"), std::pair(force.damping, "damping"),
-                                     std::pair(force.length, "length")}) {
-    const std::string where = path + "." + field;
-    check_finite(&value, 1, where, faults);
-    if (value < 0) faults.add(where, text::number(value), "0 or more");
-  }
-}
-
-void check_sensor(const Scene& scene, const Sensor& sensor, Faults& faults, bool partial) {
-  const std::string path = "sensors." + text::printable(sensor.name);
-  if (sensor.type == SensorType::reaction) check_joint_name(scene, sensor.joint, path + ".joint", faults, partial);
-  if (sensor.type == SensorType::frame) check_frame(sensor.frame, scene, path, faults, partial);
-}
-
-}  // namespace
-
-const Joint* check_joint_name(const Scene& scene, const std::string& name, const std::string& path, Faults& faults,
-                              bool partial) {
-  if (partial && name.empty()) return nullptr;
-  const Joint* joint = find_joint(scene, name);
-  if (joint != nullptr) return joint;
+  if (found != scene.joints.end()) return &*found;
   std::vector<std::string> names;
-  for (const Joint& j : scene.joints) names.push_back(j.name);
+  for (const Joint& joint : scene.joints) names.push_back(joint.name);
   faults.add(path, text::quoted(name), text::one_of(name, names, "joints"));
   return nullptr;
 }
 
+// The kinds of joints that a port can be at.
+std::string fitting(const Port& port) {
+  std::vector<std::string> kinds;
+  for (const JointKind& kind : joint_kinds()) {
+    if (port.fits(kind)) kinds.emplace_back(kind.name);
+  }
+  return kinds.size() == 1 ? "a " + kinds[0] + " joint" : "a joint of one of the types " + text::list(kinds);
+}
+
+// Of one section.
+struct Checker {
+  const Scene& scene;
+  const Section& section;
+  Faults& faults;
+  bool partial;
+  std::set<std::string> held{};  // coordinates that constraints are about
+
+  void joint(const Port& port, const std::string& name, const std::string& path) {
+    if (name.empty() && (partial || port.optional)) return;
+    const Joint* found = find_joint(scene, name, path, faults);
+    const JointKind* kind = found == nullptr ? nullptr : find_joint_kind(found->type);
+    if (kind == nullptr || port.fits == nullptr || port.fits(*kind)) return;
+    faults.add(path, text::quoted(name) + ", a " + found->type + " joint", fitting(port));
+  }
+
+  void coordinate(const ElementPlace& element, const std::string& path) {
+    const JointKind* kind = kind_of_joint(scene, element.joints.front());
+    if (kind == nullptr || (partial && element.coordinate.empty())) return;
+    const std::string whole = element.joints.front() + "." + element.coordinate;
+    if (std::ranges::find(kind->q, element.coordinate, &Quantity::name) == kind->q.end()) {
+      faults.add(path + ".coordinate", text::quoted(element.coordinate),
+                 "a coordinate of joint " + element.joints.front());
+    } else if (!held.insert(whole).second) {
+      faults.add(path, "a second motion of " + whole, "one motion for each coordinate");
+    }
+  }
+
+  void frame(const Port& port, const BodyFrame& frame, const std::string& path) {
+    const std::string own = port.name.empty() ? path : path + "." + std::string(port.name);
+    check_frame(frame, scene, own, faults, partial);
+    if (!port.on_ground && frame.body == ground) faults.add(own + ".body", "'ground'", "a body that a force can move");
+  }
+
+  void ports(const ElementPlace& element, const ElementKind& kind, const std::string& path) {
+    std::size_t frames = 0;
+    std::size_t joints = 0;
+    for (const Port& port : kind.ports) {
+      if (port.kind != Port::Kind::joint) {
+        frame(port, element.frames.at(frames++), path);
+        continue;
+      }
+      joint(port, element.joints.at(joints++), path + "." + std::string(port.name));
+      if (port.has_coordinate) coordinate(element, path);
+    }
+    if (section.name == sensors_section.name) return;
+    const auto twice = [](std::vector<std::string> names) {
+      std::erase(names, "");
+      std::ranges::sort(names);
+      const auto found = std::ranges::adjacent_find(names);
+      return found == names.end() ? std::string() : *found;
+    };
+    std::vector<std::string> bodies;
+    for (const BodyFrame& frame : element.frames) bodies.push_back(frame.body);
+    if (const std::string body = twice(bodies); !body.empty()) {
+      faults.add(path, text::quoted(body) + " twice", "two different bodies");
+    }
+    if (!twice(element.joints).empty()) faults.add(path, "a joint twice", "different joints");
+  }
+
+  template <class Any>
+  void run(const std::vector<Element<Any>>& elements) {
+    for (const Element<Any>& element : elements) {
+      const std::string path = std::string(section.name) + "." + text::printable(element.name);
+      ports(element, kind_of(element.is), path);
+      if (!partial) check_numbers(element, path, coordinate_of(scene, element), faults);
+    }
+  }
+};
+
+// Of what keeps a speed only, dependent coordinates cannot be told.
+void check_formulation(const Scene& scene, Faults& faults) {
+  if (scene.solver.formulation != "independent") return;
+  for (const Constraint& c : scene.constraints) {
+    if (holds_positions(c.is)) continue;
+    faults.add(
+        "solver.formulation",
+        "'independent' with constraints." + text::printable(c.name) + ", which constrains speeds but no position",
+        "another formulation, as projection");
+  }
+}
+
+}  // namespace
+
+template <class Any>
+void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults) {
+  const void* data = data_of(element.is);
+  const std::size_t before = faults.count();
+  const std::span<const Field> fields = kind_of(element.is).fields;
+  check_fields(fields, data, path, coordinate, faults);
+  if (faults.count() > before) return;
+  std::optional<ElementFault> fault = fault_of_ways(fields, data);
+  if (!fault) fault = fault_of(element.is, coordinate);
+  if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
+}
+template void check_numbers(const Motor&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Force&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Constraint&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Sensor&, const std::string&, const Coordinate&, Faults&);
+
 void check_elements(const Scene& scene, Faults& faults, bool partial) {
-  for (const Motor& motor : scene.motors) check_motor(scene, motor, faults, partial);
-  for (const Force& force : scene.forces) check_force(scene, force, faults, partial);
-  for (const Sensor& sensor : scene.sensors) check_sensor(scene, sensor, faults, partial);
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    Checker{.scene = scene, .section = section, .faults = faults, .partial = partial}.run(elements);
+  });
+  check_formulation(scene, faults);
 }
 
 }  // namespace gelenk

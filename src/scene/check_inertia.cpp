@@ -10,7 +10,7 @@
 
 #include "joint/registry.h"
 #include "scene/check.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -101,7 +101,7 @@ class AxisSearch {
         const bool from_parent = joint->parent.body == at;
         const std::string& other = from_parent ? joint->child.body : joint->parent.body;
         if (axes.contains(other) || !has_its_axes(*joint)) continue;
-        const AnyJoint kind = make_joint(joint->type, joint->axes);
+        const AnyJoint kind = joint->is;
         const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint->axes);
         const Eigen::Matrix3d& here = (from_parent ? joint->parent : joint->child).X_BF.R;
         const Eigen::Matrix3d& there = (from_parent ? joint->child : joint->parent).X_BF.R;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
 #include "joint/registry.h"
 #include "scene/check.h"
-#include "scene/text.h"
-#include "scene/units.h"
+#include "scene/element_fields.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -29,48 +28,16 @@ void check_numbers(const Joint& joint, const JointKind& kind, const std::string&
   sized(s.v_fixed, nv, "start.v_fixed");
   if (sized(s.q, nq, "start.q")) check_finite(s.q.data(), nq, path + ".start.q", faults);
   if (sized(s.v, nv, "start.v")) check_finite(s.v.data(), nv, path + ".start.v", faults);
-  if (sized(joint.damping, nv, "damping")) check_finite(joint.damping.data(), nv, path + ".damping", faults);
-  if (sized(joint.stiffness, nv, "stiffness")) check_finite(joint.stiffness.data(), nv, path + ".stiffness", faults);
-  if (sized(joint.spring_reference, nv, "spring_reference")) {
-    check_finite(joint.spring_reference.data(), nv, path + ".spring_reference", faults);
-  }
+  sized(joint.along, nv, "along");
   for (const auto* list : {&s.q_weight, &s.v_weight}) {
     if (sized(*list, list == &s.q_weight ? nq : nv, "start.weight")) {
       check_finite(list->data(), list->size(), path + ".start.weight", faults);
     }
   }
   const auto negative = [](double x) { return x < 0; };
-  for (const auto& [list, field] : {std::pair(&joint.damping, "damping"), std::pair(&joint.stiffness, "stiffness"),
-                                    std::pair(&s.q_weight, "start.weight"), std::pair(&s.v_weight, "start.weight")}) {
+  for (const auto* list : {&s.q_weight, &s.v_weight}) {
     const auto bad = std::ranges::find_if(*list, negative);
-    if (bad != list->end()) faults.add(path + "." + field, text::number(*bad), "0 or more");
-  }
-  const bool sprung = std::ranges::any_of(joint.stiffness, [](double k) { return k != 0; });
-  if (sprung && !kind.springs()) faults.add(path + ".stiffness", "a stiffness", "none on this kind of joint");
-}
-
-void check_stop(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
-  if (!joint.stop) return;
-  if (!kind.stops()) return faults.add(path, "a stop", "none on this kind of joint");
-  const Stop& stop = *joint.stop;
-  const JointUnits units = joint_units(kind);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  check_finite(&stop.stiffness, 1, path + ".stiffness", faults);
-  check_finite(&stop.damping, 1, path + ".damping", faults);
-  if (stop.lower != -infinity) check_finite(&stop.lower, 1, path + ".lower", faults);
-  if (stop.upper != infinity) check_finite(&stop.upper, 1, path + ".upper", faults);
-  const auto number = [](double x, const std::string& unit) { return text::with_unit(text::number(x), unit); };
-  if (stop.stiffness <= 0) {
-    faults.add(path + ".stiffness", number(stop.stiffness, units.stiffness), "more than 0 " + units.stiffness);
-  }
-  if (stop.damping < 0) {
-    faults.add(path + ".damping", number(stop.damping, units.damping), "0 " + units.damping + " or more");
-  }
-  if (stop.lower == -infinity && stop.upper == infinity) {
-    faults.add(path, "neither lower nor upper", "one of them, or both");
-  } else if (stop.lower >= stop.upper) {
-    faults.add(path + ".lower", number(stop.lower, units.coordinate),
-               "less than upper, which is " + number(stop.upper, units.coordinate));
+    if (bad != list->end()) faults.add(path + ".start.weight", text::number(*bad), "0 or more");
   }
 }
 
@@ -101,6 +68,20 @@ class Sets {
 
 }  // namespace
 
+void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults) {
+  for (std::size_t i = 0; i < joint.along.size(); ++i) {
+    const void* there = kind.in(joint.along[i]);
+    if (there == nullptr) continue;
+    const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
+    const std::size_t before = faults.count();
+    check_fields(kind.fields, there, path, coordinate, faults);
+    if (faults.count() > before) continue;
+    std::optional<ElementFault> fault = fault_of_ways(kind.fields, there);
+    if (!fault) fault = kind.fault(joint.along[i], coordinate);
+    if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
+  }
+}
+
 void check_joints(const Scene& scene, Faults& faults, bool partial) {
   for (const Joint& joint : scene.joints) {
     const std::string path = "joints." + text::printable(joint.name);
@@ -113,7 +94,11 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
     if (kind != nullptr) {
       check_axes(joint, *kind, path, faults);
       check_numbers(joint, *kind, path, faults);
-      check_stop(joint, *kind, path + ".stop", faults);
+      check_fields(kind->fields, data_of(joint.is), path, {}, faults);
+      for (const JointForceKind& force : joint_force_kinds()) {
+        const std::string group = force.group.empty() ? "" : "." + std::string(force.group);
+        if (!partial && force.fits(*kind)) check_forces(joint, path + group, force, faults);
+      }
     } else if (!partial || !joint.type.empty()) {
       faults.add(path + ".type", text::quoted(joint.type), "the name of a kind of joint");
     }

@@ -5,8 +5,9 @@
 
 #include "joint/registry.h"
 #include "scene/check.h"
-#include "scene/text.h"
+#include "scene/element_numbers.h"
 #include "scene/units.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -53,10 +54,19 @@ class Names {
   std::map<std::string, std::string> owners_;
 };
 
+void add_fields(std::vector<std::string>& out, std::span<const Field> fields) {
+  for (const Field& field : fields) out.emplace_back(field.name);
+}
+
 std::vector<std::string> joint_suffixes(const Joint& joint) {
-  std::vector<std::string> out = {"fixed", "damping", "stiffness", "spring_reference", "stop", "parent", "child"};
+  std::vector<std::string> out = {"fixed", "parent", "child"};
+  for (const JointForceKind& force : joint_force_kinds()) {
+    if (!force.group.empty()) out.emplace_back(force.group);
+    if (force.group.empty()) add_fields(out, force.fields);
+  }
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) return out;
+  add_fields(out, kind->fields);
   for (const auto quantities : {kind->q, kind->v, kind->a}) {
     for (const QuantityGroup& group : groups(quantities)) {
       out.push_back(group.name);
@@ -66,52 +76,16 @@ std::vector<std::string> joint_suffixes(const Joint& joint) {
   return out;
 }
 
-std::vector<std::string> motor_suffixes(const Scene& scene, const Motor& motor) {
-  std::vector<std::string> out = {"gear_ratio", "rotor_inertia"};
-  for (const Joint& joint : scene.joints) {
-    const JointKind* kind = joint.name == motor.joint ? find_joint_kind(joint.type) : nullptr;
-    if (kind != nullptr && !kind->effort.name.empty()) out.emplace_back(kind->effort.name);
+template <class Any>
+std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& element) {
+  const ElementKind& kind = kind_of(element.is);
+  const Coordinate coordinate = coordinate_of(scene, element);
+  std::vector<std::string> out;
+  add_fields(out, kind.fields);
+  for (const auto signals : {inputs_of(element.is), kind.outputs}) {
+    for (const SignalGroup& signal : signals) out.push_back(filled_in(signal.name, element, coordinate));
   }
   return out;
-}
-
-std::vector<std::string> force_suffixes(const Force& force) {
-  if (force.type == ForceType::spring_damper) return {"stiffness", "damping", "length"};
-  return {"force", "torque", "f", "t"};
-}
-
-std::vector<std::string> sensor_suffixes(const Sensor& sensor) {
-  switch (sensor.type) {
-    case SensorType::reaction:
-      return {"f", "t"};
-    case SensorType::frame:
-      return {"r", "Q", "v", "w"};
-    case SensorType::energy:
-      return {"kinetic", "potential", "total"};
-  }
-  return {};
-}
-
-std::vector<std::string> constraint_suffixes(const Scene& scene, const Constraint& constraint) {
-  switch (constraint.type) {
-    case ConstraintType::motion: {
-      const auto joint = std::ranges::find(scene.joints, constraint.joint, &Joint::name);
-      const JointKind* kind = joint == scene.joints.end() ? nullptr : find_joint_kind(joint->type);
-      if (kind == nullptr) return {};
-      const MotionSignals signals = motion_signals(*kind, constraint);
-      std::vector<std::string> out = {signals.effort, "polynomial", "sine", "speed"};
-      if (!signals.input.empty()) out.push_back(signals.input);
-      return out;
-    }
-    case ConstraintType::gear:
-    case ConstraintType::rack:
-      return {"tau", "f", "ratio", "radius", "offset"};
-    case ConstraintType::rolling:
-      return {"f_n", "f_long", "f_lat", "r", "radius"};
-    case ConstraintType::knife_edge:
-      return {"f"};
-  }
-  return {};
 }
 
 }  // namespace
@@ -119,10 +93,9 @@ std::vector<std::string> constraint_suffixes(const Scene& scene, const Constrain
 void check_names(const Scene& scene, Faults& faults) {
   check_section(scene.bodies, "bodies", faults);
   check_section(scene.joints, "joints", faults);
-  check_section(scene.motors, "motors", faults);
-  check_section(scene.forces, "forces", faults);
-  check_section(scene.constraints, "constraints", faults);
-  check_section(scene.sensors, "sensors", faults);
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    check_section(elements, std::string(section.name), faults);
+  });
 
   Names names(faults);
   const std::string always = "every mechanism";
@@ -134,12 +107,11 @@ void check_names(const Scene& scene, Faults& faults) {
               "integrator", "step", "start"});
   for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
-  for (const Motor& motor : scene.motors) names.take("motors." + motor.name, motor.name, motor_suffixes(scene, motor));
-  for (const Force& force : scene.forces) names.take("forces." + force.name, force.name, force_suffixes(force));
-  for (const Constraint& constraint : scene.constraints) {
-    names.take("constraints." + constraint.name, constraint.name, constraint_suffixes(scene, constraint));
-  }
-  for (const Sensor& sensor : scene.sensors) names.take("sensors." + sensor.name, sensor.name, sensor_suffixes(sensor));
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    for (const auto& element : elements) {
+      names.take(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
+    }
+  });
 }
 
 }  // namespace gelenk

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string_view>
 #include <unordered_map>
 
-#include "joint/registry.h"
 #include "scene/check.h"
-#include "scene/text.h"
-#include "scene/units.h"
+#include "scene/settable.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -47,68 +45,7 @@ std::string expected(const Split& path, const std::vector<Settable>& all) {
          (near.empty() ? "" : "; did you mean '" + near + "'?");
 }
 
-void add_settables(const Constraint& constraint, std::vector<Settable>& out) {
-  const std::string& name = constraint.name;
-  const GivenMotion& motion = constraint.motion;
-  switch (constraint.type) {
-    case ConstraintType::motion:
-      if (motion.source == GivenMotion::Source::speed) out.push_back({name + ".speed", 1});
-      if (!motion.polynomial.empty()) out.push_back({name + ".polynomial", static_cast<int>(motion.polynomial.size())});
-      if (has_sine(motion)) {
-        out.insert(out.end(),
-                   {{name + ".sine.amplitude", 1}, {name + ".sine.frequency", 1}, {name + ".sine.phase", 1}});
-      }
-      return;
-    case ConstraintType::gear:
-      out.insert(out.end(), {{name + ".ratio", 1}, {name + ".offset", 1}});
-      return;
-    case ConstraintType::rack:
-      out.insert(out.end(), {{name + ".radius", 1}, {name + ".offset", 1}});
-      return;
-    case ConstraintType::rolling:
-      out.push_back({name + ".radius", 1});
-      return;
-    case ConstraintType::knife_edge:
-      return;
-  }
-}
-
 }  // namespace
-
-std::vector<Settable> settables(const Scene& scene) {
-  std::vector<Settable> out = {{"gravity", 3}};
-  for (const Body& body : scene.bodies) {
-    out.insert(out.end(), {{body.name + ".mass", 1}, {body.name + ".com", 3}, {body.name + ".inertia", 6}});
-  }
-  for (const Joint& joint : scene.joints) {
-    const JointKind* kind = find_joint_kind(joint.type);
-    if (kind == nullptr) continue;
-    if (kind->nv > 0) out.push_back({joint.name + ".damping", kind->nv});
-    if (kind->springs()) {
-      out.insert(out.end(), {{joint.name + ".stiffness", kind->nv}, {joint.name + ".spring_reference", kind->nv}});
-    }
-    if (joint.stop) {
-      const std::string stop = joint.name + ".stop";
-      if (std::isfinite(joint.stop->lower)) out.push_back({stop + ".lower", 1});
-      if (std::isfinite(joint.stop->upper)) out.push_back({stop + ".upper", 1});
-      out.insert(out.end(), {{stop + ".stiffness", 1}, {stop + ".damping", 1}});
-    }
-    out.insert(out.end(), {{joint.name + ".parent.position", 3}, {joint.name + ".child.position", 3}});
-  }
-  for (const Motor& motor : scene.motors) {
-    out.insert(out.end(), {{motor.name + ".gear_ratio", 1}, {motor.name + ".rotor_inertia", 1}});
-  }
-  for (const Force& force : scene.forces) {
-    if (force.type == ForceType::wrench) {
-      out.insert(out.end(), {{force.name + ".force", 3}, {force.name + ".torque", 3}});
-    } else {
-      out.insert(out.end(),
-                 {{force.name + ".stiffness", 1}, {force.name + ".damping", 1}, {force.name + ".length", 1}});
-    }
-  }
-  for (const Constraint& constraint : scene.constraints) add_settables(constraint, out);
-  return out;
-}
 
 void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   if (scene.parameters.empty()) return;

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "scene/doubts.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

@@ -7,42 +7,42 @@
 #include <utility>
 
 #include "scene/advice.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
 
 std::string in_unit(std::string_view unit) { return unit.empty() ? "" : " in " + std::string(unit); }
 
-bool permits(Allowed allowed, double x) {
+}  // namespace
+
+bool permits(Range allowed, double x) {
   switch (allowed) {
-    case Allowed::not_negative:
+    case Range::not_negative:
       return x >= 0;
-    case Allowed::positive:
+    case Range::positive:
       return x > 0;
-    case Allowed::not_zero:
+    case Range::not_zero:
       return x != 0;
-    case Allowed::any:
+    case Range::any:
       break;
   }
   return true;
 }
 
-std::string bound(Allowed allowed, std::string_view unit) {
+std::string bound(Range allowed, std::string_view unit) {
   switch (allowed) {
-    case Allowed::not_negative:
+    case Range::not_negative:
       return text::with_unit("0", unit) + " or more";
-    case Allowed::positive:
+    case Range::positive:
       return "more than " + text::with_unit("0", unit);
-    case Allowed::not_zero:
+    case Range::not_zero:
       return "a number other than 0";
-    case Allowed::any:
+    case Range::any:
       break;
   }
   return "a number" + in_unit(unit);
 }
-
-}  // namespace
 
 std::string shown(const Json& value, std::string_view unit) {
   if (value.is_string()) return text::quoted(value.get_ref<const std::string&>());
@@ -56,7 +56,7 @@ std::string shown(const Json& value, std::string_view unit) {
 }
 
 std::optional<double> read_number(const Json& value, const std::string& path, Faults& faults, std::string_view unit,
-                                  Allowed allowed) {
+                                  Range allowed) {
   if (!value.is_number()) {
     faults.add(path, shown(value), "a number" + in_unit(unit) + advice::on_number(value, unit));
     return {};
@@ -74,7 +74,7 @@ std::optional<double> read_number(const Json& value, const std::string& path, Fa
 }
 
 std::optional<std::vector<double>> read_list(const Json& value, const std::string& path, Faults& faults,
-                                             std::size_t size, std::string_view unit, Allowed allowed) {
+                                             std::size_t size, std::string_view unit, Range allowed) {
   if (!value.is_array() || value.size() != size) {
     faults.add(path, shown(value),
                "a list of " + std::to_string(size) + (size == 1 ? " number" : " numbers") + in_unit(unit) +
@@ -122,13 +122,13 @@ const Json* Fields::require(const std::string& key, const std::string& expected)
   return value;
 }
 
-double Fields::number(const std::string& key, double otherwise, std::string_view unit, Allowed allowed) {
+double Fields::number(const std::string& key, double otherwise, std::string_view unit, Range allowed) {
   const Json* value = find(key);
   if (value == nullptr) return otherwise;
   return read_number(*value, path(key), faults_, unit, allowed).value_or(otherwise);
 }
 
-double Fields::required_number(const std::string& key, std::string_view unit, Allowed allowed) {
+double Fields::required_number(const std::string& key, std::string_view unit, Range allowed) {
   const Json* value = require(key, "a number" + in_unit(unit));
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   if (value == nullptr) return unknown;

@@ -9,25 +9,34 @@
 #include <string_view>
 #include <vector>
 
+#include "field/field.h"
 #include "scene/faults.h"
 #include "scene/json_tree.h"
 
 namespace gelenk {
 
-// What a number may be.
-enum class Allowed { any, not_negative, positive, not_zero };
-
 // A short description of a value for "found ...": "'abc'", "-1 kg", "a list of 2".
 std::string shown(const Json& value, std::string_view unit = {});
 
+bool permits(Range allowed, double x);
+// What a number in that unit has to be: "0 kg or more".
+std::string bound(Range allowed, std::string_view unit);
+
 // Each adds a fault and returns nothing when the value is of another kind or size, not finite or not allowed.
 std::optional<double> read_number(const Json& value, const std::string& path, Faults& faults, std::string_view unit,
-                                  Allowed allowed = Allowed::any);
+                                  Range allowed = Range::any);
 std::optional<std::vector<double>> read_list(const Json& value, const std::string& path, Faults& faults,
-                                             std::size_t size, std::string_view unit, Allowed allowed = Allowed::any);
+                                             std::size_t size, std::string_view unit, Range allowed = Range::any);
 std::optional<Eigen::Vector3d> read_vector(const Json& value, const std::string& path, Faults& faults,
                                            std::string_view unit);
 std::optional<std::string> read_text(const Json& value, const std::string& path, Faults& faults, std::string_view what);
+
+template <class Numbers>
+Json numbers_of(const Numbers& numbers) {
+  Json out = Json::array();
+  for (const double x : numbers) out.push_back(x);
+  return out;
+}
 
 // A mapping. Fields must be asked for before done(), which turns the rest into faults.
 class Fields {
@@ -45,9 +54,9 @@ class Fields {
   // Likewise, and a fault "found nothing, expected ..." when it is missing.
   const Json* require(const std::string& key, const std::string& expected);
 
-  double number(const std::string& key, double otherwise, std::string_view unit, Allowed allowed = Allowed::any);
+  double number(const std::string& key, double otherwise, std::string_view unit, Range allowed = Range::any);
   // NaN after a fault.
-  double required_number(const std::string& key, std::string_view unit, Allowed allowed = Allowed::any);
+  double required_number(const std::string& key, std::string_view unit, Range allowed = Range::any);
   Eigen::Vector3d vector(const std::string& key, std::string_view unit);  // zero when missing
   bool flag(const std::string& key, bool otherwise);
   // One of the words; `otherwise` when missing (a fault if that is empty); empty after a fault.

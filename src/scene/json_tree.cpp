@@ -10,7 +10,7 @@
 
 #include "scene/read.h"
 #include "scene/scene.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

@@ -5,45 +5,57 @@
 #include <cmath>
 
 #include "joint/registry.h"
-#include "scene/scene.h"
+#include "scene/element_numbers.h"
 
 namespace gelenk {
 namespace {
 
 constexpr double usual_time = 16;
 
-// Stiffness over inertia, the smallest [1/s2]; 0: there is no spring.
-double softest_spring(const Scene& scene, const UnitSystem& units) {
-  double rate = 0;
-  const auto add = [&](double stiffness, double inertia) {
-    if (stiffness > 0) rate = rate > 0 ? std::min(rate, stiffness / inertia) : stiffness / inertia;
-  };
+// Of what acts: squared frequencies [1/s2]. A stiffness N m^n/rad and a force N m^n are such numbers, measured in the
+// units of mass and length.
+struct Rates {
+  double softest = 0;  // of springs, the smallest; 0: there is none
+  double largest = 0;  // of constant forces
+
+  void add(std::span<const Field> fields, const void* element, const Coordinate& coordinate, const UnitSystem& units) {
+    void* data = const_cast<void*>(element);  // NOLINT(*-const-cast): only read
+    each_number(fields, data, [&](const Number& x) {
+      const UnitExponents unit = unit_exponents(x.field->unit.empty() ? "1" : x.unit(coordinate));
+      const auto& [kg, m, s, rad] = unit;
+      if (kg != 1 || s != -2 || *x.value == 0) return;
+      const double rate = std::abs(*x.value) / (units.mass * std::pow(units.length, m));
+      if (m == 0 || rad == -1) {
+        softest = softest > 0 ? std::min(softest, rate) : rate;
+      } else {
+        largest = std::max(largest, rate);
+      }
+    });
+  }
+};
+
+Rates rates_of(const Scene& scene, const UnitSystem& units) {
+  Rates out;
   for (const Joint& joint : scene.joints) {
     const JointKind& kind = *find_joint_kind(joint.type);
-    for (std::size_t i = 0; i < joint.stiffness.size(); ++i) {
-      add(joint.stiffness[i], kind.v[i].unit == "m/s" ? units.mass : units.mass * units.length * units.length);
+    for (std::size_t i = 0; i < joint.along.size(); ++i) {
+      for (const JointForceKind& force : joint_force_kinds()) {
+        const void* there = force.group.empty() ? force.in(joint.along[i]) : nullptr;
+        if (there != nullptr) out.add(force.fields, there, coordinate_of(kind, static_cast<int>(i)), units);
+      }
     }
   }
-  for (const Force& force : scene.forces) add(force.stiffness, units.mass);
-  return rate;
-}
-
-// Of constant forces: force over mass and length, the largest [1/s2].
-double largest_push(const Scene& scene, const UnitSystem& units) {
-  double rate = 0;
-  for (const Force& force : scene.forces) {
-    const double largest = std::max(force.force.norm(), force.torque.norm() / units.length);
-    rate = std::max(rate, largest / (units.mass * units.length));
-  }
-  return rate;
+  for (const Force& force : scene.forces) out.add(kind_of(force.is).fields, data_of(force.is), {}, units);
+  return out;
 }
 
 }  // namespace
 
 double natural_time(const Scene& scene, const UnitSystem& units) {
   double rate = scene.gravity.norm() / units.length;  // squared [1/s2]
-  if (!(rate > 0)) rate = softest_spring(scene, units);
-  if (!(rate > 0)) rate = largest_push(scene, units);
+  const Rates rates = rates_of(scene, units);
+  if (!(rate > 0)) rate = rates.softest;
+  if (!(rate > 0)) rate = rates.largest;
   const double time = 1 / std::sqrt(rate);
   const bool usual = !std::isfinite(time) || (time >= 1 / usual_time && time <= usual_time);
   return usual ? 1 : std::exp2(std::round(std::log2(time)));

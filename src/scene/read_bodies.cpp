@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/element_fields.h"
 #include "scene/reader.h"
 
 namespace gelenk {
@@ -32,8 +33,7 @@ void read_bodies(const Json& section, Reader& reader) {
     Body body;
     body.name = name;
     Fields fields(value, path, faults, "a mapping with mass, com, inertia, pose");
-    body.mass = fields.required_number("mass", "kg", Allowed::not_negative);
-    body.com = fields.vector("com", "m");
+    read_fields(fields, Body::fields(), &body, {});
     if (const Json* inertia = fields.find("inertia")) {
       body.inertia = read_inertia(*inertia, fields.path("inertia"), faults);
     }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "joint/registry.h"
+#include "scene/element_fields.h"
 #include "scene/reader.h"
 #include "scene/units.h"
 
@@ -21,13 +22,11 @@ std::vector<std::string> kind_names() {
 std::string a_kind(const JointKind& kind) { return "a " + std::string(kind.name) + " joint"; }
 
 void read_one_axis(const Json* axis, Fields& fields, Joint& joint) {
-  joint.axes = {Eigen::Vector3d::UnitZ()};
   if (axis == nullptr) return;
   joint.axes[0] = read_direction(*axis, fields.path("axis"), fields.faults()).value_or(joint.axes[0]);
 }
 
 void read_two_axes(const Json* axes, Fields& fields, Joint& joint) {
-  joint.axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
   if (axes == nullptr) return;
   const std::string path = fields.path("axes");
   if (!axes->is_array() || axes->size() != 2) {
@@ -58,6 +57,7 @@ void read_axes(Fields& fields, const JointKind& kind, Joint& joint) {
                kind.axes == 0 ? "none: " + a_kind(kind) + " has no axis"
                               : "'axis': " + a_kind(kind) + " has one, axis: [x, y, z]");
   }
+  joint.axes = default_axes(kind);
   if (kind.axes == 1) read_one_axis(axis, fields, joint);
   if (kind.axes == 2) read_two_axes(axes, fields, joint);
 }
@@ -90,42 +90,79 @@ void read_frames(Fields& fields, Reader& reader, Joint& joint) {
   }
 }
 
-// A number for one degree of freedom, a list for more. unit: of the i-th.
-std::vector<double> read_per_speed(Fields& fields, const std::string& key, const JointKind& kind, bool allowed_here,
-                                   const std::string& unit, Allowed allowed) {
-  std::vector<double> out(static_cast<std::size_t>(kind.nv), 0.0);
+// A number for one degree of freedom, a list for more.
+void read_along(Fields& fields, const JointForceKind& kind, const Field& field, Joint& joint) {
+  const std::string key(field.name);
   const Json* value = fields.find(key);
-  if (value == nullptr) return out;
+  if (value == nullptr) return;
   const std::string path = fields.path(key);
-  if (!allowed_here) {
-    const char* why = kind.nv == 0 ? " cannot move" : " has no angles that a spring could act on";
-    fields.faults().add(path, shown(*value), "no " + key + ": " + a_kind(kind) + why);
-  } else if (kind.nv == 1) {
-    out[0] = read_number(*value, path, fields.faults(), unit, allowed).value_or(0);
-  } else {
-    out = read_list(*value, path, fields.faults(), out.size(), unit, allowed).value_or(out);
-  }
-  return out;
+  const std::size_t n = joint.along.size();
+  const JointKind& of = kind_of(joint.is);
+  const auto element = [&](std::size_t i) { return kind.there(joint.along[i]); };
+  if (n == 1) return read_field(*value, path, fields.faults(), field, element(0), coordinate_of(of, 0));
+  const auto list = read_list(*value, path, fields.faults(), n, common_unit(field, of), field.range);
+  for (std::size_t i = 0; list && i < n; ++i) field.of<double>(element(i)) = (*list)[i];
 }
 
-// Nothing after a fault: bounds and stiffness belong together.
-std::optional<Stop> read_stop(const Json& value, const std::string& path, const JointKind& kind, Faults& faults) {
-  if (!kind.stops()) {
-    const std::string freedoms = kind.nv == 0 ? "cannot move" : "has " + std::to_string(kind.nv) + " freedoms, not one";
-    faults.add(path, shown(value), "no stop: " + a_kind(kind) + " " + freedoms);
-    return {};
-  }
-  const std::size_t before = faults.count();
-  const JointUnits units = joint_units(kind);
-  Fields fields(value, path, faults, "{lower, upper, stiffness, damping}");
-  Stop stop;
-  stop.lower = fields.number("lower", stop.lower, units.coordinate);
-  stop.upper = fields.number("upper", stop.upper, units.coordinate);
-  stop.stiffness = fields.required_number("stiffness", units.stiffness, Allowed::positive);
-  stop.damping = fields.number("damping", 0, units.damping, Allowed::not_negative);
+void refuse(const Json& value, const std::string& path, std::string_view name, const JointForceKind& kind,
+            const JointKind& of, Faults& faults) {
+  faults.add(
+      path, shown(value),
+      "no " + std::string(name) + ": " + a_kind(of) + " " + (of.nv == 0 ? "cannot move" : std::string(kind.misfit)));
+}
+
+// Nothing is there after a fault: its numbers belong together.
+void read_group(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
+  const std::size_t before = reader.faults.count();
+  JointForces& at = joint.along.front();
+  std::vector<std::string> names;
+  for (const Field& field : kind.fields) names.emplace_back(field.name);
+  Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
+  kind.give(at);
+  if (fields.valid()) read_fields(fields, kind.fields, kind.there(at), coordinate_of(kind_of(joint.is), 0));
   fields.done();
-  if (faults.count() > before) return {};
-  return stop;
+  if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
+  if (reader.faults.count() == before) return;
+  kind.take(at);
+  reader.doubtful.insert(joint.name);
+}
+
+void read_forces(Fields& fields, Reader& reader, Joint& joint) {
+  const JointKind& of = kind_of(joint.is);
+  joint.along.resize(static_cast<std::size_t>(of.nv));
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    std::vector<std::string> keys;
+    if (!kind.group.empty()) keys.emplace_back(kind.group);
+    for (const Field& field : kind.fields) {
+      if (kind.group.empty()) keys.emplace_back(field.name);
+    }
+    if (!kind.fits(of)) {
+      for (const std::string& key : keys) {
+        if (const Json* value = fields.find(key)) {
+          refuse(*value, fields.path(key), key, kind, of, reader.faults);
+          if (!kind.group.empty()) reader.doubtful.insert(joint.name);
+        }
+      }
+    } else if (kind.group.empty()) {
+      for (const Field& field : kind.fields) read_along(fields, kind, field, joint);
+    } else if (const Json* value = fields.find(keys[0])) {
+      read_group(*value, fields.path(keys[0]), kind, reader, joint);
+    }
+  }
+}
+
+// What is not looked at without the joint's kind, so that it is no unknown field.
+void know_fields(Fields& fields) {
+  for (const char* key : {"axis", "axes", "start"}) fields.find(key);
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    if (!kind.group.empty()) fields.find(std::string(kind.group));
+    for (const Field& field : kind.fields) {
+      if (kind.group.empty()) fields.find(std::string(field.name));
+    }
+  }
+  for (const JointKind& kind : joint_kinds()) {
+    for (const Field& field : kind.fields) fields.find(std::string(field.name));
+  }
 }
 
 void read_joint(const Json& value, const std::string& path, Reader& reader, Joint& joint) {
@@ -133,10 +170,7 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   joint.type = fields.choice("type", kind_names(), "");
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) {
-    // The rest cannot be judged without the kind, but for names and spelling.
-    for (const char* key : {"axis", "axes", "start", "damping", "stiffness", "spring_reference", "stop"}) {
-      fields.find(key);
-    }
+    know_fields(fields);
     reader.doubtful.insert(joint.name);
     read_frames(fields, reader, joint);
     fields.done();
@@ -146,15 +180,9 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   read_frames(fields, reader, joint);
   joint.start = free_start(*kind);
   if (const Json* start = fields.find("start")) read_start(*start, fields.path("start"), reader.faults, joint);
-  const JointUnits units = joint_units(*kind);
-  joint.damping = read_per_speed(fields, "damping", *kind, kind->nv > 0, units.damping, Allowed::not_negative);
-  joint.stiffness = read_per_speed(fields, "stiffness", *kind, kind->springs(), units.stiffness, Allowed::not_negative);
-  joint.spring_reference =
-      read_per_speed(fields, "spring_reference", *kind, kind->springs(), units.coordinate, Allowed::any);
-  if (const Json* stop = fields.find("stop")) {
-    joint.stop = read_stop(*stop, fields.path("stop"), *kind, reader.faults);
-    if (!joint.stop) reader.doubtful.insert(joint.name);
-  }
+  joint.is = make_joint(joint.type, joint.axes);
+  read_fields(fields, kind->fields, data_of(joint.is), {});
+  read_forces(fields, reader, joint);
   fields.done();
 }
 

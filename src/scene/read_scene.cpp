@@ -6,7 +6,7 @@
 
 #include "scene/doubts.h"
 #include "scene/reader.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -40,7 +40,7 @@ std::vector<std::string> keys(const Json* section) {
   return names;
 }
 
-using Section = void (*)(const Json&, Reader&);
+using Read = void (*)(const Json&, Reader&);
 
 // A section that must have entries.
 const Json* filled(Fields& fields, const std::string& name, const std::string& expected) {
@@ -57,10 +57,12 @@ void read_sections(Fields& fields, Scene& scene, Doubtful& doubtful) {
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
   if (joints != nullptr) read_joints(*joints, reader);
-  constexpr std::pair<const char*, Section> rest[] = {
-      {"motors", read_motors},     {"forces", read_forces},         {"constraints", read_constraints},
-      {"sensors", read_sensors},   {"parameters", read_parameters}, {"outputs", read_outputs},
-      {"assembly", read_assembly}, {"experiment", read_experiment}, {"solver", read_solver}};
+  read_elements(fields, reader);
+  constexpr std::pair<const char*, Read> rest[] = {{"parameters", read_parameters},
+                                                   {"outputs", read_outputs},
+                                                   {"assembly", read_assembly},
+                                                   {"experiment", read_experiment},
+                                                   {"solver", read_solver}};
   for (const auto& [name, read] : rest) {
     if (const Json* section = fields.find(name)) read(*section, reader);
   }

@@ -5,8 +5,9 @@
 
 #include "scene/check.h"
 #include "scene/reader.h"
-#include "scene/text.h"
+#include "scene/settable.h"
 #include "scene/words.h"
+#include "util/text.h"
 
 namespace gelenk {
 
@@ -50,16 +51,16 @@ void read_outputs(const Json& section, Reader& reader) {
 void read_assembly(const Json& section, Reader& reader) {
   Fields fields(section, "assembly", reader.faults, "a mapping with tolerance");
   AssemblySettings& assembly = reader.scene.assembly;
-  assembly.tolerance = fields.number("tolerance", assembly.tolerance, "", Allowed::not_negative);
+  assembly.tolerance = fields.number("tolerance", assembly.tolerance, "", Range::not_negative);
   fields.done();
 }
 
 void read_experiment(const Json& section, Reader& reader) {
   Fields fields(section, "experiment", reader.faults, "a mapping with stop, step, tolerance");
   Experiment& experiment = reader.scene.experiment;
-  experiment.stop = fields.number("stop", experiment.stop, "s", Allowed::positive);
-  experiment.step = fields.number("step", experiment.step, "s", Allowed::positive);
-  experiment.tolerance = fields.number("tolerance", experiment.tolerance, "", Allowed::positive);
+  experiment.stop = fields.number("stop", experiment.stop, "s", Range::positive);
+  experiment.step = fields.number("step", experiment.step, "s", Range::positive);
+  experiment.tolerance = fields.number("tolerance", experiment.tolerance, "", Range::positive);
   fields.done();
 }
 
@@ -76,9 +77,9 @@ void read_reductions(const Json& section, Solver& solver, Faults& faults) {
 void read_left_out(const Json& section, Reader& reader) {
   Fields fields(section, "solver.left_out", reader.faults, "a mapping with length, travel, mass");
   LeftOut& sizes = reader.scene.left_out.emplace();
-  sizes.length = fields.number("length", 0, "m", Allowed::not_negative);
-  sizes.travel = fields.number("travel", 0, "m", Allowed::not_negative);
-  sizes.mass = fields.number("mass", 0, "kg", Allowed::not_negative);
+  sizes.length = fields.number("length", 0, "m", Range::not_negative);
+  sizes.travel = fields.number("travel", 0, "m", Range::not_negative);
+  sizes.mass = fields.number("mass", 0, "kg", Range::not_negative);
   fields.done();
 }
 
@@ -101,15 +102,15 @@ void read_solver(const Json& section, Reader& reader) {
   solver.formulation = fields.choice("formulation", words::formulations, solver.formulation);
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.start = fields.choice("start", words::starts, solver.start);
-  solver.step = fields.number("step", solver.step, "s", Allowed::not_negative);
+  solver.step = fields.number("step", solver.step, "s", Range::not_negative);
   const auto count = [&](const char* field, Counted range, int& value) {
     if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);
   };
   count("max_evaluations", words::max_evaluations, solver.max_evaluations);
   count("corrections", words::corrections, solver.corrections);
-  solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Allowed::not_negative);
-  solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Allowed::not_negative);
-  solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Allowed::not_negative);
+  solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Range::not_negative);
+  solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Range::not_negative);
+  solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Range::not_negative);
   if (const Json* reductions = fields.find("reductions")) read_reductions(*reductions, solver, reader.faults);
   if (const Json* left_out = fields.find("left_out")) read_left_out(*left_out, reader);
   fields.done();

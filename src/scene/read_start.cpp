@@ -111,7 +111,7 @@ void weigh(Slot& slot, double weight) {
 // weight: number or {name: number}
 void read_weight(const Json& weight, const std::string& path, Faults& faults, std::vector<Slot>& all) {
   if (weight.is_number()) {
-    const auto x = read_number(weight, path, faults, {}, Allowed::not_negative);
+    const auto x = read_number(weight, path, faults, {}, Range::not_negative);
     if (!x) return;
     for (Slot& slot : all) {
       if (is_given(slot)) weigh(slot, *x);
@@ -121,7 +121,7 @@ void read_weight(const Json& weight, const std::string& path, Faults& faults, st
   if (!weight.is_object()) return faults.add(path, shown(weight), "a number, or a mapping from names to numbers");
   for (const auto& [name, value] : weight.items()) {
     const std::string where = path + "." + text::printable(name);
-    const auto x = read_number(value, where, faults, {}, Allowed::not_negative);
+    const auto x = read_number(value, where, faults, {}, Range::not_negative);
     Slot* slot = given_slot(name, where, faults, all);
     if (x && slot != nullptr) weigh(*slot, *x);
   }

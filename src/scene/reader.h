@@ -10,7 +10,7 @@
 #include "scene/frames.h"
 #include "scene/json_fields.h"
 #include "scene/scene.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 
@@ -28,10 +28,8 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
 
 void read_bodies(const Json& section, Reader& reader);
 void read_joints(const Json& section, Reader& reader);
-void read_motors(const Json& section, Reader& reader);
-void read_forces(const Json& section, Reader& reader);
-void read_constraints(const Json& section, Reader& reader);
-void read_sensors(const Json& section, Reader& reader);
+// The sections of elements among all sections.
+void read_elements(Fields& sections, Reader& reader);
 void read_parameters(const Json& section, Reader& reader);
 void read_outputs(const Json& section, Reader& reader);
 void read_assembly(const Json& section, Reader& reader);
@@ -40,11 +38,6 @@ void read_solver(const Json& section, Reader& reader);
 
 // Start values, by the names of the joint's coordinates and speeds; arrays as a whole: Q: [x, y, z, w].
 void read_start(const Json& value, const std::string& path, Faults& faults, Joint& joint);
-
-// `joint`, or another field that names one.
-std::string read_joint_name(Fields& fields, const std::string& field, Reader& reader);
-// The frame whose fields stand among the element's own.
-BodyFrame read_own_frame(Fields& fields, Reader& reader);
 
 // Calls read(name, value, path) for every entry of a section {name: value, ...}.
 template <class Read>

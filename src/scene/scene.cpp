@@ -16,13 +16,6 @@ std::string joined(const std::vector<std::string>& lines) {
 
 }  // namespace
 
-int load_input_count(const Scene& scene) {
-  constexpr int of_wrench = 6;
-  int count = static_cast<int>(scene.motors.size());
-  for (const Force& force : scene.forces) count += force.type == ForceType::wrench && force.input ? of_wrench : 0;
-  return count;
-}
-
 SceneError::SceneError(std::vector<std::string> lines) : std::runtime_error(joined(lines)), lines_(std::move(lines)) {}
 
 Faults::Faults(std::string file) : file_(file.empty() ? "scene" : std::move(file)) {}

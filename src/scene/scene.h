@@ -8,24 +8,17 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "element/registry.h"
+#include "joint/registry.h"
 #include "math/spatial.h"
 #include "scene/unit_system.h"
 
 namespace gelenk {
-
-inline constexpr const char* ground = "ground";  // the body that stands still; its frame is the world W
-
-// A frame fixed in a body.
-struct BodyFrame {
-  std::string body = ground;
-  Pose3 X_BF;  // pose in the body's frame
-};
 
 struct Body {
   std::string name;
@@ -33,6 +26,19 @@ struct Body {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, in the body's frame B
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m2 about the centre of mass, along B's axes
   std::optional<Pose3> pose;                          // X_WB in the reference configuration (`at:` joints)
+
+  // Its inertia is a matrix, and read apart.
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Body::mass>({.name = "mass",
+                            .unit = "kg",
+                            .text = "mass",
+                            .variable = "m",
+                            .range = Range::not_negative,
+                            .required = true}),
+        field<&Body::com>({.name = "com", .unit = "m", .text = "centre of mass in the body's frame"})};
+    return all;
+  }
 };
 
 // Start values of a joint. Sizes are the kind's nq and nv; what the file does not give is a free guess.
@@ -44,113 +50,40 @@ struct JointStart {
   std::vector<double> q_weight, v_weight;
 };
 
-// Pushes back while the joint's coordinate q lies beyond a bound, and never pulls: with the depth beyond it,
-// max(0, stiffness depth + damping d depth/dt). Units of a revolute (prismatic) joint.
-struct Stop {
-  double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite: no bound
-  double upper = std::numeric_limits<double>::infinity();   // likewise
-  double stiffness = 0;                                     // N m/rad (N/m), more than 0
-  double damping = 0;                                       // N m s/rad (N s/m)
-};
-
 struct Joint {
   std::string name;
   std::string type;                   // a name in the joint registry
   std::vector<Eigen::Vector3d> axes;  // unit vectors in the joint frame; as many as the kind has
   BodyFrame parent, child;
   JointStart start;
-  // Per speed, nv each, zeros where the file is silent: tau = -stiffness (q - spring_reference) - damping v.
-  std::vector<double> damping, stiffness, spring_reference;
-  std::optional<Stop> stop;  // of kinds with one freedom
+  AnyJoint is;                     // of that type, with these axes and its own numbers
+  std::vector<JointForces> along;  // by speed: what acts along it
+
+  // Nothing acts along it.
+  bool is_idle() const {
+    for (const JointForces& forces : along) {
+      if (!gelenk::is_idle(forces)) return false;
+    }
+    return true;
+  }
 };
 
-// Applies torque (force) tau = gear_ratio * input to its joint and adds gear_ratio^2 * rotor_inertia to the
-// joint's inertia. The rotor's gyroscopic effect on the bodies is neglected.
-struct Motor {
+// An element of a section: of one of its kinds, at frames and joints in the order of the kind's ports. A joint that is
+// optional and not given is empty.
+struct ElementPlace {
   std::string name;
-  std::string joint;
-  double gear_ratio = 1;     // motor angle / joint angle (prismatic: motor travel / joint travel)
-  double rotor_inertia = 0;  // kg m2 at the motor side (prismatic: kg)
+  std::vector<BodyFrame> frames;
+  std::vector<std::string> joints;
+  std::string coordinate;  // of the first joint, where the element is about one
 };
-
-enum class ForceType {
-  spring_damper,  // between two points: tension stiffness (L - length) + damping dL/dt
-  wrench,         // force and torque on a body at a point
+template <class Any>
+struct Element : ElementPlace {
+  Any is;
 };
-
-struct Force {
-  std::string name;
-  ForceType type = ForceType::spring_damper;
-  // spring_damper
-  BodyFrame from, to;    // only positions matter
-  double stiffness = 0;  // N/m
-  double damping = 0;    // N s/m
-  double length = 0;     // m, free length
-  // wrench
-  BodyFrame at;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // N m
-  bool in_body = false;                              // components along the body's axes; else the world's
-  bool input = false;                                // also an FMU input f[1..3], t[1..3], added to the constants above
-};
-
-// A coordinate of a joint as a function of time t [s], or its speed alone. In the user's sense; rad or m.
-struct GivenMotion {
-  enum class Source {
-    function,     // polynomial and sine, one on the other
-    table,        // a cubic spline; before its first and after its last point it goes on with the speed there
-    speed,        // no more than the speed, which is constant
-    input,        // an FMU input is the coordinate
-    input_speed,  // an FMU input is the speed
-  };
-  Source source = Source::function;
-  std::vector<double> polynomial;                  // c0 + c1 t + c2 t^2 + ...
-  double amplitude = 0, frequency = 0, phase = 0;  // + amplitude sin(2 pi frequency t + phase); Hz, rad
-  std::vector<double> times, values;               // of the table; times ascend
-  bool periodic = false;                           // the table: last and first value are the same
-  double speed = 0;
-
-  bool is_input() const { return source == Source::input || source == Source::input_speed; }
-  // Only the speed is given: where it starts is open.
-  bool speed_only() const { return source == Source::speed || source == Source::input_speed; }
-};
-
-enum class ConstraintType {
-  motion,      // a coordinate follows a given motion
-  gear,        // phi_joint - phi_carrier = ratio (phi_other - phi_carrier) + offset
-  rack,        // s_joint = ratio phi_other + offset, the ratio being the pinion's radius
-  rolling,     // a wheel, a thin disc, rolls on a plane without slip
-  knife_edge,  // a point does not slide along an axis of its body
-};
-
-// What has to hold beyond what joints do.
-struct Constraint {
-  std::string name;
-  ConstraintType type = ConstraintType::motion;
-  std::string joint;           // motion, gear; rack: the prismatic one
-  std::string other, carrier;  // joints; carrier: of a gear, or empty
-  std::string coordinate;      // motion: which of the joint's coordinates
-  GivenMotion motion;
-  double ratio = 1, offset = 0;  // gear: -, rad; rack: m, m
-  // rolling: the wheel's centre, z any; knife_edge: the edge. Axis: of the wheel; along which the edge does not slide.
-  BodyFrame at;
-  BodyFrame on;                                     // the plane, z its normal; knife_edge: only its body counts
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  // unit vector in `at`
-  double radius = 0;                                // m
-};
-
-enum class SensorType {
-  reaction,  // wrench of a joint on its child body at M, resolved in F: f[1..3], t[1..3]
-  frame,     // pose and velocity of a frame: r[1..3], Q[1..4], v[1..3] in the world, w[1..3] in the frame
-  energy,    // kinetic, potential (gravity, springs and stops), total
-};
-
-struct Sensor {
-  std::string name;
-  SensorType type = SensorType::frame;
-  std::string joint;  // reaction
-  BodyFrame frame;    // frame
-};
+using Motor = Element<AnyMotor>;
+using Force = Element<AnyForce>;
+using Constraint = Element<AnyConstraint>;
+using Sensor = Element<AnySensor>;
 
 struct Experiment {
   double stop = 1;          // s
@@ -222,8 +155,30 @@ struct Scene {
   Solver solver;
 };
 
-// The inputs of motors and wrenches, behind which those of motions come.
-int load_input_count(const Scene& scene);
+// The elements of all sections, in the order of the sections and the file: visit(section, element).
+struct Section {
+  std::string_view name;         // in scene files
+  std::string_view description;  // for the schema
+  std::string_view usual = {};   // the type of what names none; empty: it must
+};
+inline constexpr Section motors_section = {"motors", "Motors, each an input.", "drive"};
+inline constexpr Section forces_section = {"forces", "Springs, dampers, loads."};
+inline constexpr Section constraints_section = {
+    "constraints", "What has to hold beyond what joints do: given motions, gears, rolling."};
+inline constexpr Section sensors_section = {"sensors", "Outputs beyond the joints' states."};
+
+// Their places in the order of each_section().
+namespace sections {
+inline constexpr int motors = 0, forces = 1, constraints = 2, sensors = 3;
+}
+
+template <class S, class Visit>
+void each_section(S& scene, Visit&& visit) {
+  visit(motors_section, scene.motors);
+  visit(forces_section, scene.forces);
+  visit(constraints_section, scene.constraints);
+  visit(sensors_section, scene.sensors);
+}
 
 // Everything that is wrong with a scene, one finished line each: "file: path: found ..., expected ...".
 class SceneError : public std::runtime_error {

@@ -32,12 +32,12 @@ Json pose_fields() { return {{"position", list(3, "m", "Origin of the frame")}, 
 
 Json frame(bool with_rotation) {
   Json fields;
-  fields["body"] = text("Name of a body, or ground");
+  fields["body"] = string("Name of a body, or ground");
   fields["position"] = list(3, "m", "Position in the body");
   if (with_rotation) fields["rotation"] = reference("rotation");
   Json out;
   out["description"] = "A frame fixed in a body: where it is, or only the body's name for the body's own frame.";
-  out["oneOf"] = {text("Name of a body, or ground"), object(fields, {"body"})};
+  out["oneOf"] = {string("Name of a body, or ground"), object(fields, {"body"})};
   return out;
 }
 
@@ -45,11 +45,12 @@ Json body() {
   const Json moments = list(3, "kg m2", "xx, yy, zz where the body's axes are principal axes");
   const Json all = list(6, "kg m2", "xx, yy, zz, xy, xz, yz: entries of the inertia matrix");
   Json inertia = {{"description", "About the centre of mass, along the body's axes."}, {"oneOf", {moments, all}}};
-  Json out = object({{"mass", number("kg", "Mass", Allowed::not_negative)},
-                     {"com", list(3, "m", "Centre of mass in the body's frame")},
-                     {"inertia", inertia},
-                     {"pose", object(pose_fields(), {})}},
-                    {"mass"});
+  const Body plain;
+  std::vector<std::string> required;
+  Json fields = properties(Body::fields(), &plain, nullptr, required);
+  fields["inertia"] = inertia;
+  fields["pose"] = object(pose_fields(), {});
+  Json out = object(fields, required);
   out["properties"]["pose"]["description"] =
       "Pose in the world at the reference configuration, for joints given by 'at'.";
   return out;
@@ -76,29 +77,14 @@ Json start(const JointKind& kind) {
       {"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
       {"oneOf", {{{"type", "boolean"}}, listed}}};
   Json weights = Json::object();
-  for (const Json& name : names) weights[name.get<std::string>()] = number("", "Weight", Allowed::not_negative);
+  for (const Json& name : names) weights[name.get<std::string>()] = number("", "Weight", Range::not_negative);
   fields["weight"] = {
       {"description",
        "How much the square of a guess's change counts where guesses contradict: of all values, or by name"},
-      {"oneOf", {number("", "Of all values given", Allowed::not_negative), object(weights, {})}}};
+      {"oneOf", {number("", "Of all values given", Range::not_negative), object(weights, {})}}};
   Json out = object(fields, {});
   out["description"] = "Start values.";
   if (!one_rotation.is_null()) out["not"] = one_rotation;
-  return out;
-}
-
-Json per_speed(const JointKind& kind, const std::string& unit, const std::string& what, Allowed allowed) {
-  return kind.nv == 1 ? number(unit, what, allowed) : list(kind.nv, unit, what, allowed);
-}
-
-Json stop(const JointUnits& units) {
-  Json out = object({{"lower", number(units.coordinate, "Bound below; none if not given")},
-                     {"upper", number(units.coordinate, "Bound above; none if not given")},
-                     {"stiffness", number(units.stiffness, "Stiffness beyond a bound", Allowed::positive)},
-                     {"damping", number(units.damping, "Damping beyond a bound", Allowed::not_negative)}},
-                    {"stiffness"});
-  out["description"] = "Pushes back while the coordinate lies beyond a bound, and never pulls.";
-  out["anyOf"] = {{{"required", {"lower"}}}, {{"required", {"upper"}}}};
   return out;
 }
 
@@ -119,13 +105,7 @@ Json joint(const JointKind& kind) {
   fields["at"]["description"] =
       "The joint's frame in the world at the reference configuration, instead of in both bodies.";
   fields["start"] = start(kind);
-  const JointUnits units = joint_units(kind);
-  if (kind.nv > 0) fields["damping"] = per_speed(kind, units.damping, "Damping of each speed", Allowed::not_negative);
-  if (kind.springs()) {
-    fields["stiffness"] = per_speed(kind, units.stiffness, "Stiffness of each coordinate", Allowed::not_negative);
-    fields["spring_reference"] = per_speed(kind, units.coordinate, "Where the spring is slack", Allowed::any);
-  }
-  if (kind.stops()) fields["stop"] = stop(units);
+  fields.update(joint_numbers(kind));
   return object(fields, {"type", "parent", "child"});
 }
 
@@ -138,43 +118,6 @@ Json any_joint() {
     cases.push_back(when_type(std::string(kind.name), reference("joint_" + std::string(kind.name))));
   }
   return by_type(names, cases);
-}
-
-Json motor() {
-  return object(
-      {{"joint", text("Name of a joint with one degree of freedom")},
-       {"gear_ratio", number("", "Travel of the motor per travel of the joint; 1 if not given", Allowed::not_zero)},
-       {"rotor_inertia", number("kg m2, along an axis kg", "At the motor's side", Allowed::not_negative)}},
-      {"joint"});
-}
-
-Json force() {
-  const Json spring = object({{"type", {{"const", "spring_damper"}}},
-                              {"from", reference("point")},
-                              {"to", reference("point")},
-                              {"stiffness", number("N/m", "Stiffness", Allowed::not_negative)},
-                              {"damping", number("N s/m", "Damping", Allowed::not_negative)},
-                              {"length", number("m", "Free length", Allowed::not_negative)}},
-                             {"type", "from", "to"});
-  Json fields = {{"type", {{"const", "wrench"}}}, {"body", text("Name of a body")}};
-  fields.update(pose_fields());
-  fields["force"] = list(3, "N", "Constant force");
-  fields["torque"] = list(3, "N m", "Constant torque");
-  fields["frame"] = {{"enum", words::load_frames},
-                     {"description", "Whose axes the components are along; world if not given"}};
-  fields["input"] = {{"type", "boolean"}, {"description", "Whether a load f, t comes from outside as well"}};
-  return by_type(words::forces,
-                 {when_type("spring_damper", spring), when_type("wrench", object(fields, {"type", "body"}))});
-}
-
-Json sensor() {
-  const Json reaction =
-      object({{"type", {{"const", "reaction"}}}, {"joint", text("Name of a joint")}}, {"type", "joint"});
-  Json fields = {{"type", {{"const", "frame"}}}, {"body", text("Name of a body, or ground")}};
-  fields.update(pose_fields());
-  const Json energy = object({{"type", {{"const", "energy"}}}}, {"type"});
-  return by_type(words::sensors, {when_type("reaction", reaction), when_type("frame", object(fields, {"type", "body"})),
-                                  when_type("energy", energy)});
 }
 
 Json definitions() {
@@ -196,9 +139,9 @@ Json reductions() {
 }
 
 Json left_out() {
-  Json out = object({{"length", number("m", "Largest length of its bodies", Allowed::not_negative)},
-                     {"travel", number("m", "Largest distance at which things stand", Allowed::not_negative)},
-                     {"mass", number("kg", "Mass of its heaviest body", Allowed::not_negative)}},
+  Json out = object({{"length", number("m", "Largest length of its bodies", Range::not_negative)},
+                     {"travel", number("m", "Largest distance at which things stand", Range::not_negative)},
+                     {"mass", number("kg", "Mass of its heaviest body", Range::not_negative)}},
                     {});
   out["description"] = "In FMUs: the size of what `outputs` has left out, which natural units are chosen by.";
   return out;
@@ -216,9 +159,9 @@ Json settings() {
                                "given: by no more than 1e-9"}}}},
                            {});
   out["experiment"] =
-      object({{"stop", number("s", "Default end of a run", Allowed::positive)},
-              {"step", number("s", "Default communication step", Allowed::positive)},
-              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Allowed::positive)}},
+      object({{"stop", number("s", "Default end of a run", Range::positive)},
+              {"step", number("s", "Default communication step", Range::positive)},
+              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Range::positive)}},
              {});
   out["solver"] = object(
       {{"formulation", {{"enum", words::formulations}}},
@@ -227,7 +170,7 @@ Json settings() {
         {{"enum", words::starts},
          {"description",
           "What a run begins with: the start values, or the rest found from them; as_given if not given"}}},
-       {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Allowed::not_negative)},
+       {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Range::not_negative)},
        {"max_evaluations",
         {{"type", "integer"},
          {"minimum", words::max_evaluations.least},
@@ -249,8 +192,8 @@ Json settings() {
          {"description",
           "Of generalized-alpha and hht: share of an infinitely fast oscillation that a step leaves; 0.8 if not "
           "given"}}},
-       {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Allowed::not_negative)},
-       {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Allowed::not_negative)},
+       {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Range::not_negative)},
+       {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Range::not_negative)},
        {"reductions", reductions()},
        {"left_out", left_out()}},
       {});
@@ -266,11 +209,10 @@ std::string scene_schema() {
   fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
   fields["bodies"] = section(body(), "Rigid bodies. The ground is there by itself.", true);
   fields["joints"] = section(any_joint(), "Joints, the edges of the mechanism's graph. Loops may close.", true);
-  fields["motors"] = section(motor(), "Motors, each an input.", false);
-  fields["forces"] = section(force(), "Springs, dampers, loads.", false);
-  fields["constraints"] =
-      section(constraint(), "What has to hold beyond what joints do: given motions, gears, rolling.", false);
-  fields["sensors"] = section(sensor(), "Outputs beyond the joints' states.", false);
+  const Scene nothing;
+  each_section(nothing, [&](const Section& of, const auto& none) {
+    fields[std::string(of.name)] = section(elements(of, none), std::string(of.description), false);
+  });
   fields["parameters"] = {
       {"anyOf", {{{"type", "array"}, {"items", {{"type", "string"}}}, {"uniqueItems", true}}, {{"const", "all"}}}},
       {"description", "Paths of numbers that may be set before a run, such as crank.mass; all: whatever can be"}};

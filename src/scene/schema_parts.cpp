@@ -3,17 +3,17 @@
 
 namespace gelenk::schema {
 
-Json number(const std::string& unit, const std::string& description, Allowed allowed) {
+Json number(const std::string& unit, const std::string& description, Range allowed) {
   Json out;
   out["type"] = "number";
-  if (allowed == Allowed::not_negative) out["minimum"] = 0;
-  if (allowed == Allowed::positive) out["exclusiveMinimum"] = 0;
-  if (allowed == Allowed::not_zero) out["not"] = {{"const", 0}};
+  if (allowed == Range::not_negative) out["minimum"] = 0;
+  if (allowed == Range::positive) out["exclusiveMinimum"] = 0;
+  if (allowed == Range::not_zero) out["not"] = {{"const", 0}};
   out["description"] = unit.empty() ? description : description + " [" + unit + "]";
   return out;
 }
 
-Json list(int size, const std::string& unit, const std::string& description, Allowed allowed) {
+Json list(int size, const std::string& unit, const std::string& description, Range allowed) {
   Json out = {{"type", "array"}, {"items", number(unit, description, allowed)}};
   out["items"].erase("description");
   out["minItems"] = size;
@@ -22,7 +22,7 @@ Json list(int size, const std::string& unit, const std::string& description, All
   return out;
 }
 
-Json text(const std::string& description) { return {{"type", "string"}, {"description", description}}; }
+Json string(const std::string& description) { return {{"type", "string"}, {"description", description}}; }
 
 Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
 
@@ -49,11 +49,12 @@ Json when_type(const std::string& type, const Json& then) {
   return {{"if", {{"properties", {{"type", {{"const", type}}}}}}}, {"then", then}};
 }
 
-Json by_type(const Json& names, const Json& cases) {
+Json by_type(const Json& names, const Json& cases, const std::string& usual) {
   Json out;
   out["type"] = "object";
   out["properties"]["type"]["enum"] = names;
-  out["required"] = {"type"};
+  if (!usual.empty()) out["properties"]["type"]["default"] = usual;
+  if (usual.empty()) out["required"] = {"type"};
   out["allOf"] = cases;
   return out;
 }

@@ -5,12 +5,13 @@
 #include <string>
 
 #include "scene/json_fields.h"
+#include "scene/scene.h"
 
 namespace gelenk::schema {
 
-Json number(const std::string& unit, const std::string& description, Allowed allowed = Allowed::any);
-Json list(int size, const std::string& unit, const std::string& description, Allowed allowed = Allowed::any);
-Json text(const std::string& description);
+Json number(const std::string& unit, const std::string& description, Range allowed = Range::any);
+Json list(int size, const std::string& unit, const std::string& description, Range allowed = Range::any);
+Json string(const std::string& description);
 Json reference(const std::string& definition);
 
 // A mapping with these fields and no others.
@@ -19,11 +20,23 @@ Json object(const Json& fields, const std::vector<std::string>& required);
 // A mapping from names to entries.
 Json section(const Json& entry, const std::string& description, bool filled);
 
-// Entries told apart by their `type`.
+// Entries told apart by their `type`; usual: that of those which name none, if they may.
 Json when_type(const std::string& type, const Json& then);
-Json by_type(const Json& names, const Json& cases);
+Json by_type(const Json& names, const Json& cases, const std::string& usual = {});
 
-// An entry of the section of constraints (schema_constraints.cpp).
-Json constraint();
+// What elements say of themselves (schema_elements.cpp). coordinate: what they act on; null: it is not known.
+// Properties with these fields; required: names are added.
+Json properties(std::span<const Field> fields, const void* defaults, const Coordinate* coordinate,
+                std::vector<std::string>& required);
+Json group(const Field& field, const Coordinate* coordinate);
+// Which fields of a mapping exclude each other.
+void add_ways(Json& mapping, std::span<const Field> fields);
+// Properties of a joint: its own numbers, and what it can have along its coordinates.
+Json joint_numbers(const JointKind& kind);
+// An entry of a section of such elements.
+Json elements(const Section& section, const std::vector<Motor>&);
+Json elements(const Section& section, const std::vector<Force>&);
+Json elements(const Section& section, const std::vector<Constraint>&);
+Json elements(const Section& section, const std::vector<Sensor>&);
 
 }  // namespace gelenk::schema

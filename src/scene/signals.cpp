@@ -7,14 +7,10 @@
 #include <string_view>
 
 #include "joint/registry.h"
-#include "scene/units.h"
+#include "scene/element_numbers.h"
 
 namespace gelenk {
 namespace {
-
-std::string indexed(const std::string& owner, std::string_view quantity, int i) {
-  return owner + "." + std::string(quantity) + "[" + std::to_string(i + 1) + "]";
-}
 
 const JointKind& kind_named(const std::string& type) {
   const JointKind* kind = find_joint_kind(type);
@@ -22,16 +18,21 @@ const JointKind& kind_named(const std::string& type) {
   return *kind;
 }
 
-// owner.quantity[1..n], described as "owner: what, x component".
-void add_array(std::vector<Signal>& signals, const std::string& owner, std::string_view quantity, int n,
-               std::string_view unit, const std::string& what) {
+// The signals of a group of an element's.
+void add_group(std::vector<Signal>& signals, const SignalGroup& group, const ElementPlace& element,
+               const Coordinate& coordinate, Signal of) {
   static constexpr std::string_view components[] = {"x component", "y component", "z component", "scalar part"};
-  for (int i = 0; i < n; ++i) {
-    Signal s;
-    s.name = indexed(owner, quantity, i);
-    s.unit = unit;
-    s.description = owner + ": " + what + ", " + std::string(components[i]);
-    signals.push_back(s);
+  const std::string name = element.name + "." + filled_in(group.name, element, coordinate);
+  of.description = element.name + ": " + filled_in(group.text, element, coordinate);
+  of.unit = unit_of(group.unit, coordinate);
+  of.stage = group.stage;
+  for (int i = 0; i < std::max(group.size, 1); ++i) {
+    of.component = i;
+    Signal& signal = signals.emplace_back(of);
+    signal.name = name;
+    if (group.size == 0) continue;
+    signal.name += "[" + std::to_string(i + 1) + "]";
+    signal.description += ", " + std::string(components[i]);
   }
 }
 
@@ -42,107 +43,61 @@ void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int 
     signals.push_back({.name = joint.name + "." + std::string(q.name),
                        .unit = std::string(q.unit),
                        .description = joint.name + ": " + std::string(q.description),
+                       .stage = static_cast<Stage>(level),
                        .joint = index,
                        .level = level,
                        .component = static_cast<int>(i)});
   }
 }
 
-void add_reaction(std::vector<Signal>& signals, const Sensor& sensor) {
-  const std::string where =
-      " of joint " + sensor.joint + " on its child body, at the joint's frame M, resolved in its frame F";
-  add_array(signals, sensor.name, "f", 3, "N", "force" + where);
-  add_array(signals, sensor.name, "t", 3, "N.m", "torque" + where);
+double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace& element) {
+  if (start == SignalGroup::Start::zero) return 0;
+  const Joint& joint = *std::ranges::find(scene.joints, element.joints.front(), &Joint::name);
+  const auto i = static_cast<std::size_t>(component_of(kind_of(joint.is), element.coordinate));
+  return start == SignalGroup::Start::speed ? joint.start.v[i] : joint.start.q[i];
 }
 
-void add_frame(std::vector<Signal>& signals, const Sensor& sensor) {
-  const std::string which = " of the frame on " + sensor.frame.body;
-  add_array(signals, sensor.name, "r", 3, "m", "position" + which + " in the world");
-  add_array(signals, sensor.name, "Q", 4, "1", "unit quaternion" + which + " in the world");
-  add_array(signals, sensor.name, "v", 3, "m/s", "velocity" + which + ", resolved in the world");
-  add_array(signals, sensor.name, "w", 3, "rad/s", "angular velocity" + which + ", resolved in that frame");
-}
-
-void add_energy(std::vector<Signal>& signals, const Sensor& sensor) {
-  const std::string& name = sensor.name;
-  signals.push_back({.name = name + ".kinetic", .unit = "J", .description = name + ": kinetic energy"});
-  signals.push_back({.name = name + ".potential",
-                     .unit = "J",
-                     .description = name + ": potential energy of gravity, springs and stops"});
-  signals.push_back(
-      {.name = name + ".total", .unit = "J", .description = name + ": kinetic and potential energy together"});
-}
-
-const Joint& joint_named(const Scene& scene, const std::string& name) {
-  const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
-  if (joint == scene.joints.end()) throw std::out_of_range("no joint is called " + name);
-  return *joint;
-}
-
-void add_motion_input(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {
-  const Joint& joint = joint_named(scene, c.joint);
-  const JointKind& kind = kind_named(joint.type);
-  const MotionSignals names = motion_signals(kind, c);
-  if (names.input.empty()) return;
-  const auto i = static_cast<std::size_t>(names.component);
-  const bool speed = c.motion.speed_only();
-  const std::string what = joint.name + "." + std::string((speed ? kind.v : kind.q)[i].name);
-  signals.push_back({.name = c.name + "." + names.input,
-                     .unit = names.input_unit,
-                     .description = c.name + ": what " + what + " is to be",
-                     .start = speed ? joint.start.v[i] : joint.start.q[i]});
-}
-
-void add_constraint(std::vector<Signal>& signals, const Scene& scene, const Constraint& c) {
-  const auto add = [&](const std::string& name, const std::string& unit, const std::string& what) {
-    signals.push_back({.name = c.name + "." + name, .unit = unit, .description = c.name + ": " + what});
-  };
-  switch (c.type) {
-    case ConstraintType::motion: {
-      const MotionSignals names = motion_signals(kind_named(joint_named(scene, c.joint).type), c);
-      const std::string what = names.effort == "tau" ? "torque" : "force";
-      return add(names.effort, names.effort_unit,
-                 what + " that keeps " + c.joint + "." + c.coordinate + " to its motion");
+// A section's signals, of(element) being groups of them.
+template <class Any, class Groups>
+void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
+                 const std::vector<Element<Any>>& elements, Groups groups) {
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const std::span<const SignalGroup> all = groups(elements[i]);
+    if (all.empty()) continue;
+    const Coordinate coordinate = coordinate_of(scene, elements[i]);
+    for (std::size_t g = 0; g < all.size(); ++g) {
+      Signal of;
+      of.section = section;
+      of.element = static_cast<int>(i);
+      of.group = static_cast<int>(g);
+      of.start = start_of(all[g].start, scene, elements[i]);
+      add_group(signals, all[g], elements[i], coordinate, of);
     }
-    case ConstraintType::gear:
-      return add("tau", "N.m", "torque of the gear on joint " + c.joint);
-    case ConstraintType::rack:
-      return add("f", "N", "force of the pinion on joint " + c.joint);
-    case ConstraintType::rolling: {
-      const std::string on = " of the ground on the wheel, ";
-      add("f_n", "N", "force" + on + "along the plane's normal");
-      add("f_long", "N", "force" + on + "in the plane, along the wheel");
-      add("f_lat", "N", "force" + on + "in the plane, across the wheel");
-      return add_array(signals, c.name, "r", 3, "m", "position of the contact point in the world");
-    }
-    case ConstraintType::knife_edge:
-      return add("f", "N", "force on " + c.at.body + " along the axis in which it cannot slide");
   }
-}
-
-Signal motor_input(const Scene& scene, const Motor& motor) {
-  const Quantity& effort = kind_named(joint_named(scene, motor.joint).type).effort;
-  return {.name = motor.name + "." + std::string(effort.name),
-          .unit = std::string(effort.unit),
-          .description = motor.name + ": " + std::string(effort.description) + ", driving joint " + motor.joint};
 }
 
 }  // namespace
 
 std::vector<Signal> input_signals(const Scene& scene) {
   std::vector<Signal> signals;
-  for (const Motor& motor : scene.motors) signals.push_back(motor_input(scene, motor));
-  for (const Force& force : scene.forces) {
-    if (force.type != ForceType::wrench || !force.input) continue;
-    const std::string where =
-        " on " + force.at.body + ", resolved in " + (force.in_body ? "the body" : std::string("the world"));
-    add_array(signals, force.name, "f", 3, "N", "additional force" + where);
-    add_array(signals, force.name, "t", 3, "N.m", "additional torque" + where);
-  }
-  for (const Constraint& c : scene.constraints) {
-    if (c.type == ConstraintType::motion) add_motion_input(signals, scene, c);
-  }
+  int section = 0;
+  each_section(scene, [&](const Section&, const auto& elements) {
+    add_section(signals, scene, section++, elements, [](const auto& element) { return inputs_of(element.is); });
+  });
   return signals;
+}
+
+std::vector<std::vector<int>> first_inputs(const Scene& scene) {
+  std::vector<std::vector<int>> out;
+  int input = 0;
+  each_section(scene, [&](const Section&, const auto& elements) {
+    std::vector<int>& of = out.emplace_back();
+    for (const auto& element : elements) {
+      of.push_back(input);
+      for (const SignalGroup& group : inputs_of(element.is)) input += std::max(group.size, 1);
+    }
+  });
+  return out;
 }
 
 std::vector<Signal> output_signals(const Scene& scene) {
@@ -154,12 +109,11 @@ std::vector<Signal> output_signals(const Scene& scene) {
     add_level(signals, joint, static_cast<int>(j), 1, kind.v);
     add_level(signals, joint, static_cast<int>(j), 2, kind.a);
   }
-  for (const Sensor& sensor : scene.sensors) {
-    if (sensor.type == SensorType::reaction) add_reaction(signals, sensor);
-    if (sensor.type == SensorType::frame) add_frame(signals, sensor);
-    if (sensor.type == SensorType::energy) add_energy(signals, sensor);
-  }
-  for (const Constraint& c : scene.constraints) add_constraint(signals, scene, c);
+  const auto groups = [](const auto& element) { return kind_of(element.is).outputs; };
+  add_section(signals, scene, sections::sensors, scene.sensors, groups);
+  add_section(signals, scene, sections::motors, scene.motors, groups);
+  add_section(signals, scene, sections::forces, scene.forces, groups);
+  add_section(signals, scene, sections::constraints, scene.constraints, groups);
   return signals;
 }
 

@@ -15,14 +15,21 @@ struct Signal {
   std::string unit;         // FMI spelling; "" or "1": none
   std::string description;  // one sentence
   double start = 0;         // of an input
+  Stage stage = Stage::position;
   // Joint states only: which joint, 0 coordinate, 1 speed, 2 acceleration, and its place there; else -1.
   int joint = -1;
   int level = -1;
-  int component = -1;
+  int component = -1;  // also of an element's group
+  // Of an element: its section, place in it, group of its signals; else -1.
+  int section = -1;
+  int element = -1;
+  int group = -1;
 };
 
-// Motors in file order, then the loads of wrenches with `input: true` (f[1..3], t[1..3]), then motions that are inputs.
+// In the order of the sections and the file.
 std::vector<Signal> input_signals(const Scene& scene);
+// By section and element: the number of its first input.
+std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
 // Joints in file order (coordinates, speeds, accelerations), then sensors in file order, then constraints.
 std::vector<Signal> output_signals(const Scene& scene);

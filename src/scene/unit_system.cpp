@@ -7,8 +7,7 @@
 #include <string>
 
 #include "joint/registry.h"
-#include "scene/scene.h"
-#include "scene/units.h"
+#include "scene/element_numbers.h"
 
 namespace gelenk {
 namespace {
@@ -19,8 +18,8 @@ struct Symbol {
 };
 
 constexpr Symbol symbols[] = {
-    {"1", {0, 0, 0, 0}},   {"kg", {1, 0, 0, 0}}, {"m", {0, 1, 0, 0}},  {"s", {0, 0, 1, 0}},
-    {"rad", {0, 0, 0, 1}}, {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}}, {"Hz", {0, 0, -1, 0}},
+    {"1", {0, 0, 0, 0}},  {"kg", {1, 0, 0, 0}}, {"m", {0, 1, 0, 0}},  {"s", {0, 0, 1, 0}},   {"rad", {0, 0, 0, 1}},
+    {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}}, {"W", {1, 2, -3, 0}}, {"Hz", {0, 0, -1, 0}},
 };
 
 // A symbol with an optional exponent: "m2".
@@ -59,6 +58,18 @@ struct Longest {
   }
 };
 
+// Lengths among the numbers of elements between bodies.
+template <class Any, class Visit>
+void each_length(const std::vector<Element<Any>>& elements, Visit visit) {
+  for (const Element<Any>& element : elements) {
+    if (!element.joints.empty()) continue;
+    void* data = const_cast<void*>(data_of(element.is));  // NOLINT(*-const-cast): only read
+    each_number(kind_of(element.is).fields, data, [&](const Number& x) {
+      if (x.field->unit == "m") visit(*x.value);
+    });
+  }
+}
+
 double size_of_bodies(const Scene& scene) {
   Longest out;
   for (const Body& body : scene.bodies) {
@@ -68,7 +79,7 @@ double size_of_bodies(const Scene& scene) {
   for (const Joint& joint : scene.joints) {
     for (const BodyFrame* frame : {&joint.parent, &joint.child}) out.add(*frame, false);
   }
-  for (const Constraint& c : scene.constraints) out.add(c.radius);
+  each_length(scene.constraints, [&](double x) { out.add(x); });
   return out.length;
 }
 
@@ -82,44 +93,35 @@ double size_of_travel(const Scene& scene) {
       if (kind.q[i].unit == "m" && joint.start.q_given[i]) out.add(joint.start.q[i]);
     }
   }
-  for (const Force& force : scene.forces) out.add(force.length);
+  each_length(scene.forces, [&](double x) { out.add(x); });
   return out.length;
 }
 
 class Converter {
  public:
-  explicit Converter(const UnitSystem& units) : length_(1 / units.length), mass_(1 / units.mass) {}
+  explicit Converter(const UnitSystem& units) : length_(1 / units.length), mass_(1 / units.mass), units_(units) {}
 
   void convert(Scene& scene) const {
     scene.gravity *= length_;
     for (Body& body : scene.bodies) convert(body);
     for (Joint& joint : scene.joints) convert(joint);
-    for (Motor& motor : scene.motors) {
-      motor.rotor_inertia *= mass_ * area(slides(scene, motor.joint));
-    }
-    for (Force& force : scene.forces) convert(force);
-    for (Constraint& c : scene.constraints) convert(scene, c);
-    for (Sensor& sensor : scene.sensors) convert(sensor.frame);
+    each_section(scene, [&](const Section&, auto& elements) {
+      for (auto& element : elements) {
+        for (BodyFrame& frame : element.frames) convert(frame);
+        convert(kind_of(element.is).fields, data_of(element.is), coordinate_of(scene, element));
+      }
+    });
   }
 
  private:
-  // Of what acts on a coordinate: a torque has a length more than a force, and turns no length.
-  double area(bool slide) const { return slide ? 1 : length_ * length_; }
-  double travel(bool slide) const { return slide ? length_ : 1; }
-
-  static bool slides(const Scene& scene, const std::string& name, const std::string& coordinate = {}) {
-    const auto joint = std::ranges::find(scene.joints, name, &Joint::name);
-    if (joint == scene.joints.end()) return false;
-    const JointKind& kind = *find_joint_kind(joint->type);
-    const auto q = std::ranges::find(kind.q, std::string_view(coordinate), &Quantity::name);
-    return kind.nq > 0 && (q == kind.q.end() ? kind.q.front() : *q).unit == "m";
-  }
-
   void convert(BodyFrame& frame) const { frame.X_BF.p *= length_; }
 
+  void convert(std::span<const Field> fields, void* element, const Coordinate& coordinate) const {
+    each_number(fields, element, [&](const Number& x) { *x.value /= units_.size_of(x.unit(coordinate)); });
+  }
+
   void convert(Body& body) const {
-    body.mass *= mass_;
-    body.com *= length_;
+    convert(Body::fields(), &body, {});
     body.inertia *= mass_ * length_ * length_;
     if (body.pose) body.pose->p *= length_;
   }
@@ -128,52 +130,24 @@ class Converter {
     convert(joint.parent);
     convert(joint.child);
     const JointKind& kind = *find_joint_kind(joint.type);
-    const auto is_slide = [&](std::size_t i) { return kind.v[i].unit == "m/s"; };
     JointStart& start = joint.start;  // its weights stay: a length counts in the mechanism's own size
     for (std::size_t i = 0; i < start.q.size(); ++i) {
       if (kind.q[i].unit == "m") start.q[i] *= length_;
     }
     for (std::size_t i = 0; i < start.v.size(); ++i) {
-      if (is_slide(i)) start.v[i] *= length_;
+      if (kind.v[i].unit == "m/s") start.v[i] *= length_;
     }
-    for (auto* field : {&joint.damping, &joint.stiffness}) {
-      for (std::size_t i = 0; i < field->size(); ++i) (*field)[i] *= mass_ * area(is_slide(i));
+    convert(kind.fields, data_of(joint.is), {});
+    for (std::size_t i = 0; i < joint.along.size(); ++i) {
+      for (const JointForceKind& force : joint_force_kinds()) {
+        void* there = force.there(joint.along[i]);
+        if (there != nullptr) convert(force.fields, there, coordinate_of(kind, static_cast<int>(i)));
+      }
     }
-    for (std::size_t i = 0; i < joint.spring_reference.size(); ++i) {
-      joint.spring_reference[i] *= travel(is_slide(i));
-    }
-    if (!joint.stop) return;
-    for (double* bound : {&joint.stop->lower, &joint.stop->upper}) *bound *= travel(is_slide(0));
-    for (double* force : {&joint.stop->stiffness, &joint.stop->damping}) *force *= mass_ * area(is_slide(0));
-  }
-
-  void convert(Force& force) const {
-    for (BodyFrame* frame : {&force.from, &force.to, &force.at}) convert(*frame);
-    force.stiffness *= mass_;
-    force.damping *= mass_;
-    force.length *= length_;
-    force.force *= mass_ * length_;
-    force.torque *= mass_ * length_ * length_;
-  }
-
-  void convert(const Scene& scene, Constraint& c) const {
-    convert(c.at);
-    convert(c.on);
-    c.radius *= length_;
-    if (c.type == ConstraintType::rack) {
-      c.ratio *= length_;
-      c.offset *= length_;
-    }
-    if (c.type != ConstraintType::motion) return;
-    const double factor = travel(slides(scene, c.joint, c.coordinate));
-    for (auto* list : {&c.motion.polynomial, &c.motion.values}) {
-      for (double& x : *list) x *= factor;
-    }
-    c.motion.amplitude *= factor;
-    c.motion.speed *= factor;
   }
 
   double length_, mass_;  // of a metre and a kilogram in the units
+  UnitSystem units_;
 };
 
 }  // namespace

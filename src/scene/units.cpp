@@ -2,18 +2,6 @@
 #include "scene/units.h"
 
 namespace gelenk {
-namespace {
-
-// The unit of all, or none where they differ.
-std::string common_unit(std::span<const Quantity> quantities) {
-  if (quantities.empty()) return {};
-  for (const Quantity& quantity : quantities) {
-    if (quantity.unit != quantities.front().unit) return {};
-  }
-  return std::string(quantities.front().unit);
-}
-
-}  // namespace
 
 std::vector<QuantityGroup> groups(std::span<const Quantity> quantities) {
   std::vector<QuantityGroup> out;
@@ -30,34 +18,6 @@ std::vector<QuantityGroup> groups(std::span<const Quantity> quantities) {
     out.push_back({base, std::string(unit), std::string(quantities[i].description), i, 1, array});
   }
   return out;
-}
-
-JointUnits joint_units(const JointKind& kind) {
-  const std::string unit = common_unit(kind.v);
-  if (unit == "rad/s") return {"rad", "N m s/rad", "N m/rad"};
-  if (unit == "m/s") return {"m", "N s/m", "N/m"};
-  return {};
-}
-
-MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint) {
-  MotionSignals out;
-  for (int i = 0; i < kind.nq && i < kind.nv; ++i) {
-    const Quantity& q = kind.q[i];
-    if (q.name != constraint.coordinate) continue;
-    out.component = i;
-    const bool turn = q.unit == "rad";
-    out.effort = turn ? "tau" : "f";
-    out.effort_unit = turn ? "N.m" : "N";
-    if (!constraint.motion.is_input()) continue;
-    const Quantity& given = constraint.motion.speed_only() ? kind.v[i] : q;
-    out.input = std::string(given.name) + "_ref";
-    out.input_unit = given.unit;
-  }
-  return out;
-}
-
-bool has_sine(const GivenMotion& motion) {
-  return motion.source == GivenMotion::Source::function && (motion.polynomial.empty() || motion.amplitude != 0);
 }
 
 JointStart free_start(const JointKind& kind) {

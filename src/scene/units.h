@@ -22,21 +22,6 @@ struct QuantityGroup {
 };
 std::vector<QuantityGroup> groups(std::span<const Quantity> quantities);
 
-// For messages; empty where the speeds of a joint differ in unit.
-struct JointUnits {
-  std::string coordinate, damping, stiffness;
-};
-JointUnits joint_units(const JointKind& kind);
-
-// What a motion adds to the inputs and outputs of a scene.
-struct MotionSignals {
-  int component = 0;                // of the joint's coordinates
-  std::string input, input_unit;    // "phi_ref", "w_ref"; empty: none
-  std::string effort, effort_unit;  // on the coordinate: "tau", "f"
-};
-MotionSignals motion_signals(const JointKind& kind, const Constraint& constraint);
-// Whether it is a sine, or has one.
-bool has_sine(const GivenMotion& motion);
 inline constexpr double default_start_weight = 1;
 
 // Start values of which nothing is given: the reference configuration at rest.

@@ -8,8 +8,9 @@
 #include <unordered_set>
 
 #include "scene/check.h"
+#include "scene/settable.h"
 #include "scene/signals.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

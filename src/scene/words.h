@@ -40,11 +40,5 @@ inline const std::vector<Partners> partners = {{"index3", {"auto", "ida", "gener
 // In the order of enum Reduction.
 inline const std::vector<std::string> reductions = {"weld",           "static",  "cut_choice", "planar",
                                                     "redundant_rows", "islands", "outputs",    "massless"};
-inline const std::vector<std::string> forces = {"spring_damper", "wrench"};
-// In the order of enum ConstraintType.
-inline const std::vector<std::string> constraints = {"motion", "gear", "rack", "rolling", "knife_edge"};
-inline const std::vector<std::string> motion_inputs = {"position", "speed"};
-inline const std::vector<std::string> sensors = {"reaction", "frame", "energy"};
-inline const std::vector<std::string> load_frames = {"world", "body"};
 
 }  // namespace gelenk::words

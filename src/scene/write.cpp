@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "joint/registry.h"
-#include "scene/json_tree.h"
+#include "scene/element_fields.h"
 #include "scene/read.h"
 #include "scene/units.h"
 #include "scene/words.h"
@@ -11,19 +11,12 @@
 namespace gelenk {
 namespace {
 
-template <class Numbers>
-Json list(const Numbers& numbers) {
-  Json out = Json::array();
-  for (const double x : numbers) out.push_back(x);
-  return out;
-}
-
 // A rotation goes out as its nine numbers: reading leaves a matrix that is one to rounding as it is.
 void add_pose(Json& out, const Pose3& X) {
-  out["position"] = list(X.p);
+  out["position"] = numbers_of(X.p);
   if ((X.R.array() == Eigen::Matrix3d::Identity().array()).all()) return;
   Json rows = Json::array();
-  for (int i = 0; i < 3; ++i) rows.push_back(list(Eigen::RowVector3d(X.R.row(i))));
+  for (int i = 0; i < 3; ++i) rows.push_back(numbers_of(Eigen::RowVector3d(X.R.row(i))));
   out["rotation"]["matrix"] = rows;
 }
 
@@ -37,7 +30,7 @@ Json frame(const BodyFrame& frame) {
 Json point(const BodyFrame& frame) {
   Json out;
   out["body"] = frame.body;
-  out["position"] = list(frame.X_BF.p);
+  out["position"] = numbers_of(frame.X_BF.p);
   return out;
 }
 
@@ -45,7 +38,7 @@ Json body(const Body& body) {
   const Eigen::Matrix3d& I = body.inertia;
   Json out;
   out["mass"] = body.mass;
-  out["com"] = list(body.com);
+  out["com"] = numbers_of(body.com);
   out["inertia"] = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
   if (body.pose) {
     out["pose"] = Json::object();
@@ -64,7 +57,7 @@ void add_start_values(Json& out, Json& fixed, std::span<const Quantity> quantiti
     };
     if (!any(given) && !any(held)) continue;
     const double* first = values.data() + group.first;
-    out[group.name] = group.array ? list(std::span(first, group.size)) : Json(*first);
+    out[group.name] = group.array ? numbers_of(std::span(first, group.size)) : Json(*first);
     if (any(held)) fixed.push_back(group.name);
   }
 }
@@ -91,119 +84,64 @@ Json start(const JointStart& start, const JointKind& kind) {
   return out;
 }
 
-Json stop(const Stop& stop) {
-  Json out;
-  if (std::isfinite(stop.lower)) out["lower"] = stop.lower;
-  if (std::isfinite(stop.upper)) out["upper"] = stop.upper;
-  out["stiffness"] = stop.stiffness;
-  out["damping"] = stop.damping;
-  return out;
+// What acts along the coordinates: a number for one, a list for more.
+void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
+  for (const JointForceKind& force : joint_force_kinds()) {
+    if (!force.fits(kind)) continue;
+    if (!force.group.empty()) {
+      const void* there = force.in(joint.along.front());
+      if (there != nullptr) write_fields(out[std::string(force.group)], force.fields, there);
+      continue;
+    }
+    for (const Field& field : force.fields) {
+      Json values = Json::array();
+      for (const JointForces& along : joint.along) values.push_back(field.of<double>(force.in(along)));
+      out[std::string(field.name)] = kind.nv == 1 ? values[0] : values;
+    }
+  }
 }
 
 Json joint(const Joint& joint) {
   Json out;
   out["type"] = joint.type;
-  if (joint.axes.size() == 1) out["axis"] = list(joint.axes[0]);
-  if (joint.axes.size() == 2) out["axes"] = {list(joint.axes[0]), list(joint.axes[1])};
+  if (joint.axes.size() == 1) out["axis"] = numbers_of(joint.axes[0]);
+  if (joint.axes.size() == 2) out["axes"] = {numbers_of(joint.axes[0]), numbers_of(joint.axes[1])};
   out["parent"] = frame(joint.parent);
   out["child"] = frame(joint.child);
   const JointKind* kind = find_joint_kind(joint.type);
-  if (kind == nullptr || kind->nv == 0) return out;
+  if (kind == nullptr) return out;
+  write_fields(out, kind->fields, data_of(joint.is));
+  if (kind->nv == 0) return out;
   Json values = start(joint.start, *kind);
   if (!values.empty()) out["start"] = std::move(values);
-  const auto per_speed = [&](const std::vector<double>& x) { return kind->nv == 1 ? Json(x.at(0)) : list(x); };
-  out["damping"] = per_speed(joint.damping);
-  if (!kind->springs()) return out;
-  out["stiffness"] = per_speed(joint.stiffness);
-  out["spring_reference"] = per_speed(joint.spring_reference);
-  if (joint.stop) out["stop"] = stop(*joint.stop);
+  write_forces(out, joint, *kind);
   return out;
 }
 
-Json motor(const Motor& motor) {
-  return {{"joint", motor.joint}, {"gear_ratio", motor.gear_ratio}, {"rotor_inertia", motor.rotor_inertia}};
-}
-
-Json force(const Force& force) {
+Json element(const ElementPlace& element, const ElementKind& kind, const void* data, const Section& section) {
   Json out;
-  if (force.type == ForceType::spring_damper) {
-    out["type"] = "spring_damper";
-    out["from"] = point(force.from);
-    out["to"] = point(force.to);
-    out["stiffness"] = force.stiffness;
-    out["damping"] = force.damping;
-    out["length"] = force.length;
-    return out;
+  if (section.usual != kind.kind) out["type"] = kind.kind;
+  std::size_t frames = 0;
+  std::size_t joints = 0;
+  for (const Port& port : kind.ports) {
+    const std::string name(port.name);
+    if (port.kind == Port::Kind::joint) {
+      const std::string& joint = element.joints.at(joints++);
+      if (!joint.empty()) out[name] = joint;
+      if (port.has_coordinate) out["coordinate"] = element.coordinate;
+      continue;
+    }
+    const BodyFrame& at = element.frames.at(frames++);
+    const Json written = port.kind == Port::Kind::body    ? Json{{"body", at.body}}
+                         : port.kind == Port::Kind::point ? point(at)
+                                                          : frame(at);
+    if (name.empty()) {
+      out.update(written);
+    } else {
+      out[name] = written;
+    }
   }
-  out["type"] = "wrench";
-  out.update(frame(force.at));
-  out["force"] = list(force.force);
-  out["torque"] = list(force.torque);
-  out["frame"] = force.in_body ? "body" : "world";
-  out["input"] = force.input;
-  return out;
-}
-
-Json motion(const Constraint& constraint) {
-  const GivenMotion& m = constraint.motion;
-  Json out = {{"type", "motion"}, {"joint", constraint.joint}, {"coordinate", constraint.coordinate}};
-  using Source = GivenMotion::Source;
-  switch (m.source) {
-    case Source::function:
-      if (!m.polynomial.empty()) out["polynomial"] = list(m.polynomial);
-      if (has_sine(m)) {
-        out["sine"] = {{"amplitude", m.amplitude}, {"frequency", m.frequency}, {"phase", m.phase}};
-      }
-      break;
-    case Source::table:
-      out["table"] = {{"time", list(m.times)}, {"value", list(m.values)}, {"periodic", m.periodic}};
-      break;
-    case Source::speed:
-      out["speed"] = m.speed;
-      break;
-    case Source::input:
-    case Source::input_speed:
-      out["input"] = words::motion_inputs[m.source == Source::input ? 0 : 1];
-      break;
-  }
-  return out;
-}
-
-Json constraint(const Constraint& c) {
-  Json out = {{"type", words::constraints[static_cast<std::size_t>(c.type)]}};
-  switch (c.type) {
-    case ConstraintType::motion:
-      return motion(c);
-    case ConstraintType::gear:
-      out.update({{"joint", c.joint}, {"with", c.other}, {"ratio", c.ratio}, {"offset", c.offset}});
-      if (!c.carrier.empty()) out["carrier"] = c.carrier;
-      return out;
-    case ConstraintType::rack:
-      out.update({{"rack", c.joint}, {"pinion", c.other}, {"radius", c.ratio}, {"offset", c.offset}});
-      return out;
-    case ConstraintType::rolling:
-    case ConstraintType::knife_edge:
-      break;
-  }
-  out.update(frame(c.at));
-  out["axis"] = list(c.axis);
-  out["on"] = frame(c.on);
-  if (c.type == ConstraintType::rolling) out["radius"] = c.radius;
-  return out;
-}
-
-Json sensor(const Sensor& sensor) {
-  switch (sensor.type) {
-    case SensorType::reaction:
-      return {{"type", "reaction"}, {"joint", sensor.joint}};
-    case SensorType::energy:
-      return {{"type", "energy"}};
-    case SensorType::frame:
-      break;
-  }
-  Json out;
-  out["type"] = "frame";
-  out.update(frame(sensor.frame));
+  write_fields(out, kind.fields, data);
   return out;
 }
 
@@ -242,13 +180,13 @@ std::string write_scene_json(const Scene& scene) {
   Json out;
   out["gelenk"] = scene_version;
   out["name"] = scene.name;
-  out["gravity"] = list(scene.gravity);
+  out["gravity"] = numbers_of(scene.gravity);
   out["bodies"] = section(scene.bodies, body);
   out["joints"] = section(scene.joints, joint);
-  out["motors"] = section(scene.motors, motor);
-  out["forces"] = section(scene.forces, force);
-  if (!scene.constraints.empty()) out["constraints"] = section(scene.constraints, constraint);
-  out["sensors"] = section(scene.sensors, sensor);
+  each_section(scene, [&](const Section& of, const auto& elements) {
+    Json& entries = out[std::string(of.name)] = Json::object();
+    for (const auto& e : elements) entries[e.name] = element(e, kind_of(e.is), data_of(e.is), of);
+  });
   out["parameters"] = scene.parameters;
   if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
   if (scene.assembly.tolerance > 0) out["assembly"] = {{"tolerance", scene.assembly.tolerance}};

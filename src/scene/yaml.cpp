@@ -12,7 +12,7 @@
 #include "scene/doubts.h"
 #include "scene/read.h"
 #include "scene/reader.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

@@ -7,8 +7,8 @@
 #include "analysis/frame_adjustment.h"
 #include "mechanism/mechanism.h"
 #include "scene/frames.h"
-#include "scene/text.h"
 #include "simulation/start.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

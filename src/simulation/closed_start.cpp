@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "analysis/closing.h"
-#include "scene/text.h"
 #include "scene/words.h"
 #include "simulation/simulation_impl.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {

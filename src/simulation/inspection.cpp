@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "mechanism/wanted_part.h"
-#include "scene/text.h"
 #include "scene/words.h"
-#include "simulation/reaction.h"
 #include "simulation/report.h"
+#include "simulation/seen.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -158,9 +158,13 @@ class RowInspector {
       dynamics.set_multipliers(lambda.data());
       find_undetermined_contacts(mechanism, lambda);
       for (const int j : mechanism.joints) {
-        const Reaction reaction(scene_, prepared_.reduced, j);
+        const ElementPlace at_joint{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
+        const PortPlaces ports(scene_, prepared_.reduced, at_joint, true);
+        const SeenPorts<double> seen(ports, prepared_.reduced, &dynamics);
+        const SeenWrench<double> wrench = seen.reaction();
+        const Eigen::Matrix3d R_0F = seen.frame(0).X_0P.R;
         for (int i = 0; i < 6; ++i) {
-          if (std::abs(reaction.component(i, dynamics)) < 1e-6) continue;
+          if (std::abs(R_0F.col(i % 3).dot(i < 3 ? wrench.f : wrench.n)) < 1e-6) continue;
           undetermined_.insert(scene_.joints[j].name + (i < 3 ? ".f[" : ".t[") + std::to_string(i % 3 + 1) + "]");
         }
       }
@@ -168,11 +172,11 @@ class RowInspector {
   }
 
   void find_undetermined_contacts(const Mechanism& mechanism, const Eigen::VectorXd& lambda) {
-    static constexpr std::array<const char*, Rolling::row_count> of_wheel = {"f_n", "f_long", "f_lat"};
     for (const Cut& cut : mechanism.cuts) {
       for (int i = 0; cut.is_contact() && i < cut.rows; ++i) {
         if (std::abs(lambda[cut.first_row + i]) < 1e-6) continue;
-        undetermined_.insert(scene_.constraints[cut.constraint].name + "." + (cut.rows > 1 ? of_wheel[i] : "f"));
+        const Constraint& c = scene_.constraints[cut.constraint];
+        undetermined_.insert(c.name + "." + std::string(kind_of(c.is).outputs[i].name));
       }
     }
   }

@@ -2,25 +2,16 @@
 // Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_extended.cpp.
 #include "simulation/outputs_impl.h"
 
-#include <algorithm>
-
 namespace gelenk {
-namespace {
-
-constexpr int reaction_size = 6;
-constexpr int frame_size = 13;  // r, Q, v, w
-constexpr int energy_size = 3;
-
-}  // namespace
-
 Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals)
     : reduced_(reduced) {
-  for (const Signal& signal : signals) {
-    if (signal.joint >= 0) sources_.push_back(joint_source(signal));
+  for (const Sensor& sensor : scene.sensors) {
+    sensors_.push_back(sensor.is);
+    ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
   }
-  for (const Sensor& sensor : scene.sensors) add_sensor(scene, sensor);
-  for (std::size_t c = 0; c < scene.constraints.size(); ++c) {
-    add_constraint(scene.constraints[c], reduced.constraints[c]);
+  for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
+  for (const Signal& signal : signals) {
+    sources_.push_back(signal.joint >= 0 ? joint_source(signal) : element_source(scene, signal));
   }
 }
 
@@ -66,64 +57,30 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
   return source;
 }
 
-void Outputs::add_sensor(const Scene& scene, const Sensor& sensor) {
-  int size = 0;
-  Source source;
-  switch (sensor.type) {
-    case SensorType::reaction: {
-      const auto found = std::ranges::find(scene.joints, sensor.joint, &Joint::name);
-      const int joint = static_cast<int>(found - scene.joints.begin());
-      source = {Kind::reaction, Needs::accelerations, reduced_.joints[joint].island,
-                static_cast<int>(reactions_.size())};
-      reactions_.emplace_back(scene, reduced_, joint);
-      size = reaction_size;
-      break;
-    }
-    case SensorType::frame: {
-      const BodyPlace frame = place(scene, reduced_, none, sensor.frame);
-      source = {frame.island < 0 ? Kind::standing_pose : Kind::pose, Needs::velocities, frame.island,
-                static_cast<int>(frames_.size())};
-      frames_.push_back(frame);
-      size = frame_size;
-      break;
-    }
-    case SensorType::energy:
-      source = {Kind::energy, Needs::velocities};
-      size = energy_size;
-      break;
+Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal) const {
+  Source out;
+  out.index = signal.element;
+  out.group = signal.group;
+  out.component = signal.component;
+  out.needs = signal.stage == Stage::acceleration ? Needs::accelerations : Needs::velocities;
+  if (signal.section == sections::sensors) {
+    const auto i = static_cast<std::size_t>(signal.element);
+    out.kind = kind_of(scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;
+    out.island = out.kind == Kind::whole ? none : ports_[i].island;
+    return out;
   }
-  for (source.component = 0; source.component < size; ++source.component) sources_.push_back(source);
-}
-
-void Outputs::add_constraint(const Constraint& constraint, const ConstraintPlace& place) {
-  const auto add = [&](int count, Kind kind, Needs needs, int index) {
-    for (int i = 0; i < count; ++i) {
-      Source source{.sign = 0};
-      if (place.island >= 0) source = {kind, needs, place.island, index, i};
-      sources_.push_back(source);
-    }
-  };
-  switch (constraint.type) {
-    case ConstraintType::motion:
-    case ConstraintType::gear:
-    case ConstraintType::rack:
-      return add(1, Kind::coordinate_force, Needs::accelerations, place.row);
-    case ConstraintType::knife_edge:
-      return add(KnifeEdge::row_count, Kind::contact_force, Needs::accelerations, place.cut);
-    case ConstraintType::rolling:
-      add(Rolling::row_count, Kind::contact_force, Needs::accelerations, place.cut);
-      return add(3, Kind::contact_point, Needs::velocities, place.cut);
-  }
+  out.island = reduced_.constraints[static_cast<std::size_t>(signal.element)].island;
+  out.kind = out.island < 0 ? Kind::constant : Kind::constraint;
+  if (out.island < 0) out.sign = 0;
+  return out;
 }
 
 double Outputs::constant(int output) const {
   const Source& s = sources_[output];
-  if (s.kind == Kind::constant) return s.sign;
-  const Pose3& X_WS = frames_[s.index].X_LB;
-  if (s.component < 3) return X_WS.p[s.component];
-  return s.component < 7 ? quaternion_component(X_WS.R, s.component - 3) : 0;
+  return s.kind == Kind::constant ? s.sign : sensor_value<double>(s, nullptr);
 }
 
 template double Outputs::value(int, const Reading&) const;
+template double Outputs::of_energy(int, const Energy&) const;
 
 }  // namespace gelenk

@@ -6,7 +6,7 @@
 
 #include "dynamics/dynamics.h"
 #include "scene/signals.h"
-#include "simulation/reaction.h"
+#include "simulation/seen.h"
 
 namespace gelenk {
 
@@ -34,10 +34,10 @@ class Outputs {
   // The island the output comes from; none: it never changes, or is made of all of them.
   static constexpr int none = -1;
   int island(int output) const { return sources_[output].island; }
-  // Part 0, 1, 2 (kinetic, potential, total) of the energy of all islands; none for other outputs.
-  int energy_part(int output) const {
-    return sources_[output].kind == Kind::energy ? sources_[output].component : none;
-  }
+  // It is made of the energies of all islands, by of_energy().
+  bool is_of_whole(int output) const { return sources_[output].kind == Kind::whole; }
+  template <class T>
+  T of_energy(int output, const EnergyOf<T>& energy) const;
 
   // Of an output that is sign times an entry of its island's (q, v, vdot): which. index none: of all others.
   struct Entry {
@@ -55,38 +55,36 @@ class Outputs {
  private:
   enum class Kind {
     constant,
-    standing_pose,
     tree_q,
     tree_v,
     tree_a,
     cut_q,
     cut_v,
     cut_a,
-    reaction,
-    pose,
-    energy,
-    contact_force,
-    contact_point,
-    coordinate_force,
+    sensor,
+    whole,  // a sensor of the whole mechanism
+    constraint,
   };
   struct Source {
     Kind kind = Kind::constant;
     Needs needs = Needs::state;
     int island = none;
-    int index = 0;      // tree: in q, v or vdot; in cut_q; other cuts and sensors: which; coordinate_force: row
-    int component = 0;  // within a cut joint or sensor
+    int index = 0;      // tree: in q, v or vdot; in cut_q; other cuts, sensors and constraints: which
+    int group = 0;      // of an element's outputs
+    int component = 0;  // within a cut joint, or a group
     double sign = 1;    // constant: the value
   };
   Source joint_source(const Signal& signal) const;
+  // dynamics: null where all its ports stand still.
   template <class T>
-  T pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const;
-  void add_sensor(const Scene& scene, const Sensor& sensor);
-  void add_constraint(const Constraint& constraint, const ConstraintPlace& place);
+  T sensor_value(const Source& source, const Readings<T>* dynamics) const;
+  Source element_source(const Scene& scene, const Signal& signal) const;
 
   const ReducedScene& reduced_;
   std::vector<Source> sources_;
-  std::vector<Reaction> reactions_;
-  std::vector<BodyPlace> frames_;
+  std::vector<AnySensor> sensors_;  // by sensor of the scene
+  std::vector<PortPlaces> ports_;
+  std::vector<AnyConstraint> constraints_;  // by constraint of the scene
 };
 
 }  // namespace gelenk

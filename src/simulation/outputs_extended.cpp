@@ -8,5 +8,7 @@ namespace gelenk {
 
 template Dual Outputs::value(int, const ReadingOf<Dual>&) const;
 template Series Outputs::value(int, const ReadingOf<Series>&) const;
+template Dual Outputs::of_energy(int, const EnergyOf<Dual>&) const;
+template Series Outputs::of_energy(int, const EnergyOf<Series>&) const;
 
 }  // namespace gelenk

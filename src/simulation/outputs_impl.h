@@ -5,17 +5,6 @@
 #include "simulation/outputs.h"
 
 namespace gelenk {
-inline namespace detail {
-
-// Q[1..4] with the scalar part not negative: one of the two that mean the same.
-template <class T>
-T quaternion_component(const Matrix3<T>& R, int i) {
-  Eigen::Quaternion<T> Q(R);
-  if (Q.w() < T(0)) Q.coeffs() = -Q.coeffs();
-  return Q.coeffs()[i];
-}
-
-}  // namespace detail
 
 template <class T>
 T Outputs::value(int output, const ReadingOf<T>& reading) const {
@@ -40,38 +29,44 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return component([&](T* joint) { reading.dynamics.cut_speeds(s.index, joint); });
     case Kind::cut_a:
       return component([&](T* joint) { reading.dynamics.cut_accelerations(s.index, joint); });
-    case Kind::reaction:
-      return reactions_[s.index].component(s.component, reading.dynamics);
-    case Kind::pose:
-      return pose(frames_[s.index], s.component, reading.dynamics);
-    case Kind::contact_force:
-      return reading.dynamics.contact_force(s.index, s.component);
-    case Kind::coordinate_force:
-      return reading.dynamics.coordinate_force(s.index);
-    case Kind::contact_point: {
-      const auto X_W0 = pose_in<SpatialAlgebra<T>>(reduced_.islands[s.island].X_W0);
-      return X_W0.point(reading.dynamics.contact_point(s.index))[s.component];
+    case Kind::sensor:
+      return sensor_value<T>(s, &reading.dynamics);
+    case Kind::constraint: {
+      const auto i = static_cast<std::size_t>(s.index);
+      const SeenConstraint<T> seen(reduced_.constraints[i], reduced_, reading.dynamics);
+      return std::visit([&](const auto& c) { return T(c.output(seen, s.group, s.component)); }, constraints_[i]);
     }
     case Kind::constant:
-    case Kind::standing_pose:
-    case Kind::energy:
+    case Kind::whole:
       break;
   }
   return T(0);
 }
 
 template <class T>
-T Outputs::pose(const BodyPlace& frame, int component, const Readings<T>& dynamics) const {
-  using A = SpatialAlgebra<T>;
-  const auto X_LS = pose_in<A>(frame.X_LB);
-  const auto X_0L = frame.rod >= 0 ? dynamics.rod_pose(frame.rod) : dynamics.link_pose(frame.link);
-  const auto X_W0 = pose_in<A>(reduced_.islands[frame.island].X_W0);
-  const Matrix3<T> R_WL = X_W0.R * X_0L.R;
-  if (component < 3) return X_W0.point(X_0L.point(X_LS.p))[component];
-  if (component < 7) return quaternion_component<T>(R_WL * X_LS.R, component - 3);
-  const auto V = frame.rod >= 0 ? dynamics.rod_velocity(frame.rod) : dynamics.link_velocity(frame.link);
-  if (component < 10) return (R_WL * (V.v + V.w.cross(X_LS.p)))[component - 7];
-  return X_LS.R.col(component - 10).dot(V.w);
+T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  const SeenPorts<T> seen(ports_[i], reduced_, dynamics);
+  return std::visit(
+      [&](const auto& sensor) -> T {
+        if constexpr (OfWhole<std::decay_t<decltype(sensor)>>)
+          return T(0);
+        else
+          return sensor.output(seen, source.group, source.component);
+      },
+      sensors_[i]);
+}
+
+template <class T>
+T Outputs::of_energy(int output, const EnergyOf<T>& energy) const {
+  const Source& s = sources_[output];
+  const SeenEnergy<T> seen{energy};
+  return std::visit(
+      [&](const auto& sensor) -> T {
+        if constexpr (OfWhole<std::decay_t<decltype(sensor)>>) return sensor.output(seen, s.group, s.component);
+        return T(0);
+      },
+      sensors_[static_cast<std::size_t>(s.index)]);
 }
 
 }  // namespace gelenk

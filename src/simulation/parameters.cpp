@@ -13,9 +13,9 @@
 #include "integrator/integrator.h"
 #include "joint/registry.h"
 #include "scene/read.h"
-#include "scene/text.h"
+#include "scene/settable.h"
 #include "scene/words.h"
-#include "simulation/properties.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -33,6 +33,30 @@ struct Items {
     return *this;
   }
 };
+
+// access(scene) gives a reference to the number, in a Scene as in a const Scene.
+template <class Access>
+Parameter real_parameter(std::string name, std::string_view unit, std::string description, Access access) {
+  Parameter p;
+  p.name = std::move(name);
+  p.unit = unit;
+  p.description = std::move(description);
+  p.get = [access](const Scene& scene) -> double { return access(scene); };
+  p.put = [access](Scene& scene, double value) { access(scene) = value; };
+  return p;
+}
+
+Parameter parameter_of(const Scene& scene, const SettableNumber& number) {
+  Parameter p;
+  p.name = number.variable(scene);
+  p.unit = number.unit(scene);
+  p.description = number.owner(scene) + ": " + number.description(scene);
+  p.min = number.least();
+  p.tunable = number.tunable();
+  p.get = [number](const Scene& s) { return number.get(s); };
+  p.put = [number](Scene& s, double value) { number.put(s, value); };
+  return p;
+}
 
 // "phi" -> "A.phi_start", "Q[2]" -> "S.Q_start[2]".
 std::string start_name(const std::string& joint, std::string_view quantity) {
@@ -54,14 +78,14 @@ void fix(JointStart& start, bool fixed) {
 }
 
 // The elements of one array: from the first to one past the last.
-struct Range {
+struct Places {
   std::size_t first, last;
 };
 
 // The quantities that share the array of quantity i: "Q[1]" to "Q[4]".
-Range array_around(std::span<const Quantity> all, std::size_t i) {
+Places array_around(std::span<const Quantity> all, std::size_t i) {
   const auto base = [&](std::size_t k) { return all[k].name.substr(0, all[k].name.find('[')); };
-  Range range{i, i + 1};
+  Places range{i, i + 1};
   while (range.first > 0 && base(range.first - 1) == base(i)) --range.first;
   while (range.last < all.size() && base(range.last) == base(i)) ++range.last;
   return range;
@@ -70,7 +94,7 @@ Range array_around(std::span<const Quantity> all, std::size_t i) {
 Parameter start_value(const std::string& joint, std::size_t j, std::span<const Quantity> quantities, bool speed,
                       std::size_t i) {
   const Quantity& quantity = quantities[i];
-  const Range array = array_around(quantities, i);
+  const Places array = array_around(quantities, i);
   Parameter p;
   p.name = start_name(joint, quantity.name);
   p.unit = quantity.unit;
@@ -201,20 +225,22 @@ void add_solver(std::vector<Parameter>& table) {
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {
-  const std::vector<Property> known = scene_properties(scene);
-  std::unordered_map<std::string_view, std::vector<const Property*>> named;
-  for (const Property& property : known) {
-    named[property.path].push_back(&property);
-    if (property.element_path != property.path) named[property.element_path].push_back(&property);
+  if (scene.parameters.empty()) return;
+  const std::vector<SettableNumber> known = settable_numbers(scene);
+  std::unordered_map<std::string, std::vector<const SettableNumber*>> named;
+  for (const SettableNumber& number : known) {
+    const std::string path = number.path(scene);
+    const std::string index = number.index();
+    named[path].push_back(&number);
+    if (!index.empty()) named[path + index].push_back(&number);
   }
   for (const std::string& path : scene.parameters) {
     if (path.substr(0, path.find('[')) == "gravity") continue;  // always there
     const auto found = named.find(path);
-    if (found != named.end()) {
-      for (const Property* property : found->second) table.push_back(property->parameter);
-    } else {
+    if (found == named.end()) {
       throw SceneError({"parameters: found '" + path + "', expected the path of a number that can be set"});
     }
+    for (const SettableNumber* number : found->second) table.push_back(parameter_of(scene, *number));
   }
 }
 
@@ -259,25 +285,6 @@ void check_parameter(const Parameter& parameter, double value) {
 void set_parameter(Scene& scene, const Parameter& parameter, double value) {
   check_parameter(parameter, value);
   if (value != parameter.get(scene)) parameter.put(scene, value);
-}
-
-void take_tunables(Scene& scene, const Scene& from) {
-  scene.gravity = from.gravity;
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    Joint& joint = scene.joints[j];
-    joint.damping = from.joints[j].damping;
-    joint.stiffness = from.joints[j].stiffness;
-    joint.spring_reference = from.joints[j].spring_reference;
-    joint.stop = from.joints[j].stop;
-  }
-  for (std::size_t f = 0; f < scene.forces.size(); ++f) {
-    Force& force = scene.forces[f];
-    force.stiffness = from.forces[f].stiffness;
-    force.damping = from.forces[f].damping;
-    force.length = from.forces[f].length;
-    force.force = from.forces[f].force;
-    force.torque = from.forces[f].torque;
-  }
 }
 
 Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }

@@ -46,10 +46,6 @@ void check_parameter(const Parameter& parameter, double value);
 // all (a guess stays a guess).
 void set_parameter(Scene& scene, const Parameter& parameter, double value);
 
-// Gravity, and the numbers of springs, dampers, stops and constant loads: what tunable parameters set. Both scenes have
-// the same elements.
-void take_tunables(Scene& scene, const Scene& from);
-
 // The scene with quaternions made unit again and everything checked that only several values together can break
 // (moments of inertia). Throws SceneError.
 Scene checked(const Scene& scene);

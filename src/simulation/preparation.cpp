@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "analysis/singular_start.h"
-#include "dynamics/collapsed_spring.h"
+#include "dynamics/undefined_force.h"
 #include "formulation/targets.h"
 #include "mechanism/graph.h"
 #include "scene/signals.h"
-#include "scene/text.h"
 #include "simulation/inertia.h"
 #include "simulation/report.h"
 #include "simulation/start.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -147,7 +147,7 @@ struct Preparer {
   void check_wheels(const Mechanism& mechanism, const Dynamics& of) const {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (lies_flat(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_flat_wheel(scene, cut.constraint));
+      if (is_undefined(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_flat_wheel(scene, cut.constraint));
     }
   }
 
@@ -273,8 +273,9 @@ struct Preparer {
 
   bool reaction_observed(const Mechanism& mechanism) const {
     return std::ranges::any_of(scene.sensors, [&](const Sensor& sensor) {
-      return sensor.type == SensorType::reaction &&
-             std::ranges::any_of(mechanism.joints, [&](int j) { return scene.joints[j].name == sensor.joint; });
+      return kind_of(sensor.is).reads_reaction && std::ranges::any_of(mechanism.joints, [&](int j) {
+               return scene.joints[j].name == sensor.joints.front();
+             });
     });
   }
 
@@ -361,7 +362,7 @@ struct Preparer {
       }
       dynamics[i]->set_position(of.start.q.data());
       dynamics[i]->set_root_poses();
-      const int force = collapsed_spring(loads[i], *dynamics[i]);
+      const int force = undefined_force(loads[i], *dynamics[i]);
       if (force >= 0) out.warnings.push_back(describe_collapsed_spring(scene, force));
     }
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "analysis/closing.h"
-#include "scene/text.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -190,7 +190,8 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   std::vector<std::string> motions;
   for (const CoordinateRow& row : mechanism.coordinate_rows) {
     const Constraint& c = scene.constraints[row.constraint];
-    if (row.moves() && std::ranges::find(names, c.joint) != names.end()) motions.push_back("constraints." + c.name);
+    if (row.moves() && std::ranges::find(names, c.joints.front()) != names.end())
+      motions.push_back("constraints." + c.name);
   }
   if (!motions.empty()) out += ", the motion of " + text::list(motions) + " at the start";
   if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);

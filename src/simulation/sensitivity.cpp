@@ -46,8 +46,8 @@ void Sensitivity::read(int i, Carried<T>& at, Take take) const {
   const ReadingOf<T> reading{e, at.q.data(), at.v.data(), at.vdot.data(), at.equations->cut_coordinates().data()};
   const EnergyOf<T> energy = e.energy();
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
-    if (const int part = readings_.energy_part(k); part != Outputs::none) {
-      take(k, part == 0 ? energy.kinetic : part == 1 ? energy.potential : energy.kinetic + energy.potential);
+    if (readings_.is_of_whole(k)) {
+      take(k, readings_.of_energy(k, energy));
     } else if (readings_.island(k) == i) {
       take(k, readings_.value(k, reading));
     }
@@ -90,7 +90,7 @@ void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
 
 bool Sensitivity::reads(int i) const {
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
-    if (readings_.energy_part(k) != Outputs::none) return true;
+    if (readings_.is_of_whole(k)) return true;
     if (readings_.island(k) == i && readings_.entry(k).index == Outputs::none) return true;
   }
   return false;

@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "integrator/integrator.h"
-#include "scene/text.h"
+#include "scene/settable.h"
 #include "simulation/parameters.h"
 #include "simulation/report.h"
+#include "util/text.h"
 
 namespace gelenk {
 
@@ -250,10 +251,7 @@ double Simulation::input_derivative(int index, int order) const {
 double Simulation::output(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("an output before initialize()");
-  if (const int part = s.readings->energy_part(index); part >= 0) {
-    const Energy e = s.energy();
-    return s.output_size[index] * (part == 0 ? e.kinetic : part == 1 ? e.potential : e.kinetic + e.potential);
-  }
+  if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
   island.refresh(s.readings->needs(index));

@@ -71,9 +71,9 @@ std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduc
   const Mechanism& mechanism = reduced.islands[island];
   std::vector<bool> out(mechanism.nv, false);
   std::unordered_set<std::string_view> driven;
-  for (const Motor& motor : scene.motors) driven.insert(motor.joint);
+  for (const Motor& motor : scene.motors) driven.insert(motor.joints.front());
   for (const Constraint& c : scene.constraints) {
-    if (c.motion.speed_only()) driven.insert(c.joint);  // its coordinate is open
+    if (!c.joints.empty() && !holds_positions(c.is)) driven.insert(c.joints.front());  // its coordinate is open
   }
   const bool contacts = std::ranges::any_of(mechanism.cuts, &Cut::is_contact);
   for (const int j : mechanism.joints) {

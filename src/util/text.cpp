@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/text.h"
+#include "util/text.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "scene/advice.h"
+#include "util/other_words.h"
 
 namespace gelenk::text {
 namespace {
@@ -110,7 +110,7 @@ std::string nearest(std::string_view found, const std::vector<std::string>& name
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many) {
   if (names.empty()) return "none, as there are no " + std::string(many);
   if (names.size() == 1) return names.front();
-  const std::string ours = advice::our_word(found, names);
+  const std::string ours = our_word(found, names);
   const std::string near = ours.empty() ? nearest(found, names) : ours;
   const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
   if (names.size() > 14) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;

@@ -1,34 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contacts that hold speeds, not positions: what closes a loop through the ground where a wheel rolls on it.
-//
-// Like joints that close loops (base.h), with no coordinates of their own. F is the plane, z its normal; M is on the
-// body, z the wheel's axis, or the axis along which the edge does not slide. Rows without position error have Phi = 0.
 #pragma once
 
 #include <cmath>
 
-#include "joint/base.h"
+#include "element/constraint.h"
 
 namespace gelenk {
-
-// What the contacts share: nothing moves at them by coordinates.
-struct NoCoordinates {
-  static constexpr PlanarRole planar = PlanarRole::never;
-  static constexpr bool rows_turn = true;
-
-  template <class A, class T>
-  typename A::Motion bias(const T*, const T*) const {
-    return {};
-  }
-  template <class A, class T>
-  typename A::Force effort(const T*, const T*) const {
-    return {};
-  }
-  template <class A, class T>
-  void speeds(const T*, const typename A::Motion&, T*) const {}
-  template <class A>
-  void coordinates(const typename A::Pose&, typename A::Scalar*) const {}
-};
 
 // A thin disc of this radius about z of M rolls on the plane without slip. With the axis a and the normal n,
 // s = |a x n|, the disc's lowest point is c = p + r d with d = ((n . a) a - n)/s. Rows, each a force at c:
@@ -36,8 +13,38 @@ struct NoCoordinates {
 //   longitudinal  w = l = (a x n)/s   no Phi
 //   lateral       w = n x l           no Phi
 struct Rolling : NoCoordinates {
+  static constexpr std::string_view kind = "rolling";
+  static constexpr std::string_view summary = "a wheel, a thin disc, rolls on a plane without slip";
+  static constexpr Port ports[] = {
+      {.kind = Port::Kind::frame, .name = "", .text = "Centre of the wheel"},
+      {.kind = Port::Kind::frame, .name = "on", .text = "The plane, z its normal", .optional = true}};
   static constexpr int row_count = 3;
-  double radius = 0;  // m
+
+  Direction axis = {Eigen::Vector3d::UnitY()};  // of the wheel
+  double radius = 0;                            // m
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&Rolling::axis>({.name = "axis", .text = "axis of the wheel"}),
+                                    field<&Rolling::radius>({.name = "radius",
+                                                             .unit = "m",
+                                                             .text = "radius of the wheel",
+                                                             .range = Range::positive,
+                                                             .required = true})};
+    return all;
+  }
+  static constexpr SignalGroup outputs[] = {
+      {"f_n", 0, "N", "force of the ground on the wheel, along the plane's normal"},
+      {"f_long", 0, "N", "force of the ground on the wheel, in the plane, along the wheel"},
+      {"f_lat", 0, "N", "force of the ground on the wheel, in the plane, across the wheel"},
+      {"r", 3, "m", "position of the contact point in the world", Stage::position}};
+
+  template <class Seen>
+  auto output(const Seen& seen, int group, int i) const {
+    using T = decltype(seen.contact_force(0));
+    if (group < row_count) return seen.contact_force(group);
+    return T(seen.X_WF().point(contact_point<T>(seen.X_FM()))[i]);
+  }
+  static constexpr bool holds_position(int row) { return row == 0; }
 
   template <class T>
   struct Frame {
@@ -56,8 +63,8 @@ struct Rolling : NoCoordinates {
     return f;
   }
 
-  // Too flat to tell where its lowest point is.
-  static bool lies_flat(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)) < 1e-4; }
+  // It lies too flat to tell where its lowest point is.
+  static bool undefined(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)) < 1e-4; }
 
   // In F.
   template <class T>
@@ -95,24 +102,6 @@ struct Rolling : NoCoordinates {
     bias[0] += d_V.z();
     bias[1] += f.l.dot(d_V) + ldot.dot(v_c);
     bias[2] += t.dot(d_V) + tdot.dot(v_c);
-  }
-};
-
-// M's origin does not slide along z of M: w = a, no Phi.
-struct KnifeEdge : NoCoordinates {
-  static constexpr int row_count = 1;
-
-  template <class A>
-  int rows(const typename A::Pose& X_FM, Row<A>* out) const {
-    out[0].w.n.setZero();
-    out[0].w.f = X_FM.R.col(2);
-    out[0].Phi = 0;
-    return row_count;
-  }
-  template <class A, class T>
-  void rows_bias(const typename A::Pose& X_FM, const typename A::Motion& V, T* bias) const {
-    const Vector3<T> a = X_FM.R.col(2);
-    bias[0] += V.w.cross(a).dot(V.v);
   }
 };
 

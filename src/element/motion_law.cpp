@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mechanism/motion_law.h"
+#include "element/motion_law.h"
 
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace gelenk {
 
-MotionLaw::MotionLaw(const GivenMotion& motion) : motion_(motion) {
-  if (motion_.source == GivenMotion::Source::table) make_spline();
+MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table)
+    : polynomial_(std::move(polynomial)), sine_(sine), table_(std::move(table)) {
+  if (table_) make_spline();
 }
 
 // s'' is continuous and linear between the times: for each inner one (de Boor 1978, ch. IV)
 //   h0 s0''/6 + (h0 + h1) s1''/3 + h1 s2''/6 = (s2 - s1)/h1 - (s1 - s0)/h0.
 // At the ends it is 0, or, where the table repeats, that of the other end.
 void MotionLaw::make_spline() {
-  const std::vector<double>& t = motion_.times;
-  const std::vector<double>& s = motion_.values;
+  const std::vector<double>& t = table_->time;
+  const std::vector<double>& s = table_->value;
   const int n = static_cast<int>(t.size());
   const int last = n - 1;
   std::vector<Eigen::Triplet<double>> entries;
@@ -26,7 +28,7 @@ void MotionLaw::make_spline() {
     right[row] = (s[i2] - s[i1]) / h1 - (s[i1] - s[i0]) / h0;
   };
   for (int i = 1; i < last; ++i) equation(i, i - 1, i, i + 1, t[i] - t[i - 1], t[i + 1] - t[i]);
-  const bool cyclic = motion_.periodic && n > 2;
+  const bool cyclic = table_->periodic && n > 2;
   if (cyclic) {
     equation(0, last - 1, 0, 1, t[last] - t[last - 1], t[1] - t[0]);
     entries.insert(entries.end(), {{last, last, 1.0}, {last, 0, -1.0}});
@@ -41,10 +43,10 @@ void MotionLaw::make_spline() {
 }
 
 void MotionLaw::add_spline(double t, Derivatives& out) const {
-  const std::vector<double>& times = motion_.times;
-  const std::vector<double>& s = motion_.values;
+  const std::vector<double>& times = table_->time;
+  const std::vector<double>& s = table_->value;
   const double period = times.back() - times.front();
-  if (motion_.periodic) t -= period * std::floor((t - times.front()) / period);
+  if (table_->periodic) t -= period * std::floor((t - times.front()) / period);
   const double inside = std::clamp(t, times.front(), times.back());
   const auto above = std::upper_bound(times.begin() + 1, times.end() - 1, inside);
   const auto i = static_cast<std::size_t>(above - times.begin()) - 1;
@@ -60,33 +62,33 @@ void MotionLaw::add_spline(double t, Derivatives& out) const {
   out[3] += jerk;
 }
 
+void MotionLaw::add_polynomial(double t, Derivatives& out) const {
+  for (int k = 0; k < orders; ++k) {
+    double sum = 0;
+    // Horner's scheme for the k-th derivative.
+    for (int i = static_cast<int>(polynomial_.size()) - 1; i >= k; --i) {
+      double factor = 1;
+      for (int j = 0; j < k; ++j) factor *= i - j;
+      sum = sum * t + factor * polynomial_[i];
+    }
+    out[k] += sum;
+  }
+}
+
+void MotionLaw::add_sine(double t, Derivatives& out) const {
+  const double omega = 2 * M_PI * sine_->frequency;
+  const double sine = std::sin(omega * t + sine_->phase);
+  const double cosine = std::cos(omega * t + sine_->phase);
+  const double around[] = {sine, cosine, -sine, -cosine, sine};
+  double size = sine_->amplitude;
+  for (int k = 0; k < orders; ++k, size *= omega) out[k] += size * around[k];
+}
+
 MotionLaw::Derivatives MotionLaw::at(double t) const {
   Derivatives out{};
-  switch (motion_.source) {
-    case GivenMotion::Source::table:
-      add_spline(t, out);
-      break;
-    case GivenMotion::Source::speed:
-      out[1] = motion_.speed;
-      break;
-    default: {
-      const std::vector<double>& c = motion_.polynomial;
-      for (int k = 0; k < orders; ++k) {
-        // Horner's scheme for the k-th derivative.
-        for (int i = static_cast<int>(c.size()) - 1; i >= k; --i) {
-          double factor = 1;
-          for (int j = 0; j < k; ++j) factor *= i - j;
-          out[k] = out[k] * t + factor * c[i];
-        }
-      }
-      const double omega = 2 * M_PI * motion_.frequency;
-      const double sine = std::sin(omega * t + motion_.phase);
-      const double cosine = std::cos(omega * t + motion_.phase);
-      const double around[] = {sine, cosine, -sine, -cosine, sine};
-      double size = motion_.amplitude;
-      for (int k = 0; k < orders; ++k, size *= omega) out[k] += size * around[k];
-    }
-  }
+  add_polynomial(t, out);
+  if (sine_) add_sine(t, out);
+  if (table_) add_spline(t, out);
   return out;
 }
 

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/registry.h"
+
+#include <array>
+
+namespace gelenk {
+namespace {
+
+template <class E>
+constexpr bool reads_reaction = false;
+template <ReadsReaction E>
+constexpr bool reads_reaction<E> = true;
+template <class E>
+constexpr bool of_whole = false;
+template <OfWhole E>
+constexpr bool of_whole<E> = true;
+
+template <class E>
+ElementKind describe() {
+  ElementKind out{.kind = E::kind, .summary = E::summary, .ports = E::ports, .fields = E::fields(), .outputs = {}};
+  if constexpr (requires { E::outputs; }) out.outputs = E::outputs;
+  out.reads_reaction = reads_reaction<E>;
+  out.of_whole = of_whole<E>;
+  out.is_between_bodies = BodyConstraint<E>;
+  return out;
+}
+
+template <class... E>
+std::span<const ElementKind> describe_all(const std::variant<E...>*) {
+  static const std::array<ElementKind, sizeof...(E)> kinds = {describe<E>()...};
+  return kinds;
+}
+
+template <class... E>
+std::variant<E...> make_nth(std::size_t n, const std::variant<E...>*) {
+  using Maker = std::variant<E...> (*)();
+  static constexpr std::array<Maker, sizeof...(E)> makers = {[]() { return std::variant<E...>(E()); }...};
+  return makers.at(n)();
+}
+
+template <class E>
+std::optional<ElementFault> own_fault(const E& element, const Coordinate& coordinate) {
+  if constexpr (requires { element.fault(coordinate); }) return element.fault(coordinate);
+  return {};
+}
+
+// Element k of a joint's, always there or not.
+template <std::size_t k, class E>
+struct Along {
+  using Element = E;
+  static void* in(JointForces& forces) { return &std::get<k>(forces); }
+  static void give(JointForces&) {}
+  static void take(JointForces& forces) { std::get<k>(forces) = {}; }
+};
+template <std::size_t k, class E>
+struct Along<k, std::optional<E>> {
+  using Element = E;
+  static void* in(JointForces& forces) { return std::get<k>(forces) ? &*std::get<k>(forces) : nullptr; }
+  static void give(JointForces& forces) { std::get<k>(forces).emplace(); }
+  static void take(JointForces& forces) { std::get<k>(forces).reset(); }
+};
+
+template <std::size_t k>
+JointForceKind describe_along() {
+  using Here = Along<k, std::tuple_element_t<k, JointForces>>;
+  using Element = typename Here::Element;
+  return {
+      .group = Element::group,
+      .summary = Element::summary,
+      .misfit = Element::misfit,
+      .fields = Element::fields(),
+      .fits = Element::fits,
+      .there = Here::in,
+      .defaults = []() -> const void* {
+        static const Element plain;
+        return &plain;
+      },
+      .give = Here::give,
+      .take = Here::take,
+      .fault = [](const JointForces& forces, const Coordinate& coordinate) -> std::optional<ElementFault> {
+        const void* there = Here::in(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
+        return there == nullptr ? std::nullopt : own_fault(*static_cast<const Element*>(there), coordinate);
+      },
+      .doubt = [](const JointForces& forces, double q, const Coordinate& coordinate) -> std::optional<ElementFault> {
+        const void* there = Here::in(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
+        if constexpr (requires(const Element& e) { e.doubt(q, coordinate); }) {
+          if (there != nullptr) return static_cast<const Element*>(there)->doubt(q, coordinate);
+        }
+        return {};
+      }};
+}
+
+template <std::size_t... k>
+std::span<const JointForceKind> describe_along_all(std::index_sequence<k...>) {
+  static const std::array<JointForceKind, sizeof...(k)> kinds = {describe_along<k>()...};
+  return kinds;
+}
+
+template <class E>
+bool acts(const E& element) {
+  if constexpr (requires { element.has_value(); }) {
+    return element.has_value();
+  } else {
+    return !element.is_idle();
+  }
+}
+
+}  // namespace
+
+template <class Any>
+std::span<const ElementKind> element_kinds() {
+  return describe_all(static_cast<const Any*>(nullptr));
+}
+template <class Any>
+Any make_element(std::size_t n) {
+  return make_nth(n, static_cast<const Any*>(nullptr));
+}
+template <class Any>
+std::span<const SignalGroup> inputs_of(const Any& element) {
+  return std::visit(
+      [](const auto& e) -> std::span<const SignalGroup> {
+        if constexpr (requires { e.inputs(); }) return e.inputs();
+        return {};
+      },
+      element);
+}
+template <class Any>
+std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coordinate) {
+  return std::visit([&](const auto& e) { return own_fault(e, coordinate); }, element);
+}
+
+bool holds_positions(const AnyConstraint& constraint) {
+  return std::visit(
+      [](const auto& c) {
+        if constexpr (BodyConstraint<std::decay_t<decltype(c)>>) return false;
+        if constexpr (requires { c.holds_position(); }) return c.holds_position();
+        return true;
+      },
+      constraint);
+}
+
+double inertia_of(const AnyMotor& motor) {
+  return std::visit(
+      [](const auto& m) -> double {
+        if constexpr (requires { m.inertia(); }) return m.inertia();
+        return 0;
+      },
+      motor);
+}
+
+std::span<const JointForceKind> joint_force_kinds() {
+  return describe_along_all(std::make_index_sequence<std::tuple_size_v<JointForces>>());
+}
+
+const void* JointForceKind::in(const JointForces& forces) const {
+  return there(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
+}
+
+bool is_idle(const JointForces& forces) {
+  return std::apply([](const auto&... force) { return !(acts(force) || ...); }, forces);
+}
+
+#define GELENK_SECTION(Any)                                    \
+  template std::span<const ElementKind> element_kinds<Any>();  \
+  template Any make_element<Any>(std::size_t);                 \
+  template std::span<const SignalGroup> inputs_of(const Any&); \
+  template std::optional<ElementFault> fault_of(const Any&, const Coordinate&);
+
+GELENK_SECTION(AnyMotor)
+GELENK_SECTION(AnyForce)
+GELENK_SECTION(AnyConstraint)
+GELENK_SECTION(AnySensor)
+#undef GELENK_SECTION
+
+}  // namespace gelenk

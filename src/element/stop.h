@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "element/coordinate_force.h"
+#include "util/text.h"
+
+namespace gelenk {
+
+// Pushes back while the coordinate lies beyond a bound, and never pulls: with the depth beyond it,
+// max(0, stiffness depth + damping d depth/dt).
+struct Stop {
+  static constexpr std::string_view group = "stop";
+  static constexpr std::string_view summary = "pushes back while the coordinate lies beyond a bound, and never pulls";
+  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint that moves
+  static bool fits(const JointKind& kind) { return kind.stops(); }
+
+  double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite: no bound
+  double upper = std::numeric_limits<double>::infinity();   // likewise
+  double stiffness = 0;                                     // N m/rad (N/m), more than 0
+  double damping = 0;                                       // N m s/rad (N s/m)
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&Stop::lower>({.name = "lower",
+                                                         .unit = "{q}",
+                                                         .text = "lower bound of its stop, on {coordinate}",
+                                                         .optional = true,
+                                                         .way = 1}),
+                                    field<&Stop::upper>({.name = "upper",
+                                                         .unit = "{q}",
+                                                         .text = "upper bound of its stop, on {coordinate}",
+                                                         .optional = true,
+                                                         .way = 1}),
+                                    field<&Stop::stiffness>({.name = "stiffness",
+                                                             .unit = "{f}/{q}",
+                                                             .text = "stiffness of its stop, on {coordinate}",
+                                                             .range = Range::positive,
+                                                             .required = true,
+                                                             .tunable = true}),
+                                    field<&Stop::damping>({.name = "damping",
+                                                           .unit = "{f}.s/{q}",
+                                                           .text = "damping of its stop, on {coordinate}",
+                                                           .range = Range::not_negative,
+                                                           .tunable = true})};
+    return all;
+  }
+
+  std::optional<ElementFault> fault(const Coordinate& at) const {
+    if (!(lower >= upper)) return {};
+    const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{q}", at))); };
+    return {{"lower", shown(lower), "less than upper, which is " + shown(upper)}};
+  }
+
+  // A start beyond a bound may be meant: what rests on a stop has pressed it in.
+  std::optional<ElementFault> doubt(double q, const Coordinate& at) const {
+    const double depth = std::max(lower - q, q - upper);
+    if (!(depth > 0)) return {};
+    const auto shown = [&](double x) { return text::with_unit(text::rounded(x), unit_of("{q}", at)); };
+    const std::string bound =
+        q > upper ? "at most stop.upper = " + shown(upper) : "at least stop.lower = " + shown(lower);
+    return {{"", shown(q),
+             bound + "; " + shown(depth) + " beyond it, the stop pushes with " + text::rounded(stiffness * depth, 3) +
+                 " " + spelled(unit_of("{f}", at))}};
+  }
+
+  // In the direction of the speed, by the branch it is on: 1 at the upper bound, -1 at the lower one, 0 at none.
+  template <class T>
+  T held(int side, const T& q, const T& v) const {
+    if (side > 0) return -(T(stiffness) * (q - T(upper)) + T(damping) * v);
+    if (side < 0) return T(stiffness) * (T(lower) - q) - T(damping) * v;
+    return T(0);
+  }
+  // The branch on which a state lies: it pushes, or there is none.
+  template <class T>
+  int side(const T& q, const T& v) const {
+    if (q > T(upper)) return held(1, q, v) < T(0) ? 1 : 0;
+    if (q < T(lower)) return held(-1, q, v) > T(0) ? -1 : 0;
+    return 0;
+  }
+  // What vanishes where it begins or ends to push, at the upper bound and at the lower one, and its rate, NaN where
+  // that is not known: beyond a bound it pushes where stiffness depth + damping rate > 0, so a damped one ends before
+  // the depth does.
+  void switches(double q, double v, double* g, double* gdot) const {
+    const double settling = damping / stiffness;  // s
+    for (const double side : {1.0, -1.0}) {
+      const double depth = side * (q - (side > 0 ? upper : lower));
+      const double rate = side * v;
+      const bool releasing = settling > 0 && rate < 0 && depth > 0;
+      *g++ = releasing ? depth + settling * rate : depth;
+      *gdot++ = releasing ? NAN : rate;
+    }
+  }
+  template <class T>
+  T effort(const T& q, const T& v, const T*) const {
+    return held(side(q, v), q, v);
+  }
+  template <class T>
+  T energy(const T& q) const {
+    const T depth = std::max({T(q - upper), T(lower - q), T(0)});
+    return T(stiffness / 2) * depth * depth;
+  }
+};
+
+}  // namespace gelenk

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "field/field.h"
+
+#include <algorithm>
+
+namespace gelenk {
+namespace {
+
+void replace(std::string& text, std::string_view placeholder, std::string_view by) {
+  for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at + by.size())) {
+    text.replace(at, placeholder.size(), by);
+  }
+}
+
+}  // namespace
+
+std::string unit_of(std::string_view unit, const Coordinate& coordinate) {
+  std::string out(unit);
+  const bool turns = coordinate.is_angle;
+  replace(out, "{q}", turns ? "rad" : "m");
+  replace(out, "{v}", turns ? "rad/s" : "m/s");
+  replace(out, "{a}", turns ? "rad/s2" : "m/s2");
+  replace(out, "{f}", turns ? "N.m" : "N");
+  replace(out, "{J}", turns ? "kg.m2" : "kg");
+  return out;
+}
+
+std::string unit_of(const Field& field, const Coordinate& coordinate, std::size_t i) {
+  const std::string unit = unit_of(field.unit, coordinate);
+  if (!field.by_time || i == 0) return unit;
+  return unit + "/s" + (i > 1 ? std::to_string(i) : "");
+}
+
+std::string spelled(std::string unit) {
+  if (unit == "1") return {};
+  std::ranges::replace(unit, '.', ' ');
+  return unit;
+}
+
+}  // namespace gelenk

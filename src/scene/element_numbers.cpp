@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/element_numbers.h"
+
+#include <algorithm>
+
+namespace gelenk {
+namespace {
+
+void replace(std::string& text, std::string_view placeholder, std::string_view by) {
+  for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at + by.size())) {
+    text.replace(at, placeholder.size(), by);
+  }
+}
+
+void each_number(const Field* group, std::span<const Field> fields, void* element, const VisitNumber& visit) {
+  for (const Field& field : fields) {
+    switch (field.type) {
+      case Field::Type::number:
+        if (double& x = field.of<double>(element); std::isfinite(x)) visit({group, &field, 0, 1, &x});
+        break;
+      case Field::Type::vector:
+        for (int i = 0; i < 3; ++i) visit({group, &field, i, 3, &field.of<Eigen::Vector3d>(element)[i]});
+        break;
+      case Field::Type::numbers: {
+        auto& list = field.of<std::vector<double>>(element);
+        const int size = static_cast<int>(list.size());
+        for (int i = 0; i < size; ++i) visit({group, &field, i, size, &list[static_cast<std::size_t>(i)]});
+        break;
+      }
+      case Field::Type::group:
+        if (void* there = field.in(element)) each_number(&field, field.inner(), there, visit);
+        break;
+      case Field::Type::direction:
+      case Field::Type::flag:
+      case Field::Type::choice:
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+std::string Number::path() const {
+  return (group == nullptr ? "" : std::string(group->name) + ".") + std::string(field->name);
+}
+
+std::string Number::index() const {
+  return field->type == Field::Type::number ? "" : "[" + std::to_string(i + 1) + "]";
+}
+
+void each_number(std::span<const Field> fields, void* element, const VisitNumber& visit) {
+  each_number(nullptr, fields, element, visit);
+}
+
+const JointKind* kind_of_joint(const Scene& scene, std::string_view joint) {
+  const auto found = std::ranges::find(scene.joints, joint, &Joint::name);
+  return found == scene.joints.end() ? nullptr : find_joint_kind(found->type);
+}
+
+Coordinate coordinate_of(const JointKind& kind, int i) {
+  const auto k = static_cast<std::size_t>(i);
+  return {.name = kind.springs() ? kind.q[k].name : std::string_view(),
+          .speed = kind.v[k].name,
+          .is_angle = kind.v[k].unit == "rad/s"};
+}
+
+std::string common_unit(const Field& field, const JointKind& kind) {
+  std::string unit;
+  for (int i = 0; i < kind.nv; ++i) {
+    const std::string own = spelled(unit_of(field, {.name = {}, .speed = {}, .is_angle = kind.v[i].unit == "rad/s"}));
+    if (i > 0 && own != unit) return {};
+    unit = own;
+  }
+  return unit;
+}
+
+int component_of(const JointKind& kind, std::string_view coordinate) {
+  const auto found = std::ranges::find(kind.q, coordinate, &Quantity::name);
+  return found == kind.q.end() ? 0 : static_cast<int>(found - kind.q.begin());
+}
+
+Coordinate coordinate_of(const JointKind* kind, std::string_view name) {
+  return kind == nullptr || kind->nv == 0 ? Coordinate{} : coordinate_of(*kind, component_of(*kind, name));
+}
+
+Coordinate coordinate_of(const Scene& scene, const ElementPlace& element) {
+  if (element.joints.empty()) return {};
+  return coordinate_of(kind_of_joint(scene, element.joints.front()), element.coordinate);
+}
+
+std::string filled_in(std::string_view text, const ElementPlace& element, const Coordinate& coordinate) {
+  std::string out(text);
+  if (!element.joints.empty()) replace(out, "{joint}", element.joints.front());
+  if (!element.frames.empty()) replace(out, "{body}", element.frames.front().body);
+  replace(out, "{coordinate}", coordinate.name);
+  replace(out, "{speed}", coordinate.speed);
+  replace(out, "{effort}", coordinate.effort());
+  replace(out, "{torque}", coordinate.is_angle ? "torque" : "force");
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a sensor or a constraint sees of a simulation (element/sensor.h, element/constraint.h).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+
+namespace gelenk {
+
+// Where a joint's wrench is known, and its frames.
+struct JointWrench {
+  // joint: of the scene, in the tree or cut.
+  JointWrench(const Scene& scene, const ReducedScene& reduced, int joint);
+
+  bool cut;
+  int index;       // link or cut
+  BodyPlace at;    // where it is known: frame of the link, or the cut's M
+  double side;     // -1: known on the parent
+  BodyPlace F, M;  // the joint's frames in the scene
+};
+
+// The ports of an element in a reduced scene.
+struct PortPlaces {
+  // Of the island where the element is, if any of its ports moves. with_wrench: that of its joint.
+  PortPlaces(const Scene& scene, const ReducedScene& reduced, const ElementPlace& element, bool with_wrench);
+
+  int island = -1;                // -1: all stands still, in the world
+  std::vector<BodyPlace> frames;  // those of bodies, then F and M of each joint
+  std::optional<JointWrench> wrench;
+};
+
+template <class T>
+struct SeenWrench {
+  Vector3<T> f, n;
+};
+
+// T: double, or numbers that carry derivatives.
+template <class T>
+class SeenPorts {
+ public:
+  using Pose = typename SpatialAlgebra<T>::Pose;
+
+  // dynamics: of the ports' island; null where there is none.
+  SeenPorts(const PortPlaces& places, const ReducedScene& reduced, const Readings<T>* dynamics)
+      : places_(places), reduced_(reduced), dynamics_(dynamics) {}
+
+  SeenFrame<T> frame(int k) const {
+    const BodyPlace& at = places_.frames[static_cast<std::size_t>(k)];
+    const Pose X_LP = pose_in<SpatialAlgebra<T>>(at.X_LB);
+    if (dynamics_ == nullptr) return {X_LP, Vector3<T>::Zero(), Vector3<T>::Zero()};
+    const Pose X_0L = pose_of(at);
+    const auto V = at.rod >= 0 ? dynamics_->rod_velocity(at.rod) : dynamics_->link_velocity(at.link);
+    return {X_0L * X_LP, X_0L.R * (V.v + V.w.cross(X_LP.p)), X_0L.R * V.w};
+  }
+  Pose X_W0() const {
+    if (dynamics_ == nullptr) return {};
+    return pose_in<SpatialAlgebra<T>>(reduced_.islands[static_cast<std::size_t>(places_.island)].X_W0);
+  }
+  SeenWrench<T> reaction() const {
+    const JointWrench& joint = *places_.wrench;
+    const Pose X_0J = pose_of(joint.at) * pose_in<SpatialAlgebra<T>>(joint.at.X_LB);
+    const auto F = joint.cut ? dynamics_->cut_reaction(joint.index) : dynamics_->tree_reaction(joint.index);
+    const Vector3<T> p_M = pose_of(joint.M).point(pose_in<SpatialAlgebra<T>>(joint.M.X_LB).p);
+    const Vector3<T> f = T(joint.side) * (X_0J.R * F.f);
+    return {f, T(joint.side) * (X_0J.R * F.n) + Vector3<T>(X_0J.p - p_M).cross(f)};
+  }
+
+ private:
+  Pose pose_of(const BodyPlace& at) const {
+    return at.rod >= 0 ? dynamics_->rod_pose(at.rod) : dynamics_->link_pose(at.link);
+  }
+
+  const PortPlaces& places_;
+  const ReducedScene& reduced_;
+  const Readings<T>* dynamics_;
+};
+
+// The energy of the mechanism, or a part of it.
+template <class T>
+struct SeenEnergy {
+  EnergyOf<T> of_whole;
+  const EnergyOf<T>& energy() const { return of_whole; }
+};
+
+// A constraint where it has gone.
+template <class T>
+class SeenConstraint {
+ public:
+  SeenConstraint(const ConstraintPlace& place, const ReducedScene& reduced, const Readings<T>& dynamics)
+      : place_(place), reduced_(reduced), dynamics_(dynamics) {}
+
+  T coordinate_force() const { return dynamics_.coordinate_force(place_.row); }
+  T contact_force(int row) const { return dynamics_.contact_force(place_.cut, row); }
+  auto X_WF() const {
+    const Mechanism& mechanism = reduced_.islands[static_cast<std::size_t>(place_.island)];
+    return pose_in<SpatialAlgebra<T>>(mechanism.X_W0) * dynamics_.plane_pose(place_.cut);
+  }
+  auto X_FM() const { return dynamics_.pose_on_plane(place_.cut); }
+
+ private:
+  const ConstraintPlace& place_;
+  const ReducedScene& reduced_;
+  const Readings<T>& dynamics_;
+};
+
+}  // namespace gelenk
