@@ -12,10 +12,10 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(util|field|element|scene|modelDescription|mechanism)/[^/]*$|/dynamics/extended_kernels\\.cpp$")
+  "/(util|field|element|scene|modelDescription|mechanism)/[^/]*$|/dynamics/(extended|extended_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(analysis/(assembly|branches|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|singular_start|structure)|dynamics/model|simulation/(adjustment|assemblies|closed_start|inertia|inspection|parameters|preparation|report|seen|settle|start))\\.cpp$")
+  "/(formulation/branch_acceleration|analysis/(assembly|branches|closing|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|row_space|singular_start|structure)|dynamics/model|simulation/(adjustment|assemblies|closed_start|inertia|inspection|parameters|outputs_extended|preparation|report|seen|settle|start))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")

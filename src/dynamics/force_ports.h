@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <tuple>
 
 #include "dynamics/coordinate_slopes.h"
 #include "dynamics/load_kernels_impl.h"
@@ -100,6 +101,38 @@ template <class E>
 std::array<Dual, dual_directions> constants(const E& element, const double* u) {
   std::array<Dual, dual_directions> out;
   for (int i = 0; i < inputs_along(element); ++i) out[i] = Dual(u[i]);
+  return out;
+}
+
+template <class Ports>
+auto still_ports(const Ports& ports, const Loads& loads) {
+  std::array<MovedPort, std::tuple_size_v<Ports>> out;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = still(ports[k], loads);
+  return out;
+}
+
+inline Eigen::Vector3d slope(const Vector3<Dual>& x, int direction) {
+  return {x[0].slope()[direction], x[1].slope()[direction], x[2].slope()[direction]};
+}
+
+// The last port moves, the others stand still: what a force does depends on how its ports are against each other. w, v:
+// how the last one turns and moves so.
+template <class E, class Ports>
+PortSlopes slopes_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
+                           const Eigen::Vector3d& v) {
+  const auto input = constants(element, u);
+  PortSlopes out;
+  for (const bool of_rates : {false, true}) {
+    Ports moved = ports;
+    move(moved.back(), w, v, of_rates);
+    element.act(moved.data(), input.data());
+    for (int d = 0; d < 3; ++d) {
+      (of_rates ? out.f_v : out.f_p).col(d) = slope(moved.back().f, d);
+      (of_rates ? out.f_w : out.f_a).col(d) = slope(moved.back().f, 3 + d);
+      (of_rates ? out.n_v : out.n_p).col(d) = slope(moved.back().n, d);
+      (of_rates ? out.n_w : out.n_a).col(d) = slope(moved.back().n, 3 + d);
+    }
+  }
   return out;
 }
 

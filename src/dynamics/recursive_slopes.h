@@ -82,10 +82,10 @@ class RecursiveSlopes {
                                    const Point& at) const;
   void set_loads(const Point& at, int inputs);
   void load_slopes(const Point& at, Slopes& by, Slopes& out);
-  template <class F>
-  void force_slopes(const PlacedForce<F>& force, const Pair& of, const Point& at, Slopes& by, Slopes& out) const;
+  void force_slopes(const PortSlopes& K, const Attachment& last, const Pair& of, Slopes& by) const;
   template <class F>
   void force_input_slopes(const PlacedForce<F>& force, const Pair& of, const double* u, Slopes& out) const;
+  void add_input_slope(const Force& F, const Pair& of, int input, Slopes& out) const;
   void cut_load_slopes(int c, const Point& at, Slopes& by, Slopes& out);
   void cut_input_slopes(int c, const Point& at, Slopes& out);
   void cut_input_slope(int c, int input, const typename Dually::Motion& V, const Point& at, Slopes& out);

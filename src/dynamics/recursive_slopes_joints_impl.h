@@ -3,6 +3,7 @@
 // so numbers that carry derivatives do for it alone.
 #pragma once
 
+#include "dynamics/force_ports.h"
 #include "dynamics/recursive_slopes_impl.h"
 
 namespace gelenk {
@@ -11,9 +12,6 @@ namespace detail {
 inline Planar::Motion values(const PlanarAlgebra<Dual>::Motion& V) { return {V.w.value(), V.x.value(), V.y.value()}; }
 inline Planar::Motion slope(const PlanarAlgebra<Dual>::Motion& V, int k) {
   return {V.w.slope()[k], V.x.slope()[k], V.y.slope()[k]};
-}
-inline Eigen::Vector3d slope(const Vector3<Dual>& x, int k) {
-  return {x[0].slope()[k], x[1].slope()[k], x[2].slope()[k]};
 }
 inline Spatial::Motion values(const SpatialAlgebra<Dual>::Motion& V) {
   const auto value = [](const Dual& x) { return x.value(); };

@@ -184,7 +184,11 @@ template <class A>
 void RecursiveSlopes<A>::load_slopes(const Point& at, Slopes& by, Slopes& out) {
   std::size_t n = 0;
   each_list(loads_.forces, [&](const auto& list) {
-    for (const auto& force : list) force_slopes(force, forces_[n++], at, by, out);
+    for (const auto& force : list) {
+      const Pair& of = forces_[n++];
+      force_slopes(port_slopes(force, at.u + force.input), force.at.back(), of, by);
+      if (out.of_inputs) force_input_slopes(force, of, at.u, out);
+    }
   });
   for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
     if (!loads_.cuts[c].empty()) cut_load_slopes(c, at, by, out);
@@ -202,46 +206,27 @@ auto RecursiveSlopes<A>::ports_at(const PlacedForce<F>& force) const {
   return out;
 }
 
-// The last port moves, the first one stands still: what a force does depends on how they are against each other.
+// By hand, or by dual numbers.
 template <class A>
 template <class F>
 PortSlopes RecursiveSlopes<A>::port_slopes(const PlacedForce<F>& force, const double* u) const {
-  auto ports = ports_at(force);
+  const auto ports = ports_at(force);
   if constexpr (requires { force.element.slopes(ports.data(), u); }) {
     return force.element.slopes(ports.data(), u);
   } else {
     const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
     const Motion U = body_[force.at.back().link].V - body_[link_a].V;
-    const auto input = detail::constants(force.element, u);
-    PortSlopes out;
-    for (const bool of_rates : {false, true}) {
-      std::array<detail::MovedPort, PlacedForce<F>::ports> moved;
-      for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = detail::still(ports[k], loads_);
-      detail::move(moved.back(), detail::angular(U), detail::velocity(U, ports.back().p()), of_rates);
-      force.element.act(moved.data(), input.data());
-      const detail::MovedPort& last = moved.back();
-      for (int i = 0; i < 3; ++i) {
-        for (int d = 0; d < 3; ++d) {
-          (of_rates ? out.f_v : out.f_p)(i, d) = last.f[i].slope()[d];
-          (of_rates ? out.f_w : out.f_a)(i, d) = last.f[i].slope()[3 + d];
-          (of_rates ? out.n_v : out.n_p)(i, d) = last.n[i].slope()[d];
-          (of_rates ? out.n_w : out.n_a)(i, d) = last.n[i].slope()[3 + d];
-        }
-      }
-    }
-    return out;
+    const auto moved = detail::still_ports(ports, loads_);
+    return detail::slopes_by_duals(force.element, moved, u, detail::angular(U), detail::velocity(U, ports.back().p()));
   }
 }
 
 // Of S . L, L being the force that the last port needs, f and n at its point p: with x = v + w x p, S = (w | v),
 //   d(x . f + w . n) = (f x w) . dp + x . df + w . dn.
 template <class A>
-template <class F>
-void RecursiveSlopes<A>::force_slopes(const PlacedForce<F>& force, const Pair& of, const Point& at, Slopes& by,
-                                      Slopes& out) const {
-  const PortSlopes K = port_slopes(force, at.u + force.input);
-  const Body& on = body_[force.at.back().link];
-  const Eigen::Vector3d p = kernels::point<double>(on.X, force.at.back());
+void RecursiveSlopes<A>::force_slopes(const PortSlopes& K, const Attachment& last, const Pair& of, Slopes& by) const {
+  const Body& on = body_[last.link];
+  const Eigen::Vector3d p = kernels::point<double>(on.X, last);
   const Eigen::Vector3d f = detail::linear(of.needed);
   const auto changes = [&](const Motion& S) -> Change {
     const Eigen::Vector3d x = detail::velocity(S, p);
@@ -259,7 +244,6 @@ void RecursiveSlopes<A>::force_slopes(const PlacedForce<F>& force, const Pair& o
   } else {
     add_pair<false>(of, on.V, changes, by);
   }
-  if (out.of_inputs) force_input_slopes(force, of, at.u, out);
 }
 
 template <class A>
@@ -271,21 +255,21 @@ void RecursiveSlopes<A>::force_input_slopes(const PlacedForce<F>& force, const P
   const auto ports = ports_at(force);
   auto input = detail::constants(force.element, u + force.input);
   for (int i = 0; i < inputs; ++i) input[i].slope()[i] = 1;
-  std::array<detail::MovedPort, PlacedForce<F>::ports> moved;
-  for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = detail::still(ports[k], loads_);
+  auto moved = detail::still_ports(ports, loads_);
   force.element.act(moved.data(), input.data());
-  const detail::MovedPort& last = moved.back();
   for (int i = 0; i < inputs; ++i) {
-    Eigen::Vector3d f, n;
-    for (int d = 0; d < 3; ++d) {
-      f[d] = last.f[d].slope()[i];
-      n[d] = last.n[d].slope()[i];
-    }
-    const Force F_0 = detail::force_at<A>(ports.back().p(), f, n);
-    for (const auto& [runs, sign] : {std::pair(&of.runs_a, 1), std::pair(&of.runs_b, -1)}) {
-      for (const Run run : *runs) {
-        for (int t = run.first; t < run.last; ++t) out.r_u(t, force.input + i) += sign * A::dot(S_of_[t], F_0);
-      }
+    const Force by_input =
+        detail::force_at<A>(ports.back().p(), detail::slope(moved.back().f, i), detail::slope(moved.back().n, i));
+    add_input_slope(by_input, of, force.input + i, out);
+  }
+}
+
+// F: what an input adds to the force on the last link.
+template <class A>
+void RecursiveSlopes<A>::add_input_slope(const Force& F, const Pair& of, int input, Slopes& out) const {
+  for (const auto& [runs, sign] : {std::pair(&of.runs_a, 1), std::pair(&of.runs_b, -1)}) {
+    for (const Run run : *runs) {
+      for (int t = run.first; t < run.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
     }
   }
 }
@@ -358,11 +342,7 @@ void RecursiveSlopes<A>::cut_input_slope(int c, int input, const typename Dually
   u_[input].slope()[0] = 1;
   const Force F = X.to_parent(detail::slope(cut_force(c, detail::constant(ws_.X_FM[c]), V, at), 0));
   u_[input].slope()[0] = 0;
-  for (const auto& [runs, sign] : {std::pair(&cut_loads_[c].runs_a, 1), std::pair(&cut_loads_[c].runs_b, -1)}) {
-    for (const Run run : *runs) {
-      for (int t = run.first; t < run.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
-    }
-  }
+  add_input_slope(F, cut_loads_[c], input, out);
 }
 
 }  // namespace gelenk

@@ -34,7 +34,7 @@ std::span<const ElementKind> describe_all(const std::variant<E...>*) {
 template <class... E>
 std::variant<E...> make_nth(std::size_t n, const std::variant<E...>*) {
   using Maker = std::variant<E...> (*)();
-  static constexpr std::array<Maker, sizeof...(E)> makers = {[]() { return std::variant<E...>(E()); }...};
+  static constexpr std::array<Maker, sizeof...(E)> makers = {[] { return std::variant<E...>(E()); }...};
   return makers.at(n)();
 }
 

@@ -26,7 +26,7 @@ std::string unit_of(std::string_view unit, const Coordinate& coordinate) {
 }
 
 std::string unit_of(const Field& field, const Coordinate& coordinate, std::size_t i) {
-  const std::string unit = unit_of(field.unit, coordinate);
+  std::string unit = unit_of(field.unit, coordinate);
   if (!field.by_time || i == 0) return unit;
   return unit + "/s" + (i > 1 ? std::to_string(i) : "");
 }

@@ -72,7 +72,7 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
   const std::string unit = unit_for_people(field, coordinate);
   switch (field.type) {
     case Field::Type::number: {
-      double& x = field.of<double>(element);
+      auto& x = field.of<double>(element);
       x = read_number(value, path, faults, unit, field.range).value_or(x);
       return;
     }
