@@ -17,6 +17,7 @@
 #include "joint/prismatic.h"
 #include "joint/reversed.h"
 #include "joint/revolute.h"
+#include "joint/screw.h"
 #include "joint/spherical.h"
 #include "joint/universal.h"
 #include "joint/weld.h"
@@ -24,7 +25,7 @@
 namespace gelenk {
 
 // Most used first: the order of the tests when a joint's kind is looked at while computing.
-using AnyJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Weld>;
+using AnyJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Screw, Weld>;
 
 namespace detail {
 
