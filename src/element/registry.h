@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "element/bushing.h"
 #include "element/drive.h"
 #include "element/energy_sensor.h"
 #include "element/frame_sensor.h"
@@ -25,7 +26,7 @@
 namespace gelenk {
 
 using AnyMotor = std::variant<Drive>;
-using AnyForce = std::variant<SpringDamper, Wrench>;
+using AnyForce = std::variant<SpringDamper, Wrench, Bushing>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor>;
 
