@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "element/bushing.h"
+#include "element/distance.h"
 #include "element/drive.h"
 #include "element/energy_sensor.h"
 #include "element/frame_sensor.h"
@@ -28,7 +29,7 @@ namespace gelenk {
 using AnyMotor = std::variant<Drive>;
 using AnyForce = std::variant<SpringDamper, Wrench, Bushing>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
-using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor>;
+using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance>;
 
 // What a joint has along each of its coordinates. std::optional: what is there or not.
 using JointForces = std::tuple<JointDamper, JointSpring, std::optional<Stop>>;

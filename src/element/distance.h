@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "element/sensor.h"
+
+namespace gelenk {
+
+// How far two points are apart, and how fast that grows; where they meet, it can only grow: by their relative velocity.
+struct Distance {
+  static constexpr std::string_view kind = "distance";
+  static constexpr std::string_view summary = "distance of two points and its rate";
+  static constexpr Port ports[] = {{.kind = Port::Kind::point, .name = "from", .text = "One point"},
+                                   {.kind = Port::Kind::point, .name = "to", .text = "The other point"}};
+
+  static std::span<const Field> fields() { return {}; }
+  static constexpr SignalGroup outputs[] = {{"d", 0, "m", "distance of two points", Stage::position},
+                                            {"v", 0, "m/s", "rate of the distance of two points", Stage::velocity}};
+
+  template <class Seen>
+  auto output(const Seen& seen, int group, int) const {
+    const auto from = seen.frame(0);
+    const auto to = seen.frame(1);
+    using T = std::decay_t<decltype(from.v[0])>;
+    const Vector3<T> way = to.X_0P.p - from.X_0P.p;
+    const Vector3<T> v = to.v - from.v;
+    const T d = way.norm();
+    if (group == 0) return d;
+    return d > T(0) ? T(way.dot(v) / d) : T(v.norm());
+  }
+};
+
+}  // namespace gelenk
