@@ -17,6 +17,7 @@
 #include "element/joint_spring.h"
 #include "element/knife_edge.h"
 #include "element/motion.h"
+#include "element/power.h"
 #include "element/rack.h"
 #include "element/reaction.h"
 #include "element/rolling.h"
@@ -29,7 +30,7 @@ namespace gelenk {
 using AnyMotor = std::variant<Drive>;
 using AnyForce = std::variant<SpringDamper, Wrench, Bushing>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
-using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance>;
+using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 
 // What a joint has along each of its coordinates. std::optional: what is there or not.
 using JointForces = std::tuple<JointDamper, JointSpring, std::optional<Stop>>;
