@@ -9,6 +9,7 @@
 
 #include "element/bushing.h"
 #include "element/distance.h"
+#include "element/drag.h"
 #include "element/drive.h"
 #include "element/energy_sensor.h"
 #include "element/frame_sensor.h"
@@ -28,7 +29,7 @@
 namespace gelenk {
 
 using AnyMotor = std::variant<Drive>;
-using AnyForce = std::variant<SpringDamper, Wrench, Bushing>;
+using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "element/force.h"
+
+namespace gelenk {
+
+// A force on a body at a point, against the point's velocity v in the world: -(damping + coefficient |v|) v.
+struct Drag {
+  static constexpr std::string_view kind = "drag";
+  static constexpr std::string_view summary = "a force against the velocity of a point";
+  static constexpr Port ports[] = {
+      {.kind = Port::Kind::frame, .name = "", .text = "Where it acts", .on_ground = false}};
+
+  double damping = 0;      // N s/m
+  double coefficient = 0;  // N s2/m2: density times drag area, halved
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&Drag::damping>({.name = "damping",
+                                                           .unit = "N.s/m",
+                                                           .text = "force by velocity",
+                                                           .range = Range::not_negative,
+                                                           .tunable = true}),
+                                    field<&Drag::coefficient>({.name = "coefficient",
+                                                               .unit = "N.s2/m2",
+                                                               .text = "force by velocity squared",
+                                                               .range = Range::not_negative,
+                                                               .tunable = true})};
+    return all;
+  }
+
+  bool is_idle() const { return damping == 0 && coefficient == 0; }
+
+  template <class At, class T>
+  void act(At* at, const T*) const {
+    const Vector3<T> v = at[0].v();
+    Vector3<T> f = T(-damping) * v;
+    const T size = v.norm();
+    if (size > T(0)) f -= T(coefficient) * size * v;  // at rest it and its derivative are 0
+    at[0].push(f);
+  }
+};
+
+}  // namespace gelenk
