@@ -17,6 +17,7 @@
 #include "element/joint_damper.h"
 #include "element/joint_spring.h"
 #include "element/knife_edge.h"
+#include "element/moment.h"
 #include "element/motion.h"
 #include "element/power.h"
 #include "element/rack.h"
@@ -29,7 +30,7 @@
 namespace gelenk {
 
 using AnyMotor = std::variant<Drive>;
-using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag>;
+using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag, Moment>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 

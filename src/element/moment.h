@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "element/force.h"
+
+namespace gelenk {
+
+// A torque on a body, against its angular velocity w in the world: -(damping + coefficient |w|) w.
+struct Moment {
+  static constexpr std::string_view kind = "moment";
+  static constexpr std::string_view summary = "a torque against the angular velocity of a body";
+  static constexpr Port ports[] = {
+      {.kind = Port::Kind::body, .name = "", .text = "On which it acts", .on_ground = false}};
+
+  double damping = 0;      // N m s/rad
+  double coefficient = 0;  // N m s2/rad2
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {field<&Moment::damping>({.name = "damping",
+                                                             .unit = "N.m.s/rad",
+                                                             .text = "torque by angular velocity",
+                                                             .range = Range::not_negative,
+                                                             .tunable = true}),
+                                    field<&Moment::coefficient>({.name = "coefficient",
+                                                                 .unit = "N.m.s2/rad2",
+                                                                 .text = "torque by angular velocity squared",
+                                                                 .range = Range::not_negative,
+                                                                 .tunable = true})};
+    return all;
+  }
+
+  bool is_idle() const { return damping == 0 && coefficient == 0; }
+
+  template <class At, class T>
+  void act(At* at, const T*) const {
+    const Vector3<T> w = at[0].w();
+    Vector3<T> n = T(-damping) * w;
+    const T size = w.norm();
+    if (size > T(0)) n -= T(coefficient) * size * w;  // at rest it and its derivative are 0
+    at[0].push(Vector3<T>(Vector3<T>::Zero()), n);
+  }
+};
+
+}  // namespace gelenk
