@@ -75,9 +75,12 @@ class Outputs {
     double sign = 1;    // constant: the value
   };
   Source joint_source(const Signal& signal) const;
+  // Not inline: value() is called for each state of a joint, and is short without them.
   // dynamics: null where all its ports stand still.
   template <class T>
-  T sensor_value(const Source& source, const Readings<T>* dynamics) const;
+  [[gnu::noinline]] T sensor_value(const Source& source, const Readings<T>* dynamics) const;
+  template <class T>
+  [[gnu::noinline]] T constraint_value(const Source& source, const Readings<T>& dynamics) const;
   Source element_source(const Scene& scene, const Signal& signal) const;
 
   const ReducedScene& reduced_;

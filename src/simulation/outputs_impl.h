@@ -31,11 +31,8 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return component([&](T* joint) { reading.dynamics.cut_accelerations(s.index, joint); });
     case Kind::sensor:
       return sensor_value<T>(s, &reading.dynamics);
-    case Kind::constraint: {
-      const auto i = static_cast<std::size_t>(s.index);
-      const SeenConstraint<T> seen(reduced_.constraints[i], reduced_, reading.dynamics);
-      return std::visit([&](const auto& c) { return T(c.output(seen, s.group, s.component)); }, constraints_[i]);
-    }
+    case Kind::constraint:
+      return constraint_value<T>(s, reading.dynamics);
     case Kind::constant:
     case Kind::whole:
       break;
@@ -55,6 +52,13 @@ T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const
           return sensor.output(seen, source.group, source.component);
       },
       sensors_[i]);
+}
+
+template <class T>
+T Outputs::constraint_value(const Source& source, const Readings<T>& dynamics) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  const SeenConstraint<T> seen(reduced_.constraints[i], reduced_, dynamics);
+  return std::visit([&](const auto& c) { return T(c.output(seen, source.group, source.component)); }, constraints_[i]);
 }
 
 template <class T>

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mechanisms import Scene, body, frame, joint, matrix, scene
+from mechanisms import Array, Scene, body, frame, joint, matrix, scene
 from scipy.spatial.transform import Rotation
 
 import gelenk
@@ -29,10 +29,10 @@ def hung(start: dict[str, Any], **bushing: Any) -> Scene:
     )
 
 
-def decay(m: float, c: float, k: float, x_0: float, t: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+def decay(m: float, c: float, k: float, x_0: float, t: Array) -> Array:
     s = np.sqrt(complex(c * c - 4 * m * k))
     a, b = (-c + s) / (2 * m), (-c - s) / (2 * m)
-    return ((a * np.exp(b * t) - b * np.exp(a * t)) * x_0 / (a - b)).real
+    return np.real((a * np.exp(b * t) - b * np.exp(a * t)) * x_0 / (a - b))
 
 
 @pytest.mark.parametrize("i", range(3))
