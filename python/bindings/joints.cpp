@@ -4,8 +4,10 @@
 // space, with the plane's normal along z.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <stdexcept>
@@ -15,6 +17,7 @@
 
 #include "algebras.h"
 #include "bindings.h"
+#include "elements.h"
 #include "joint/registry.h"
 
 namespace nb = nanobind;
@@ -38,8 +41,9 @@ class JointInAlgebra {
   }
 
  public:
-  JointInAlgebra(const std::string& kind, std::vector<Eigen::Vector3d> axes, bool planar)
+  JointInAlgebra(const std::string& kind, std::vector<Eigen::Vector3d> axes, bool planar, const ElementNumbers& numbers)
       : axes_(std::move(axes)), joint_(make(kind, axes_)), planar_(planar) {
+    for (const auto& [name, value] : numbers) put_number(kind_of(joint_).fields, data_of(joint_), name, value);
     if (planar && kind_of(joint_).planar == PlanarRole::never)
       throw std::invalid_argument(kind + " joints leave the plane; planar algebra has none");
   }
@@ -168,10 +172,16 @@ nb::list kinds() {
     entry["quaternion"] = kind.has_quaternion();
     entry["q_zero"] = std::vector<double>(kind.q_zero.begin(), kind.q_zero.end());
     for (const auto& [key, quantities] : {std::pair{"q", kind.q}, std::pair{"v", kind.v}, std::pair{"a", kind.a}}) {
-      nb::list names;
-      for (const Quantity& quantity : quantities) names.append(std::string(quantity.name));
+      nb::list names, units;
+      for (const Quantity& quantity : quantities) {
+        names.append(std::string(quantity.name));
+        units.append(std::string(quantity.unit));
+      }
       entry[key] = names;
+      entry[(std::string(key) + "_units").c_str()] = units;
     }
+    const AnyJoint plain = make_joint(kind.name, default_axes(kind));
+    entry["fields"] = shown_fields(kind.fields, data_of(plain));
     out.append(entry);
   }
   return out;
@@ -183,8 +193,9 @@ void bind_joints(nb::module_& module) {
   nb::module_ m = module.def_submodule("joints", "The functions of every kind of joint, see src/joint/base.h.");
   m.def("kinds", &kinds, "All kinds of joint: name, sizes, names of coordinates, speeds and accelerations.");
   nb::class_<JointInAlgebra>(m, "Joint")
-      .def(nb::init<const std::string&, std::vector<Eigen::Vector3d>, bool>(), nb::arg("kind"),
-           nb::arg("axes") = std::vector<Eigen::Vector3d>{}, nb::arg("planar") = false)
+      .def(nb::init<const std::string&, std::vector<Eigen::Vector3d>, bool, const ElementNumbers&>(), nb::arg("kind"),
+           nb::arg("axes") = std::vector<Eigen::Vector3d>{}, nb::arg("planar") = false,
+           nb::arg("numbers") = ElementNumbers{})
       .def_prop_ro("nq", &JointInAlgebra::nq)
       .def_prop_ro("nv", &JointInAlgebra::nv)
       .def("X_FM", &JointInAlgebra::X_FM, nb::arg("q"))

@@ -12,4 +12,5 @@ NB_MODULE(_core, m) {
   gelenk::bind_fmu(m);
   gelenk::bind_fmu_log(m);
   gelenk::bind_joints(m);
+  gelenk::bind_elements(m);
 }

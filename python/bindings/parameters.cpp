@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "bindings.h"
+#include "scene/settable.h"
 #include "simulation/simulation.h"
 
 namespace nb = nanobind;
@@ -48,6 +49,13 @@ Scene with_parameters(const Scene& scene, const std::vector<Setting>& settings) 
   return gelenk::checked(changed);
 }
 
+// Paths with the number of numbers behind each.
+std::vector<std::pair<std::string, int>> settable_paths(const Scene& scene) {
+  std::vector<std::pair<std::string, int>> out;
+  for (const gelenk::Settable& settable : gelenk::settables(scene)) out.emplace_back(settable.path, settable.size);
+  return out;
+}
+
 }  // namespace
 
 void gelenk::bind_parameters(nb::module_& m) {
@@ -59,8 +67,11 @@ void gelenk::bind_parameters(nb::module_& m) {
       .def_ro("items", &Parameter::items, "Names of an enumeration's values.")
       .def_ro("min", &Parameter::min)
       .def_ro("max", &Parameter::max)
+      .def_ro("tunable", &Parameter::tunable, "Whether it may change during a run.")
       .def("value", [](const Parameter& p, const Scene& scene) { return p.get(scene); }, nb::arg("scene"));
   m.def("list_parameters", &gelenk::scene_parameters, nb::arg("scene"), "All parameters of the scene.");
+  m.def("list_settables", &settable_paths, nb::arg("scene"),
+        "What a scene can list under `parameters`: (path in the file, number of numbers), gravity first.");
   m.def("with_parameters", &with_parameters, nb::arg("scene"), nb::arg("settings"),
         "A copy of the scene with these (name, value) settings. Raises UsageError, SceneError.");
 }

@@ -350,6 +350,12 @@ void gelenk::bind_simulation(nb::module_& m) {
       .def(
           "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
           "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+      .def(
+          "tune", [](Plant& p, const gelenk::Scene& scene) { p.with([&](Simulation& s) { s.tune(scene); }); },
+          nb::arg("scene"),
+          "Take the tunable numbers of this scene, otherwise the one that it was made of, as an input that jumps. "
+          "After "
+          "initialize(). Raises UsageError.")
       .def("save", save,
            "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
            "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")

@@ -37,7 +37,12 @@ class Case:
         return [np.array(axis) / np.linalg.norm(axis) for axis in self.axes]
 
     def joint(self) -> Any:
-        return joints.Joint(self.kind["name"], self.unit_axes(), self.planar)
+        return joints.Joint(self.kind["name"], self.unit_axes(), self.planar, self.numbers)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """A general value of each of its fields."""
+        return {field["name"]: 0.37 + 0.1 * k for k, field in enumerate(self.kind["fields"])}
 
     @property
     def directions(self) -> list[int]:

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What kinds of elements there are, and their numbers, for Python. No kind is known here: the registry lists them.
+#include "elements.h"
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+
+#include "element/registry.h"
+#include "joint/registry.h"
+
+namespace nb = nanobind;
+
+namespace gelenk {
+namespace {
+
+const char* type_name(Field::Type type) {
+  static constexpr const char* names[] = {"number", "vector", "direction", "numbers", "flag", "choice", "group"};
+  return names[static_cast<int>(type)];
+}
+const char* range_name(Range range) {
+  static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero"};
+  return names[static_cast<int>(range)];
+}
+const char* kind_name(Port::Kind kind) {
+  static constexpr const char* names[] = {"frame", "point", "body", "joint"};
+  return names[static_cast<int>(kind)];
+}
+
+nb::object shown(const Eigen::Vector3d& x) { return nb::cast(std::vector<double>(x.begin(), x.end())); }
+
+// What the element's field holds.
+nb::object value_in(const Field& field, const void* element) {
+  switch (field.type) {
+    case Field::Type::number:
+      return nb::cast(field.of<double>(element));
+    case Field::Type::vector:
+      return shown(field.of<Eigen::Vector3d>(element));
+    case Field::Type::direction:
+      return shown(field.of<Direction>(element).along);
+    case Field::Type::numbers:
+      return nb::cast(field.of<std::vector<double>>(element));
+    case Field::Type::flag:
+      return nb::cast(field.of<bool>(element));
+    case Field::Type::choice:
+      return nb::cast(field.of<Choice>(element).index);
+    case Field::Type::group:
+      break;
+  }
+  return nb::none();
+}
+
+template <class Strings>
+nb::list listed(const Strings& strings) {
+  nb::list out;
+  for (const std::string_view s : strings) out.append(std::string(s));
+  return out;
+}
+
+template <class Fits>
+nb::list joints_that_fit(const Fits& fits) {
+  nb::list out;
+  for (const JointKind& kind : joint_kinds()) {
+    if (fits(kind)) out.append(std::string(kind.name));
+  }
+  return out;
+}
+
+nb::list shown(std::span<const Port> ports) {
+  nb::list out;
+  for (const Port& port : ports) {
+    nb::dict entry;
+    entry["kind"] = kind_name(port.kind);
+    entry["name"] = std::string(port.name);
+    entry["optional"] = port.optional;
+    entry["on_ground"] = port.on_ground;
+    entry["has_coordinate"] = port.has_coordinate;
+    entry["fits"] = joints_that_fit([&](const JointKind& kind) {
+      return port.kind == Port::Kind::joint && (port.fits == nullptr || port.fits(kind));
+    });
+    out.append(entry);
+  }
+  return out;
+}
+
+template <class Any>
+nb::list section() {
+  nb::list out;
+  for (std::size_t n = 0; n < element_kinds<Any>().size(); ++n) {
+    const ElementKind& kind = element_kinds<Any>()[n];
+    const Any plain = make_element<Any>(n);
+    nb::dict entry;
+    entry["name"] = std::string(kind.kind);
+    entry["summary"] = std::string(kind.summary);
+    entry["ports"] = shown(kind.ports);
+    entry["fields"] = shown_fields(kind.fields, data_of(plain));
+    entry["outputs"] = shown_signals(kind.outputs);
+    entry["between_bodies"] = kind.is_between_bodies;
+    out.append(entry);
+  }
+  return out;
+}
+
+nb::list along_joints() {
+  nb::list out;
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    nb::dict entry;
+    entry["name"] = name_along(kind.group, kind.fields);
+    entry["group"] = std::string(kind.group);
+    entry["summary"] = std::string(kind.summary);
+    entry["fits"] = joints_that_fit(kind.fits);
+    entry["fields"] = shown_fields(kind.fields, kind.defaults());
+    out.append(entry);
+  }
+  return out;
+}
+
+Eigen::Vector3d vector_of(const std::vector<double>& list, const std::string& name) {
+  if (list.size() != 3) throw std::invalid_argument(name + " has three numbers");
+  return {list[0], list[1], list[2]};
+}
+
+}  // namespace
+
+nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
+  nb::list out;
+  for (const Field& field : fields) {
+    nb::dict entry;
+    entry["name"] = std::string(field.name);
+    entry["unit"] = std::string(field.unit);
+    entry["text"] = std::string(field.text);
+    entry["type"] = type_name(field.type);
+    entry["range"] = range_name(field.range);
+    entry["required"] = field.required;
+    entry["optional"] = field.optional;
+    entry["tunable"] = field.tunable;
+    entry["settable"] = field.settable;
+    entry["by_time"] = field.by_time;
+    entry["way"] = field.way;
+    entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.least;
+    entry["words"] = listed(field.words);
+    entry["default"] = value_in(field, defaults);
+    const bool group = field.type == Field::Type::group;
+    entry["fields"] = group ? shown_fields(field.inner(), field.defaults()) : nb::list();
+    out.append(entry);
+  }
+  return out;
+}
+
+nb::dict shown_kinds() {
+  nb::dict out;
+  out["motors"] = section<AnyMotor>();
+  out["forces"] = section<AnyForce>();
+  out["constraints"] = section<AnyConstraint>();
+  out["sensors"] = section<AnySensor>();
+  out["joints"] = along_joints();
+  return out;
+}
+
+std::string name_along(std::string_view group, std::span<const Field> fields) {
+  return std::string(group.empty() ? fields.front().name : group);
+}
+
+nb::list shown_signals(std::span<const SignalGroup> groups) {
+  nb::list out;
+  for (const SignalGroup& group : groups) {
+    nb::dict entry;
+    entry["name"] = std::string(group.name);
+    entry["size"] = group.size == 0 ? 1 : group.size;
+    entry["unit"] = std::string(group.unit);
+    out.append(entry);
+  }
+  return out;
+}
+
+void put_number(std::span<const Field> fields, void* element, const std::string& name,
+                const ElementNumbers::mapped_type& value) {
+  const std::string first = name.substr(0, name.find('.'));
+  for (const Field& field : fields) {
+    if (field.name != first) continue;
+    if (field.type == Field::Type::group) {
+      if (field.in(element) == nullptr) field.give(element);
+      return put_number(field.inner(), field.in(element), name.substr(first.size() + 1), value);
+    }
+    const auto* list = std::get_if<std::vector<double>>(&value);
+    const auto number = [&] {
+      if (list != nullptr) throw std::invalid_argument(name + " is a number");
+      return std::get<double>(value);
+    };
+    const auto numbers = [&] {
+      if (list == nullptr) throw std::invalid_argument(name + " is a list of numbers");
+      return *list;
+    };
+    switch (field.type) {
+      case Field::Type::number:
+        field.of<double>(element) = number();
+        return;
+      case Field::Type::vector:
+        field.of<Eigen::Vector3d>(element) = vector_of(numbers(), name);
+        return;
+      case Field::Type::direction:
+        field.of<Direction>(element).along = vector_of(numbers(), name).normalized();
+        return;
+      case Field::Type::numbers:
+        field.of<std::vector<double>>(element) = numbers();
+        return;
+      case Field::Type::flag:
+        field.of<bool>(element) = number() != 0;
+        return;
+      default:
+        field.of<Choice>(element).index = static_cast<int>(number());
+        return;
+    }
+  }
+  throw std::invalid_argument("no field is called " + name);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The elements of src/element, kind by kind, for the tests of the laws that every one must obey. No kind is known here:
+// the registry lists them.
+#include "elements.h"
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "algebras.h"
+#include "bindings.h"
+#include "dynamics/force_ports.h"
+#include "element/registry.h"
+
+namespace nb = nanobind;
+
+namespace gelenk {
+namespace {
+
+template <class E>
+std::string name_of() {
+  if constexpr (requires { E::kind; }) {
+    return std::string(E::kind);
+  } else {
+    return name_along(E::group, E::fields());
+  }
+}
+
+// One of that name among the alternatives of a variant, with these numbers.
+template <class... E>
+std::variant<E...> made(const std::variant<E...>*, const std::string& kind, const ElementNumbers& numbers) {
+  std::variant<E...> out;
+  const auto take = [&]<class One>(const One& plain) {
+    if (name_of<One>() != kind) return false;
+    One& element = out.template emplace<One>(plain);
+    for (const auto& [name, value] : numbers) put_number(One::fields(), &element, name, value);
+    return true;
+  };
+  if (!(take(E()) || ...)) throw std::invalid_argument("no kind is called " + kind);
+  return out;
+}
+
+template <class E>
+std::span<const SignalGroup> inputs_if_any(const E& element) {
+  if constexpr (requires { element.inputs(); }) return element.inputs();
+  return {};
+}
+
+void check(const Vector& values, Eigen::Index size, const char* name) {
+  if (values.size() != size)
+    throw std::invalid_argument(std::string(name) + " must have length " + std::to_string(size));
+}
+
+nb::dict shown(const PortSlopes& slopes) {
+  nb::dict out;
+  out["f_p"] = slopes.f_p;
+  out["f_a"] = slopes.f_a;
+  out["n_p"] = slopes.n_p;
+  out["n_a"] = slopes.n_a;
+  out["f_v"] = slopes.f_v;
+  out["f_w"] = slopes.f_w;
+  out["n_v"] = slopes.n_v;
+  out["n_w"] = slopes.n_w;
+  out["of_points"] = slopes.of_points;
+  out["damped"] = slopes.damped;
+  return out;
+}
+
+// A force whose ports are wherever they are said to be.
+class ForceAnywhere {
+  using Poses = std::vector<Eigen::Matrix4d>;
+  using Velocities = std::vector<Vector6>;
+
+  template <std::size_t n>
+  struct Here {
+    Attachment at;  // a body's frame is its port
+    Loads loads;
+    std::array<Spatial::Pose, n> X;
+    std::array<Spatial::Motion, n> V;
+    std::array<detail::PortAt<Spatial>, n> ports;
+  };
+
+  template <class Function>
+  auto at(const Poses& poses, const Velocities& velocities, const Vector& u, const Eigen::Matrix3d& R_0W,
+          const Function& function) const {
+    if (poses.size() != ports() || velocities.size() != ports())
+      throw std::invalid_argument("the force has " + std::to_string(ports()) + " ports");
+    check(u, input_count(force_), "inputs");
+    return std::visit(
+        [&]<class F>(const F& force) {
+          Here<std::size(F::ports)> here;
+          here.at.p.setZero();
+          here.at.R.setIdentity();
+          here.loads.R_0W = R_0W;
+          for (std::size_t k = 0; k < here.ports.size(); ++k) {
+            here.X[k] = pose<Spatial>(poses[k]);
+            here.V[k] = {velocities[k].head<3>(), velocities[k].tail<3>() - velocities[k].head<3>().cross(here.X[k].p)};
+            here.ports[k].at = &here.at;
+            here.ports[k].loads = &here.loads;
+            here.ports[k].X = &here.X[k];
+            here.ports[k].V = &here.V[k];
+          }
+          return function(force, here);
+        },
+        force_);
+  }
+
+ public:
+  ForceAnywhere(const std::string& kind, const ElementNumbers& numbers)
+      : force_(made(static_cast<const AnyForce*>(nullptr), kind, numbers)) {}
+
+  nb::list inputs() const { return shown_signals(inputs_of(force_)); }
+  std::size_t ports() const { return kind_of(force_).ports.size(); }
+
+  std::vector<Vector6> act(const Poses& poses, const Velocities& velocities, const Vector& u,
+                           const Eigen::Matrix3d& R_0W) const {
+    return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) {
+      force.act(here.ports.data(), u.data());
+      std::vector<Vector6> out;
+      for (const auto& port : here.ports) out.push_back((Vector6() << port.n, port.f).finished());
+      return out;
+    });
+  }
+  double energy(const Poses& poses) const {
+    const Velocities still(poses.size(), Vector6::Zero());
+    const Vector none = Vector::Zero(input_count(force_));
+    return at(poses, still, none, Eigen::Matrix3d::Identity(), [](const auto& force, auto& here) -> double {
+      if constexpr (requires { force.template energy<double>(here.ports.data()); }) {
+        return force.template energy<double>(here.ports.data());
+      }
+      return 0;
+    });
+  }
+  bool undefined(const Poses& poses) const {
+    const Velocities still(poses.size(), Vector6::Zero());
+    const Vector none = Vector::Zero(input_count(force_));
+    return at(poses, still, none, Eigen::Matrix3d::Identity(), [](const auto& force, auto& here) {
+      if constexpr (requires { force.undefined(here.ports.data()); }) return bool(force.undefined(here.ports.data()));
+      return false;
+    });
+  }
+  // Whether its numbers fit each other.
+  bool is_sound() const { return !fault_of(force_, {}); }
+  // None where the element has none of its own.
+  nb::object slopes(const Poses& poses, const Velocities& velocities, const Vector& u,
+                    const Eigen::Matrix3d& R_0W) const {
+    return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
+      if constexpr (requires { force.slopes(here.ports.data(), u.data()); }) {
+        return shown(force.slopes(here.ports.data(), u.data()));
+      }
+      return nb::none();
+    });
+  }
+  nb::dict slopes_by_duals(const Poses& poses, const Velocities& velocities, const Vector& u,
+                           const Eigen::Matrix3d& R_0W) const {
+    return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) {
+      const auto moved = detail::still_ports(here.ports, here.loads);
+      Spatial::Motion U = here.V.back();
+      if (moved.size() > 1) U = U - here.V.front();
+      const Eigen::Vector3d v = detail::velocity(U, here.X.back().p);
+      return shown(detail::slopes_by_duals(force, moved, u.data(), U.w, v));
+    });
+  }
+
+ private:
+  AnyForce force_;
+};
+
+// Whatever acts along a coordinate: motors and what joints have of their own.
+template <class Any, class Tuple>
+struct AlongAny;
+template <class... Motor, class... Force>
+struct AlongAny<std::variant<Motor...>, std::tuple<Force...>> {
+  using type = std::variant<Motor..., typename detail::Plain<Force>::type...>;
+};
+
+using AnyAlong = AlongAny<AnyMotor, JointForces>::type;
+
+class AlongOne {
+ public:
+  AlongOne(const std::string& kind, const ElementNumbers& numbers)
+      : force_(made(static_cast<const AnyAlong*>(nullptr), kind, numbers)) {}
+
+  nb::list inputs() const {
+    return std::visit([](const auto& force) { return shown_signals(inputs_if_any(force)); }, force_);
+  }
+  double effort(double q, double v, const Vector& u) const {
+    return std::visit(
+        [&](const auto& force) {
+          check(u, inputs_along(force), "inputs");
+          return force.effort(q, v, u.data());
+        },
+        force_);
+  }
+  double energy(double q) const {
+    return std::visit(
+        [&](const auto& force) -> double {
+          if constexpr (requires { force.energy(q); }) return force.energy(q);
+          return 0;
+        },
+        force_);
+  }
+  double inertia() const {
+    return std::visit(
+        [](const auto& force) -> double {
+          if constexpr (requires { force.inertia(); }) return force.inertia();
+          return 0;
+        },
+        force_);
+  }
+  bool is_sound() const {
+    return std::visit(
+        [](const auto& force) {
+          if constexpr (requires { force.fault(Coordinate()); }) return !force.fault(Coordinate());
+          return true;
+        },
+        force_);
+  }
+  nb::object slopes(double q, double v) const {
+    return std::visit(
+        [&](const auto& force) -> nb::object {
+          if constexpr (requires { force.slopes(q, v); }) {
+            const auto slopes = force.slopes(q, v);
+            return nb::cast(std::vector<double>(slopes.begin(), slopes.end()));
+          }
+          return nb::none();
+        },
+        force_);
+  }
+  // By q, v and the inputs.
+  std::vector<double> slopes_by_duals(double q, double v, const Vector& u) const {
+    return std::visit(
+        [&]<class F>(const F& force) {
+          const int n = inputs_along(force);
+          check(u, n, "inputs");
+          AlongCoordinate<F> placed;
+          placed.element = force;
+          const Dual::Directions found = gelenk::slopes_by_duals(placed, &q, &v, u.data(), n);
+          return std::vector<double>(found.data(), found.data() + 2 + n);
+        },
+        force_);
+  }
+
+ private:
+  AnyAlong force_;
+};
+
+}  // namespace
+
+void bind_elements(nb::module_& module) {
+  nb::module_ m = module.def_submodule("elements", "The elements of every kind, see src/element/element.h.");
+  m.def("kinds", &shown_kinds,
+        "All kinds of motors, forces, constraints, sensors, and of what joints have along a coordinate: names, ports, "
+        "fields, outputs, with the units as FMI spells them.");
+  nb::class_<ForceAnywhere>(m, "Force",
+                            "A force with numbers by the names of its fields. Its ports are at 4x4 poses; velocities "
+                            "are (w, v of the port's origin) [rad/s, m/s], along the axes of a frame that stands "
+                            "still, and so are the wrenches (torque, force) [N m, N] at the ports' origins. R_0W: "
+                            "the world's axes along these.")
+      .def(nb::init<const std::string&, const ElementNumbers&>(), nb::arg("kind"), nb::arg("numbers"))
+      .def_prop_ro("inputs", &ForceAnywhere::inputs)
+      .def_prop_ro("ports", &ForceAnywhere::ports)
+      .def("act", &ForceAnywhere::act, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"), nb::arg("R_0W"))
+      .def_prop_ro("is_sound", &ForceAnywhere::is_sound)
+      .def("energy", &ForceAnywhere::energy, nb::arg("poses"))
+      .def("undefined", &ForceAnywhere::undefined, nb::arg("poses"))
+      .def("slopes", &ForceAnywhere::slopes, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"),
+           nb::arg("R_0W"))
+      .def("slopes_by_duals", &ForceAnywhere::slopes_by_duals, nb::arg("poses"), nb::arg("velocities"),
+           nb::arg("inputs"), nb::arg("R_0W"));
+  nb::class_<AlongOne>(m, "Along", "What acts along a coordinate, with numbers by the names of its fields.")
+      .def(nb::init<const std::string&, const ElementNumbers&>(), nb::arg("kind"), nb::arg("numbers"))
+      .def_prop_ro("inputs", &AlongOne::inputs)
+      .def_prop_ro("inertia", &AlongOne::inertia)
+      .def("effort", &AlongOne::effort, nb::arg("q"), nb::arg("v"), nb::arg("inputs"))
+      .def_prop_ro("is_sound", &AlongOne::is_sound)
+      .def("energy", &AlongOne::energy, nb::arg("q"))
+      .def("slopes", &AlongOne::slopes, nb::arg("q"), nb::arg("v"))
+      .def("slopes_by_duals", &AlongOne::slopes_by_duals, nb::arg("q"), nb::arg("v"), nb::arg("inputs"));
+}
+
+}  // namespace gelenk
