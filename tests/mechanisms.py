@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk._core import elements
+
 Array = NDArray[np.float64]
 Scene = dict[str, Any]
 Numbers = Sequence[float] | Array
@@ -191,14 +193,15 @@ def placed(source: Scene, R: Array, p: Numbers = (0, 0, 0)) -> Scene:
     for entry in out["joints"].values():
         place(entry["parent"])
         place(entry["child"])
+    kinds = {kind["name"]: kind for kind in elements.kinds()["forces"]}
     for force in out.get("forces", {}).values():
-        if force["type"] == "spring_damper":
-            place(force["from"], point=True)
-            place(force["to"], point=True)
-        elif force.get("frame", "world") == "world":
-            for key in ("force", "torque"):
-                if key in force:
-                    force[key] = numbers(R @ np.array(force[key]))
+        kind = kinds[force["type"]]
+        for port in kind["ports"]:
+            place(force[port["name"]] if port["name"] else force, point=port["kind"] == "point")
+        words = {f["name"]: f["words"][f["default"]] for f in kind["fields"] if "world" in f["words"]}
+        if any(force.get(name, otherwise) == "world" for name, otherwise in words.items()):
+            for key in (f["name"] for f in kind["fields"] if f["type"] == "vector" and f["name"] in force):
+                force[key] = numbers(R @ np.array(force[key]))
     out["gravity"] = numbers(R @ np.array(source.get("gravity", [0, 0, 0])))
     return out
 

@@ -1,84 +1,91 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The same mechanism in other sizes: lengths times one factor, masses times another, times and angles as
-they are.
+they are. What a number is multiplied by follows from its unit, which the registry tells.
 """
 
 from __future__ import annotations
 
 import copy
-import re
+from collections.abc import Iterator
 from typing import Any
 
+from elements.laws import KINDS, Kind, dimension
+from elements.scenes import JOINTS
 from mechanisms import Scene
 
-# Exponents of mass and length in the symbols of units.
-SYMBOLS = {
-    "kg": (1, 0), "m": (0, 1), "N": (1, 1), "J": (1, 2),
-    "s": (0, 0), "rad": (0, 0), "Hz": (0, 0), "1": (0, 0),
-}  # fmt: skip
-SLIDES = {"s", "s_x", "s_y", "r", "v", "v_x", "v_y"}
-# Of coordinates by kind of joint: whether it slides.
-COORDINATES = {
-    "revolute": [False],
-    "prismatic": [True],
-    "planar": [True, True, False],
-    "cylindrical": [True, False],
-    "universal": [False, False],
-    "spherical": [False] * 3,
-    "free": [True] * 3 + [False] * 3,
+SECTIONS = {
+    section: {kind["name"]: kind for kind in KINDS[section]} for section in KINDS if section != "joints"
 }
 
 
-def size(unit: str, length: float, mass: float) -> float:
-    """What a quantity of this unit is multiplied by."""
-    factor = 1.0
-    for sign, part in zip((1, -1), unit.partition("/")[::2], strict=True):
-        for name, power in re.findall(r"(kg|rad|Hz|[mNJs1])(\d?)", part):
-            of_mass, of_length = SYMBOLS[name]
-            factor *= (mass**of_mass * length**of_length) ** (sign * int(power or 1))
-    return factor
+def size(unit: str, length: float, mass: float, angle: bool = True) -> float:
+    """What a quantity of this unit is multiplied by; angle: what a coordinate in it is."""
+    of_length, of_mass, _ = dimension(unit, angle)
+    return float(length**of_length * mass**of_mass)
+
+
+def multiplied(value: Any, factor: float) -> Any:
+    return [factor * x for x in value] if isinstance(value, list) else factor * value
+
+
+def turns(joint: dict[str, Any]) -> list[bool]:
+    """Of each of the joint's speeds, whether it is one of an angle."""
+    return [unit.startswith("rad") for unit in JOINTS[joint["type"]]["v_units"]]
 
 
 def scaled(source: Scene, length: float, mass: float) -> Scene:
     """The scene with all lengths times `length` and all masses times `mass`, gravity and loads to match."""
     out = copy.deepcopy(source)
-    moment = mass * length**2
 
-    def times(entry: dict[str, Any], factors: dict[str, float]) -> None:
-        for key, factor in factors.items():
-            if key in entry:
-                value = entry[key]
-                entry[key] = [factor * x for x in value] if isinstance(value, list) else factor * value
+    def times(entry: Any, units: dict[str, str]) -> None:
+        if isinstance(entry, dict):
+            for key in set(units) & set(entry):
+                entry[key] = multiplied(entry[key], size(units[key], length, mass))
 
-    times(out, {"gravity": length})
-    for body in out["bodies"].values():
-        times(body, {"mass": mass, "com": length, "inertia": moment})
-    for joint in out["joints"].values():
-        for side in ("parent", "child"):
-            if isinstance(joint[side], dict):
-                times(joint[side], {"position": length})
-        slide = COORDINATES[joint["type"]]
-        times(joint.get("start", {}), dict.fromkeys(SLIDES, length))
-        for key in ("damping", "stiffness", "spring_reference"):
-            if key not in joint:
+    def times_fields(entry: dict[str, Any], fields: list[Kind], angle: bool) -> None:
+        for field in fields:
+            if field["name"] not in entry:
                 continue
-            values = joint[key] if isinstance(joint[key], list) else [joint[key]]
-            of_slide, of_turn = (length, 1.0) if key == "spring_reference" else (mass, moment)
-            found = [x * (of_slide if s else of_turn) for x, s in zip(values, slide, strict=True)]
-            joint[key] = found if isinstance(joint[key], list) else found[0]
-    for motor in out.get("motors", {}).values():
-        slide = COORDINATES[out["joints"][motor["joint"]]["type"]]
-        times(motor, {"rotor_inertia": mass if slide == [True] else moment})
-    for force in out.get("forces", {}).values():
-        times(force, {"position": length, "length": length, "stiffness": mass, "damping": mass})
-        times(force, {"force": mass * length, "torque": moment})
-        for side in ("from", "to"):
-            if isinstance(force.get(side), dict):
-                times(force[side], {"position": length})
-    for constraint in out.get("constraints", {}).values():
-        times(constraint, {"position": length, "radius": length})
-        if isinstance(constraint.get("on"), dict):
-            times(constraint["on"], {"position": length})
-    for sensor in out.get("sensors", {}).values():
-        times(sensor, {"position": length})
+            if field["type"] == "group":
+                times_fields(entry[field["name"]], field["fields"], angle)
+            elif field["unit"]:
+                factor = size(field["unit"], length, mass, angle)
+                entry[field["name"]] = multiplied(entry[field["name"]], factor)
+
+    times(out, {"gravity": "m/s2"})
+    for body in out["bodies"].values():
+        times(body, {"mass": "kg", "com": "m", "inertia": "kg.m2"})
+    for joint in out["joints"].values():
+        facts = JOINTS[joint["type"]]
+        for side in ("parent", "child"):
+            times(joint[side], {"position": "m"})
+        for of in "qv":
+            names = (name.split("[")[0] for name in facts[of])
+            times(joint.get("start", {}), dict(zip(names, facts[f"{of}_units"], strict=True)))
+        times_fields(joint, facts["fields"], angle=True)
+        for entry, field in along(joint):
+            values = entry[field["name"]]
+            each = values if isinstance(values, list) else [values]
+            found = [
+                x * size(field["unit"], length, mass, angle)
+                for x, angle in zip(each, turns(joint), strict=True)
+            ]
+            entry[field["name"]] = found if isinstance(values, list) else found[0]
+    for section, kinds in SECTIONS.items():
+        for element in out.get(section, {}).values():
+            kind = kinds[element.get("type", next(iter(kinds)))]
+            at = [element[p["name"]] for p in kind["ports"] if p["kind"] == "joint" and p["name"] in element]
+            times_fields(element, kind["fields"], turns(out["joints"][at[0]])[0] if at else True)
+            for port in kind["ports"]:
+                if port["kind"] != "joint":
+                    times(element.get(port["name"]) if port["name"] else element, {"position": "m"})
     return out
+
+
+def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind]]:
+    """(mapping, field) of what the joint has along its coordinates."""
+    for kind in KINDS["joints"]:
+        entry = joint.get(kind["group"], {}) if kind["group"] else joint
+        for field in kind["fields"]:
+            if field["name"] in entry:
+                yield entry, field

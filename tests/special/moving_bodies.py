@@ -86,6 +86,8 @@ class MovingBodies(Bodies):
             at = self.place[load["body"]]
             f[at : at + 3], f[at + 3 : at + 6] = torque + np.cross(arm, force), force
             return f
+        if load["type"] != "spring_damper":
+            raise UnknownError(load["type"])
         ends = self._ends(x, load)
         way, rows = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
         length = float(np.linalg.norm(way))
