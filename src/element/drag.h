@@ -10,7 +10,7 @@ struct Drag {
   static constexpr std::string_view kind = "drag";
   static constexpr std::string_view summary = "a force against the velocity of a point";
   static constexpr Port ports[] = {
-      {.kind = Port::Kind::frame, .name = "", .text = "Where it acts", .on_ground = false}};
+      {.kind = Port::Kind::point, .name = "", .text = "Where it acts", .on_ground = false}};
 
   double damping = 0;      // N s/m
   double coefficient = 0;  // N s2/m2: density times drag area, halved
