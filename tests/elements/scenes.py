@@ -217,7 +217,7 @@ def constrained(constraint: Given, with_optional: bool) -> Scene:
         for i, port in enumerate(ports):
             kind = port["fits"][0]
             name = f"J{i}"
-            out["bodies"][f"load_{i}"] = LOAD
+            out["bodies"][f"load_{i}"] = dict(LOAD)  # its own: scenes are changed in place
             out["joints"][name] = moving(kind, 0.4) | {"child": frame(f"load_{i}")}
             names[port["name"]] = name
             if port["has_coordinate"]:
