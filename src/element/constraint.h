@@ -8,10 +8,13 @@
 //   holds_position()      else the rates alone; follows_input(): s, or its rate, is its input
 // may all be left out but factor().
 //
-// Between two bodies, which need not be joined: rows as of a joint that closes a loop (joint/base.h), F on the second
-// port, M on the first with z along `axis`. Rows without position error have Phi = 0. Besides:
-//   holds_position(i)     whether row i holds a position; else its rate alone
-//   undefined(X_FM)       whether the rows are not defined there
+// Between two bodies, which need not be joined: a NoCoordinates with rows as of a joint that closes a loop
+// (joint/base.h), row_count of them, F on the second port, M on the first, with z along `axis`, a Direction, if it has
+// one. Rows without position error have Phi = 0. Besides:
+//   holds_position(i)     whether row i holds a position; else its rate alone; may be left out if all do
+//   undefined(X_FM)       whether the rows are not defined there; may be left out, else there are as well
+//   undefined_start()     what is wrong with a start there (ElementFault)
+//   near_undefined(X_FM)  what ends a run near there, with {body} in it; empty elsewhere
 //
 // output(seen, group, i): component i of a group of its outputs, from what is seen of it: coordinate_force() [N m, N],
 // contact_force(row) [N], X_WF(), X_FM().

@@ -40,12 +40,42 @@ inline bool holds_position(const CutJoint& joint, int i) {
       joint);
 }
 
+// Of a constraint between bodies.
+inline int row_count(const CutJoint& joint) {
+  return std::visit(
+      [](const auto& j) -> int {
+        if constexpr (BodyConstraint<std::decay_t<decltype(j)>>) return j.row_count;
+        return 0;
+      },
+      joint);
+}
+
 // Whether its rows are not defined there.
 inline bool is_undefined(const CutJoint& joint, const Pose3& X_FM) {
   return std::visit(
       [&](const auto& j) {
         if constexpr (requires { j.undefined(X_FM); }) return j.undefined(X_FM);
         return false;
+      },
+      joint);
+}
+// Whether there are such places, what is wrong with a start there, and what ends a run near one; empty elsewhere.
+inline bool can_be_undefined(const CutJoint& joint) {
+  return std::visit([](const auto& j) { return requires(const Pose3& X) { j.undefined(X); }; }, joint);
+}
+inline ElementFault undefined_start(const CutJoint& joint) {
+  return std::visit(
+      [](const auto& j) -> ElementFault {
+        if constexpr (requires { j.undefined_start(); }) return j.undefined_start();
+        return {};
+      },
+      joint);
+}
+inline std::string_view near_undefined(const CutJoint& joint, const Pose3& X_FM) {
+  return std::visit(
+      [&](const auto& j) -> std::string_view {
+        if constexpr (requires { j.near_undefined(X_FM); }) return j.near_undefined(X_FM);
+        return {};
       },
       joint);
 }

@@ -63,8 +63,19 @@ struct Rolling : NoCoordinates {
     return f;
   }
 
+  // rad: how far the disc is from lying flat on the plane.
+  static double tilt(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)); }
   // It lies too flat to tell where its lowest point is.
-  static bool undefined(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)) < 1e-4; }
+  static bool undefined(const Pose3& X_FM) { return tilt(X_FM) < 1e-4; }
+  static ElementFault undefined_start() {
+    return {"", "the wheel flat on its plane at the start, where it has no point of contact",
+            "it upright or tilted: check its axis and the start values of the joints that carry it"};
+  }
+  static std::string_view near_undefined(const Pose3& X_FM) {
+    constexpr double nearly_flat = 0.05;  // rad: a wheel that lies this near to its plane is why a step fails
+    if (tilt(X_FM) >= nearly_flat) return {};
+    return "the wheel of {body} has come to lie flat on its plane, where it has no point of contact";
+  }
 
   // In F.
   template <class T>

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/element_numbers.h"
+
 namespace gelenk {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double dead = 0.1;
 // Share of the mechanism's size [m], or rad for each metre of it, that corrections may move a driven one: beyond it
 // lies another assembly, where a motion leads that the loops cannot follow.
 constexpr double elsewhere = 0.3;
-// rad: a wheel that lies this near to its plane is why a step fails.
-constexpr double nearly_flat = 0.05;
 
 double largest(const std::vector<double>& x) {
   double max = 0;
@@ -54,16 +54,13 @@ Formulation::Formulation(const Mechanism& mechanism, Dynamics& dynamics, Inputs&
   sides_.resize(static_cast<std::size_t>(dynamics.branchings()));
   present_.resize(sides_.size());
   for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
-    if (std::holds_alternative<Rolling>(mechanism.cuts[c].joint)) wheels_.push_back(c);
+    if (can_be_undefined(mechanism.cuts[c].joint)) delicate_.push_back(c);
   }
 }
 
-// A cut; -1: none lies flat.
-int Formulation::flat_wheel() const {
-  for (const int c : wheels_) {
-    if (is_undefined(mechanism_.cuts[c].joint, dynamics_.cut_pose(c))) return c;
-  }
-  return -1;
+bool Formulation::rows_are_defined() const {
+  return std::ranges::none_of(delicate_,
+                              [&](int c) { return is_undefined(mechanism_.cuts[c].joint, dynamics_.cut_pose(c)); });
 }
 
 // Where dynamics_ stands.
@@ -76,15 +73,15 @@ std::string Formulation::dead_centre() {
 
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
-  const auto flat = [&](int c) {
-    const Eigen::Vector3d axis = dynamics_.cut_pose(c).R.col(2);
-    return std::hypot(axis.x(), axis.y()) < nearly_flat;
-  };
-  const auto found = std::ranges::find_if(wheels_, flat);
-  if (found == wheels_.end()) return dead_centre();
-  const int wheel = *found;
-  return "the wheel of " + mechanism_.links[mechanism_.cuts[wheel].link_b].name +
-         " has come to lie flat on its plane, where it has no point of contact";
+  for (const int c : delicate_) {
+    const Cut& cut = mechanism_.cuts[c];
+    const std::string_view found = near_undefined(cut.joint, dynamics_.cut_pose(c));
+    if (!found.empty()) {
+      return filled_in(
+          found, {.name = {}, .frames = {{mechanism_.links[cut.link_b].name, {}}}, .joints = {}, .coordinate = {}}, {});
+    }
+  }
+  return dead_centre();
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
@@ -93,7 +90,7 @@ bool Formulation::rhs(double t, const double* y, double* ydot) {
   const double* at = state_for(y);
   if (at == nullptr) return false;
   dynamics_.set_position(at);
-  if (flat_wheel() >= 0) return false;
+  if (!rows_are_defined()) return false;
   if (held_) watch(t, at);
   if (!accelerate(t, at, ydot + nq_)) return false;
   if (rows() > 0 && factorises_rows()) passages_.seen(t, dynamics_.pivot_ratio());

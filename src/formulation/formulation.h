@@ -137,7 +137,7 @@ class Formulation : public Equations {
  private:
   double rounding(const double* q) const;
   void watch(double t, const double* y);
-  int flat_wheel() const;
+  bool rows_are_defined() const;
   std::string dead_centre();
 
   Targets targets_;
@@ -145,7 +145,7 @@ class Formulation : public Equations {
   Passages passages_;
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
-  std::vector<int> wheels_;           // cuts
+  std::vector<int> delicate_;         // cuts whose rows are not defined everywhere
   std::vector<int> sides_, present_;  // branches that are held, and those of a state
   bool held_ = false;                 // they are
   double held_from_ = 0;              // s

@@ -144,7 +144,7 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
         [&](const auto& element) {
           if constexpr (BodyConstraint<std::decay_t<decltype(element)>>) {
             edge.joint = element;
-            axis = element.axis.along;
+            if constexpr (requires { element.axis; }) axis = element.axis.along;
           }
         },
         c.is);

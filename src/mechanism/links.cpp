@@ -143,7 +143,7 @@ struct Maker {
     Cut cut;
     cut.constraint = contact.constraint;
     cut.joint = contact.joint;
-    cut.joint_rows = std::holds_alternative<Rolling>(contact.joint) ? Rolling::row_count : KnifeEdge::row_count;
+    cut.joint_rows = row_count(contact.joint);
     add_ends(contact.group_a, contact.X_AF, contact.group_b, contact.X_BM, cut);
     places.constraints[contact.constraint] = {island, static_cast<int>(out.cuts.size()), -1};
     out.cuts.push_back(cut);

@@ -133,7 +133,7 @@ struct Preparer {
     std::vector<double>& q = out.islands[i].start.q;
     dynamics[i]->normalise(q.data());
     dynamics[i]->set_position(q.data());
-    check_wheels(out.reduced.islands[i], *dynamics[i]);
+    check_rows(out.reduced.islands[i], *dynamics[i]);
     dynamics[i]->factorise();
   }
 
@@ -144,10 +144,12 @@ struct Preparer {
     stand_at_start(i);
   }
 
-  void check_wheels(const Mechanism& mechanism, const Dynamics& of) const {
+  void check_rows(const Mechanism& mechanism, const Dynamics& of) const {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (is_undefined(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_flat_wheel(scene, cut.constraint));
+      if (is_undefined(cut.joint, of.cut_pose(c))) {
+        throw AssemblyError(describe_undefined_rows(scene, cut.constraint, undefined_start(cut.joint)));
+      }
     }
   }
 

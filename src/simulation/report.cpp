@@ -248,10 +248,9 @@ std::string describe_moving_drive(const Scene& scene, int constraint) {
          " moves its joint at the start; expected a motion that begins at rest, or as_given";
 }
 
-std::string describe_flat_wheel(const Scene& scene, int constraint) {
-  return prefix(scene) + "constraints." + scene.constraints[constraint].name +
-         ": found the wheel flat on its plane at the start, where it has no point of contact; expected it upright or "
-         "tilted: check its axis and the start values of the joints that carry it";
+std::string describe_undefined_rows(const Scene& scene, int constraint, const ElementFault& fault) {
+  return prefix(scene) + "constraints." + scene.constraints[constraint].name + ": found " + fault.found +
+         "; expected " + fault.expected;
 }
 
 std::string describe_massless(const Scene& scene, const std::string& link) {
