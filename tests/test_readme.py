@@ -17,6 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import element_tables
 import joint_table
 import numpy as np
 import pytest
@@ -284,6 +285,13 @@ def test_page_of_the_methods_has_all_of_them(root: Path) -> None:
 def test_joint_table_of_the_format_page_is_the_registrys(root: Path) -> None:
     _, inside, _ = joint_table.section((root / "docs" / "scene-format.md").read_text(encoding="utf-8"))
     assert inside == joint_table.table(), "run python tests/joint_table.py"
+
+
+@pytest.mark.parametrize("section", element_tables.SECTIONS)
+def test_element_tables_of_the_format_page_are_the_registrys(root: Path, section: str) -> None:
+    page = (root / "docs" / "scene-format.md").read_text(encoding="utf-8")
+    _, inside, _ = element_tables.parts(page, section)
+    assert inside == element_tables.table(section), "run python tests/element_tables.py"
 
 
 @pytest.mark.usefixtures("folder")
