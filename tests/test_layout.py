@@ -151,6 +151,93 @@ def test_no_switch_on_the_kind_of_joint_outside_its_room() -> None:
     assert found == []
 
 
+def element_words() -> tuple[str, str]:
+    """Likewise of the kinds of elements."""
+    text = "".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "src" / "element").glob("*.h")))
+    kinds = re.findall(r'std::string_view kind = "(\w+)"', text)
+    lists = re.findall(r"using (?:Any\w+|JointForces) = std::(?:variant|tuple)<([^;]+)>;", text)
+    structs = re.findall(r"\b(?!std\b|optional\b)\w+", " ".join(lists))
+    return "|".join(sorted(set(kinds))), "|".join(sorted(set(structs)))
+
+
+def element_switches(text: str) -> list[str]:
+    """The places in `text` that decide something by the kind of an element.
+
+    Names of kinds are words of other matters, too ("frame", "energy"): these count where they are compared
+    with a type or a kind, and those that are no plain words, as "knife_edge", wherever they are compared.
+    """
+    kinds, structs = element_words()
+    name = rf"""["'](?:{kinds})["']"""
+    own = "|".join(kind for kind in kinds.split("|") if "_" in kind)
+    own_name = rf"""["'](?:{own})["']"""
+    # joint.type, row["type"], row.get("type"), kind_of(c.is).kind
+    typed = r"""\b(?:kind|type|summary)\b["']?(?:\]|\)|\(\))*"""
+    patterns = [
+        rf"{typed}\s*(?:==|!=)\s*{name}",
+        rf"{name}(?:sv|s)?\s*(?:==|!=)\s*[\w.\->()\[\]\"']*\b(?:kind|type)\b",
+        rf"{typed}\s+(?:not\s+)?in\s*[(\[{{][^)\]}}\n]*{name}",
+        rf"(?:==|!=|\bcase)\s*{own_name}",
+        rf"{own_name}(?:sv|s)?\s*(?:==|!=)",
+        rf"\bin\s*[(\[{{][^)\]}}\n]*{own_name}",
+        rf"\b(?:holds_alternative|get_if|get)<\s*(?:(?:gelenk::|std::optional<)\s*)?(?:{structs})\s*>",
+        rf"\bis_same(?:_v)?<[^;\n]*\b(?:{structs})\b\s*>",
+        rf"\b(?:{structs})::kind\b",
+    ]
+    return [found.group(0) for pattern in patterns for found in re.finditer(pattern, text)]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'if (kind_of(force.is).kind == "spring_damper") pull();',
+        'if (name == "knife_edge") cut();',
+        'if ("reaction"sv != sensor.type) return;',
+        'if row["type"] == "rolling":',
+        'if row.get("type") == "frame":',
+        'wheels = [row for row in rows if row["type"] in ("rolling", "gear")]',
+        'if row["type"] not in ("energy",):',
+        "    case 'spring_damper':",
+        "if (std::holds_alternative<Rolling>(cut.joint)) continue;",
+        "const auto* motion = std::get_if<gelenk::Motion>(&constraint.is);",
+        "const auto& stop = std::get<std::optional<Stop>>(joint.along[0]);",
+        "if constexpr (std::is_same_v<E, JointSpring>) {",
+        "if (kind.kind == Wrench::kind) {",
+    ],
+)
+def test_the_check_sees_a_switch_on_the_kind_of_element(line: str) -> None:
+    assert element_switches(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'fields[name] = reference("frame");',
+        "return f\"{who} hold this {'motion' if motion else 'pose'}: {rest}\"",
+        'names.take(always, "energy", {"kinetic", "potential", "total"});',
+        'data["sensors"] = {name: {"type": "frame", "body": name} for name in heavy}',
+        'if (key == "position") return;',
+        'if prefix == "energy" and name != "frame":',
+        "std::vector<Motion> V;",
+        "const typename A::Motion& V = std::get<0>(motions);",
+        "const Rod& rod = std::get<Rod>(cut.joint);",
+    ],
+)
+def test_words_that_are_also_names_of_elements_are_no_switch(line: str) -> None:
+    assert element_switches(line) == []
+
+
+def test_no_switch_on_the_kind_of_element_outside_its_room() -> None:
+    """An element's own header says what it does, and the registry what it has."""
+    files = [path for room, path in code_files(".h", ".cpp") if room not in ("joint", "element")]
+    files += [p for p in sorted((ROOT / "python" / "gelenk").rglob("*.py")) if "urdf" not in p.stem]
+    found = [
+        f"{path.relative_to(ROOT)}: {place}"
+        for path in files
+        for place in element_switches(path.read_text(encoding="utf-8"))
+    ]
+    assert found == []
+
+
 def own_files() -> Iterator[Path]:
     """Every file of code that people write."""
     yield from (path for _, path in code_files(".h", ".cpp"))

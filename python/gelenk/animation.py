@@ -88,14 +88,15 @@ def _parts(at: Posed, still: Mapping[str, Pose]) -> list[_Part]:
         for name, joint in at.data["joints"].items()
         if not {f"{name}.r[1]", f"{name}.Q[1]"} <= {*at.values}  # one that holds nothing
     ]
-    springs = [
-        (force["from"], force["to"]) for force in at.data.get("forces", {}).values() if "from" in force
-    ]
+    forces = at.data.get("forces", {}).values()
+    springs = [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
     ends = [_point(end) for pair in (*joints, *springs) for end in pair]
     out = [_Part([(body, p)], EARTH, "^") for body, p in ends if body not in at.data["bodies"]]
     out += [_Part([_point(a), _point(b)], WIRE, width=1.5) for a, b in springs]
     heavy = NEGLIGIBLE * max(body["mass"] for body in at.data["bodies"].values())
-    wheels = {row["body"]: row for row in at.data.get("constraints", {}).values() if "radius" in row}
+    # Discs, whatever holds them: those about an axis of one body.
+    constraints = at.data.get("constraints", {}).values()
+    wheels = {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
     for name, body in at.data["bodies"].items():
         com = np.array(body["com"], float)
         marks = [p for owner, p in ends if owner == name]

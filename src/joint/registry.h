@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every kind of joint, once. A new joint is one new header and one name in AnyJoint.
+// Every kind of joint, once. A new one is one new header and one name in AnyJoint; TreeJoint and CutJoint follow.
 #pragma once
 
 #include <optional>

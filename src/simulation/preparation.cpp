@@ -147,9 +147,7 @@ struct Preparer {
   void check_rows(const Mechanism& mechanism, const Dynamics& of) const {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (is_undefined(cut.joint, of.cut_pose(c))) {
-        throw AssemblyError(describe_undefined_rows(scene, cut.constraint, undefined_start(cut.joint)));
-      }
+      if (is_undefined(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_undefined_rows(scene, cut));
     }
   }
 

@@ -248,8 +248,9 @@ std::string describe_moving_drive(const Scene& scene, int constraint) {
          " moves its joint at the start; expected a motion that begins at rest, or as_given";
 }
 
-std::string describe_undefined_rows(const Scene& scene, int constraint, const ElementFault& fault) {
-  return prefix(scene) + "constraints." + scene.constraints[constraint].name + ": found " + fault.found +
+std::string describe_undefined_rows(const Scene& scene, const Cut& cut) {
+  const ElementFault fault = undefined_start(cut.joint);
+  return prefix(scene) + "constraints." + scene.constraints[cut.constraint].name + ": found " + fault.found +
          "; expected " + fault.expected;
 }
 

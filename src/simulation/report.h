@@ -32,7 +32,7 @@ std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int
 // A rest is asked for while a motion goes on.
 std::string describe_moving_drive(const Scene& scene, int constraint);
 
-std::string describe_undefined_rows(const Scene& scene, int constraint, const ElementFault& fault);
+std::string describe_undefined_rows(const Scene& scene, const Cut& cut);
 std::string describe_massless(const Scene& scene, const std::string& link);
 
 // The same of a link that had inertia at the start; t [s]: of the last good state.
