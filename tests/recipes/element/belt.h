@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An example of a constraint between coordinates of joints; tests/test_recipes.py adds it.
+#pragma once
+
+#include "element/constraint.h"
+
+namespace gelenk {
+
+// radius phi_joint = other_radius phi_with.
+struct Belt {
+  static constexpr std::string_view kind = "belt";
+  static constexpr std::string_view summary = "two joints turn with one belt";
+  static constexpr auto turns = [](const JointKind& kind) {
+    return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
+  };
+  static constexpr Port ports[] = {
+      {.kind = Port::Kind::joint, .name = "joint", .text = "Joint that turns", .fits = turns},
+      {.kind = Port::Kind::joint, .name = "with", .text = "Another", .fits = turns}};
+
+  double radius = 1, other_radius = 1;  // m
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&Belt::radius>({.name = "radius",
+                              .unit = "m",
+                              .text = "radius of the pulley that {joint} turns",
+                              .range = Range::positive,
+                              .required = true}),
+        field<&Belt::other_radius>(
+            {.name = "other_radius", .unit = "m", .text = "radius of the other pulley", .range = Range::positive})};
+    return all;
+  }
+  static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the belt on joint {joint}"}};
+
+  template <class OnBase>
+  double factor(int i, const OnBase&) const {
+    return i == 0 ? 1 : -other_radius / radius;
+  }
+  template <class Seen>
+  auto output(const Seen& seen, int, int) const {
+    return seen.coordinate_force();
+  }
+};
+
+}  // namespace gelenk

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""CONTRIBUTING.md's recipes, followed: one header and one name make a joint, a force, a sensor.
+
+The headers of tests/recipes are put into a copy of the sources. All that reads, writes and describes scenes
+is built and run with them; of the equations of motion, the files that see every kind are compiled without
+making code. It takes some 120 s of a processor that has nothing else to do.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+RECIPES = Path(__file__).parent / "recipes"
+# What the headers of tests/recipes are, and the list that each is to stand in.
+ADDED = {
+    "dial": ("Dial", "AnyJoint"),
+    "servo": ("Servo", "AnyMotor"),
+    "pull": ("Pull", "AnyForce"),
+    "belt": ("Belt", "AnyConstraint"),
+    "sleeve": ("Sleeve", "AnyConstraint"),
+    "height": ("Height", "AnySensor"),
+    "preload": ("std::optional<Preload>", "JointForces"),
+}
+BUILT = ("util", "field", "math", "joint", "element", "scene")
+NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
+# These see every joint, force, constraint, sensor and motor there is.
+KERNELS = (
+    "dynamics/load_kernels.cpp",
+    "dynamics/extended_kernels.cpp",
+    "dynamics/recursive_slopes.cpp",
+    "simulation/outputs.cpp",
+)
+FIRST = ("scene/element_fields.h", "scene/schema_parts.h", "scene/check.h")  # included everywhere, read once
+
+SCENE: dict[str, Any] = {
+    "gelenk": 1,
+    "bodies": {name: {"mass": 1, "inertia": [1, 1, 1]} for name in ("hand", "wheel", "bead")},
+    "joints": {
+        "A": {"type": "dial", "parent": "ground", "child": "hand", "ratio": 2, "preload": {"size": 3}},
+        "B": {"type": "revolute", "parent": "ground", "child": "wheel"},
+        "C": {"type": "free", "parent": "ground", "child": "bead"},
+    },
+    "motors": {"turn": {"type": "servo", "joint": "A", "gain": 5}},
+    "forces": {
+        "rope": {"type": "pull", "from": {"body": "ground", "position": [0, 0, 1]}, "to": "bead", "size": 7}
+    },
+    "constraints": {
+        "band": {"type": "belt", "joint": "A", "with": "B", "radius": 0.1, "other_radius": 0.2},
+        "bore": {"type": "sleeve", "body": "bead", "on": "ground"},
+    },
+    "sensors": {"level": {"type": "height", "body": "bead", "position": [0, 0, 0.5]}},
+}  # fmt: skip
+
+
+def extended(registry: str, kind: str, lists: str, header: str) -> str:
+    """The text of a registry with an include and a name more."""
+    include = f'#include "{header}"\n'
+    assert include not in registry
+    at = registry.index('#include "')
+    text = registry[:at] + include + registry[at:]
+    text, changed = re.subn(rf"(using {lists} =\s*std::(?:variant|tuple)<[^;]*)>;", rf"\1, {kind}>;", text)
+    assert changed == 1
+    return text
+
+
+@dataclass
+class Tree:
+    """A copy of the sources, and how its files are compiled."""
+
+    folder: Path
+    command: list[str]
+
+    def add(self, header: Path, kind: str, lists: str) -> None:
+        room = header.parent.name
+        shutil.copy(header, self.folder / "src" / room)
+        registry = self.folder / "src" / room / "registry.h"
+        text = extended(registry.read_text("utf-8"), kind, lists, f"{room}/{header.name}")
+        registry.write_text(text, "utf-8")
+
+    def compile(self, *arguments: str) -> str:
+        """What the compiler says; empty: all is well."""
+        done = subprocess.run([*self.command, *arguments], cwd=self.folder, capture_output=True, text=True)
+        return done.stderr + ("" if done.returncode == 0 else f"\nexit code {done.returncode}")
+
+    def build(self) -> None:
+        """All that knows scenes, as the program `told`."""
+        (self.folder / "first.h").write_text("".join(f'#include "{name}"\n' for name in FIRST))
+        assert self.compile("-x", "c++-header", "first.h", "-o", "first.h.gch") == ""
+        sources = [p for room in BUILT for p in sorted((self.folder / "src" / room).glob("*.cpp"))]
+        sources = [p for p in sources if p.name not in NOT_BUILT] + [RECIPES / "told.cpp"]
+        objects = [f"{p.parent.name}_{p.stem}.o" for p in sources]
+        calls = [
+            ("-include", "first.h", "-c", str(p), "-o", o) for p, o in zip(sources, objects, strict=True)
+        ]
+        with ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+            assert "".join(pool.map(lambda call: self.compile(*call), calls)) == ""
+        assert self.compile(*objects, "-o", "told") == ""
+
+    def told(self, scene: dict[str, Any]) -> str:
+        (self.folder / "scene.json").write_text(json.dumps(scene))
+        done = subprocess.run(["./told", "scene.json"], cwd=self.folder, capture_output=True, text=True)
+        return done.stdout
+
+
+def copied(root: Path, folder: Path) -> Tree:
+    compiler = shlex.split(os.environ.get("CXX", "c++"))
+    if shutil.which(compiler[0]) is None:
+        pytest.skip(f"there is no C++ compiler ({compiler[0]})")
+    listed = subprocess.run(
+        [sys.executable, str(root / "cmake" / "find_wheels.py")], capture_output=True, text=True, check=True
+    ).stdout
+    wheels = {name: Path(place) for name, place in (line.split("=", 1) for line in listed.splitlines())}
+    include = ["-Isrc", "-I."]
+    if "eigen" in wheels:  # .../share/eigen3/cmake; else the compiler's own folders have it, as json below
+        include += ["-isystem", str(wheels["eigen"].parents[2] / "include" / "eigen3")]
+    else:
+        include += ["-isystem", "/usr/include/eigen3"]
+    include += [word for name in ("json",) if name in wheels for word in ("-isystem", str(wheels[name]))]
+    shutil.copytree(root / "src", folder / "src")
+    flags = ["-std=c++20", "-O0", "-Wall", "-Wextra", "-Werror", "-Wno-restrict", "-DEIGEN_MPL2_ONLY"]
+    return Tree(folder, [*compiler, *flags, '-DGELENK_VERSION="0"', *include])
+
+
+@pytest.fixture(scope="module")
+def tree(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Tree:
+    """With every header of tests/recipes."""
+    made = copied(root, tmp_path_factory.mktemp("recipes"))
+    headers = {path.stem: path for path in RECIPES.glob("*/*.h")}
+    assert set(headers) == set(ADDED)
+    for name, path in headers.items():
+        made.add(path, *ADDED[name])
+    return made
+
+
+@pytest.fixture(scope="module")
+def built(tree: Tree) -> Iterator[Tree]:
+    tree.build()
+    yield tree
+    for path in tree.folder.iterdir():  # 100 MB
+        if path.suffix in (".o", ".gch"):
+            path.unlink()
+
+
+@pytest.fixture(scope="module")
+def told(built: Tree) -> dict[str, Any]:
+    """What follows from the scene with all the new kinds."""
+    return dict(json.loads(built.told(SCENE)))
+
+
+def test_new_kinds_are_read_and_written_back(told: dict[str, Any]) -> None:
+    back = told["scene"]
+    for section in ("joints", "motors", "forces", "constraints", "sensors"):
+        for name, given in SCENE[section].items():
+            for key, value in given.items():
+                if key in ("parent", "child", "from", "to", "on"):  # bodies become frames
+                    body = value["body"] if isinstance(value, dict) else value
+                    assert back[section][name][key]["body"] == body
+                else:
+                    assert back[section][name].get(key, "drive") == value, (name, key)
+
+
+def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
+    units = {name: unit for name, (unit, _) in told["outputs"].items()}
+    expected = {
+        "A.phi": "rad", "A.w": "rad/s", "band.tau": "N.m", "bore.f[1]": "N", "bore.f[2]": "N",
+        "level.h": "m", "level.rise": "m/s",
+    }  # fmt: skip
+    assert {name: units.get(name) for name in expected} == expected
+    assert told["inputs"] == {"turn.phi_wanted": ["rad", "turn: where joint A is to be"]}
+    assert told["outputs"]["band.tau"][1] == "band: torque of the belt on joint A"
+    assert told["outputs"]["level.h"][1] == "level: height of a point of bead"
+
+
+def test_numbers_of_new_kinds_are_parameters_with_units(told: dict[str, Any]) -> None:
+    units = {name: unit for name, (unit, _) in told["settable"].items()}
+    expected = {
+        "A.ratio": "1", "A.preload.size": "N.m", "turn.gain": "N.m/rad", "rope.size": "N",
+        "band.radius": "m", "band.other_radius": "m",
+    }  # fmt: skip
+    assert {name: units.get(name) for name in expected} == expected
+
+
+def test_schema_knows_new_kinds(told: dict[str, Any]) -> None:
+    validator = jsonschema.Draft202012Validator(told["schema"])
+    assert list(validator.iter_errors(SCENE)) == []
+    assert list(validator.iter_errors(told["scene"])) == []
+    for section, name, key in (
+        ("joints", "A", "ratio"), ("motors", "turn", "gain"), ("constraints", "band", "radius"),
+    ):  # fmt: skip
+        wrong = json.loads(json.dumps(SCENE))
+        del wrong[section][name][key]
+        assert list(validator.iter_errors(wrong)), key
+
+
+@pytest.mark.parametrize(
+    ("section", "name", "fields", "says"),
+    [
+        ("joints", "A", {"ratio": 0}, "joints.A.ratio: found 0"),
+        ("joints", "C", {"preload": {"size": 1}}, "has more than one degree of freedom"),
+        ("motors", "turn", {"gain": -5}, "motors.turn.gain: found -5 N m/rad"),
+        ("forces", "rope", {"size": "strong"}, "forces.rope.size: found 'strong', expected a number in N"),
+        ("constraints", "band", {"with": "C"}, "constraints.band.with"),
+        ("sensors", "level", {"pose": 1}, "sensors.level.pose"),
+    ],
+)
+def test_faults_of_new_kinds_are_told(
+    built: Tree, section: str, name: str, fields: dict[str, Any], says: str
+) -> None:
+    wrong = json.loads(json.dumps(SCENE))
+    wrong[section][name].update(fields)
+    assert says in built.told(wrong).replace('"', "'")
+
+
+@pytest.mark.parametrize("source", KERNELS)
+def test_equations_of_motion_take_new_kinds(tree: Tree, source: str) -> None:
+    assert tree.compile("-fsyntax-only", f"src/{source}") == ""
+
+
+def test_the_check_sees_a_kind_that_the_equations_cannot_take(root: Path, tmp_path: Path) -> None:
+    """A force that acts by a number it has not: a template, which only its use looks at."""
+    lacking = copied(root, tmp_path)
+    (tmp_path / "element").mkdir()
+    header = tmp_path / "element" / "pull.h"
+    text = (RECIPES / "element" / "pull.h").read_text("utf-8")
+    header.write_text(text.replace("at[0].push(f)", "at[0].pushed(f)"), "utf-8")
+    lacking.add(header, *ADDED["pull"])
+    assert "pushed" in lacking.compile("-fsyntax-only", "src/dynamics/load_kernels.cpp")
