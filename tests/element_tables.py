@@ -52,6 +52,12 @@ def unit(units: Sequence[str]) -> str:
     return first + "".join(f" ({u})" for u in others)
 
 
+def _unit(field: dict[str, Any]) -> str:
+    """Of lists by powers of time that of each place: `rad, rad/s, ...`."""
+    units = field["units"]
+    return unit([f"{u}, {u}/s, ..." for u in units] if field["by_time"] else units)
+
+
 def default(field: dict[str, Any]) -> str:
     """What a field is where it is not given."""
     if field["required"]:
@@ -98,7 +104,7 @@ def _fields(fields: Sequence[dict[str, Any]], within: str) -> Iterator[Sequence[
         text = filled_in(field["text"])
         words = ", ".join(f"`{word}`" for word in field["words"])
         yield (
-            f"`{name}`", text + (f": {words}" if words else ""), unit(field["units"]), default(field),
+            f"`{name}`", text + (f": {words}" if words else ""), _unit(field), default(field),
             "tunable" if field["tunable"] else "",
         )  # fmt: skip
         yield from _fields(field["inner"], name + ".")
