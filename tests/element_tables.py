@@ -48,7 +48,7 @@ def parts(text: str, section: str) -> tuple[str, str, str]:
 
 def unit(units: Sequence[str]) -> str:
     """As people write it: `N m/rad`; about an angle or a length: `N m (N)`."""
-    first, *others = ["" if u == "1" else re.sub(r"\.", " ", u) for u in units] or [""]
+    first, *others = ["" if u == "1" else re.sub(r"\b\.\b", " ", u) for u in units] or [""]
     return first + "".join(f" ({u})" for u in others)
 
 

@@ -105,8 +105,9 @@ Json joint(const JointKind& kind) {
   fields["at"]["description"] =
       "The joint's frame in the world at the reference configuration, instead of in both bodies.";
   fields["start"] = start(kind);
-  fields.update(joint_numbers(kind));
-  return object(fields, {"type", "parent", "child"});
+  std::vector<std::string> required = {"type", "parent", "child"};
+  fields.update(joint_numbers(kind, required));
+  return object(fields, required);
 }
 
 // The kind by its name, then the fields of that kind: a validator's message stays with what was meant.

@@ -120,8 +120,7 @@ Json group(const Field& field, const Coordinate* coordinate) {
   return out;
 }
 
-Json joint_numbers(const JointKind& kind) {
-  std::vector<std::string> required;
+Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
   const AnyJoint plain = make_joint(kind.name, default_axes(kind));
   Json out = properties(kind.fields, data_of(plain), nullptr, required);
   for (const JointForceKind& force : joint_force_kinds()) {
@@ -129,10 +128,10 @@ Json joint_numbers(const JointKind& kind) {
     if (!force.group.empty()) {
       Json& group = out[std::string(force.group)];
       const Coordinate coordinate = coordinate_of(kind, 0);
-      group = object(properties(force.fields, force.defaults(), &coordinate, required), required);
+      std::vector<std::string> of_group;
+      group = object(properties(force.fields, force.defaults(), &coordinate, of_group), of_group);
       add_ways(group, force.fields);
       group["description"] = sentence(std::string(force.summary));
-      required.clear();
       continue;
     }
     for (const Field& field : force.fields) out[std::string(field.name)] = per_coordinate(field, kind);

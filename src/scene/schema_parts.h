@@ -32,7 +32,7 @@ Json group(const Field& field, const Coordinate* coordinate);
 // Which fields of a mapping exclude each other.
 void add_ways(Json& mapping, std::span<const Field> fields);
 // Properties of a joint: its own numbers, and what it can have along its coordinates.
-Json joint_numbers(const JointKind& kind);
+Json joint_numbers(const JointKind& kind, std::vector<std::string>& required);
 // An entry of a section of such elements.
 Json elements(const Section& section, const std::vector<Motor>&);
 Json elements(const Section& section, const std::vector<Force>&);
