@@ -89,7 +89,8 @@ def _port(port: dict[str, Any]) -> Iterator[Sequence[str]]:
     text = port["text"][:1].lower() + port["text"][1:]
     if not port["name"]:
         keys = {"frame": "`body`, `position`, `rotation`", "point": "`body`, `position`", "body": "`body`"}
-        yield keys[port["kind"]], text, "", "required; the body's frame", ""
+        place = "" if port["kind"] == "body" else "; the body's frame"
+        yield keys[port["kind"]], text, "", "required" + place, ""
         return
     missing = {"joint": "none"}.get(port["kind"], "the ground") if port["optional"] else "required"
     told = "" if text.startswith(port["kind"]) else f": a {port['kind']}"

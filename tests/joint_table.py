@@ -7,6 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import element_tables
+
 import gelenk
 from gelenk import _core, export
 
@@ -24,6 +26,9 @@ def table() -> str:
         summary = definitions[f"joint_{name}"]["properties"]["type"]["description"]
         units = _units(name)
         cells = [", ".join(_with_unit(q, units[q]) for q in _short(kind[level], units)) for level in "qva"]
+        for number in _core.elements.of_joints()[name]:
+            unit = element_tables.unit(number["units"])
+            summary += f"; {_with_unit(number['name'], unit)}: {element_tables.filled_in(number['text'])}"
         lines.append(f"| `{name}` | {summary} | " + " | ".join(cell or "none" for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 
@@ -37,10 +42,11 @@ def section(text: str) -> tuple[str, str, str]:
 
 def _units(kind: str) -> dict[str, str]:
     """Of the states of a joint of this kind: by name, arrays by `Q[1..4]`."""
+    own = {number["name"]: 1 for number in _core.elements.of_joints()[kind] if number["required"]}
     data: dict[str, Any] = {
         "gelenk": 1,
         "bodies": {"b": {"mass": 1}},
-        "joints": {"A": {"type": kind, "parent": "ground", "child": "b"}},
+        "joints": {"A": {"type": kind, "parent": "ground", "child": "b", **own}},
     }
     signals = gelenk.Simulation(data).outputs
     return {s.name.removeprefix("A."): s.unit for s in signals if s.name.startswith("A.")}
