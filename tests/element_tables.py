@@ -31,7 +31,7 @@ def end(section: str) -> str:
 def table(section: str) -> str:
     """Each kind of a section: its keys with their units and defaults, and its outputs."""
     lines: list[Sequence[str]] = []
-    for kind in _core.elements.kinds()[section]:
+    for kind in _core.element_tables.kinds()[section]:
         lines.append((f"**`{kind['name']}`**", "", kind["summary"], "", "", ""))
         lines += [("", *cells) for port in kind["ports"] for cells in _port(port)]
         lines += [("", *cells) for cells in _fields(kind["fields"], "")]

@@ -26,7 +26,7 @@ def table() -> str:
         summary = definitions[f"joint_{name}"]["properties"]["type"]["description"]
         units = _units(name)
         cells = [", ".join(_with_unit(q, units[q]) for q in _short(kind[level], units)) for level in "qva"]
-        for number in _core.elements.of_joints()[name]:
+        for number in _core.element_tables.of_joints()[name]:
             unit = element_tables.unit(number["units"])
             summary += f"; {_with_unit(number['name'], unit)}: {element_tables.filled_in(number['text'])}"
         lines.append(f"| `{name}` | {summary} | " + " | ".join(cell or "none" for cell in cells) + " |")
@@ -42,7 +42,7 @@ def section(text: str) -> tuple[str, str, str]:
 
 def _units(kind: str) -> dict[str, str]:
     """Of the states of a joint of this kind: by name, arrays by `Q[1..4]`."""
-    own = {number["name"]: 1 for number in _core.elements.of_joints()[kind] if number["required"]}
+    own = {number["name"]: 1 for number in _core.element_tables.of_joints()[kind] if number["required"]}
     data: dict[str, Any] = {
         "gelenk": 1,
         "bodies": {"b": {"mass": 1}},
