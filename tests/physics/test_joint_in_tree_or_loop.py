@@ -33,6 +33,7 @@ UNIT_Q = [0.1, -0.3, 0.3, 0.9]  # by 0.9 rad
 STARTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "revolute": ({"axis": [0.3, -0.5, 0.8]}, {"phi": 0.3, "w": -0.8}),
     "prismatic": ({"axis": [0.3, -0.5, 0.8]}, {"s": 0.2, "v": 0.5}),
+    "screw": ({"axis": [0.3, -0.5, 0.8], "pitch": 0.15}, {"phi": 0.3, "w": -0.8}),
     "cylindrical": ({"axis": [0.3, -0.5, 0.8]}, {"s": 0.2, "phi": 0.3, "v": 0.5, "w": -0.8}),
     "universal": (
         {"axes": [[1, 0.2, 0], [0.1, 0.5, 0.9]]},
