@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "mechanism/graph.h"
 #include "scene/element_numbers.h"
@@ -44,7 +45,7 @@ struct RowMaker {
       std::visit([&](const auto& element) { fill(row, constraint, element, inputs[c]); }, constraint.is);
     }
     if (!errors.empty()) throw SceneError(errors);
-    std::ranges::stable_partition(out, [](const CoordinateRow& row) { return !row.moves(); });
+    std::ranges::sort(out, {}, [](const CoordinateRow& row) { return std::pair(row.moves(), row.constraint); });
     for (std::size_t r = 0; r < out.size(); ++r)
       places.constraints[out[r].constraint] = {island, -1, static_cast<int>(r)};
   }
