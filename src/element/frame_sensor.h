@@ -20,18 +20,19 @@ struct FrameSensor {
 
   template <class Seen>
   auto output(const Seen& seen, int group, int i) const {
-    const auto at = seen.frame(0);
     const auto X_W0 = seen.X_W0();
-    using T = std::decay_t<decltype(at.v[0])>;
+    using T = std::decay_t<decltype(X_W0.p[0])>;
     switch (group) {
       case 0:
-        return X_W0.point(at.X_0P.p)[i];
+        return X_W0.point(seen.pose(0).p)[i];
       case 1:
-        return quaternion_component<T>(X_W0.R * at.X_0P.R, i);
+        return quaternion_component<T>(X_W0.R * seen.pose(0).R, i);
       case 2:
-        return T(X_W0.R.row(i).dot(at.v));
-      default:
+        return T(X_W0.R.row(i).dot(seen.frame(0).v));
+      default: {
+        const auto at = seen.frame(0);
         return T(at.X_0P.R.col(i).dot(at.w));
+      }
     }
   }
 };

@@ -20,7 +20,7 @@ struct Reaction {
   template <class Seen>
   auto output(const Seen& seen, int group, int i) const {
     const auto wrench = seen.reaction();
-    return seen.frame(0).X_0P.R.col(i).dot(group == 0 ? wrench.f : wrench.n);
+    return seen.pose(0).R.col(i).dot(group == 0 ? wrench.f : wrench.n);
   }
 };
 

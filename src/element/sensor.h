@@ -4,8 +4,8 @@
 //   output(seen, group, i)   component i of a group of its outputs
 //
 // where seen is, of numbers T,
-//   frame(k)                 its k-th frame, or those of its joint, F then M: pose X_0P and velocity of its origin and
-//                            angular velocity, along the axes of a frame 0 that stands still
+//   pose(k)                  X_0P of its k-th frame, or of those of its joint, F then M, in a frame 0 that stands still
+//   frame(k)                 the same with the velocity of its origin and its angular velocity, along the axes of 0
 //   X_W0()                   the pose of that frame in the world
 //   reaction()               force [N] and torque [N m] of the joint on its child body at M, drives and springs along
 //   the

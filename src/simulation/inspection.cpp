@@ -162,7 +162,7 @@ class RowInspector {
         const PortPlaces ports(scene_, prepared_.reduced, at_joint, true);
         const SeenPorts<double> seen(ports, prepared_.reduced, &dynamics);
         const SeenWrench<double> wrench = seen.reaction();
-        const Eigen::Matrix3d R_0F = seen.frame(0).X_0P.R;
+        const Eigen::Matrix3d R_0F = seen.pose(0).R;
         for (int i = 0; i < 6; ++i) {
           if (std::abs(R_0F.col(i % 3).dot(i < 3 ? wrench.f : wrench.n)) < 1e-6) continue;
           undetermined_.insert(scene_.joints[j].name + (i < 3 ? ".f[" : ".t[") + std::to_string(i % 3 + 1) + "]");

@@ -46,8 +46,13 @@ class SeenPorts {
   SeenPorts(const PortPlaces& places, const ReducedScene& reduced, const Readings<T>* dynamics)
       : places_(places), reduced_(reduced), dynamics_(dynamics) {}
 
+  Pose pose(int k) const {
+    const BodyPlace& at = place(k);
+    const Pose X_LP = pose_in<SpatialAlgebra<T>>(at.X_LB);
+    return dynamics_ == nullptr ? X_LP : pose_of(at) * X_LP;
+  }
   SeenFrame<T> frame(int k) const {
-    const BodyPlace& at = places_.frames[static_cast<std::size_t>(k)];
+    const BodyPlace& at = place(k);
     const Pose X_LP = pose_in<SpatialAlgebra<T>>(at.X_LB);
     if (dynamics_ == nullptr) return {X_LP, Vector3<T>::Zero(), Vector3<T>::Zero()};
     const Pose X_0L = pose_of(at);
@@ -68,6 +73,7 @@ class SeenPorts {
   }
 
  private:
+  const BodyPlace& place(int k) const { return places_.frames[static_cast<std::size_t>(k)]; }
   Pose pose_of(const BodyPlace& at) const {
     return at.rod >= 0 ? dynamics_->rod_pose(at.rod) : dynamics_->link_pose(at.link);
   }
