@@ -13,11 +13,6 @@ from gelenk import _core
 DOC = Path(__file__).parent.parent / "docs" / "scene-format.md"
 SECTIONS = ("motors", "forces", "constraints", "sensors")
 HEAD = "| type | key | | unit | if not given | |\n|---|---|---|---|---|---|\n"
-# What texts of the registry call the things at an element, where these are any.
-ANY = {
-    "joint": "the joint", "body": "the body", "coordinate": "the coordinate", "speed": "the speed",
-    "torque": "torque (force)",
-}  # fmt: skip
 
 
 def begin(section: str) -> str:
@@ -31,7 +26,7 @@ def end(section: str) -> str:
 def table(section: str) -> str:
     """Each kind of a section: its keys with their units and defaults, and its outputs."""
     lines: list[Sequence[str]] = []
-    for kind in _core.element_tables.kinds()[section]:
+    for kind in _core.elements.kinds()[section]:
         lines.append((f"**`{kind['name']}`**", "", kind["summary"], "", "", ""))
         lines += [("", *cells) for port in kind["ports"] for cells in _port(port)]
         lines += [("", *cells) for cells in _fields(kind["fields"], "")]
@@ -48,7 +43,7 @@ def parts(text: str, section: str) -> tuple[str, str, str]:
 
 def unit(units: Sequence[str]) -> str:
     """As people write it: `N m/rad`; about an angle or a length: `N m (N)`."""
-    first, *others = ["" if u == "1" else re.sub(r"\b\.\b", " ", u) for u in units] or [""]
+    first, *others = ["" if u == "1" else re.sub(r"\b\.\b", " ", u) for u in dict.fromkeys(units)]
     return first + "".join(f" ({u})" for u in others)
 
 
@@ -65,24 +60,15 @@ def default(field: dict[str, Any]) -> str:
     if field["way"]:
         return "another way"
     value = field["default"]
-    if value is None:
+    if field["type"] == "choice":
+        return f"`{field['words'][value]}`"
+    if value is None or value != value:
         return "none"
     if isinstance(value, list):
         return f"`[{', '.join(f'{x:g}' for x in value)}]`"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
-    return f"`{value}`" if isinstance(value, str) else f"{value:g}"
-
-
-def filled_in(text: str) -> str:
-    """A text of the registry about any element."""
-    for whole, short in (
-        ("joint {joint}", "{joint}"),
-        ("{joint}.{coordinate}", "{coordinate}"),
-        ("{joint}.{speed}", "{speed}"),
-    ):
-        text = text.replace(whole, short)
-    return re.sub(r"\{(\w+)\}", lambda found: ANY[found.group(1)], text)
+    return f"{value:g}"
 
 
 def _port(port: dict[str, Any]) -> Iterator[Sequence[str]]:
@@ -102,20 +88,20 @@ def _port(port: dict[str, Any]) -> Iterator[Sequence[str]]:
 def _fields(fields: Sequence[dict[str, Any]], within: str) -> Iterator[Sequence[str]]:
     for field in fields:
         name = within + field["name"]
-        text = filled_in(field["text"])
+        text = field["text"]
         words = ", ".join(f"`{word}`" for word in field["words"])
         yield (
             f"`{name}`", text + (f": {words}" if words else ""), _unit(field), default(field),
             "tunable" if field["tunable"] else "",
         )  # fmt: skip
-        yield from _fields(field["inner"], name + ".")
+        yield from _fields(field["fields"], name + ".")
 
 
 def _output(group: dict[str, Any]) -> Sequence[str]:
-    name = group["name"] + (f"[1..{group['size']}]" if group["size"] else "")
-    names = ["tau", "f"] if name == "{effort}" else [filled_in(name)]
+    name = group["name"] + (f"[1..{group['size']}]" if group["is_array"] else "")
+    names = ["tau", "f"] if name == "{effort}" else [name]
     shown = " (".join(f"`.{n}`" for n in names) + ")" * (len(names) - 1)
-    return shown, filled_in(group["text"]), unit(group["units"]), "", "output"
+    return shown, group["text"], unit(group["units"]), "", "output"
 
 
 if __name__ == "__main__":

@@ -26,9 +26,9 @@ def table() -> str:
         summary = definitions[f"joint_{name}"]["properties"]["type"]["description"]
         units = _units(name)
         cells = [", ".join(_with_unit(q, units[q]) for q in _short(kind[level], units)) for level in "qva"]
-        for number in _core.element_tables.of_joints()[name]:
+        for number in kind["fields"]:
             unit = element_tables.unit(number["units"])
-            summary += f"; {_with_unit(number['name'], unit)}: {element_tables.filled_in(number['text'])}"
+            summary += f"; {_with_unit(number['name'], unit)}: {number['text']}"
         lines.append(f"| `{name}` | {summary} | " + " | ".join(cell or "none" for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 
@@ -42,7 +42,8 @@ def section(text: str) -> tuple[str, str, str]:
 
 def _units(kind: str) -> dict[str, str]:
     """Of the states of a joint of this kind: by name, arrays by `Q[1..4]`."""
-    own = {number["name"]: 1 for number in _core.element_tables.of_joints()[kind] if number["required"]}
+    fields = next(each["fields"] for each in _core.joints.kinds() if each["name"] == kind)
+    own = {number["name"]: 1 for number in fields if number["required"]}
     data: dict[str, Any] = {
         "gelenk": 1,
         "bodies": {"b": {"mass": 1}},

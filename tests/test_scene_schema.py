@@ -59,9 +59,9 @@ def test_schema_refuses_malformed_scenes(validator: jsonschema.Draft202012Valida
 
 
 def test_schema_knows_every_kind_of_joint(validator: jsonschema.Draft202012Validator) -> None:
-    own = _core.element_tables.of_joints()
-    for kind in (entry["name"] for entry in _core.joints.kinds()):
-        numbers = {number["name"]: 0.5 for number in own[kind] if number["required"]}
+    for entry in _core.joints.kinds():
+        kind = entry["name"]
+        numbers = {number["name"]: 0.5 for number in entry["fields"] if number["required"]}
         scene = {
             "gelenk": 1,
             "bodies": {"b": {"mass": 2.5, "inertia": [0.3, 0.4, 0.5]}},

@@ -15,7 +15,6 @@ void bind_assemblies(nanobind::module_& m);
 void bind_fmu(nanobind::module_& m);
 void bind_fmu_log(nanobind::module_& m);
 void bind_elements(nanobind::module_& m);
-void bind_element_tables(nanobind::module_& m);
 void bind_joints(nanobind::module_& m);
 void bind_rods(nanobind::module_& joints);
 

@@ -10,6 +10,7 @@
 
 #include "element/registry.h"
 #include "joint/registry.h"
+#include "scene/element_numbers.h"
 
 namespace nb = nanobind;
 
@@ -27,6 +28,13 @@ const char* range_name(Range range) {
 const char* kind_name(Port::Kind kind) {
   static constexpr const char* names[] = {"frame", "point", "body", "joint"};
   return names[static_cast<int>(kind)];
+}
+
+// As given, about an angle and about a length.
+nb::list units(std::string_view unit) {
+  nb::list out;
+  for (const bool is_angle : {true, false}) out.append(unit_of(unit, {.name = {}, .speed = {}, .is_angle = is_angle}));
+  return out;
 }
 
 nb::object shown(const Eigen::Vector3d& x) { return nb::cast(std::vector<double>(x.begin(), x.end())); }
@@ -74,6 +82,7 @@ nb::list shown(std::span<const Port> ports) {
     nb::dict entry;
     entry["kind"] = kind_name(port.kind);
     entry["name"] = std::string(port.name);
+    entry["text"] = std::string(port.text);
     entry["optional"] = port.optional;
     entry["on_ground"] = port.on_ground;
     entry["has_coordinate"] = port.has_coordinate;
@@ -130,7 +139,8 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     nb::dict entry;
     entry["name"] = std::string(field.name);
     entry["unit"] = std::string(field.unit);
-    entry["text"] = std::string(field.text);
+    entry["units"] = units(field.unit);
+    entry["text"] = about_any(field.text);
     entry["type"] = type_name(field.type);
     entry["range"] = range_name(field.range);
     entry["required"] = field.required;
@@ -168,8 +178,11 @@ nb::list shown_signals(std::span<const SignalGroup> groups) {
   for (const SignalGroup& group : groups) {
     nb::dict entry;
     entry["name"] = std::string(group.name);
-    entry["size"] = group.size == 0 ? 1 : group.size;
+    entry["size"] = group.count();
+    entry["is_array"] = group.size > 0;
     entry["unit"] = std::string(group.unit);
+    entry["units"] = units(group.unit);
+    entry["text"] = about_any(group.text);
     out.append(entry);
   }
   return out;

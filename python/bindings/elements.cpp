@@ -47,12 +47,6 @@ std::variant<E...> made(const std::variant<E...>*, const std::string& kind, cons
   return out;
 }
 
-template <class E>
-std::span<const SignalGroup> inputs_if_any(const E& element) {
-  if constexpr (requires { element.inputs(); }) return element.inputs();
-  return {};
-}
-
 void check(const Vector& values, Eigen::Index size, const char* name) {
   if (values.size() != size)
     throw std::invalid_argument(std::string(name) + " must have length " + std::to_string(size));
@@ -189,12 +183,12 @@ class AlongOne {
       : force_(made(static_cast<const AnyAlong*>(nullptr), kind, numbers)) {}
 
   nb::list inputs() const {
-    return std::visit([](const auto& force) { return shown_signals(inputs_if_any(force)); }, force_);
+    return std::visit([](const auto& force) { return shown_signals(own_inputs(force)); }, force_);
   }
   double effort(double q, double v, const Vector& u) const {
     return std::visit(
         [&](const auto& force) {
-          check(u, inputs_along(force), "inputs");
+          check(u, count_of(own_inputs(force)), "inputs");
           return force.effort(q, v, u.data());
         },
         force_);
@@ -238,7 +232,7 @@ class AlongOne {
   std::vector<double> slopes_by_duals(double q, double v, const Vector& u) const {
     return std::visit(
         [&]<class F>(const F& force) {
-          const int n = inputs_along(force);
+          const int n = count_of(own_inputs(force));
           check(u, n, "inputs");
           AlongCoordinate<F> placed;
           placed.element = force;

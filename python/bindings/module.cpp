@@ -13,5 +13,4 @@ NB_MODULE(_core, m) {
   gelenk::bind_fmu_log(m);
   gelenk::bind_joints(m);
   gelenk::bind_elements(m);
-  gelenk::bind_element_tables(m);
 }

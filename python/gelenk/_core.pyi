@@ -240,5 +240,4 @@ fmu_logger: int
 diagnostic_names: list[str]
 reduction_names: list[str]
 elements: Any
-element_tables: Any
 joints: Any
