@@ -10,9 +10,10 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # What a room may include of ours: itself and these.
-BELOW: dict[str, set[str]] = {"util": set(), "field": set(), "math": set()}
-BELOW["joint"] = {"field", "math"}
-BELOW["element"] = {"joint", "util", *BELOW["joint"]}
+BELOW: dict[str, set[str]] = {"util": set(), "math": set()}
+BELOW["field"] = {"util"}
+BELOW["joint"] = {"field", "math", *BELOW["field"]}
+BELOW["element"] = {"joint", *BELOW["joint"]}
 BELOW["scene"] = {"element", *BELOW["element"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
 BELOW["dynamics"] = {"mechanism", *BELOW["mechanism"]}

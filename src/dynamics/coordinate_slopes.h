@@ -11,15 +11,6 @@ namespace gelenk {
 
 inline constexpr int most_inputs_along = dual_directions - 2;
 
-template <class E>
-int inputs_along(const E& element) {
-  int n = 0;
-  if constexpr (requires { element.inputs(); }) {
-    for (const SignalGroup& group : element.inputs()) n += group.size == 0 ? 1 : group.size;
-  }
-  return n;
-}
-
 // By q, v and the inputs, in the mechanism's sense. side: of the branch that it is held on, or null: on that of the
 // state.
 template <class F>

@@ -100,7 +100,7 @@ inline void move(MovedPort& port, const Eigen::Vector3d& w, const Eigen::Vector3
 template <class E>
 std::array<Dual, dual_directions> constants(const E& element, const double* u) {
   std::array<Dual, dual_directions> out;
-  for (int i = 0; i < inputs_along(element); ++i) out[i] = Dual(u[i]);
+  for (int i = 0; i < count_of(own_inputs(element)); ++i) out[i] = Dual(u[i]);
   return out;
 }
 

@@ -264,7 +264,7 @@ void RecursiveSlopes<A>::joint_loads(const Point& at, Slopes& out) const {
         r_q(force.v, force.q) -= by_q;
         r_v(force.v, force.v) -= by_v;
       } else {
-        const int inputs = inputs_along(force.element);
+        const int inputs = count_of(own_inputs(force.element));
         const Dual::Directions slopes = slopes_by_duals(force, at.q, at.v, at.u, inputs);
         r_q(force.v, force.q) -= slopes[0];
         r_v(force.v, force.v) -= slopes[1];

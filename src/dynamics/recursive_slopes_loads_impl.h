@@ -250,7 +250,7 @@ template <class A>
 template <class F>
 void RecursiveSlopes<A>::force_input_slopes(const PlacedForce<F>& force, const Pair& of, const double* u,
                                             Slopes& out) const {
-  const int inputs = inputs_along(force.element);
+  const int inputs = count_of(own_inputs(force.element));
   if (inputs == 0) return;
   const auto ports = ports_at(force);
   auto input = detail::constants(force.element, u + force.input);
@@ -330,7 +330,7 @@ void RecursiveSlopes<A>::cut_input_slopes(int c, const Point& at, Slopes& out) {
   const auto V = detail::constant(X.to_child(body_[cut.link_b].V - body_[cut.link_a].V));
   each_list(loads_.cuts[c].lists, [&](const auto& list) {
     for (const auto& force : list) {
-      for (int i = 0; i < inputs_along(force.element); ++i) cut_input_slope(c, force.input + i, V, at, out);
+      for (int i = 0; i < count_of(own_inputs(force.element)); ++i) cut_input_slope(c, force.input + i, V, at, out);
     }
   });
 }

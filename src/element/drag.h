@@ -2,6 +2,7 @@
 #pragma once
 
 #include "element/force.h"
+#include "element/resistance.h"
 
 namespace gelenk {
 
@@ -33,11 +34,7 @@ struct Drag {
 
   template <class At, class T>
   void act(At* at, const T*) const {
-    const Vector3<T> v = at[0].v();
-    Vector3<T> f = T(-damping) * v;
-    const T size = v.norm();
-    if (size > T(0)) f -= T(coefficient) * size * v;  // at rest it and its derivative are 0
-    at[0].push(f);
+    at[0].push(resistance<T>(damping, coefficient, at[0].v()));
   }
 };
 

@@ -58,7 +58,20 @@ struct SignalGroup {
   std::string_view unit, text;
   Stage stage = Stage::acceleration;
   enum class Start { zero, coordinate, speed } start = Start::zero;  // an input's: that of the joint's
+
+  constexpr int count() const { return size == 0 ? 1 : size; }
 };
+
+inline int count_of(std::span<const SignalGroup> groups) {
+  int n = 0;
+  for (const SignalGroup& group : groups) n += group.count();
+  return n;
+}
+template <class E>
+std::span<const SignalGroup> own_inputs(const E& element) {
+  if constexpr (requires { element.inputs(); }) return element.inputs();
+  return {};
+}
 
 // Something is wrong with an element: its field, or none where it is all of it.
 struct ElementFault {

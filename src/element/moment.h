@@ -2,6 +2,7 @@
 #pragma once
 
 #include "element/force.h"
+#include "element/resistance.h"
 
 namespace gelenk {
 
@@ -33,11 +34,7 @@ struct Moment {
 
   template <class At, class T>
   void act(At* at, const T*) const {
-    const Vector3<T> w = at[0].w();
-    Vector3<T> n = T(-damping) * w;
-    const T size = w.norm();
-    if (size > T(0)) n -= T(coefficient) * size * w;  // at rest it and its derivative are 0
-    at[0].push(Vector3<T>(Vector3<T>::Zero()), n);
+    at[0].push(Vector3<T>(Vector3<T>::Zero()), resistance<T>(damping, coefficient, at[0].w()));
   }
 };
 

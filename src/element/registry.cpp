@@ -64,30 +64,27 @@ template <std::size_t k>
 JointForceKind describe_along() {
   using Here = Along<k, std::tuple_element_t<k, JointForces>>;
   using Element = typename Here::Element;
-  return {
-      .group = Element::group,
-      .summary = Element::summary,
-      .misfit = Element::misfit,
-      .fields = Element::fields(),
-      .fits = Element::fits,
-      .there = Here::in,
-      .defaults = []() -> const void* {
-        static const Element plain;
-        return &plain;
-      },
-      .give = Here::give,
-      .take = Here::take,
-      .fault = [](const JointForces& forces, const Coordinate& coordinate) -> std::optional<ElementFault> {
-        const void* there = Here::in(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
-        return there == nullptr ? std::nullopt : own_fault(*static_cast<const Element*>(there), coordinate);
-      },
-      .doubt = [](const JointForces& forces, double q, const Coordinate& coordinate) -> std::optional<ElementFault> {
-        const void* there = Here::in(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
-        if constexpr (requires(const Element& e) { e.doubt(q, coordinate); }) {
-          if (there != nullptr) return static_cast<const Element*>(there)->doubt(q, coordinate);
-        }
-        return {};
-      }};
+  return {.group = Element::group,
+          .summary = Element::summary,
+          .misfit = Element::misfit,
+          .fields = Element::fields(),
+          .fits = Element::fits,
+          .there = Here::in,
+          .defaults = []() -> const void* {
+            static const Element plain;
+            return &plain;
+          },
+          .give = Here::give,
+          .take = Here::take,
+          .fault = [](const void* element, const Coordinate& coordinate) -> std::optional<ElementFault> {
+            return own_fault(*static_cast<const Element*>(element), coordinate);
+          },
+          .doubt = [](const void* element, double q, const Coordinate& coordinate) -> std::optional<ElementFault> {
+            if constexpr (requires(const Element& e) { e.doubt(q, coordinate); }) {
+              return static_cast<const Element*>(element)->doubt(q, coordinate);
+            }
+            return {};
+          }};
 }
 
 template <std::size_t... k>
@@ -117,12 +114,7 @@ Any make_element(std::size_t n) {
 }
 template <class Any>
 std::span<const SignalGroup> inputs_of(const Any& element) {
-  return std::visit(
-      [](const auto& e) -> std::span<const SignalGroup> {
-        if constexpr (requires { e.inputs(); }) return e.inputs();
-        return {};
-      },
-      element);
+  return std::visit([](const auto& e) { return own_inputs(e); }, element);
 }
 template <class Any>
 std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coordinate) {

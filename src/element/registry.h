@@ -81,9 +81,7 @@ template <class Any>
 std::span<const SignalGroup> inputs_of(const Any& element);
 template <class Any>
 int input_count(const Any& element) {
-  int n = 0;
-  for (const SignalGroup& group : inputs_of(element)) n += group.size == 0 ? 1 : group.size;
-  return n;
+  return count_of(inputs_of(element));
 }
 // Beyond its fields' ranges.
 template <class Any>
@@ -103,10 +101,10 @@ struct JointForceKind {
   bool (*fits)(const JointKind&);
   void* (*there)(JointForces&);  // null: it is not
   const void* (*defaults)();
-  void (*give)(JointForces&);  // puts one there, with its defaults
-  void (*take)(JointForces&);  // takes it away
-  std::optional<ElementFault> (*fault)(const JointForces&, const Coordinate&);
-  std::optional<ElementFault> (*doubt)(const JointForces&, double q, const Coordinate&);  // of a start at q
+  void (*give)(JointForces&);                                                      // puts one there, with its defaults
+  void (*take)(JointForces&);                                                      // takes it away
+  std::optional<ElementFault> (*fault)(const void*, const Coordinate&);            // of one that is there
+  std::optional<ElementFault> (*doubt)(const void*, double q, const Coordinate&);  // of a start at q
 
   const void* in(const JointForces& forces) const;
 };

@@ -3,25 +3,17 @@
 
 #include <algorithm>
 
+#include "util/text.h"
+
 namespace gelenk {
-namespace {
-
-void replace(std::string& text, std::string_view placeholder, std::string_view by) {
-  for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at + by.size())) {
-    text.replace(at, placeholder.size(), by);
-  }
-}
-
-}  // namespace
-
 std::string unit_of(std::string_view unit, const Coordinate& coordinate) {
   std::string out(unit);
   const bool turns = coordinate.is_angle;
-  replace(out, "{q}", turns ? "rad" : "m");
-  replace(out, "{v}", turns ? "rad/s" : "m/s");
-  replace(out, "{a}", turns ? "rad/s2" : "m/s2");
-  replace(out, "{f}", turns ? "N.m" : "N");
-  replace(out, "{J}", turns ? "kg.m2" : "kg");
+  text::replace(out, "{q}", turns ? "rad" : "m");
+  text::replace(out, "{v}", turns ? "rad/s" : "m/s");
+  text::replace(out, "{a}", turns ? "rad/s2" : "m/s2");
+  text::replace(out, "{f}", turns ? "N.m" : "N");
+  text::replace(out, "{J}", turns ? "kg.m2" : "kg");
   return out;
 }
 

@@ -63,18 +63,22 @@ struct Field : FieldFacts {
     group,      // std::optional of a struct with fields(), which are in a mapping of their own
   };
   Type type = Type::number;
-  void* (*in)(void*) = nullptr;                 // the member of an element; of a group that is not given: null
+  void* (*locate)(void*) = nullptr;             // of an element; of a group that is not given: null
   void (*give)(void*) = nullptr;                // puts a group there, with its defaults
   std::span<const Field> (*inner)() = nullptr;  // of a group
   const void* (*defaults)() = nullptr;          // one of a group, as it is put there
 
+  void* in(void* element) const { return locate(element); }
+  const void* in(const void* element) const {
+    return locate(const_cast<void*>(element));  // NOLINT(*-const-cast): it takes an address only
+  }
   template <class T>
   T& of(void* element) const {
     return *static_cast<T*>(in(element));
   }
   template <class T>
   const T& of(const void* element) const {
-    return *static_cast<const T*>(in(const_cast<void*>(element)));  // NOLINT(*-const-cast): `in` takes an address only
+    return *static_cast<const T*>(in(element));
   }
 };
 
@@ -131,7 +135,7 @@ constexpr Field field(const FieldFacts& facts) {
   Field out{facts};
   out.type = detail::FieldType<Member>::value;
   if constexpr (detail::FieldType<Member>::value == Field::Type::group) {
-    out.in = [](void* element) -> void* {
+    out.locate = [](void* element) -> void* {
       Member& group = static_cast<Element*>(element)->*member;
       return group ? &*group : nullptr;
     };
@@ -142,7 +146,7 @@ constexpr Field field(const FieldFacts& facts) {
       return &group;
     };
   } else {
-    out.in = [](void* element) -> void* { return &(static_cast<Element*>(element)->*member); };
+    out.locate = [](void* element) -> void* { return &(static_cast<Element*>(element)->*member); };
   }
   return out;
 }

@@ -39,7 +39,7 @@ void doubt_start(const Joint& joint, const JointKind& kind, const std::string& p
 void doubt_numbers(std::span<const Field> fields, const void* element, const Coordinate& coordinate,
                    const std::string& path, Faults& faults, const std::string& index = {}) {
   const Field* doubted = nullptr;
-  each_number(fields, const_cast<void*>(element), [&](const Number& x) {  // NOLINT(*-const-cast): only read
+  each_number(fields, element, [&](const Number& x) {
     if (x.unit(coordinate) != "rad" || x.field == doubted || !looks_like_degrees(*x.value)) return;
     doubted = x.field;
     doubt_angle(*x.value, path + "." + x.path() + x.index() + index, faults);
@@ -56,7 +56,7 @@ void doubt_forces(const Joint& joint, const JointKind& kind, const std::string& 
       const std::string index = kind.nv > 1 ? "[" + std::to_string(i + 1) + "]" : "";
       doubt_numbers(force.fields, there, coordinate, path + group, faults, index);
       if (!kind.springs() || !joint.start.q_given[i]) continue;
-      const auto doubt = force.doubt(joint.along[i], joint.start.q[i], coordinate);
+      const auto doubt = force.doubt(there, joint.start.q[i], coordinate);
       if (doubt) faults.doubt(path + ".start." + std::string(coordinate.name), doubt->found, doubt->expected);
     }
   }

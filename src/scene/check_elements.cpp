@@ -115,14 +115,9 @@ void check_formulation(const Scene& scene, Faults& faults) {
 
 template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults) {
-  const void* data = data_of(element.is);
-  const std::size_t before = faults.count();
-  const std::span<const Field> fields = kind_of(element.is).fields;
-  check_fields(fields, data, path, coordinate, faults);
-  if (faults.count() > before) return;
-  std::optional<ElementFault> fault = fault_of_ways(fields, data);
-  if (!fault) fault = fault_of(element.is, coordinate);
-  if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
+  check_element(
+      kind_of(element.is).fields, data_of(element.is), path, coordinate,
+      [&] { return fault_of(element.is, coordinate); }, faults);
 }
 template void check_numbers(const Motor&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Force&, const std::string&, const Coordinate&, Faults&);

@@ -73,12 +73,7 @@ void check_forces(const Joint& joint, const std::string& path, const JointForceK
     const void* there = kind.in(joint.along[i]);
     if (there == nullptr) continue;
     const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
-    const std::size_t before = faults.count();
-    check_fields(kind.fields, there, path, coordinate, faults);
-    if (faults.count() > before) continue;
-    std::optional<ElementFault> fault = fault_of_ways(kind.fields, there);
-    if (!fault) fault = kind.fault(joint.along[i], coordinate);
-    if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
+    check_element(kind.fields, there, path, coordinate, [&] { return kind.fault(there, coordinate); }, faults);
   }
 }
 

@@ -142,7 +142,7 @@ void check_fields(std::span<const Field> fields, const void* element, const std:
         }
         break;
       case Field::Type::group:
-        if (const void* there = field.in(const_cast<void*>(element))) {  // NOLINT(*-const-cast): only looked for
+        if (const void* there = field.in(element)) {
           check_fields(field.inner(), there, where, coordinate, faults);
         }
         break;
@@ -178,7 +178,7 @@ void write_fields(Json& to, std::span<const Field> fields, const void* element) 
         }
         break;
       case Field::Type::group:
-        if (const void* there = field.in(const_cast<void*>(element))) {  // NOLINT(*-const-cast): only looked for
+        if (const void* there = field.in(element)) {
           write_fields(value, field.inner(), there);
         }
     }
@@ -195,7 +195,7 @@ bool is_given(const Field& field, const void* element) {
     case Field::Type::choice:
       return field.of<Choice>(element).index != Choice::none;
     case Field::Type::group:
-      return field.in(const_cast<void*>(element)) != nullptr;  // NOLINT(*-const-cast): only looked for
+      return field.in(element) != nullptr;
     default:
       return true;
   }
@@ -211,6 +211,9 @@ std::vector<std::vector<std::string>> ways_of(std::span<const Field> fields) {
   return out;
 }
 
+namespace {
+
+// Where the ways to give an element's numbers are mixed, or none is taken.
 std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const void* element) {
   const std::vector<std::vector<std::string>> ways = ways_of(fields);
   if (ways.empty()) return {};
@@ -230,6 +233,19 @@ std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const v
   if (given.size() == 1) return {};
   return {{"", given.empty() ? "none of " + text::list(all) : text::list(given) + " together",
            ways.size() == 1 ? "one of them, or more" : "one of " + text::list(expected)}};
+}
+
+}  // namespace
+
+void check_element(std::span<const Field> fields, const void* element, const std::string& path,
+                   const Coordinate& coordinate, const std::function<std::optional<ElementFault>()>& own_fault,
+                   Faults& faults) {
+  const std::size_t before = faults.count();
+  check_fields(fields, element, path, coordinate, faults);
+  if (faults.count() > before) return;
+  std::optional<ElementFault> fault = fault_of_ways(fields, element);
+  if (!fault) fault = own_fault();
+  if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
 }
 
 }  // namespace gelenk

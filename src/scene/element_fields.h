@@ -2,6 +2,7 @@
 // Elements in scene files: their fields read, checked, written and described in the JSON Schema.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,12 +21,14 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
 // Faults for what is not finite or out of its field's range.
 void check_fields(std::span<const Field> fields, const void* element, const std::string& path,
                   const Coordinate& coordinate, Faults& faults);
+// These, else one for ways to give the numbers that are mixed or all missing, else the element's own.
+void check_element(std::span<const Field> fields, const void* element, const std::string& path,
+                   const Coordinate& coordinate, const std::function<std::optional<ElementFault>()>& own_fault,
+                   Faults& faults);
 
 // Into the mapping; what is not given is left out.
 void write_fields(Json& to, std::span<const Field> fields, const void* element);
 
-// Where the ways to give an element's numbers are mixed, or none is taken.
-std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const void* element);
 // Whether an optional field is given.
 bool is_given(const Field& field, const void* element);
 // The names of the fields of each way, by way from 1 on.

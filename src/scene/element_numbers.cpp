@@ -3,20 +3,16 @@
 
 #include <algorithm>
 
+#include "util/text.h"
+
 namespace gelenk {
 namespace {
-
-void replace(std::string& text, std::string_view placeholder, std::string_view by) {
-  for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at + by.size())) {
-    text.replace(at, placeholder.size(), by);
-  }
-}
 
 void each_number(const Field* group, std::span<const Field> fields, void* element, const VisitNumber& visit) {
   for (const Field& field : fields) {
     switch (field.type) {
       case Field::Type::number:
-        if (double& x = field.of<double>(element); std::isfinite(x)) visit({group, &field, 0, 1, &x});
+        if (auto& x = field.of<double>(element); std::isfinite(x)) visit({group, &field, 0, 1, &x});
         break;
       case Field::Type::vector:
         for (int i = 0; i < 3; ++i) visit({group, &field, i, 3, &field.of<Eigen::Vector3d>(element)[i]});
@@ -50,6 +46,10 @@ std::string Number::index() const {
 
 void each_number(std::span<const Field> fields, void* element, const VisitNumber& visit) {
   each_number(nullptr, fields, element, visit);
+}
+
+void each_number(std::span<const Field> fields, const void* element, const VisitNumber& visit) {
+  each_number(fields, const_cast<void*>(element), visit);  // NOLINT(*-const-cast): only read
 }
 
 const JointKind* kind_of_joint(const Scene& scene, std::string_view joint) {
@@ -90,13 +90,24 @@ Coordinate coordinate_of(const Scene& scene, const ElementPlace& element) {
 
 std::string filled_in(std::string_view text, const ElementPlace& element, const Coordinate& coordinate) {
   std::string out(text);
-  if (!element.joints.empty()) replace(out, "{joint}", element.joints.front());
-  if (!element.frames.empty()) replace(out, "{body}", element.frames.front().body);
-  replace(out, "{coordinate}", coordinate.name);
-  replace(out, "{speed}", coordinate.speed);
-  replace(out, "{effort}", coordinate.effort());
-  replace(out, "{torque}", coordinate.is_angle ? "torque" : "force");
+  if (!element.joints.empty()) text::replace(out, "{joint}", element.joints.front());
+  if (!element.frames.empty()) text::replace(out, "{body}", element.frames.front().body);
+  text::replace(out, "{coordinate}", coordinate.name);
+  text::replace(out, "{speed}", coordinate.speed);
+  text::replace(out, "{effort}", coordinate.effort());
+  text::replace(out, "{torque}", coordinate.is_angle ? "torque" : "force");
   return out;
+}
+
+std::string about_any(std::string_view text, const Coordinate* coordinate) {
+  std::string out(text);
+  text::replace(out, "joint {joint}", "the joint");
+  text::replace(out, "{joint}.", "");
+  if (coordinate == nullptr) text::replace(out, "{torque}", "torque or force");
+  const ElementPlace any = {
+      .name = {}, .frames = {{.body = "the body", .X_BF = {}}}, .joints = {"the joint"}, .coordinate = {}};
+  const Coordinate unknown = {.name = "the coordinate", .speed = "the speed", .is_angle = true};
+  return filled_in(out, any, coordinate == nullptr ? unknown : *coordinate);
 }
 
 }  // namespace gelenk

@@ -29,6 +29,8 @@ using VisitNumber = std::function<void(const Number&)>;
 
 // Those of an element's fields that are given.
 void each_number(std::span<const Field> fields, void* element, const VisitNumber& visit);
+// The visitor changes none.
+void each_number(std::span<const Field> fields, const void* element, const VisitNumber& visit);
 
 // Joint `joint` of the scene, if there is one and its kind is known.
 const JointKind* kind_of_joint(const Scene& scene, std::string_view joint);
@@ -44,5 +46,7 @@ int component_of(const JointKind& kind, std::string_view coordinate);
 
 // A text in which the names of an element's ports stand for placeholders (element/element.h).
 std::string filled_in(std::string_view text, const ElementPlace& element, const Coordinate& coordinate);
+// The same of any element: "the joint". coordinate: null where that is any, too.
+std::string about_any(std::string_view text, const Coordinate* coordinate = nullptr);
 
 }  // namespace gelenk

@@ -19,8 +19,7 @@ struct Rates {
   double largest = 0;  // of constant forces
 
   void add(std::span<const Field> fields, const void* element, const Coordinate& coordinate, const UnitSystem& units) {
-    void* data = const_cast<void*>(element);  // NOLINT(*-const-cast): only read
-    each_number(fields, data, [&](const Number& x) {
+    each_number(fields, element, [&](const Number& x) {
       const UnitExponents unit = unit_exponents(x.field->unit.empty() ? "1" : x.unit(coordinate));
       const auto& [kg, m, s, rad] = unit;
       if (kg != 1 || s != -2 || *x.value == 0) return;

@@ -16,14 +16,8 @@ std::string sentence(std::string text) {
   return text;
 }
 
-// What is true of any joint, body or coordinate.
-constexpr std::string_view any_coordinate = "its coordinate";
-
 std::string text_of(std::string_view text, const Coordinate* coordinate) {
-  const ElementPlace any = {
-      .name = {}, .frames = {{.body = "the body", .X_BF = {}}}, .joints = {"the joint"}, .coordinate = {}};
-  const Coordinate unknown = {.name = any_coordinate, .speed = "its speed", .is_angle = true};
-  return sentence(filled_in(text, any, coordinate == nullptr ? unknown : *coordinate));
+  return sentence(about_any(text, coordinate));
 }
 
 // Of a coordinate that is not known: both units.

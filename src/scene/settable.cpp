@@ -37,8 +37,7 @@ double& number_in(const Field* group, const Field& field, void* element, int i) 
 // Adds the settable numbers among some fields of an element.
 void add(std::vector<SettableNumber>& out, SettableNumber::Of of, std::size_t owner, std::span<const Field> fields,
          const void* element, const auto& finish) {
-  void* data = const_cast<void*>(element);  // NOLINT(*-const-cast): only read
-  each_number(fields, data, [&](const Number& x) {
+  each_number(fields, element, [&](const Number& x) {
     if (x.field->settable) out.push_back(finish(SettableNumber(of, owner, x.group, *x.field, x.i, x.size)));
   });
 }

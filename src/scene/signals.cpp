@@ -26,7 +26,7 @@ void add_group(std::vector<Signal>& signals, const SignalGroup& group, const Ele
   of.description = element.name + ": " + filled_in(group.text, element, coordinate);
   of.unit = unit_of(group.unit, coordinate);
   of.stage = group.stage;
-  for (int i = 0; i < std::max(group.size, 1); ++i) {
+  for (int i = 0; i < group.count(); ++i) {
     of.component = i;
     Signal& signal = signals.emplace_back(of);
     signal.name = name;
@@ -94,7 +94,7 @@ std::vector<std::vector<int>> first_inputs(const Scene& scene) {
     std::vector<int>& of = out.emplace_back();
     for (const auto& element : elements) {
       of.push_back(input);
-      for (const SignalGroup& group : inputs_of(element.is)) input += std::max(group.size, 1);
+      input += input_count(element.is);
     }
   });
   return out;

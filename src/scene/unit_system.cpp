@@ -63,8 +63,7 @@ template <class Any, class Visit>
 void each_length(const std::vector<Element<Any>>& elements, Visit visit) {
   for (const Element<Any>& element : elements) {
     if (!element.joints.empty()) continue;
-    void* data = const_cast<void*>(data_of(element.is));  // NOLINT(*-const-cast): only read
-    each_number(kind_of(element.is).fields, data, [&](const Number& x) {
+    each_number(kind_of(element.is).fields, data_of(element.is), [&](const Number& x) {
       if (x.field->unit == "m") visit(*x.value);
     });
   }

@@ -35,6 +35,12 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+void replace(std::string& text, std::string_view placeholder, std::string_view by) {
+  for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at + by.size())) {
+    text.replace(at, placeholder.size(), by);
+  }
+}
+
 std::string number(double x) {
   if (std::isnan(x)) return "NaN";
   if (std::isinf(x)) return x > 0 ? "Infinity" : "-Infinity";

@@ -8,6 +8,9 @@
 
 namespace gelenk::text {
 
+// Wherever the placeholder stands in the text.
+void replace(std::string& text, std::string_view placeholder, std::string_view by);
+
 // The shortest decimal that reads back to the same bits: "0.1", "1e-06", "NaN".
 std::string number(double x);
 
