@@ -95,7 +95,8 @@ void Instance::step(double current, double h) {
                      text::number(stop_) + " s of fmi2SetupExperiment");
   }
   Clock next = clock_;
-  const long passages = plant_.singular_positions();
+  const long passages = plant_.count(Diagnostic::singular_positions);
+  const long events = plant_.count(Diagnostic::events);
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
   } catch (const StepBudgetError&) {
@@ -107,8 +108,10 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
-  if (plant_.singular_positions() > passages) {
-    log_.say(Category::warning, describe_singular_position(plant_.last_singular_position()));
+  const bool listens = log_.listens(Category::events) && plant_.count(Diagnostic::events) > events;
+  if (!listens && plant_.count(Diagnostic::singular_positions) == passages) return;
+  for (const EventReport& event : plant_.events()) {
+    log_.say(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }
 }
 

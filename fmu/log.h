@@ -23,6 +23,7 @@ class Log {
   // null; nothing is changed then.
   const char* select(bool on, std::size_t count, const fmi2String names[]);
 
+  bool listens(Category category) const { return logger_ != nullptr && on_[static_cast<std::size_t>(category)]; }
   // Throws std::bad_alloc.
   void say(Category category, std::string_view sentence) const;
 

@@ -165,9 +165,7 @@ void Plant::set(int variable, double value) {
   simulation_.reset();
 }
 
-long Plant::singular_positions() {
-  return std::lround(simulation_->diagnostic(static_cast<int>(Diagnostic::singular_positions)));
-}
+long Plant::count(Diagnostic diagnostic) { return std::lround(simulation_->diagnostic(static_cast<int>(diagnostic))); }
 
 void Plant::tune(int variable, double value) {
   const Variable& v = catalogue().variables()[static_cast<std::size_t>(variable)];

@@ -83,9 +83,8 @@ class Plant {
   // As Simulation's; assembled plants only.
   void step_to(double end) { simulation_->step_to(end); }
   double time() const { return simulation_ ? simulation_->time() : start_; }
-  // Passed since the start, and about when the last one was [s].
-  long singular_positions();
-  double last_singular_position() const { return simulation_->last_singular_position(); }
+  long count(Diagnostic diagnostic);  // of one that counts
+  std::vector<EventReport> events() const { return simulation_->events(); }
   std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
   std::vector<std::string> start_warnings() const {
     return simulation_ ? simulation_->start_warnings() : std::vector<std::string>();

@@ -305,6 +305,16 @@ void bind_readings(nb::class_<Plant>& simulation) {
             return p.with([&](Simulation& s) { return s.diagnostic(index); });
           },
           nb::arg("index"))
+      .def_prop_ro(
+          "events",
+          [](Plant& p) {
+            nb::list out;
+            for (const gelenk::EventReport& event : p.with([](Simulation& s) { return s.events(); })) {
+              out.append(nb::make_tuple(event.time, event.text));
+            }
+            return out;
+          },
+          "Of the last step: time [s] and text.")
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) { return p.with([](Simulation& s) { return s.independent().coordinates; }); })
       .def_prop_ro("independent_speeds",

@@ -68,6 +68,11 @@ class FmuPlant(Plant):
     def _names(self, causality: str) -> list[str]:
         return [v.name for v in self._description.modelVariables if v.causality == causality]
 
+    @property
+    @override
+    def events(self) -> list[tuple[float, str]]:
+        return []  # they go to the logger
+
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         for name, value in settings.items():

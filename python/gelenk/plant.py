@@ -29,6 +29,10 @@ class Plant(Protocol):
     units: dict[str, str]  # of all that can be selected
     assembly_report: str
 
+    @property
+    def events(self) -> list[tuple[float, str]]:
+        """Of the last advance(): times [s] and texts; empty where the plant does not tell."""
+
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         """Before start()."""
 

@@ -28,6 +28,9 @@ class Result:
         #: Times [s] of the rows before which a singular position was passed, where loops could have gone on
         #: by another branch; empty when the plant does not tell.
         self.singular_positions: tuple[float, ...] = ()
+        #: Of a scene: times [s] and texts of the stops that were met or left and the singular positions
+        #: that were passed, in order. An FMU gives them to its logger (category logEvents).
+        self.events: tuple[tuple[float, str], ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

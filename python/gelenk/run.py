@@ -222,6 +222,7 @@ def _run(
     rows[0, 1:] = plant.read()[: len(names)]
     stop = float(times[-1])
     passages: list[float] = []
+    events: list[tuple[float, str]] = []
     passed = names.index(PASSAGES) if PASSAGES in names else len(names)
     count = 0.0
 
@@ -229,6 +230,7 @@ def _run(
         found = Result(names, rows[:count], {name: plant.units[name] for name in names})
         found.assembly_report = plant.assembly_report
         found.singular_positions = tuple(passages)
+        found.events = tuple(events)
         return found
 
     for k in range(1, len(times)):
@@ -237,6 +239,7 @@ def _run(
         set_inputs(plant, signals, t, end)
         try:
             plant.advance(t, end)
+            events += plant.events
             values = plant.read()
             rows[k, 1:] = values[: len(names)]
             if passed < len(values) and values[passed] > count:

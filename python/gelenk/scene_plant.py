@@ -39,6 +39,11 @@ class ScenePlant(Plant):
         self._selection: list[str] = []
         self._diagnostics: list[tuple[int, str]] = []
 
+    @property
+    @override
+    def events(self) -> list[tuple[float, str]]:
+        return self._simulation.events
+
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         kept = self._scene.parameters if self._scene is not self._whole else settings

@@ -162,6 +162,14 @@ class Simulation:
         return {s.name: self._core.diagnostic(i) for i, s in enumerate(self.diagnostic_signals)}
 
     @property
+    def events(self) -> list[tuple[float, str]]:
+        """Of the last `step_to`, in order: times [s] and what happened there, in words.
+
+        A stop was met or left, or a singular position passed.
+        """
+        return self._core.events
+
+    @property
     def independent_coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates that make up a minimal set of states; known after `initialize`."""
         return tuple(self._signals[i].name for i in self._core.independent_coordinates)

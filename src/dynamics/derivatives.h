@@ -45,7 +45,8 @@ struct Point {
   const double* vdot;
   const double* lambda;
   const double* cut_reference;
-  const double* targets;  // of the coordinate rows (dynamics.h)
+  const double* targets;           // of the coordinate rows (dynamics.h)
+  const int* cut_sides = nullptr;  // on which what acts along cut joints is held, or null; by recursion only
 };
 
 // Works in memory of its own; allocates when made only.

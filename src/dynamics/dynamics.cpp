@@ -197,7 +197,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
                      bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    const Point at{q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data()};
+    const Point at{q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data(), held_cuts()};
     if (!by_duals) {
       if (!recursion_) recursion_ = std::make_unique<RecursiveSlopes<A>>(model_, ws_, loads_);
       (*recursion_)(at, inputs, out);
@@ -246,20 +246,12 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     return ws_.J.matrix(model_.nv);
   }
   int branchings() const override {
-    int n = 0;
-    loads_.tree.each_branching([&](const auto&) { ++n; });
+    int n = loads_.tree.branchings();
+    for (const JointLoads& on : loads_.cuts) n += on.branchings();
     return n;
   }
-  void switch_values(const double* q, const double* v, double* g, double* gdot) const override {
-    loads_.tree.each_branching([&](const auto& force) {
-      force.element.switches(force.sign * q[force.q], force.sign * v[force.v], g, gdot);
-      g += 2;
-      gdot += 2;
-    });
-  }
-  void branches(const double* q, const double* v, int* sides) const override {
-    loads_.tree.each_branching([&](const auto& force) { *sides++ = force.side(q, v); });
-  }
+  void indicators(double* g, double* gdot) const override { look_at_branches(nullptr, g, gdot); }
+  void branches(int* sides) const override { look_at_branches(sides, nullptr, nullptr); }
   void hold_branches(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
@@ -292,6 +284,30 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     kernels::coordinate_row_jacobian(model_, ws_);
   }
 
+  // Where the workspace stands: the sides, or the indicators and their rates.
+  void look_at_branches(int* sides, double* g, double* gdot) const {
+    const auto look = [&](const JointLoads& on, const double* q, const double* v) {
+      on.each_branching([&](const auto& force) {
+        if (sides != nullptr) {
+          *sides++ = force.side(q, v);
+          return;
+        }
+        force.element.indicators(force.sign * q[force.q], force.sign * v[force.v], g, gdot);
+        g += 2;
+        gdot += 2;
+      });
+    };
+    look(loads_.tree, q_.data(), v_.data());
+    for (int c = 0; c < static_cast<int>(loads_.cuts.size()); ++c) {
+      if (!loads_.cuts[c].has_branches()) continue;
+      const auto [q, v] = kernels::counted_cut_motion(model_, ws_, c, cut_reference_.data());
+      look(loads_.cuts[c], q.data(), v.data());
+    }
+  }
+
+  // Of what acts along cut joints, or null.
+  const int* held_cuts() const { return held_ == nullptr ? nullptr : held_ + loads_.tree.branchings(); }
+
   // tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
@@ -299,7 +315,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
                       std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
     if (!none || !unloaded_) {
       kernels::link_loads(model_, loads_, u, ws_);
-      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, held_cuts());
     }
     unloaded_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());

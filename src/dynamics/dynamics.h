@@ -91,11 +91,12 @@ class Dynamics : public Readings<double> {
   virtual void set_multipliers(const double* lambda) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
-  // What acts along tree joints and has branches (element/coordinate_force.h): how many, and, of each, the branch on
-  // which a state lies and two numbers that vanish where it changes, with their rates.
+  // What acts along joints and has branches (element/coordinate_force.h), in the tree and where loops are cut: how
+  // many, and, of each where it stands, the branch on which it is and two numbers that vanish where that changes, with
+  // their rates.
   virtual int branchings() const = 0;
-  virtual void branches(const double* q, const double* v, int* sides) const = 0;
-  virtual void switch_values(const double* q, const double* v, double* g, double* gdot) const = 0;
+  virtual void branches(int* sides) const = 0;
+  virtual void indicators(double* g, double* gdot) const = 0;
   // From now on solve() and assemble() take them on these branches (read then), and differentiate() too; null: on those
   // of the state.
   virtual void hold_branches(const int* sides) = 0;

@@ -162,21 +162,29 @@ void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c
 }
 
 template <class A>
+CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, int c, const double* reference) {
+  const auto& cut = model.cuts[c];
+  CutMotion<A> out;
+  counted_cut_coordinates<A>(cut, ws.X_FM[c], reference + cut.iq, out.q.data());
+  cut_speeds<A>(cut, ws, c, out.q.data(), out.v.data());
+  return out;
+}
+
+template <class A>
 void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,
-               Workspace<A>& ws) {
+               Workspace<A>& ws, const int* sides) {
   using T = typename A::Scalar;
   for (int c = 0; c < static_cast<int>(model.cuts.size()); ++c) {
     ws.F_cut[c] = {};
     const JointLoads& on = loads.cuts[c];
     if (on.empty()) continue;
     const auto& cut = model.cuts[c];
-    T q[max_cut_nq], v[6];
-    counted_cut_coordinates<A>(cut, ws.X_FM[c], reference + cut.iq, q);
-    cut_speeds<A>(cut, ws, c, q, v);
+    const auto [q, v] = counted_cut_motion(model, ws, c, reference);
     T tau[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
-    on.add(q, v, u, tau);
+    on.add(q.data(), v.data(), u, tau, sides);
+    if (sides != nullptr) sides += on.branchings();
     const typename A::Force F_M = visit_joint<A>(
-        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q, tau); });
+        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q.data(), tau); });
     ws.F_cut[c] = F_M;
     ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);
     ws.F_ext[cut.link_a] -= cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));

@@ -78,7 +78,9 @@ struct LoadAdder {
     Loads& loads = out[place.island];
     for (int i = 0; i < input_count(motor.is); ++i) loads.inputs.push_back(input + i);
     const bool cut = place.role == JointPlace::Role::cut;
-    std::visit([&](const auto& element) { add(*to, element, place, cut, 0, input); }, motor.is);
+    std::visit(
+        [&](const auto& element) { add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front())); },
+        motor.is);
     if (!cut) loads.added_inertia[place.iv] += inertia_of(motor.is);
   }
 
@@ -88,24 +90,24 @@ struct LoadAdder {
     if (to == nullptr) return;
     const std::vector<JointForces>& forces = scene.joints[j].along;
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
-      std::apply([&](const auto&... force) { (add_if_there(*to, force, place, i), ...); }, forces[i]);
+      std::apply([&](const auto&... force) { (add_if_there(*to, force, place, i, j), ...); }, forces[i]);
     }
   }
 
   template <class E>
-  void add_if_there(JointLoads& to, const E& element, const JointPlace& place, int i) {
+  void add_if_there(JointLoads& to, const E& element, const JointPlace& place, int i, int joint) {
     const bool cut = place.role == JointPlace::Role::cut;
     if constexpr (requires { *element; }) {
-      if (element) add(to, *element, place, cut, i, 0);
+      if (element) add(to, *element, place, cut, i, 0, joint);
     } else {
-      if (!is_idle(element)) add(to, element, place, cut, i, 0);
+      if (!is_idle(element)) add(to, element, place, cut, i, 0, joint);
     }
   }
 
   template <class E>
-  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input) {
+  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
     std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
-        {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input});
+        {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
   }
 
   // Those that are inputs.
@@ -237,6 +239,16 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced) {
   }
   for (const Force& force : scene.forces) sum += standing_energy(scene, reduced, force);
   return sum;
+}
+
+std::vector<IndicatorText> indicator_texts(const Loads& loads) {
+  std::vector<IndicatorText> out;
+  const auto add = [&](const auto& force) {
+    for (const auto& texts : force.element.events) out.push_back({force.joint, force.component, {texts[0], texts[1]}});
+  };
+  loads.tree.each_branching(add);
+  for (const JointLoads& on : loads.cuts) on.each_branching(add);
+  return out;
 }
 
 }  // namespace gelenk

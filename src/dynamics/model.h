@@ -39,7 +39,8 @@ struct AlongCoordinate {
   F element;
   int q = 0, v = 0;
   double sign = 1;
-  int input = 0;  // its first one, of the scene's
+  int input = 0;                  // its first one, of the scene's
+  int joint = -1, component = 0;  // of the scene, and which of its coordinates
 
   template <class T>
   T effort(const T* at, const T* speed, const T* u) const {
@@ -49,7 +50,10 @@ struct AlongCoordinate {
   T held(int side, const T* at, const T* speed) const {
     return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]));
   }
-  int side(const double* at, const double* speed) const { return element.side(sign * at[q], sign * speed[v]); }
+  template <class T>
+  int side(const T* at, const T* speed) const {
+    return element.side(T(T(sign) * at[q]), T(T(sign) * speed[v]));
+  }
 };
 
 namespace detail {
@@ -103,7 +107,8 @@ struct JointLoads {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
         if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
-          tau[force.v] += sides == nullptr ? force.effort(q, v, u) : force.held(*sides++, q, v);
+          const int side = sides == nullptr ? force.side(q, v) : *sides++;
+          tau[force.v] += force.held(side, q, v);
         } else {
           tau[force.v] += force.effort(q, v, u);
         }
@@ -122,6 +127,12 @@ struct JointLoads {
     });
     return sum;
   }
+  int branchings() const {
+    int n = 0;
+    each_branching([&](const auto&) { ++n; });
+    return n;
+  }
+  bool has_branches() const { return branchings() > 0; }
   // visit(force) for what has branches.
   template <class Visit>
   void each_branching(Visit&& visit) const {
@@ -145,6 +156,15 @@ struct Loads {
   // mechanisms, along the normal.
   double potential_offset = 0;
 };
+
+// Of an indicator, with placeholders (element/element.h): what happens where it becomes negative, and positive.
+struct IndicatorText {
+  int joint, component;  // of the scene, and which of its coordinates
+  std::array<std::string_view, 2> texts;
+};
+
+// In the order of Dynamics::indicators().
+std::vector<IndicatorText> indicator_texts(const Loads& loads);
 
 // Signs and places of the scene's loads, by island. Inputs are numbered as in scene/signals.h.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);

@@ -292,7 +292,9 @@ typename RecursiveSlopes<A>::Dually::Force RecursiveSlopes<A>::cut_force(int c, 
       if (cut.turns[i]) q[i] += Dual(2 * M_PI * std::round(turns));
     }
     joint.template speeds<D>(q, turn.to_child(V), v);
-    loads_.cuts[c].add(q, v, u_.data(), tau);
+    const int* sides = at.cut_sides;
+    for (int before = 0; sides != nullptr && before < c; ++before) sides += loads_.cuts[before].branchings();
+    loads_.cuts[c].add(q, v, u_.data(), tau, sides);
     return turn.to_parent(joint.template effort<D>(q, tau));
   });
 }

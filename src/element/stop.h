@@ -84,7 +84,7 @@ struct Stop {
   // What vanishes where it begins or ends to push, at the upper bound and at the lower one, and its rate, NaN where
   // that is not known: beyond a bound it pushes where stiffness depth + damping rate > 0, so a damped one ends before
   // the depth does.
-  void switches(double q, double v, double* g, double* gdot) const {
+  void indicators(double q, double v, double* g, double* gdot) const {
     const double settling = damping / stiffness;  // s
     for (const double side : {1.0, -1.0}) {
       const double depth = side * (q - (side > 0 ? upper : lower));
@@ -94,6 +94,11 @@ struct Stop {
       *gdot++ = releasing ? NAN : rate;
     }
   }
+  // What happens where one becomes negative, and where it becomes positive.
+  static constexpr std::string_view events[2][2] = {{"{joint}.{coordinate} leaves the stop at its upper bound",
+                                                     "{joint}.{coordinate} meets the stop at its upper bound"},
+                                                    {"{joint}.{coordinate} leaves the stop at its lower bound",
+                                                     "{joint}.{coordinate} meets the stop at its lower bound"}};
   template <class T>
   T effort(const T& q, const T& v, const T*) const {
     return held(side(q, v), q, v);

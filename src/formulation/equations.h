@@ -3,14 +3,14 @@
 // also a DAE, F(t, x, xdot) = 0, whose unknowns x are y and multipliers after it.
 #pragma once
 
-#include <cmath>
 #include <string>
+
+#include "event/event_source.h"
 
 namespace gelenk {
 
-class Equations {
+class Equations : public EventSource {
  public:
-  virtual ~Equations() = default;
   virtual int size() const = 0;
   virtual int coordinates() const = 0;  // nq: how many of y are q
 
@@ -30,15 +30,6 @@ class Equations {
   virtual void accepted(double t, const double* y) = 0;
   // Whether the evaluations allowed are used up: an advance then ends after the step it is in.
   virtual bool spent() const { return false; }
-  // Where f has kinks: at zeros of so many functions of y. g, gdot (per s): their values and rates; a rate that is not
-  // known is no number.
-  virtual int switches() const { return 0; }
-  virtual void switch_values(const double* /*y*/, double* /*g*/, double* /*gdot*/) const {}
-  // From now on f keeps to the branch where these switches are on, beyond its kinks too; null: to that of each state
-  // again.
-  virtual void hold_switches(double /*t*/, const bool* /*on*/) {}
-  // The earliest time after that t at which f has been asked for beyond a kink; infinite: none.
-  virtual double strayed() const { return INFINITY; }
 
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // none: an ODE, for any integrator

@@ -185,32 +185,42 @@ bool Formulation::project(double, double* y) {
 
 void Formulation::accepted(double t, const double* y) {
   if (!mechanism_.cuts.empty()) turns_.count(t, y);
-  if (rows() > 0) passages_.accepted(t);
+  if (rows() == 0) return;
+  const long before = passages_.count();
+  passages_.accepted(t);
+  if (passages_.count() > before) events_.add({passages_.last(), Event::singular_position});
 }
 
-void Formulation::switch_values(const double* y, double* g, double* gdot) const {
-  dynamics_.switch_values(y, y + nq_, g, gdot);
+void Formulation::indicator_values(const double* y, double* g, double* gdot) {
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.indicators(g, gdot);
 }
 
-void Formulation::hold_switches(double t, const bool* on) {
-  held_ = on != nullptr;
+void Formulation::hold_mode(double t, const bool* positive) {
+  held_ = positive != nullptr;
   held_from_ = t;
-  strayed_ = INFINITY;
+  left_mode_ = INFINITY;
   if (held_) {
     for (int& side : sides_) {
-      side = on[0] ? 1 : on[1] ? -1 : 0;
-      on += 2;
+      side = positive[0] ? 1 : positive[1] ? -1 : 0;
+      positive += 2;
     }
   }
   dynamics_.hold_branches(held_ ? sides_.data() : nullptr);
 }
 
-// Of an evaluation: whether it is beyond a kink.
+// Of an evaluation: whether it is outside the mode.
 void Formulation::watch(double t, const double* y) {
-  if (!(t > held_from_ && t < strayed_)) return;
-  dynamics_.branches(y, y + nq_, present_.data());
-  if (present_ != sides_) strayed_ = t;
+  if (!(t > held_from_ && t < left_mode_)) return;
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.branches(present_.data());
+  if (present_ != sides_) left_mode_ = t;
 }
+
+void Formulation::found_event(double t, int indicator, bool positive) { events_.add({t, indicator, positive}); }
+
+std::string Formulation::too_many_events() const { return events_.too_many(); }
 
 // Not by refactor(): reading outputs must not change the run.
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
@@ -231,6 +241,7 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
 void Formulation::exchange(Record& record) {
   turns_.exchange(record);
   passages_.exchange(record);
+  events_.exchange(record);
   record.exchange(jacobians_);
   factors_ = false;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "event/event_log.h"
 #include "formulation/equations.h"
 #include "formulation/inputs.h"
 #include "formulation/passages.h"
@@ -44,11 +45,13 @@ class Formulation : public Equations {
   // Unless a formulation says otherwise: quaternions are made unit again, no more.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  // Two for each stop of a tree joint, at its upper and its lower bound: positive where it pushes.
-  int switches() const final { return 2 * dynamics_.branchings(); }
-  void switch_values(const double* y, double* g, double* gdot) const final;
-  void hold_switches(double t, const bool* on) final;
-  double strayed() const final { return strayed_; }
+  // Two for each stop, at its upper and its lower bound: positive where it pushes.
+  int indicators() const final { return 2 * static_cast<int>(sides_.size()); }
+  void indicator_values(const double* y, double* g, double* gdot) final;
+  void hold_mode(double t, const bool* positive) final;
+  double left_mode() const final { return left_mode_; }
+  void found_event(double t, int indicator, bool positive) final;
+  std::string too_many_events() const final;
 
   // From now on: calls of solve and assemble until spent(); LONG_MAX: without end.
   void allow(long evaluations);
@@ -75,6 +78,8 @@ class Formulation : public Equations {
   virtual void exchange(Record& record);
 
   long jacobians() const { return jacobians_; }  // made since construction
+  EventLog& events() { return events_; }
+  const EventLog& events() const { return events_; }
   // Singular positions since the start.
   const Passages& passages() const { return passages_; }
 
@@ -143,13 +148,14 @@ class Formulation : public Equations {
   Targets targets_;
   TurnCounter turns_;
   Passages passages_;
+  EventLog events_;
   long jacobians_ = 0;
   long last_evaluation_ = LONG_MAX;
   std::vector<int> delicate_;         // cuts whose rows are not defined everywhere
   std::vector<int> sides_, present_;  // branches that are held, and those of a state
   bool held_ = false;                 // they are
   double held_from_ = 0;              // s
-  double strayed_ = INFINITY;         // s
+  double left_mode_ = INFINITY;       // s
   double length_;                     // m: rounding of a closed loop grows with it
   std::vector<double> dv_, ydot_;
 };

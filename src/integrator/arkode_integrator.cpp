@@ -132,7 +132,7 @@ void ArkodeIntegrator::begin(double end) {
   }
 }
 
-ArkodeIntegrator::Step ArkodeIntegrator::make_step(double end) {
+Step ArkodeIntegrator::make_step(double end) {
   const void* before = memory_;
   reconsider_stepper();
   if (memory_ != before) begin(end);

@@ -50,7 +50,6 @@ class ArkodeIntegrator : public SundialsIntegrator {
   static double current_step(void* memory);
   Step make_step(double end) final;
   double reached() const final;
-  bool steps_back() const final { return true; }
   void count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
 

@@ -46,10 +46,13 @@ class Counted final : public Equations {
   void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
   void accepted(double t, const double* y) override { counted_.accepted(t, y); }
   bool spent() const override { return counted_.spent(); }
-  int switches() const override { return counted_.switches(); }
-  void switch_values(const double* y, double* g, double* gdot) const override { counted_.switch_values(y, g, gdot); }
-  void hold_switches(double t, const bool* on) override { counted_.hold_switches(t, on); }
-  double strayed() const override { return counted_.strayed(); }
+  int indicators() const override { return counted_.indicators(); }
+  void indicator_values(const double* y, double* g, double* gdot) override { counted_.indicator_values(y, g, gdot); }
+  void hold_mode(double t, const bool* positive) override { counted_.hold_mode(t, positive); }
+  double left_mode() const override { return counted_.left_mode(); }
+  double next_time_event(double t) const override { return counted_.next_time_event(t); }
+  void found_event(double t, int i, bool positive) override { counted_.found_event(t, i, positive); }
+  std::string too_many_events() const override { return counted_.too_many_events(); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }
 
  private:

@@ -8,7 +8,7 @@
 namespace gelenk {
 
 FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
-    : system_(system), n_(system.size()), y_(n_), k_(n_), step_(options.step) {}
+    : system_(system), n_(system.size()), y_(n_), k_(n_), locator_(system, n_), step_(options.step) {}
 
 void FixedStep::restart(double t, const double* y) {
   t_ = t;
@@ -27,14 +27,44 @@ double FixedStep::advance(double end, double* y) {
   const bool fits = std::abs(whole - span) <= rounding + 1e-12 * span;
   const double h = fits ? step_ : span / needed;
   for (long i = 0; i < count && (i == 0 || !system_.spent()); ++i) {
-    make_step(start + static_cast<double>(i) * h, h);
-    t_ = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
-    if (!system_.project(t_, y_.data())) refuse(system_, t_, y_.data(), "the loops could not be closed again");
-    system_.accepted(t_, y_.data());
-    ++steps_;
+    const double next = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
+    if (locator_.is_needed()) {
+      step_by_events(next);
+    } else {
+      take_step(start + static_cast<double>(i) * h, h, next);
+      system_.accepted(t_, y_.data());
+      ++steps_;
+    }
   }
   std::ranges::copy(y_, y);
   return t_;
+}
+
+void FixedStep::take_step(double t, double h, double end) {
+  make_step(t, h);
+  t_ = end;
+  if (!system_.project(t_, y_.data())) refuse(system_, t_, y_.data(), "the loops could not be closed again");
+}
+
+// One step of the grid, in parts where there are events in it.
+void FixedStep::step_by_events(double end) {
+  while (t_ < end) {
+    const Step step = locator_.step(*this, end);
+    if (step == Step::too_many_events) refuse(system_, t_, y_.data(), system_.too_many_events());
+    if (step != Step::made) throw IntegrationError(fault_);
+    system_.accepted(t_, y_.data());
+    ++steps_;
+  }
+}
+
+Step FixedStep::step_towards(double end) {
+  try {
+    take_step(t_, end - t_, end);
+  } catch (const IntegrationError& fault) {
+    fault_ = fault.what();
+    return Step::not_closed;
+  }
+  return Step::made;
 }
 
 void FixedStep::evaluate(double t, const double* y) {

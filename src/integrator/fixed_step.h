@@ -4,11 +4,12 @@
 
 #include <vector>
 
+#include "event/locator.h"
 #include "integrator/integrator.h"
 
 namespace gelenk {
 
-class FixedStep : public Integrator {
+class FixedStep : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) override;
   double advance(double end, double* y) final;
@@ -26,6 +27,16 @@ class FixedStep : public Integrator {
   std::vector<double> y_, k_;
 
  private:
+  double time() const final { return t_; }
+  const double* state() const final { return y_.data(); }
+  Step step_towards(double end) final;
+  void go_to(double t, const double* y) final { restart(t, y); }
+  void stop_at(double /*end*/) final {}
+  void step_by_events(double end);
+  void take_step(double t, double h, double end);
+
+  Locator locator_;
+  std::string fault_;  // of a step that could not be made
   double step_;
   double t_ = 0;
 };

@@ -33,6 +33,8 @@ class Integrator {
   virtual void restart(double t, const double* y) = 0;
   // The inputs have jumped since the last advance.
   virtual void inputs_changed() {}
+  // Whether steps go beyond events, which whoever has them made looks for; at first they end there.
+  virtual void pass_events(bool /*on*/) {}
   // Advances to `end` > t exactly, or to the end of the first step after which the system's evaluations are spent();
   // writes the state there to y and returns the time. Throws IntegrationError and leaves y alone; restart() is due
   // then.

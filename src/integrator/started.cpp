@@ -36,10 +36,10 @@ class Started final : public Integrator {
         erk_(make_erk(system, options)),
         y_(system.size()),
         y_before_(y_),
-        g_(system.switches()),
+        g_(system.indicators()),
         gdot_(g_),
-        on_before_(g_.size()),
-        on_(g_.size()),
+        positive_before_(std::make_unique<bool[]>(g_.size())),
+        positive_(std::make_unique<bool[]>(g_.size())),
         fastest_rate_(system) {}
 
   void restart(double t, const double* y) override {
@@ -109,20 +109,29 @@ class Started final : public Integrator {
     left_ = starting_steps;
   }
 
-  // Where the switches of the system stand (equations.h).
-  void read_switches(std::vector<char>& on) {
-    system_.switch_values(y_.data(), g_.data(), gdot_.data());
-    for (std::size_t i = 0; i < g_.size(); ++i) on[i] = static_cast<char>(g_[i] >= 0);
+  void read_mode(bool* positive) {
+    system_.indicator_values(y_.data(), g_.data(), gdot_.data());
+    for (std::size_t i = 0; i < g_.size(); ++i) positive[i] = g_[i] > 0 || (g_[i] == 0 && gdot_[i] >= 0);
   }
 
-  // The multistep method's last step has gone beyond a kink, which it meets as an error, too: it is made by erk, whose
-  // steps end there.
-  void meet_kink(double t) {
+  // The multistep method's last step has gone beyond an event: it is made by erk, which can take steps back at no loss.
+  void meet_event(double t) {
     t_ = t;
     y_ = y_before_;
     erk_->restart(t_, y_.data());
     starting_ = true;
     left_ = starting_steps;
+  }
+
+  // A step of the multistep method in the mode in which it begins; whether it has gone beyond the mode's end.
+  bool step_in_mode(double end) {
+    y_before_ = y_;
+    read_mode(positive_before_.get());
+    const HeldMode held(system_, t_, positive_before_.get());
+    t_ = multistep_->advance_some(end, y_.data(), 1);
+    read_mode(positive_.get());
+    return system_.left_mode() < t_ ||
+           !std::equal(positive_.get(), positive_.get() + g_.size(), positive_before_.get());
   }
 
   void start(double end) {
@@ -160,22 +169,23 @@ class Started final : public Integrator {
   void go_on(double end) {
     if (starting_) begin_multistep();
     const double before = t_;
-    if (!g_.empty()) {
-      y_before_ = y_;
-      read_switches(on_before_);
-    }
+    // Where stability would bind erk's steps the multistep method goes back to events itself.
+    const bool passes_events = !g_.empty() && starts_.near();
+    multistep_->pass_events(passes_events);
+    bool is_beyond = false;
     try {
-      t_ = multistep_->advance_some(end, y_.data(), 1);
+      if (passes_events) {
+        is_beyond = step_in_mode(end);
+      } else {
+        t_ = multistep_->advance_some(end, y_.data(), 1);
+      }
     } catch (const IntegrationError& fault) {
       if (!pass_by_starter(end)) throw IntegrationError(fault);
       return;
     }
-    if (!g_.empty()) {
-      read_switches(on_);
-      if (on_ != on_before_ && starts_.due()) {
-        meet_kink(before);
-        return;
-      }
+    if (is_beyond) {
+      meet_event(before);
+      return;
     }
     const long made = multistep_->steps();
     const long failed = multistep_->rejected_steps();
@@ -210,7 +220,7 @@ class Started final : public Integrator {
   double t_ = 0;
   std::vector<double> y_, y_before_;  // before the multistep method's last step
   std::vector<double> g_, gdot_;
-  std::vector<char> on_before_, on_;  // switches, likewise
+  std::unique_ptr<bool[]> positive_before_, positive_;  // by indicator, likewise
   bool jumped_ = false;
   bool starting_ = false;  // erk has made the last step
   long left_ = 0;          // of its steps, then

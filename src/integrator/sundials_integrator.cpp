@@ -16,7 +16,8 @@ double tolerance_of_bdf(double share, double error) {
   return whole > 1e-4 ? whole : 1e-4 * std::pow(whole / 1e-4, 1 / 1.2);
 }
 
-SundialsIntegrator::SundialsIntegrator(Equations& system) : system_(system), n_(system.size()), y_(new_vector()) {}
+SundialsIntegrator::SundialsIntegrator(Equations& system)
+    : system_(system), n_(system.size()), y_(new_vector()), locator_(system, system.size()) {}
 
 N_Vector SundialsIntegrator::new_vector() {
   N_Vector v =
@@ -29,11 +30,13 @@ void SundialsIntegrator::restart(double t, const double* y) {
   t_ = t;
   std::copy(y, y + n_, sundials::data(y_.get()));
   fresh_ = true;
+  locator_.restart();
 }
 
 void SundialsIntegrator::exchange(Record& record) {
   Integrator::exchange(record);
   record.exchange(jumped_);
+  locator_.exchange(record);
   keep_counts();
   fresh_ = true;
 }
@@ -60,15 +63,16 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     patience_ = Patience(start, end);
     patience_end_ = end;
   }
-  const bool watched = steps_back() && system_.switches() > 0;
+  const bool locates = locator_.is_needed() && !passes_events_;
+  const auto step_towards = [&] { return locates ? locator_.step(*this, end) : make_step(end); };
   prepare(end);
   for (; t_ < end && most > 0; --most) {
-    Step step = watched ? step_to_switch(end) : make_step(end);
+    Step step = step_towards();
     if (step != Step::made && jumped_ && t_ == start) {
       // A history that cannot be carried across the jump.
       restart(start, y);
       prepare(end);
-      step = watched ? step_to_switch(end) : make_step(end);
+      step = step_towards();
     }
     jumped_ = false;
     if (step != Step::made) fail(step, start);
@@ -105,6 +109,9 @@ void SundialsIntegrator::fail(Step step, double start) {
       break;
     case Step::not_closed:
       why = "the loops could not be closed again";
+      break;
+    case Step::too_many_events:
+      why = system_.too_many_events();
       break;
     default:
       why = "the integrator stopped (" + context_.last_error() + ")";

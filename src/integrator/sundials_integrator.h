@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "event/locator.h"
 #include "integrator/integrator.h"
 #include "integrator/sundials.h"
 
@@ -17,10 +18,11 @@ double bdf_tolerance(double share, double tolerance);
 // The tolerance of which that is the error of one step.
 double tolerance_of_bdf(double share, double error);
 
-class SundialsIntegrator : public Integrator {
+class SundialsIntegrator : public Integrator, private Stepping {
  public:
   void restart(double t, const double* y) final;
   void inputs_changed() final { jumped_ = true; }
+  void pass_events(bool on) final { passes_events_ = on; }
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
   bool will_have_past() const override { return true; }
@@ -30,8 +32,6 @@ class SundialsIntegrator : public Integrator {
   Equations& system() const { return system_; }
 
  protected:
-  enum class Step { made, too_small, not_finite, not_closed, stopped };
-
   explicit SundialsIntegrator(Equations& system);
   N_Vector new_vector();  // unknowns() zeros
 
@@ -43,10 +43,8 @@ class SundialsIntegrator : public Integrator {
   virtual Step make_step(double end) = 0;
   // How far the step that failed had come [s].
   virtual double reached() const = 0;
-  // Whether a step can be taken back and made shorter at no loss: then steps end at the zeros of the system's switches.
-  virtual bool steps_back() const { return false; }
-  // Of such: takes up (t_, y_), from where steps stop at `end` now.
-  virtual void begin(double /*end*/) {}
+  // Takes up (t_, y_) if fresh_; steps stop at `end` from now on.
+  virtual void begin(double end) { prepare(end); }
   // Writes steps_ and rejected_.
   virtual void count() = 0;
 
@@ -72,22 +70,15 @@ class SundialsIntegrator : public Integrator {
   bool jumped_ = false;  // the inputs are not those of the last step
 
  private:
-  // Of methods that step back (switch_search.cpp).
-  Step step_to_switch(double end);
-  Step search(std::size_t i, double end);
-  Step step_from_start(double end);
-  bool strayed_inside(double end) const;
-  void keep_start();
-  void keep_high();
-  void read_switches(std::vector<double>& g, std::vector<double>& gdot, bool* on) const;
-  bool crossed(std::size_t i) const { return on_[i] != start_on_[i]; }
-  double estimate(std::size_t i) const;
+  double time() const final { return t_; }
+  const double* state() const final { return sundials::data(y_.get()); }
+  Step step_towards(double end) final { return make_step(end); }
+  void go_to(double t, const double* y) final { restart(t, y); }
+  void stop_at(double end) final { begin(end); }
   [[noreturn]] void fail(Step step, double start);
 
-  // At the start of a step, where the step made ended, and at the earliest end known to be beyond a switch.
-  double start_t_ = 0, high_t_ = 0;
-  std::vector<double> start_y_, start_g_, start_gdot_, g_, gdot_, high_y_;
-  std::unique_ptr<bool[]> start_on_, on_;  // by switch
+  Locator locator_;
+  bool passes_events_ = false;
   Patience patience_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
   long kept_steps_ = 0;

@@ -94,6 +94,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
   }
   check_count(scene.solver.max_evaluations, words::max_evaluations, "solver.max_evaluations", faults);
+  check_count(scene.solver.max_events, words::max_events, "solver.max_events", faults);
   check_count(scene.solver.corrections, words::corrections, "solver.corrections", faults);
   check_gain(scene.solver.baumgarte_alpha, "solver.baumgarte_alpha", scene.solver, faults);
   check_gain(scene.solver.baumgarte_beta, "solver.baumgarte_beta", scene.solver, faults);

@@ -103,8 +103,8 @@ void check_names(const Scene& scene, Faults& faults) {
   names.take(always, "constraints", {"position", "velocity"});
   names.take(always, "energy", {"kinetic", "potential", "total"});
   names.take(always, "solver",
-             {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "tolerance", "formulation",
-              "integrator", "step", "start"});
+             {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
+              "formulation", "integrator", "step", "start"});
   for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
   for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
   each_section(scene, [&](const Section& section, const auto& elements) {

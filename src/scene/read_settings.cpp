@@ -107,6 +107,7 @@ void read_solver(const Json& section, Reader& reader) {
     if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);
   };
   count("max_evaluations", words::max_evaluations, solver.max_evaluations);
+  count("max_events", words::max_events, solver.max_events);
   count("corrections", words::corrections, solver.corrections);
   solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Range::not_negative);
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Range::not_negative);

@@ -110,6 +110,7 @@ struct Solver {
   std::string start = "as_given";    // of words::starts
   double step = 0;                   // s, of fixed-step methods; 0: chosen from experiment.step
   int max_evaluations = 10'000'000;  // of the equations of motion of an island in one communication step
+  int max_events = 10'000;           // likewise, before the step is given up
   int corrections = 0;               // of projection after each step: so many, no more and no less; 0: until closed
   double rho_inf = 0.8;              // of generalized-alpha and hht: spectral radius at infinite frequency
   // 1/s, of the formulation baumgarte: J vdot = gamma - 2 alpha J v - beta^2 Phi; 0: chosen from the step

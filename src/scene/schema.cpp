@@ -179,6 +179,13 @@ Json settings() {
          {"description",
           "Evaluations of the equations of motion, of each island, after which a communication step ends early; "
           "10000000 if not given"}}},
+       {"max_events",
+        {{"type", "integer"},
+         {"minimum", words::max_events.least},
+         {"maximum", words::max_events.most},
+         {"description",
+          "Events of an island (a stop begins or ends to push) after which a communication step is given up; 10000 if "
+          "not given"}}},
        {"corrections",
         {{"type", "integer"},
          {"minimum", words::corrections.least},

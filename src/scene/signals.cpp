@@ -140,6 +140,8 @@ std::vector<Signal> diagnostic_signals() {
       "Jacobian matrices made for implicit methods since initialisation");
   set(Diagnostic::singular_positions, "solver.singular_positions", "1",
       "singular positions passed since initialisation, where loops could go on by another branch");
+  set(Diagnostic::events, "solver.events", "1",
+      "events since initialisation: stops that were met or left, singular positions that were passed");
   return signals;
 }
 

@@ -46,8 +46,9 @@ enum class Diagnostic : int {
   rejected_steps,       // tried and given up, since initialize()
   jacobians,            // exact df/dy made for implicit methods, since initialize()
   singular_positions,   // passed since initialize(), where a loop's rows lose rank for a moment
+  events,               // since initialize(): stops that were met or left, singular positions
 };
-inline constexpr int diagnostic_count = 10;
+inline constexpr int diagnostic_count = 11;
 
 std::vector<Signal> diagnostic_signals();
 

@@ -18,6 +18,7 @@ struct Counted {
 namespace gelenk::words {
 
 inline constexpr Counted max_evaluations{1, std::numeric_limits<int>::max()};
+inline constexpr Counted max_events{1, std::numeric_limits<int>::max()};
 inline constexpr Counted corrections{0, 100};
 
 // Of assembly.tolerance. What is farther off is another mechanism, not the same one with fewer digits.

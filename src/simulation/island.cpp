@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "scene/element_numbers.h"
+
 namespace gelenk {
 namespace {
 
@@ -44,6 +46,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       inputs_of_scene_(u.count()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   backup_ = y_;
+  equations_->events().describe(event_texts(), scene.solver.max_events);
   dynamics_->limit_rank(prepared_.structure.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
@@ -61,6 +64,17 @@ void Island::start_integrator(double tolerance) {
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   warm_up(options.step);
+}
+
+std::vector<std::array<std::string, 2>> Island::event_texts() const {
+  std::vector<std::array<std::string, 2>> out;
+  for (const IndicatorText& of : indicator_texts(loads_)) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(of.joint)];
+    const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
+    const ElementPlace place{.name = {}, .frames = {}, .joints = {joint.name}, .coordinate = {}};
+    out.push_back({filled_in(of.texts[0], place, coordinate), filled_in(of.texts[1], place, coordinate)});
+  }
+  return out;
 }
 
 // So that steps find on the heap what they need: some are made, and undone.
@@ -95,6 +109,7 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
   backup_time_ = time_;
   backup_followed_ = followed_;
   fresh_ = Outputs::Needs::state;
+  if (!goes_on) equations_->events().begin(time_);
   if (integrator_) {
     if (follows_) meet_drives();
     if (inputs_jumped_) {
@@ -168,6 +183,7 @@ void Island::roll_back() {
   y_ = backup_;
   time_ = backup_time_;
   followed_ = backup_followed_;
+  equations_->events().undo();
   fresh_ = Outputs::Needs::state;
   equations_->start(equations_->cut_coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());

@@ -2,7 +2,9 @@
 // One part of a scene that is solved by itself: its equations, its state, its integrator.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -69,8 +71,9 @@ class Island {
   double finest_tolerance() const { return integrator_ ? integrator_->finest_tolerance() : 0; }
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
+  const EventLog& events() const { return equations_->events(); }
+  long event_count() const { return events().count(); }
   long singular_positions() const { return equations_->passages().count(); }
-  double last_singular_position() const { return equations_->passages().last(); }  // s
   long jacobians() const { return equations_->jacobians(); }
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
 
@@ -83,6 +86,7 @@ class Island {
   double evaluation_cost(double budget);
 
  private:
+  std::vector<std::array<std::string, 2>> event_texts() const;
   void warm_up(double step);
   double largest_in_si(const std::vector<double>& rows) const;
   void make_room(std::size_t words);

@@ -268,8 +268,8 @@ std::string describe_finest(const std::string& integrator, double tolerance, dou
          "; 'erk' and 'dirk' take finer steps";
 }
 
-std::string describe_singular_position(double t) {
-  return "t = " + text::rounded(t) + " s: passed a singular position, where loops could go on by another branch";
+std::string describe_event(const EventReport& event) {
+  return "t = " + text::rounded(event.time) + " s: " + event.text;
 }
 
 std::string describe_lost_inertia(double t, const std::string& link) {

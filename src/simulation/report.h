@@ -8,6 +8,7 @@
 #include "analysis/assembly.h"
 #include "analysis/equilibrium.h"
 #include "analysis/singular_start.h"
+#include "event/event_log.h"
 
 namespace gelenk {
 
@@ -56,7 +57,6 @@ std::string describe_cut_short(double t, double end, long evaluations);
 
 std::string describe_refusal(const std::string& cause, double good_time);
 
-// A singular position that was passed about t [s].
-std::string describe_singular_position(double t);
+std::string describe_event(const EventReport& event);
 
 }  // namespace gelenk

@@ -181,12 +181,6 @@ std::string Simulation::assembly_report() const { return impl_->prepared.report;
 const std::vector<std::string>& Simulation::start_warnings() const { return impl_->prepared.warnings; }
 const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
 
-double Simulation::last_singular_position() const {
-  double last = -std::numeric_limits<double>::infinity();
-  for (const auto& island : impl_->islands) last = std::max(last, island->last_singular_position());
-  return last;
-}
-
 Equations& Simulation::equations(int island) {
   if (!impl_->initialized) throw UsageError("equations before initialize()");
   return impl_->islands.at(island)->equations();
@@ -299,6 +293,8 @@ double Simulation::diagnostic(int index) {
       return total(&Island::jacobians);
     case Diagnostic::singular_positions:
       return total(&Island::singular_positions);
+    case Diagnostic::events:
+      return total(&Island::event_count);
     case Diagnostic::evaluations:
       return total(&Island::evaluations);
     case Diagnostic::constraint_position:

@@ -143,9 +143,9 @@ class Simulation {
   // What is doubtful about the start, a sentence each: singular configurations.
   const std::vector<std::string>& start_warnings() const;
 
-  // s: about when the last singular position was passed (diagnostic singular_positions); -infinity: none was.
-  double last_singular_position() const;
-
+  // Of the last step_to(), in order of time: stops that were met or left, singular positions that were passed. Of one
+  // with very many, the first of each part that is solved by itself.
+  std::vector<EventReport> events() const;
   // The scene as it is reduced and stands at its start. Known after initialize().
   const PreparedScene& prepared() const;
 

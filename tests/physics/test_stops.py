@@ -233,10 +233,10 @@ def test_stop_on_a_joint_of_a_loop(cut: str, integrator: str) -> None:
     phi, _ = truth.motion.motion(1.1, 0, times)
     found = run(source, times, tolerance=1e-10, integrator=integrator)
     energy = truth.energy(1.1, 0)
-    bound = {"erk": 1e-4, "ida": 1e-7, "dirk": 1e-6}[integrator]
+    bound = 3e-9  # 30 rtol; found: up to 6, of all three
     assert found["C.phi"].min() < 0.96  # it has met both bounds
     assert found["C.phi"].max() > 1.65
-    assert_close("A.phi", found["A.phi"], phi, bound, "kinks within steps, see BOUNCES")
+    assert_close("A.phi", found["A.phi"], phi, bound, "30 rtol")
     assert_close("energy", found["E.total"], energy, 10 * bound, "of 50 J, likewise")
 
 
@@ -251,7 +251,7 @@ def test_angle_of_a_stop_counts_turns(cut: str) -> None:
     phi, _ = truth.motion.motion(1.1, 8.0, times)
     found = run(source, times, tolerance=1e-10)
     assert found["B.phi"].min() < -13.5
-    assert_close("A.phi", found["A.phi"], phi, 1e-5, "kinks within steps, see BOUNCES")
+    assert_close("A.phi", found["A.phi"], phi, 3e-9, "30 rtol")
 
 
 @pytest.mark.parametrize("cut", ["C", "B"])

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event/event_log.h"
+
+#include <utility>
+
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+// That are listed of a communication step, of what has singular positions only, and of what has stops.
+constexpr std::size_t few = 8;
+constexpr std::size_t many = 256;
+
+}  // namespace
+
+void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long most) {
+  texts_ = std::move(texts);
+  most_ = most;
+  events_.reserve(texts_.empty() ? few : many);
+}
+
+std::string_view EventLog::text(const Event& event) const {
+  if (event.indicator == Event::singular_position)
+    return "passed a singular position, where loops could go on by another branch";
+  return texts_.at(static_cast<std::size_t>(event.indicator))[event.positive ? 1 : 0];
+}
+
+void EventLog::begin(double t) {
+  before_ += in_step_;
+  in_step_ = 0;
+  start_ = t;
+  events_.clear();
+}
+
+void EventLog::undo() {
+  in_step_ = 0;
+  events_.clear();
+}
+
+void EventLog::add(const Event& event) {
+  ++in_step_;
+  last_ = event;
+  if (events_.size() < events_.capacity()) events_.push_back(event);  // steps ask nothing of the heap
+}
+
+EventReport EventLog::report(const Event& event) const {
+  return {event.time, std::string(text(event)), event.indicator == Event::singular_position};
+}
+
+std::string EventLog::too_many() const {
+  if (in_step_ <= most_) return {};
+  return "more than " + std::to_string(most_) + " events (solver.max_events) since t = " + text::rounded(start_) +
+         " s, the last: " + std::string(text(last_));
+}
+
+}  // namespace gelenk
