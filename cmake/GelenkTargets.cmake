@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The native targets: the core, the FMU runtime, the export tool. Folders are globbed: a new file needs no edit here.
-set(rooms util field math joint element scene mechanism dynamics event formulation integrator analysis simulation)
+set(rooms util field math joint element scene mechanism linear kinematics derivatives dynamics event formulation integrator analysis simulation)
 list(TRANSFORM rooms PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
 list(TRANSFORM rooms APPEND /*.cpp OUTPUT_VARIABLE patterns)
 file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp)
@@ -12,10 +12,10 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(util|field|element|event|scene|modelDescription|mechanism)/[^/]*$|/dynamics/(extended|extended_kernels)\\.cpp$")
+  "/(util|field|element|event|scene|modelDescription|mechanism)/[^/]*$|/derivatives/(extended|extended_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(formulation/branch_acceleration|analysis/(assembly|branches|closing|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|row_space|singular_start|structure)|dynamics/model|simulation/(adjustment|assemblies|closed_start|events|inertia|inspection|parameters|outputs_extended|preparation|report|seen|settle|start))\\.cpp$")
+  "/(formulation/branch_acceleration|analysis/(assembly|branches|closing|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|row_space|singular_start|structure)|kinematics/model|simulation/(adjustment|assemblies|closed_start|events|inertia|inspection|parameters|outputs_extended|past|preparation|report|seen|settle|simulation_derivatives|start))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
@@ -24,7 +24,7 @@ gelenk_harden(${small})
 # Loops in the kernels are as short as joints have freedoms and loops have rows: laid out for vectors they take longer (a
 # fifth on a four-bar). Straight code still is.
 set(kernels ${core_sources})
-list(FILTER kernels INCLUDE REGEX "/dynamics/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
+list(FILTER kernels INCLUDE REGEX "/(linear|kinematics|derivatives|dynamics)/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
 list(REMOVE_ITEM kernels ${small})
 set_source_files_properties(${kernels} PROPERTIES COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize>")

@@ -39,9 +39,9 @@ BUILT = ("util", "field", "math", "joint", "element", "scene")
 NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
-    "dynamics/load_kernels.cpp",
-    "dynamics/extended_kernels.cpp",
-    "dynamics/recursive_slopes.cpp",
+    "kinematics/load_kernels.cpp",
+    "derivatives/extended_kernels.cpp",
+    "derivatives/recursive_slopes.cpp",
     "simulation/outputs.cpp",
 )
 FIRST = ("scene/element_fields.h", "scene/schema_parts.h", "scene/check.h")  # included everywhere, read once
@@ -240,4 +240,4 @@ def test_the_check_sees_a_kind_that_the_equations_cannot_take(root: Path, tmp_pa
     text = (RECIPES / "element" / "pull.h").read_text("utf-8")
     header.write_text(text.replace("at[0].push(f)", "at[0].pushed(f)"), "utf-8")
     lacking.add(header, *ADDED["pull"])
-    assert "pushed" in lacking.compile("-fsyntax-only", "src/dynamics/load_kernels.cpp")
+    assert "pushed" in lacking.compile("-fsyntax-only", "src/kinematics/load_kernels.cpp")

@@ -16,8 +16,8 @@
 
 #include "algebras.h"
 #include "bindings.h"
-#include "dynamics/force_ports.h"
 #include "element/registry.h"
+#include "kinematics/force_ports.h"
 
 namespace nb = nanobind;
 

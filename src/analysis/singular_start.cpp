@@ -8,7 +8,7 @@
 
 #include "analysis/assembly_problem.h"
 #include "analysis/closing.h"
-#include "dynamics/weak_rows.h"
+#include "linear/weak_rows.h"
 
 namespace gelenk {
 namespace {

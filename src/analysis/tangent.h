@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "analysis/structure.h"
+#include "derivatives/extended.h"
 #include "dynamics/dynamics.h"
-#include "dynamics/extended.h"
 #include "math/dual.h"
 #include "math/series.h"
 

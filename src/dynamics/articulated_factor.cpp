@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dynamics/articulated_factor.h"
 
-#include "dynamics/turning.h"
+#include "kinematics/turning.h"
 
 namespace gelenk {
 

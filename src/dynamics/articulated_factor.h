@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "dynamics/kernels.h"
+#include "kinematics/kernels.h"
 
 namespace gelenk {
 

@@ -6,16 +6,16 @@
 #include <limits>
 #include <numeric>
 
-#include "dynamics/coordinate_rows.h"
-#include "dynamics/coordinate_slopes.h"
-#include "dynamics/kernels.h"
-#include "dynamics/load_kernels.h"
+#include "derivatives/recursive_slopes.h"
 #include "dynamics/mass_factor.h"
-#include "dynamics/output_kernels.h"
-#include "dynamics/recursive_slopes.h"
-#include "dynamics/visit.h"
 #include "dynamics/whitened_rows.h"
-#include "dynamics/with_readings.h"
+#include "kinematics/coordinate_rows.h"
+#include "kinematics/coordinate_slopes.h"
+#include "kinematics/kernels.h"
+#include "kinematics/load_kernels.h"
+#include "kinematics/output_kernels.h"
+#include "kinematics/visit.h"
+#include "kinematics/with_readings.h"
 
 namespace gelenk {
 namespace {

@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dynamics/derivatives.h"
-#include "dynamics/model.h"
-#include "dynamics/readings.h"
+#include "derivatives/derivatives.h"
+#include "kinematics/model.h"
+#include "kinematics/readings.h"
 
 namespace gelenk {
 

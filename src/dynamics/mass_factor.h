@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "dynamics/articulated_factor.h"
-#include "dynamics/joined_mass.h"
-#include "dynamics/kernels.h"
-#include "dynamics/sparse_factor.h"
-#include "dynamics/turning.h"
+#include "kinematics/kernels.h"
+#include "kinematics/turning.h"
+#include "linear/joined_mass.h"
+#include "linear/sparse_factor.h"
 
 namespace gelenk {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "dynamics/mass_factor.h"
-#include "dynamics/row_factor.h"
-#include "dynamics/sparse_row_factor.h"
-#include "dynamics/sparse_rows.h"
+#include "linear/row_factor.h"
+#include "linear/sparse_row_factor.h"
+#include "linear/sparse_rows.h"
 
 namespace gelenk {
 

@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "dynamics/weak_rows.h"
+#include "linear/weak_rows.h"
 
 namespace gelenk {
 namespace {

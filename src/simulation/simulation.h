@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/derivatives.h"
+#include "derivatives/derivatives.h"
 #include "formulation/equations.h"
 #include "math/record.h"
 #include "scene/scene.h"

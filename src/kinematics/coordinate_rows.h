@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows in coordinates of tree joints: sum factor q = s, and their rates. What s and its first two derivatives are is
+// told from outside, three numbers a row.
+#pragma once
+
+#include <vector>
+
+#include "kinematics/kernels.h"
+
+namespace gelenk::kernels {
+
+// After loop_positions. targets: s, s', s'' of each row.
+template <class A>
+void coordinate_row_positions(const Model<A>& model, const typename A::Scalar* q,
+                              const std::vector<typename A::Scalar>& targets, Workspace<A>& ws) {
+  using T = typename A::Scalar;
+  for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
+    const CoordinateRow& row = model.coordinate_rows[i];
+    T& Phi = ws.Phi[model.first_coordinate_row + i];
+    Phi = T(0);
+    if (!row.holds_position) continue;
+    for (const CoordinateRow::Term& term : row.terms) Phi += T(term.factor) * q[term.q];
+    Phi -= targets[3 * i];
+  }
+}
+
+// After loop_jacobian.
+template <class A>
+void coordinate_row_jacobian(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
+    double* value = ws.J.values(model.first_coordinate_row + static_cast<int>(i));
+    for (const CoordinateRow::Term& term : model.coordinate_rows[i].terms) *value++ = term.factor;
+  }
+}
+
+// After loop_velocities.
+template <class A>
+void coordinate_row_velocities(const Model<A>& model, const typename A::Scalar* v,
+                               const std::vector<typename A::Scalar>& targets, Workspace<A>& ws) {
+  using T = typename A::Scalar;
+  for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
+    T& rate = ws.rate[model.first_coordinate_row + i];
+    rate = -targets[3 * i + 1];
+    for (const CoordinateRow::Term& term : model.coordinate_rows[i].terms) rate += T(term.factor) * v[term.v];
+    ws.gamma[model.first_coordinate_row + i] = targets[3 * i + 2];
+  }
+}
+
+// J vdot - gamma. After loop_accelerations.
+template <class A>
+void coordinate_row_accelerations(const Model<A>& model, const typename A::Scalar* vdot,
+                                  const std::vector<typename A::Scalar>& targets, typename A::Scalar* rows) {
+  using T = typename A::Scalar;
+  for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
+    T& row = rows[model.first_coordinate_row + i];
+    row = -targets[3 * i + 2];
+    for (const CoordinateRow::Term& term : model.coordinate_rows[i].terms) row += T(term.factor) * vdot[term.v];
+  }
+}
+
+}  // namespace gelenk::kernels

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ports of forces (element/force.h) for derivatives: that remember what is done to them, as numbers and with slopes.
+#pragma once
+
+#include <array>
+#include <tuple>
+
+#include "kinematics/coordinate_slopes.h"
+#include "kinematics/load_kernels_impl.h"
+
+namespace gelenk::detail {
+
+inline Eigen::Vector3d angular(const Spatial::Motion& V) { return V.w; }
+inline Eigen::Vector3d angular(const Planar::Motion& V) { return {0, 0, V.w}; }
+// Of a point, in the axes of V and from the same origin.
+inline Eigen::Vector3d velocity(const Spatial::Motion& V, const Eigen::Vector3d& p) { return V.v + V.w.cross(p); }
+inline Eigen::Vector3d velocity(const Planar::Motion& V, const Eigen::Vector3d& p) {
+  return {V.x - V.w * p.y(), V.y + V.w * p.x(), 0};
+}
+
+// A force's port where its link stands (element/force.h), in the root's axes; it remembers what is done to it.
+template <class A>
+struct PortAt {
+  const Attachment* at = nullptr;
+  const Loads* loads = nullptr;
+  const typename A::Pose* X = nullptr;
+  const typename A::Motion* V = nullptr;  // about the point that all is about
+  Eigen::Vector3d f = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d p() const { return kernels::point<double>(*X, *at); }
+  Eigen::Vector3d v() const { return velocity(*V, p()); }
+  Eigen::Vector3d w() const { return angular(*V); }
+  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return kernels::to_root<double>(*X, at->R * x); }
+  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return at->R.transpose() * kernels::to_link<double>(*X, x); }
+  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return loads->R_0W * x; }
+
+  void push(const Eigen::Vector3d& force) { f += force; }
+  void push(const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
+    f += force;
+    n += torque;
+  }
+  void push_along(const Eigen::Vector3d& force, const Eigen::Vector3d& torque) { push(turned(force), turned(torque)); }
+};
+
+// One that carries derivatives.
+struct MovedPort {
+  using Vector = Vector3<Dual>;
+  Vector at{Vector::Zero()}, rate{Vector::Zero()}, turning{Vector::Zero()};
+  Matrix3<Dual> R{Matrix3<Dual>::Zero()};
+  Matrix3<Dual> R_0W{Matrix3<Dual>::Zero()};
+  Vector f{Vector::Zero()}, n{Vector::Zero()};
+
+  const Vector& p() const { return at; }
+  const Vector& v() const { return rate; }
+  const Vector& w() const { return turning; }
+  Vector turned(const Vector& x) const { return R * x; }
+  Vector own(const Vector& x) const { return R.transpose() * x; }
+  Vector from_world(const Vector& x) const { return R_0W * x; }
+
+  void push(const Vector& force) { f += force; }
+  void push(const Vector& force, const Vector& torque) {
+    f += force;
+    n += torque;
+  }
+  void push_along(const Vector& force, const Vector& torque) { push(R * force, R * torque); }
+};
+
+template <class A>
+MovedPort still(const PortAt<A>& port, const Loads& loads) {
+  MovedPort out;
+  out.at = port.p().template cast<Dual>();
+  for (int i = 0; i < 3; ++i) out.R.col(i) = port.turned(Eigen::Vector3d::Unit(i)).template cast<Dual>();
+  out.R_0W = loads.R_0W.cast<Dual>();
+  return out;
+}
+
+// By the directions 0 to 2 of its displacement, 3 to 5 of its turn; of_rates: of the rates of these. w, v: how it
+// moves, which its displacement changes, as the body's motion stays.
+inline void move(MovedPort& port, const Eigen::Vector3d& w, const Eigen::Vector3d& v, bool of_rates) {
+  port.rate = v.cast<Dual>();
+  port.turning = w.cast<Dual>();
+  for (int d = 0; d < 3; ++d) {
+    const Eigen::Vector3d unit = Eigen::Vector3d::Unit(d);
+    if (of_rates) {
+      port.rate[d].slope()[d] = port.turning[d].slope()[3 + d] = 1;
+      continue;
+    }
+    port.at[d].slope()[d] = 1;
+    const Eigen::Vector3d carried_along = w.cross(unit);
+    for (int i = 0; i < 3; ++i) port.rate[i].slope()[d] = carried_along[i];
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector3d axis(port.R(0, c).value(), port.R(1, c).value(), port.R(2, c).value());
+      const Eigen::Vector3d by = unit.cross(axis);
+      for (int i = 0; i < 3; ++i) port.R(i, c).slope()[3 + d] = by[i];
+    }
+  }
+}
+
+// An element's inputs as constants.
+template <class E>
+std::array<Dual, dual_directions> constants(const E& element, const double* u) {
+  std::array<Dual, dual_directions> out;
+  for (int i = 0; i < count_of(own_inputs(element)); ++i) out[i] = Dual(u[i]);
+  return out;
+}
+
+template <class Ports>
+auto still_ports(const Ports& ports, const Loads& loads) {
+  std::array<MovedPort, std::tuple_size_v<Ports>> out;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = still(ports[k], loads);
+  return out;
+}
+
+inline Eigen::Vector3d slope(const Vector3<Dual>& x, int direction) {
+  return {x[0].slope()[direction], x[1].slope()[direction], x[2].slope()[direction]};
+}
+
+// The last port moves, the others stand still: what a force does depends on how its ports are against each other. w, v:
+// how the last one turns and moves so.
+template <class E, class Ports>
+PortSlopes slopes_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
+                           const Eigen::Vector3d& v) {
+  const auto input = constants(element, u);
+  PortSlopes out;
+  for (const bool of_rates : {false, true}) {
+    Ports moved = ports;
+    move(moved.back(), w, v, of_rates);
+    element.act(moved.data(), input.data());
+    for (int d = 0; d < 3; ++d) {
+      (of_rates ? out.f_v : out.f_p).col(d) = slope(moved.back().f, d);
+      (of_rates ? out.f_w : out.f_a).col(d) = slope(moved.back().f, 3 + d);
+      (of_rates ? out.n_v : out.n_p).col(d) = slope(moved.back().n, d);
+      (of_rates ? out.n_w : out.n_a).col(d) = slope(moved.back().n, 3 + d);
+    }
+  }
+  return out;
+}
+
+}  // namespace gelenk::detail

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Loads: what acts between bodies and along joints.
+#pragma once
+
+#include <array>
+
+#include "kinematics/kernels.h"
+
+namespace gelenk::kernels {
+
+// Gravity as an acceleration of the root the other way. Read anew at each evaluation: it may be tuned.
+template <class A>
+typename A::Motion root_acceleration(const Loads& loads) {
+  using T = typename A::Scalar;
+  const Eigen::Vector3d& g = loads.gravity;
+  typename A::Motion out{};
+  if constexpr (A::planar) {
+    out = {T(0), T(-g.x()), T(-g.y())};
+  } else {
+    out.v = (-g).cast<T>();
+  }
+  return out;
+}
+
+// Overwrites ws.F_ext. After velocities.
+template <class A>
+void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);
+
+// Adds drives, springs and stops of cut joints as pairs of wrenches to ws.F_ext and keeps them in ws.F_cut.
+// reference: angles as last counted. sides: see JointLoads::add, of one cut after the other. After loop_velocities.
+template <class A>
+void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,
+               Workspace<A>& ws, const int* sides = nullptr);
+
+// Coordinates of a cut joint, its angles counted on from `reference` (nearest turn).
+template <class A>
+void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
+                             typename A::Scalar* q);
+template <class A>
+void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                typename A::Scalar* v);
+template <class A>
+struct CutMotion {
+  std::array<typename A::Scalar, max_cut_nq> q;
+  std::array<typename A::Scalar, 6> v;
+};
+// Both. reference: of all cuts.
+template <class A>
+CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, int c, const double* reference);
+
+}  // namespace gelenk::kernels

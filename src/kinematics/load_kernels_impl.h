@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kinematics/load_kernels.h"
+
+#include <cmath>
+
+#include "kinematics/visit.h"
+#include "math/dual.h"
+
+namespace gelenk::kernels {
+inline namespace detail {
+
+template <class T>
+Vector3<T> cast(const Eigen::Vector3d& a) {
+  return {T(a.x()), T(a.y()), T(a.z())};
+}
+
+template <class T>
+Vector3<T> point(const typename SpatialAlgebra<T>::Pose& X, const Attachment& at) {
+  return X.point(cast<T>(at.p));
+}
+template <class T>
+Vector3<T> point(const typename PlanarAlgebra<T>::Pose& X, const Attachment& at) {
+  return {X.px + X.c * T(at.p.x()) - X.s * T(at.p.y()), X.py + X.s * T(at.p.x()) + X.c * T(at.p.y()),
+          T(at.height + at.p.z())};
+}
+
+template <class T>
+Vector3<T> to_root(const typename SpatialAlgebra<T>::Pose& X, const Vector3<T>& a_L) {
+  return X.R * a_L;
+}
+template <class T>
+Vector3<T> to_root(const typename PlanarAlgebra<T>::Pose& X, const Vector3<T>& a_L) {
+  return {X.c * a_L.x() - X.s * a_L.y(), X.s * a_L.x() + X.c * a_L.y(), a_L.z()};
+}
+template <class T>
+Vector3<T> to_link(const typename SpatialAlgebra<T>::Pose& X, const Vector3<T>& a_0) {
+  return X.R.transpose() * a_0;
+}
+template <class T>
+Vector3<T> to_link(const typename PlanarAlgebra<T>::Pose& X, const Vector3<T>& a_0) {
+  return {X.c * a_0.x() + X.s * a_0.y(), X.c * a_0.y() - X.s * a_0.x(), a_0.z()};
+}
+
+template <class T>
+Vector3<T> point_velocity(const typename SpatialAlgebra<T>::Motion& V, const Attachment& at) {
+  return V.v + V.w.cross(cast<T>(at.p));
+}
+template <class T>
+Vector3<T> point_velocity(const typename PlanarAlgebra<T>::Motion& V, const Attachment& at) {
+  return {V.x - V.w * T(at.p.y()), V.y + V.w * T(at.p.x()), T(0)};
+}
+
+// Force and torque at a point of a link, in the link's axes, about its origin.
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typename SpatialAlgebra<T>::Force& F) {
+  F.n += n + cast<T>(at.p).cross(f);
+  F.f += f;
+}
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typename PlanarAlgebra<T>::Force& F) {
+  F.n += n.z() + T(at.p.x()) * f.y() - T(at.p.y()) * f.x();
+  F.x += f.x();
+  F.y += f.y();
+}
+
+// Only the force.
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, typename SpatialAlgebra<T>::Force& F) {
+  F.n += cast<T>(at.p).cross(f);
+  F.f += f;
+}
+template <class T>
+void apply(const Attachment& at, const Vector3<T>& f, typename PlanarAlgebra<T>::Force& F) {
+  F.n += T(at.p.x()) * f.y() - T(at.p.y()) * f.x();
+  F.x += f.x();
+  F.y += f.y();
+}
+
+template <class T>
+Vector3<T> angular_velocity(const typename SpatialAlgebra<T>::Motion& V) {
+  return V.w;
+}
+template <class T>
+Vector3<T> angular_velocity(const typename PlanarAlgebra<T>::Motion& V) {
+  return {T(0), T(0), V.w};
+}
+
+// A force's port (element/force.h), in the root's axes. W: Workspace<A>, or const.
+template <class A, class W>
+class PortOn {
+ public:
+  using T = typename A::Scalar;
+
+  PortOn() = default;
+  PortOn(const Attachment& at, const Loads& loads, W& ws) : at_(&at), loads_(&loads), ws_(&ws) {}
+
+  Vector3<T> p() const { return point<T>(X(), *at_); }
+  Vector3<T> v() const { return to_root<T>(X(), point_velocity<T>(ws_->V[at_->link], *at_)); }
+  Vector3<T> w() const { return to_root<T>(X(), angular_velocity<T>(ws_->V[at_->link])); }
+  Vector3<T> turned(const Vector3<T>& x) const { return to_root<T>(X(), Vector3<T>(at_->R.cast<T>() * x)); }
+  Vector3<T> own(const Vector3<T>& x) const { return at_->R.transpose().cast<T>() * to_link<T>(X(), x); }
+  Vector3<T> from_world(const Vector3<T>& x) const { return loads_->R_0W.cast<T>() * x; }
+
+  void push(const Vector3<T>& f) { apply<T>(*at_, to_link<T>(X(), f), F()); }
+  void push(const Vector3<T>& f, const Vector3<T>& n) { apply<T>(*at_, to_link<T>(X(), f), to_link<T>(X(), n), F()); }
+  void push_along(const Vector3<T>& f, const Vector3<T>& n) {
+    const Matrix3<T> R = at_->R.cast<T>();
+    apply<T>(*at_, Vector3<T>(R * f), Vector3<T>(R * n), F());
+  }
+
+ private:
+  const typename A::Pose& X() const { return ws_->X_0L[at_->link]; }
+  typename A::Force& F() { return ws_->F_ext[at_->link]; }
+
+  const Attachment* at_ = nullptr;
+  const Loads* loads_ = nullptr;
+  W* ws_ = nullptr;
+};
+
+template <class A, class F, class W>
+auto ports_of(const PlacedForce<F>& force, const Loads& loads, W& ws) {
+  std::array<PortOn<A, W>, PlacedForce<F>::ports> out;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = {force.at[k], loads, ws};
+  return out;
+}
+
+}  // namespace detail
+
+template <class A>
+void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws) {
+  for (std::size_t i = 0; i < model.links.size(); ++i) ws.F_ext[i] = {};
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) force.element.act(ports_of<A>(force, loads, ws).data(), u + force.input);
+  });
+}
+
+template <class A>
+void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
+                             typename A::Scalar* q) {
+  using T = typename A::Scalar;
+  for (int i = 0; i < cut.nq; ++i) q[i] = T(reference[i]);
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
+  for (int i = 0; i < cut.nq; ++i) {
+    if (cut.turns[i]) q[i] += T(2 * M_PI * std::round((reference[i] - value_of(q[i])) / (2 * M_PI)));
+  }
+}
+
+template <class A>
+void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                typename A::Scalar* v) {
+  // V_FM is written in F at M's origin; joints want it in M.
+  typename A::Pose turn = ws.X_FM[c];
+  if constexpr (A::planar) {
+    turn.px = turn.py = 0;
+  } else {
+    turn.p.setZero();
+  }
+  const typename A::Motion V_M = turn.to_child(ws.V_FM[c]);
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template speeds<A>(q, V_M, v); });
+}
+
+template <class A>
+CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, int c, const double* reference) {
+  const auto& cut = model.cuts[c];
+  CutMotion<A> out;
+  counted_cut_coordinates<A>(cut, ws.X_FM[c], reference + cut.iq, out.q.data());
+  cut_speeds<A>(cut, ws, c, out.q.data(), out.v.data());
+  return out;
+}
+
+template <class A>
+void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,
+               Workspace<A>& ws, const int* sides) {
+  using T = typename A::Scalar;
+  for (int c = 0; c < static_cast<int>(model.cuts.size()); ++c) {
+    ws.F_cut[c] = {};
+    const JointLoads& on = loads.cuts[c];
+    if (on.empty()) continue;
+    const auto& cut = model.cuts[c];
+    const auto [q, v] = counted_cut_motion(model, ws, c, reference);
+    T tau[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+    on.add(q.data(), v.data(), u, tau, sides);
+    if (sides != nullptr) sides += on.branchings();
+    const typename A::Force F_M = visit_joint<A>(
+        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(q.data(), tau); });
+    ws.F_cut[c] = F_M;
+    ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);
+    ws.F_ext[cut.link_a] -= cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
+  }
+}
+
+}  // namespace gelenk::kernels

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "kinematics/model.h"
+#include "scene/signals.h"
+
+namespace gelenk {
+namespace {
+
+// What is there is forgotten, its room kept.
+void empty(Loads& loads) {
+  const auto clear = [](auto& list) { list.clear(); };
+  each_list(loads.tree.lists, clear);
+  for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear);
+  each_list(loads.forces, clear);
+  loads.inputs.clear();
+  loads.potential_offset = 0;
+}
+
+template <class E>
+bool is_idle(const E& element) {
+  if constexpr (requires { element.is_idle(); }) return element.is_idle();
+  return false;
+}
+
+// Adds the loads of one scene to `out`, an island each, which are empty().
+struct LoadAdder {
+  const Scene& scene;
+  const ReducedScene& reduced;
+  const std::unordered_map<std::string_view, int>&body_number, &joint_number;
+  std::vector<Loads>& out;
+
+  void prepare() {
+    out.resize(reduced.islands.size());
+    for (std::size_t i = 0; i < out.size(); ++i) prepare(reduced.islands[i], out[i]);
+  }
+
+  void prepare(const Mechanism& mechanism, Loads& loads) const {
+    empty(loads);
+    loads.R_0W = mechanism.X_W0.R.transpose();
+    loads.gravity = loads.R_0W * scene.gravity;
+    for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
+      const Spatial::Inertia& G = mechanism.links[i].G;
+      loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
+      if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
+    }
+    // What does nothing is left out, and may be asked for later.
+    make_room(loads.tree, mechanism.nv);
+    loads.cuts.resize(mechanism.cuts.size());
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) make_room(loads.cuts[c], mechanism.cuts[c].nv);
+    loads.added_inertia.assign(mechanism.nv, 0);
+  }
+
+  static void make_room(JointLoads& loads, int nv) {
+    std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces());
+  }
+  template <class E>
+  static void reserve(JointLoads& loads, const E&, int nv) {
+    std::get<std::vector<AlongCoordinate<E>>>(loads.lists).reserve(static_cast<std::size_t>(nv));
+  }
+  template <class E>
+  static void reserve(JointLoads&, const std::optional<E>&, int) {}
+
+  // Where what acts along a joint goes; null: it stands still, or is no joint any more.
+  JointLoads* along(const JointPlace& place) const {
+    if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return nullptr;
+    Loads& loads = out[place.island];
+    return place.role == JointPlace::Role::cut ? &loads.cuts[place.index] : &loads.tree;
+  }
+
+  void motor(const Motor& motor, int input) {
+    const JointPlace& place = reduced.joints[joint_number.at(motor.joints.front())];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    Loads& loads = out[place.island];
+    for (int i = 0; i < input_count(motor.is); ++i) loads.inputs.push_back(input + i);
+    const bool cut = place.role == JointPlace::Role::cut;
+    std::visit(
+        [&](const auto& element) { add(*to, element, place, cut, 0, input, joint_number.at(motor.joints.front())); },
+        motor.is);
+    if (!cut) loads.added_inertia[place.iv] += inertia_of(motor.is);
+  }
+
+  void joint(int j) {
+    const JointPlace& place = reduced.joints[j];
+    JointLoads* const to = along(place);
+    if (to == nullptr) return;
+    const std::vector<JointForces>& forces = scene.joints[j].along;
+    for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
+      std::apply([&](const auto&... force) { (add_if_there(*to, force, place, i, j), ...); }, forces[i]);
+    }
+  }
+
+  template <class E>
+  void add_if_there(JointLoads& to, const E& element, const JointPlace& place, int i, int joint) {
+    const bool cut = place.role == JointPlace::Role::cut;
+    if constexpr (requires { *element; }) {
+      if (element) add(to, *element, place, cut, i, 0, joint);
+    } else {
+      if (!is_idle(element)) add(to, element, place, cut, i, 0, joint);
+    }
+  }
+
+  template <class E>
+  static void add(JointLoads& to, const E& element, const JointPlace& place, bool cut, int i, int input, int joint) {
+    std::get<std::vector<AlongCoordinate<E>>>(to.lists).push_back(
+        {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
+  }
+
+  // Those that are inputs.
+  void motions() {
+    for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
+      for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
+        if (row.input >= 0) out[i].inputs.push_back(row.input);
+      }
+    }
+  }
+
+  void force(int f, int input) {
+    const Force& force = scene.forces[f];
+    int island = -1;
+    for (const BodyFrame& frame : force.frames) island = std::max(island, island_of(frame));
+    if (island < 0) return;
+    for (int i = 0; i < input_count(force.is); ++i) out[island].inputs.push_back(input + i);
+    std::visit(
+        [&](const auto& element) {
+          using F = std::decay_t<decltype(element)>;
+          PlacedForce<F> placed{.element = element, .at = {}, .input = input, .force = f};
+          for (std::size_t k = 0; k < placed.at.size(); ++k) placed.at[k] = attach(island, force.frames[k]);
+          std::get<std::vector<PlacedForce<F>>>(out[island].forces).push_back(placed);
+        },
+        force.is);
+  }
+
+ private:
+  // -1: stands still.
+  int island_of(const BodyFrame& frame) const {
+    return frame.body == ground ? -1 : reduced.bodies[body_number.at(frame.body)].island;
+  }
+
+  Attachment attach(int island, const BodyFrame& frame) const {
+    const BodyPlace found = place(scene, reduced, island, frame);
+    const Mechanism& mechanism = reduced.islands[island];
+    return {found.link, found.X_LB.p, found.X_LB.R, mechanism.planar ? mechanism.heights[found.link] : 0};
+  }
+};
+
+}  // namespace
+
+bool JointLoads::stores_nothing() const {
+  bool out = true;
+  each_list(lists, [&](const auto& list) {
+    using E = std::decay_t<decltype(list.front().element)>;
+    if constexpr (requires(const E& element) { element.energy(0.0); }) out = out && list.empty();
+  });
+  return out;
+}
+
+LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced)
+    : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
+}
+
+void LoadMaker::fill(std::vector<Loads>& loads) const {
+  LoadAdder adder{scene_, reduced_, body_number_, joint_number_, loads};
+  adder.prepare();
+  for (std::size_t m = 0; m < scene_.motors.size(); ++m) adder.motor(scene_.motors[m], inputs_[sections::motors][m]);
+  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) adder.joint(j);
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+    adder.force(static_cast<int>(f), inputs_[sections::forces][f]);
+  }
+  adder.motions();
+}
+
+std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
+  std::vector<Loads> loads;
+  LoadMaker(scene, reduced).fill(loads);
+  return loads;
+}
+
+namespace {
+
+template <class E>
+double stored(const E& element, double q) {
+  if constexpr (requires { element.energy(q); }) return element.energy(q);
+  return 0;
+}
+template <class E>
+double stored(const std::optional<E>& element, double q) {
+  return element ? stored(*element, q) : 0;
+}
+
+// A frame that stands still in the world.
+struct StandingPort {
+  Pose3 X_WP;
+  const Eigen::Vector3d& p() const { return X_WP.p; }
+  Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
+  Eigen::Vector3d own(const Eigen::Vector3d& x) const { return X_WP.R.transpose() * x; }
+  Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
+};
+
+// Between what stands still.
+double standing_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
+  std::vector<StandingPort> at;
+  for (const BodyFrame& frame : force.frames) {
+    const BodyPlace found = place(scene, reduced, -1, frame);
+    if (found.island >= 0) return 0;
+    at.push_back({found.X_LB});
+  }
+  return std::visit(
+      [&](const auto& element) -> double {
+        if constexpr (requires { element.template energy<double>(at.data()); }) {
+          return element.template energy<double>(at.data());
+        }
+        return 0;
+      },
+      force.is);
+}
+
+}  // namespace
+
+double standing_energy(const Scene& scene, const ReducedScene& reduced) {
+  double sum = 0;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const BodyPlace& place = reduced.bodies[b];
+    if (place.island < 0) sum -= scene.bodies[b].mass * scene.gravity.dot(place.X_LB.point(scene.bodies[b].com));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const std::vector<JointForces>& along = scene.joints[j].along;
+    const std::vector<double>& q = reduced.joints[j].q;
+    for (std::size_t i = 0; i < q.size() && i < along.size(); ++i) {
+      if (!find_joint_kind(scene.joints[j].type)->springs()) continue;
+      std::apply([&](const auto&... force) { ((sum += stored(force, q[i])), ...); }, along[i]);
+    }
+  }
+  for (const Force& force : scene.forces) sum += standing_energy(scene, reduced, force);
+  return sum;
+}
+
+std::vector<IndicatorText> indicator_texts(const Loads& loads) {
+  std::vector<IndicatorText> out;
+  const auto add = [&](const auto& force) {
+    for (const auto& texts : force.element.events) out.push_back({force.joint, force.component, {texts[0], texts[1]}});
+  };
+  loads.tree.each_branching(add);
+  for (const JointLoads& on : loads.cuts) on.each_branching(add);
+  return out;
+}
+
+}  // namespace gelenk

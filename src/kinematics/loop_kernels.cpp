@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The rows of the loops, for double. Numbers with derivatives are made in extended_kernels.cpp: side by side in one
+// file the two keep each other from being inlined.
+#include "kinematics/loop_kernels_impl.h"
+
+namespace gelenk::kernels {
+
+#define GELENK_INSTANTIATE(A)                                    \
+  template void loop_positions(const Model<A>&, Workspace<A>&);  \
+  template void loop_velocities(const Model<A>&, Workspace<A>&); \
+  template void loop_accelerations(const Model<A>&, Workspace<A>&, A::Scalar*);
+GELENK_INSTANTIATE(Planar)
+GELENK_INSTANTIATE(Spatial)
+#undef GELENK_INSTANTIATE
+template void loop_jacobian(const Model<Planar>&, Workspace<Planar>&);
+template void loop_jacobian(const Model<Spatial>&, Workspace<Spatial>&);
+
+}  // namespace gelenk::kernels

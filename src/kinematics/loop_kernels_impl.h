@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows of the loops: position errors, Jacobian, rates and accelerations.
+#pragma once
+
+#include <algorithm>
+#include <ranges>
+
+#include "kinematics/kernels.h"
+#include "kinematics/turning.h"
+#include "kinematics/visit.h"
+#include "math/dual.h"
+
+namespace gelenk::kernels {
+inline namespace detail {
+
+// The frame at M's origin with F's axes.
+template <class A>
+typename A::Pose shift_to_M(const typename A::Pose& X_FM) {
+  typename A::Pose shift;
+  if constexpr (A::planar) {
+    shift.px = X_FM.px;
+    shift.py = X_FM.py;
+  } else {
+    shift.p = X_FM.p;
+  }
+  return shift;
+}
+
+template <class A>
+typename A::Motion angular_part(const typename A::Motion& V) {
+  if constexpr (A::planar) {
+    return {V.w, 0, 0};
+  } else {
+    return {V.w, Vector3<typename A::Scalar>::Zero()};
+  }
+}
+
+// X_FM, and on the way there the poses in F of the links of both paths. By way of the nearest common ancestor, not of
+// the root: a loop on a vehicle closes as exactly far away as at home.
+template <class A>
+typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws) {
+  typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
+  typename A::Pose X = cut.X_AF.inverse();
+  for (const int i : cut.path_a) {
+    *X_FL++ = X;
+    X = X * ws.X_PL[i].inverse();
+  }
+  X_FL += cut.path_b.size();
+  for (const int i : std::views::reverse(cut.path_b)) *--X_FL = X = X * ws.X_PL[i];
+  return X * cut.X_BM;
+}
+
+// What the unit motion S of a link's joint makes of M, were M on the link: at M's origin, in F.
+template <class A>
+typename A::Motion motion_of_M(bool turns, const typename A::Pose& X_FL, const typename A::Motion& S,
+                               const typename A::Pose& X_FM) {
+  if (!turns) return shift_to_M<A>(X_FM).to_child(X_FL.to_parent(S));
+  if constexpr (A::planar) {
+    return {1, X_FL.py - X_FM.py, X_FM.px - X_FL.px};
+  } else {
+    const Vector3<typename A::Scalar> axis = X_FL.R.col(2);
+    return {axis, axis.cross(X_FM.p - X_FL.p)};
+  }
+}
+
+// Writes the columns of the rows of a cut for the joints along a path, from its first link on. Returns the place
+// behind.
+template <class A>
+double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t c, const std::vector<int>& path,
+                     const typename A::Pose* X_FL, double sign, double* column) {
+  const auto& cut = model.cuts[c];
+  const int stride = ws.J.entries(cut.first_row);
+  for (const int i : path) {
+    const auto& link = model.links[i];
+    for (int k = link.iv; k < link.iv + link.nv; ++k, ++column) {
+      const typename A::Motion V = motion_of_M<A>(link.turns, *X_FL, ws.S[k], ws.X_FM[c]);
+      for (int r = 0; r < cut.rows; ++r) column[r * stride] = sign * A::dot(V, ws.row[cut.first_row + r].w);
+    }
+    ++X_FL;
+  }
+  return column;
+}
+
+// The rows of a cut that are kept.
+template <class A>
+void needed_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, Row<A>* out) {
+  Row<A> all[6];
+  Row<A>* const to = cut.all_rows ? out : all;
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows<A>(X_FM, to); });
+  if (cut.all_rows) return;
+  for (int i = 0; i < cut.rows; ++i) out[i] = all[cut.kept[i]];
+}
+
+// Likewise wdot . V_FM, added to bias.
+template <class A>
+void add_rows_bias(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
+                   typename A::Scalar* bias) {
+  using T = typename A::Scalar;
+  T all[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+  T* const to = cut.all_rows ? bias : all;
+  visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows_bias<A>(X_FM, V_FM, to); });
+  if (cut.all_rows) return;
+  for (int i = 0; i < cut.rows; ++i) bias[i] += all[cut.kept[i]];
+}
+
+template <class A>
+typename A::Motion in_F(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM,
+                        const typename A::Motion& on_b) {
+  return X_FM.to_parent(cut.X_BM.to_child(on_b));
+}
+
+// Velocities at a cut, about F's origin, in F: of link a, and of link b against it.
+template <class A>
+struct CutVelocity {
+  typename A::Motion V_a, V;
+};
+
+template <class A>
+CutVelocity<A> velocity_at(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c) {
+  const typename A::Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
+  return {V_a, in_F<A>(cut, ws.X_FM[c], ws.V[cut.link_b]) - V_a};
+}
+
+// See loop_velocities. A_of: accelerations by link. After ws.V_FM.
+template <class A>
+typename A::Motion relative_acceleration(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
+                                         const CutVelocity<A>& at, const std::vector<typename A::Motion>& A_of) {
+  using Motion = typename A::Motion;
+  const typename A::Pose& X_FM = ws.X_FM[c];
+  const Motion rate =
+      in_F<A>(cut, X_FM, A_of[cut.link_b]) - cut.X_AF.to_child(A_of[cut.link_a]) - A::cross(at.V_a, at.V);
+  const Motion turning = angular_part<A>(ws.V_FM[c]);
+  return shift_to_M<A>(X_FM).to_child(rate) + A::cross(turning, ws.V_FM[c] - turning);
+}
+
+// The second time derivatives of the rows' errors, from ws.A_cut.
+template <class A>
+void row_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
+                       typename A::Scalar* rows) {
+  if (cut.rows == 0) return;
+  for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) rows[r] = A::dot(ws.A_cut[c], ws.row[r].w);
+  add_rows_bias<A>(cut, ws.X_FM[c], ws.V_FM[c], &rows[cut.first_row]);
+}
+
+}  // namespace detail
+
+template <class A>
+void loop_positions(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    ws.X_FM[c] = pose_around<A>(cut, ws);
+    if (cut.rows == 0) continue;
+    needed_rows<A>(cut, ws.X_FM[c], &ws.row[cut.first_row]);
+    for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.Phi[r] = ws.row[r].Phi;
+  }
+}
+
+template <class A>
+void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    if (cut.rows == 0) continue;
+    const typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
+    double* column = ws.J.values(cut.first_row);
+    column = path_columns(model, ws, c, cut.path_a, X_FL, -1.0, column);
+    path_columns(model, ws, c, cut.path_b, X_FL + cut.path_a.size(), 1.0, column);
+  }
+}
+
+// With everything written in F and d/dt meaning componentwise in F: the relative velocity about F's origin is
+// V = V_b - V_a, its rate A_b - A_a - V_a x V; moved to M's origin p: (w, pdot = v + w x p) and
+// (wdot, pddot = vdot + wdot x p + w x pdot). Gravity, the same for both, cancels.
+template <class A>
+void loop_velocities(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    const CutVelocity<A> at = velocity_at(cut, ws, c);
+    const typename A::Motion V_M = shift_to_M<A>(ws.X_FM[c]).to_child(at.V);
+    ws.V_FM[c] = V_M;
+    ws.A_cut[c] = relative_acceleration(cut, ws, c, at, ws.A_bias);
+    row_accelerations(cut, ws, c, ws.gamma.data());
+    for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) {
+      ws.rate[r] = A::dot(V_M, ws.row[r].w);
+      ws.gamma[r] = -ws.gamma[r];
+    }
+  }
+}
+
+template <class A>
+void loop_accelerations(const Model<A>& model, Workspace<A>& ws, typename A::Scalar* rows) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    ws.A_cut[c] = relative_acceleration(cut, ws, c, velocity_at(cut, ws, c), ws.A_full);
+    row_accelerations(cut, ws, c, rows);
+  }
+}
+
+}  // namespace gelenk::kernels

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What only outputs need, for double. Numbers with derivatives are made in extended_kernels.cpp: side by side in one
+// file the two keep each other from being inlined.
+#include "kinematics/output_kernels_impl.h"
+
+namespace gelenk::kernels {
+
+#define GELENK_INSTANTIATE(A)                                                                          \
+  template void constraint_wrenches(const Model<A>&, Workspace<A>&);                                   \
+  template A::Force cut_reaction(const Model<A>&, const Workspace<A>&, int);                           \
+  template void cut_accelerations<A>(const Model<A>::Cut&, const Workspace<A>&, int, const A::Scalar*, \
+                                     const A::Scalar*, A::Scalar*);                                    \
+  template EnergyOf<A::Scalar> energy(const Model<A>&, const Loads&, const Workspace<A>&);
+GELENK_INSTANTIATE(Planar)
+GELENK_INSTANTIATE(Spatial)
+#undef GELENK_INSTANTIATE
+template void accelerations(const Model<Planar>&, const double*, Workspace<Planar>&);
+template void accelerations(const Model<Spatial>&, const double*, Workspace<Spatial>&);
+
+}  // namespace gelenk::kernels

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is computed only when somebody reads it: accelerations, reactions, energies; and the way back from the
+// algebra of a mechanism to space.
+#pragma once
+
+#include "kinematics/kernels.h"
+#include "kinematics/readings.h"
+
+namespace gelenk::kernels {
+
+// ws.A_full of every link, and ws.F: the wrench of each tree joint on its outer link, in it.
+template <class A>
+void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws);
+
+// ws.F and cut_reaction() of ws.lambda alone, nothing moving and no loads.
+template <class A>
+void constraint_wrenches(const Model<A>& model, Workspace<A>& ws);
+
+template <class A>
+void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                       const typename A::Scalar* v, typename A::Scalar* a);
+
+// On M in M: the rows' forces, drives and springs.
+template <class A>
+typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, int c);
+
+// Gravity's part counts from the world's origin.
+template <class A>
+EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws);
+
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Pose pose3(const typename A::Pose& X, double height) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    typename SpatialAlgebra<T>::Pose out;
+    out.R << X.c, -X.s, T(0), X.s, X.c, T(0), T(0), T(0), T(1);
+    out.p << X.px, X.py, T(height);
+    return out;
+  } else {
+    return X;
+  }
+}
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Motion motion3(const typename A::Motion& V) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    return {Vector3<T>(T(0), T(0), V.w), Vector3<T>(V.x, V.y, T(0))};
+  } else {
+    return V;
+  }
+}
+template <class A>
+typename SpatialAlgebra<typename A::Scalar>::Force force3(const typename A::Force& F) {
+  if constexpr (A::planar) {
+    using T = typename A::Scalar;
+    return {Vector3<T>(T(0), T(0), F.n), Vector3<T>(F.x, F.y, T(0))};
+  } else {
+    return F;
+  }
+}
+
+}  // namespace gelenk::kernels

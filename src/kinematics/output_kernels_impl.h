@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kinematics/output_kernels.h"
+
+#include "kinematics/load_kernels_impl.h"
+#include "kinematics/turning.h"
+#include "kinematics/visit.h"
+#include "math/dual.h"
+
+namespace gelenk::kernels {
+inline namespace detail {
+
+template <class A>
+Vector3<typename A::Scalar> first_moment_in_root(const typename A::Pose& X, const typename A::Inertia& G) {
+  if constexpr (A::planar) {
+    return {G.m * X.px + X.c * G.hx - X.s * G.hy, G.m * X.py + X.s * G.hx + X.c * G.hy, typename A::Scalar(0)};
+  } else {
+    return G.m * X.p + X.R * G.h;
+  }
+}
+
+// From what each link needs (ws.F) to what its joint transmits: the rows' forces added, all carried inwards.
+template <class A>
+void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
+  for (std::size_t c = 0; c < model.cuts.size(); ++c) {
+    const auto& cut = model.cuts[c];
+    // The drives and springs of cut joints are in F_ext already: only the rows' forces are missing.
+    const typename A::Force F_M = cut_reaction(model, ws, static_cast<int>(c)) - ws.F_cut[c];
+    ws.F[cut.link_b] -= cut.X_BM.to_parent(F_M);
+    ws.F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
+  }
+  for (std::size_t i = model.links.size() - 1; i >= 1; --i) {
+    const int parent = model.links[i].parent;
+    if (parent > 0) ws.F[parent] += ws.X_PL[i].to_parent(ws.F[i]);
+  }
+}
+
+}  // namespace detail
+
+template <class A>
+void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws) {
+  const int n = static_cast<int>(model.links.size());
+  // A_bias holds the velocity products of all joints inwards; only what vdot adds runs down the tree.
+  std::vector<typename A::Motion>& added = ws.A_full;
+  added[0] = {};
+  for (int i = 1; i < n; ++i) {
+    const auto& link = model.links[i];
+    added[i] = ws.X_PL[i].to_child(added[link.parent]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) add_motion<A>(link.turns, vdot[k], ws.S[k], added[i]);
+  }
+  for (int i = 0; i < n; ++i) ws.A_full[i] += ws.A_bias[i];
+  ws.F[0] = {};
+  for (int i = 1; i < n; ++i) {
+    const auto& G = model.links[i].G;
+    ws.F[i] = G * ws.A_full[i] + A::cross_force(ws.V[i], G * ws.V[i]) - ws.F_ext[i];
+  }
+  gather_wrenches(model, ws);
+}
+
+template <class A>
+void constraint_wrenches(const Model<A>& model, Workspace<A>& ws) {
+  for (auto& F : ws.F) F = {};
+  for (auto& F : ws.F_cut) F = {};
+  gather_wrenches(model, ws);
+}
+
+template <class A>
+typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, int c) {
+  const auto& cut = model.cuts[c];
+  typename A::Force F_F{};  // at M's origin, in F
+  for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) F_F -= ws.lambda[r] * ws.row[r].w;
+  typename A::Pose turn = ws.X_FM[c];
+  if constexpr (A::planar) {
+    turn.px = turn.py = 0;
+  } else {
+    turn.p.setZero();
+  }
+  return turn.to_child(F_F) + ws.F_cut[c];
+}
+
+// In M: the rate of V_FM. Its rate in F about F's origin, moved to M, is also its rate in M, as V x V = 0.
+template <class A>
+void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
+                       const typename A::Scalar* v, typename A::Scalar* a) {
+  using Motion = typename A::Motion;
+  const auto in_F = [&](const Motion& on_b) { return ws.X_FM[c].to_parent(cut.X_BM.to_child(on_b)); };
+  const Motion V_a = cut.X_AF.to_child(ws.V[cut.link_a]);
+  const Motion V = in_F(ws.V[cut.link_b]) - V_a;
+  const Motion rate = in_F(ws.A_full[cut.link_b]) - cut.X_AF.to_child(ws.A_full[cut.link_a]) - A::cross(V_a, V);
+  const Motion in_M = ws.X_FM[c].to_child(rate);
+  visit_joint<A>(cut.joint,
+                 [&](const auto& joint) { joint.template speeds<A>(q, in_M - joint.template bias<A>(q, v), a); });
+}
+
+template <class A>
+EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws) {
+  using T = typename A::Scalar;
+  EnergyOf<T> sum;
+  sum.potential = loads.potential_offset;
+  for (std::size_t i = 1; i < model.links.size(); ++i) {
+    const auto& G = model.links[i].G;
+    sum.kinetic += A::dot(ws.V[i], G * ws.V[i]) / 2;
+    sum.potential -= loads.gravity.cast<T>().dot(first_moment_in_root<A>(ws.X_0L[i], G));
+  }
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      const auto ports = ports_of<A>(force, loads, ws);
+      if constexpr (requires { force.element.template energy<T>(ports.data()); }) {
+        sum.potential += force.element.template energy<T>(ports.data());
+      }
+    }
+  });
+  return sum;
+}
+
+}  // namespace gelenk::kernels

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/row_factor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace gelenk {
+namespace {
+
+double dot(const double* a, const double* b, int n) {
+  double sum = 0;
+  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+void add(double factor, const double* __restrict a, double* __restrict b, int n) {
+  for (int i = 0; i < n; ++i) b[i] += factor * a[i];
+}
+
+// Turns x, of this norm, into a Householder vector in place; returns the new first entry of the reflected x
+// and 2 / |u|^2 in scale.
+double householder(double* x, double norm, double& scale) {
+  if (norm == 0) {
+    scale = 0;
+    return 0;
+  }
+  const double alpha = x[0] > 0 ? -norm : norm;  // the sign that does not cancel
+  const double first = x[0];
+  x[0] -= alpha;
+  scale = 1 / (norm * (norm + std::abs(first)));
+  return alpha;
+}
+
+}  // namespace
+
+RowFactor::RowFactor(int speeds, int rows)
+    : n_(speeds),
+      m_(rows),
+      Y_(static_cast<std::size_t>(speeds) * rows),
+      diagonal_(rows),
+      scale_(rows),
+      order_(rows),
+      norms_(rows),
+      Z_(static_cast<std::size_t>(rows) * rows),
+      T_diagonal_(rows),
+      Z_scale_(rows),
+      d_(std::max(speeds, rows)),
+      e_(std::max(speeds, rows)),
+      f_(std::max(speeds, rows)) {}
+
+double RowFactor::operations(int speeds, int rows) {
+  double sum = 0;
+  for (int k = 0; k < std::min(speeds, rows); ++k) sum += 6.0 * (rows - k) * (speeds - k);
+  return sum;
+}
+
+void RowFactor::factorise(int max_rank) {
+  factorise_rows(std::min({max_rank, n_, m_}));
+  if (rank_ < m_) factorise_redundant();
+}
+
+void RowFactor::factorise_rows(int max_rank) {
+  std::iota(order_.begin(), order_.end(), 0);
+  rank_ = 0;
+  ratio_ = 1;
+  for (int k = 0; k < max_rank; ++k) {
+    // Norms anew each time, not by subtraction: downdating loses exactly the small ones that decide the rank.
+    int best = k;
+    for (int j = k; j < m_; ++j) {
+      norms_[j] = dot(column(j) + k, column(j) + k, n_ - k);
+      if (norms_[j] > norms_[best]) best = j;
+    }
+    if (best != k) {
+      std::swap_ranges(column(k), column(k) + n_, column(best));
+      std::swap(order_[k], order_[best]);
+    }
+    const double pivot = std::sqrt(norms_[best]);
+    const double first = k == 0 ? pivot : std::abs(diagonal_[0]);
+    if (!(pivot > rank_threshold * first)) break;
+    ratio_ = pivot / first;
+    double* u = column(k) + k;
+    diagonal_[k] = householder(u, pivot, scale_[k]);
+    for (int j = k + 1; j < m_; ++j) {
+      double* y = column(j) + k;
+      add(-scale_[k] * dot(u, y, n_ - k), u, y, n_ - k);
+    }
+    rank_ = k + 1;
+  }
+}
+
+void RowFactor::factorise_redundant() {
+  // Column i of R_1^T is row i of R_1.
+  for (int i = 0; i < rank_; ++i) {
+    double* z = &Z_[static_cast<std::size_t>(i) * m_];
+    for (int j = 0; j < m_; ++j) z[j] = j < i ? 0 : (j == i ? diagonal_[i] : column(j)[i]);
+  }
+  for (int k = 0; k < rank_; ++k) {
+    double* u = &Z_[static_cast<std::size_t>(k) * m_] + k;
+    T_diagonal_[k] = householder(u, std::sqrt(dot(u, u, m_ - k)), Z_scale_[k]);
+    for (int j = k + 1; j < rank_; ++j) {
+      double* z = &Z_[static_cast<std::size_t>(j) * m_] + k;
+      add(-Z_scale_[k] * dot(u, z, m_ - k), u, z, m_ - k);
+    }
+  }
+}
+
+void RowFactor::reflect(double* x) const {
+  for (int k = 0; k < rank_; ++k) {
+    const double* u = &Y_[static_cast<std::size_t>(k) * n_] + k;
+    add(-scale_[k] * dot(u, x + k, n_ - k), u, x + k, n_ - k);
+  }
+}
+
+void RowFactor::unreflect(double* x) const {
+  for (int k = rank_ - 1; k >= 0; --k) {
+    const double* u = &Y_[static_cast<std::size_t>(k) * n_] + k;
+    add(-scale_[k] * dot(u, x + k, n_ - k), u, x + k, n_ - k);
+  }
+}
+
+void RowFactor::from_rows(const double* in, double* d) const {
+  if (rank_ == m_) {
+    for (int k = 0; k < rank_; ++k) {
+      const double* r = &Y_[static_cast<std::size_t>(k) * n_];
+      d[k] = (in[order_[k]] - dot(r, d, k)) / diagonal_[k];
+    }
+    return;
+  }
+  double* e = e_.data();
+  for (int k = 0; k < m_; ++k) e[k] = in[order_[k]];
+  for (int k = 0; k < rank_; ++k) {
+    const double* u = &Z_[static_cast<std::size_t>(k) * m_] + k;
+    add(-Z_scale_[k] * dot(u, e + k, m_ - k), u, e + k, m_ - k);
+  }
+  for (int k = rank_ - 1; k >= 0; --k) {
+    double sum = e[k];
+    for (int j = k + 1; j < rank_; ++j) sum -= Z_[static_cast<std::size_t>(j) * m_ + k] * d[j];
+    d[k] = sum / T_diagonal_[k];
+  }
+}
+
+void RowFactor::to_rows(const double* d, double* lambda) const {
+  double* e = e_.data();
+  if (rank_ == m_) {
+    for (int k = rank_ - 1; k >= 0; --k) {
+      double sum = d[k];
+      for (int j = k + 1; j < rank_; ++j) sum -= Y_[static_cast<std::size_t>(j) * n_ + k] * e[j];
+      e[k] = sum / diagonal_[k];
+    }
+  } else {
+    for (int k = 0; k < rank_; ++k) {
+      const double* t = &Z_[static_cast<std::size_t>(k) * m_];
+      e[k] = (d[k] - dot(t, e, k)) / T_diagonal_[k];
+    }
+    std::fill(e + rank_, e + m_, 0.0);
+    for (int k = rank_ - 1; k >= 0; --k) {
+      const double* u = &Z_[static_cast<std::size_t>(k) * m_] + k;
+      add(-Z_scale_[k] * dot(u, e + k, m_ - k), u, e + k, m_ - k);
+    }
+  }
+  for (int k = 0; k < m_; ++k) lambda[order_[k]] = e[k];
+}
+
+double RowFactor::share(int k) const {
+  if (weak_ == 0) return 1;
+  const double p = diagonal_[k] / diagonal_[0];
+  return p * p / (p * p + weak_ * weak_);
+}
+
+void RowFactor::constrain(double* w, const double* gamma, const double* expected) const {
+  double* d = d_.data();
+  double* f = f_.data();
+  from_rows(gamma, d);
+  reflect(w);
+  double* e = e_.data();
+  if (expected != nullptr) {
+    std::copy(expected, expected + n_, e);
+    reflect(e);
+  }
+  for (int k = 0; k < rank_; ++k) {
+    const double s = share(k);
+    const double sum = expected == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
+    f[k] = w[k] - sum;  // what the constraints take away, along Q
+    w[k] = sum;
+  }
+  unreflect(w);
+}
+
+void RowFactor::multipliers(double* lambda) const { to_rows(f_.data(), lambda); }
+
+void RowFactor::shortest(const double* residual, double* w) const {
+  double* d = d_.data();
+  from_rows(residual, d);
+  for (int k = 0; k < rank_; ++k) w[k] = share(k) * d[k];
+  std::fill(w + rank_, w + n_, 0.0);
+  unreflect(w);
+}
+
+}  // namespace gelenk
