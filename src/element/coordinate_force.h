@@ -7,14 +7,13 @@
 //   inertia()           kg m2 (kg) that it adds to the coordinate; may be left out
 //   is_idle()           whether with these numbers it does nothing; may be left out
 //   of what has branches: side(q, v), that on which the state lies: 1, -1 or 0;  held(side, q, v), the effort on one
-//   that
-//                       is held;  indicators(q, v, g, gdot), what vanishes where side 1 and side -1 begin and end;
-//                       events[2][2], in words, of each what happens where it becomes negative, and positive
+//                       that is held, by which effort is not asked for;  indicators(q, v, g, gdot), what vanishes where
+//                       side 1 and side -1 begin and end;  events[2][2], of each in words what happens where it becomes
+//                       negative, and positive
 //   doubt(q, coordinate)   what is doubtful about a start at q; may be left out
 //
 // A joint's own, which stand among the joint's fields (a spring, a damper), say in group the name of the mapping that
-// they
-// stand in, or nothing, and in fits(kind) which joints can have them.
+// they stand in, or nothing, and in fits(kind) which joints can have them.
 #pragma once
 
 #include "element/element.h"
