@@ -11,7 +11,7 @@ from typing import Any
 
 import gelenk
 from gelenk.chart.mechanisms import at, bricard, hinge, rod, windows
-from gelenk.inspection import REDUCTIONS, Inspection, evaluation_cost
+from gelenk.model.inspection import REDUCTIONS, Inspection, evaluation_cost
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "reductions.md"

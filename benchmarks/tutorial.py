@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from gelenk.chart.style import pyplot, save
+from gelenk.chart.style import save
+from gelenk.extras import pyplot
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = {"tutorial-lqr": "balancer.yaml", "tutorial-wheels": "robot.yaml"}  # and the scene that they make

@@ -10,7 +10,8 @@ from typing import Any
 import element_tables
 
 import gelenk
-from gelenk import _core, export
+from gelenk import _core
+from gelenk.io import export
 
 DOC = Path(__file__).parent.parent / "docs" / "scene-format.md"
 BEGIN = "<!-- joints: made from the registry by tests/joint_table.py -->\n"

@@ -18,7 +18,7 @@ from typing import IO
 import pytest
 
 import gelenk
-from gelenk import progress
+from gelenk.cli import progress
 
 COMMAND = [sys.executable, "-m", "gelenk"]
 
@@ -114,7 +114,7 @@ def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
     assert unit == same_unit == "us"
     assert float(before) > float(after) > 0
     text = " ".join(" ".join(lines).split())
-    for name in gelenk.inspection.REDUCTIONS:
+    for name in gelenk.model.inspection.REDUCTIONS:
         assert re.search(rf" {name} [0-9.]+ us ", text), name
     assert "C: sliding along y, C: turning about x and C: turning about z" in text
     assert "leave open the reactions f[2], t[1], t[3] of A, B, C and D" in text
@@ -132,7 +132,7 @@ def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
     assert set(report["described"]) == set(report["reduced"]) == sizes
     assert (report["described"]["rows"], report["reduced"]["rows"]) == (5, 2)
     assert report["described"]["evaluation"] > report["reduced"]["evaluation"] > 0  # s
-    assert list(report["reductions"]) == list(gelenk.inspection.REDUCTIONS)
+    assert list(report["reductions"]) == list(gelenk.model.inspection.REDUCTIONS)
     for entry in report["reductions"].values():
         assert set(entry) == {"on", "changed", "notes", "evaluation_without"}
         assert entry["on"] is True

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The folders are the architecture: includes point one way, and each outside library has one room."""
+"""The folders are the architecture: includes and imports point one way, and each library has one room."""
 
+import ast
 import re
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -98,6 +100,114 @@ def test_includes_point_one_way() -> None:
         for name in wrong_includes(room, path.read_text(encoding="utf-8"))
     ]
     assert wrong == []
+
+
+PACKAGE = ROOT / "python" / "gelenk"
+
+# What a package of Python, or a module beside the packages, may import of ours: itself, other modules beside
+# them, and these packages. Modules that are not listed may import none.
+IMPORTS: dict[str, set[str]] = {"model": set()}
+IMPORTS["io"] = {"model"}
+IMPORTS["simulation"] = {"model"}
+IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
+IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
+IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
+IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}
+IMPORTS["cli"] = {"chart", *IMPORTS["chart"]}
+IMPORTS["demo"] = set()
+IMPORTS["__main__"] = {"cli"}
+USERS = {"chart", "cli", "demo"}  # these use the whole as everybody does: `import gelenk`
+
+
+def imported(text: str, *, later: bool = True) -> set[str]:
+    """Modules that Python code imports, but for types alone.
+
+    later: also those that functions import when they are called.
+    """
+    found: set[str] = set()
+    waiting: list[ast.AST] = [ast.parse(text)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            waiting += node.orelse
+        elif later or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            waiting += ast.iter_child_nodes(node)
+    return found
+
+
+def wrong_imports(package: str, text: str) -> list[str]:
+    """The imports in `text`, a file of `package`, that this package must not have."""
+    allowed = {package, *IMPORTS.get(package, set())}
+    wrong = []
+    for name in sorted(imported(text)):
+        room = name.removeprefix("gelenk.").split(".")[0] if name.startswith("gelenk.") else ""
+        if (name == "gelenk" and package not in USERS) or (room in IMPORTS and room not in allowed):
+            wrong.append(name)
+    return wrong
+
+
+def python_files() -> list[tuple[str, Path]]:
+    """Every file of the package gelenk, with the package of its own that it lives in, or its name."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    return [
+        (path.stem if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0], path) for path in files
+    ]
+
+
+@pytest.mark.parametrize(
+    ("package", "line"),
+    [
+        ("model", "from gelenk.simulation.run import simulate"),
+        ("model", "import gelenk"),
+        ("simulation", "def late():\n    from gelenk.linear import linear_model"),
+        ("linear", "from gelenk import modal"),
+        ("equilibria", "import gelenk.modal.spectrum"),
+        ("io", "if SOME:\n    from gelenk.cli import told"),
+        ("errors", "from gelenk.model.values import unknown"),
+    ],
+)
+def test_the_check_sees_an_import_that_points_back(package: str, line: str) -> None:
+    assert len(wrong_imports(package, line)) == 1
+
+
+def test_imports_for_types_alone_point_where_they_like() -> None:
+    line = "if TYPE_CHECKING:\n    from gelenk.simulation.result import Result\n"
+    assert wrong_imports("errors", line) == []
+
+
+def test_imports_of_python_point_one_way() -> None:
+    files = python_files()
+    folders = {package for package, path in files if path.parent != PACKAGE}
+    assert folders == {package for package in IMPORTS if (PACKAGE / package).is_dir()}
+    assert {package for package, path in files if path.name == "__init__.py"} == {"__init__", *folders}
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for package, path in files
+        for name in wrong_imports(package, path.read_text(encoding="utf-8"))
+    ]
+    assert wrong == []
+
+
+def test_no_module_of_python_imports_itself_by_way_of_others() -> None:
+    modules = {}
+    for _, path in python_files():
+        name = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+        modules[name.removesuffix(".__init__")] = path.read_text(encoding="utf-8")
+    graph = {
+        module: {
+            other
+            for name in imported(text, later=False)
+            for other in (name, name.rpartition(".")[0])
+            if other in modules and other != module and not module.startswith(f"{other}.")
+        }
+        for module, text in modules.items()
+    }
+    assert sum(map(len, graph.values())) > len(graph)  # there is something to be found
+    assert len([*TopologicalSorter(graph).static_order()]) == len(graph)  # raises CycleError
 
 
 def joint_words() -> tuple[str, str]:

@@ -20,9 +20,9 @@ from test_cli import call, faults, told
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.derivatives import Minimal
-from gelenk.linearization import linear_model
-from gelenk.scene_plant import ScenePlant
+from gelenk.linear import linear_model
+from gelenk.linear.minimal import Minimal
+from gelenk.simulation.scene_plant import ScenePlant
 
 
 @pytest.fixture

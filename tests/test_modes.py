@@ -17,7 +17,7 @@ from test_cli import call, faults, told
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.linearization import linear_model
+from gelenk.linear import linear_model
 
 UPRIGHT = {"hinge.phi": 0.0}
 
@@ -225,7 +225,7 @@ def test_command_draws(cart_pole: Path, tmp_path: Path) -> None:
 def test_wheels_are_drawn_round(tmp_path: Path) -> None:
     """A wheel on level ground, with a pendulum in its hub: rim and spoke."""
     pytest.importorskip("matplotlib")
-    from gelenk.animation import _parts
+    from gelenk.modal.animation import _parts
 
     source = scene(
         {"hub": body(0.5), "wheel": body(2.0, (0, 0, 0), (0.05, 0.1, 0.05)), "bob": body(1.5, (0, 0, -0.2))},

@@ -248,7 +248,7 @@ def test_export_refuses_what_it_cannot_write(four_bar: gelenk.Scene, tmp_path: P
 
 
 def test_schema_in_the_package_is_the_readers() -> None:
-    from gelenk import export
+    from gelenk.io import export
 
     shipped = Path(gelenk.__file__).parent / "schema" / "scene.schema.json"
     assert json.loads(shipped.read_text()) == json.loads(export.schema())

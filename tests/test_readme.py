@@ -25,7 +25,7 @@ import pytest
 import gelenk
 from gelenk import _core
 
-MODULES = [m.name for m in pkgutil.iter_modules(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
+MODULES = [m.name for m in pkgutil.walk_packages(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -265,7 +265,7 @@ def test_examples_of_the_format_page_fit_together_into_a_scene(root: Path) -> No
 def test_page_of_the_reductions_has_all_of_them_and_every_scene(root: Path) -> None:
     text = (root / "docs" / "reductions.md").read_text(encoding="utf-8")
     described = re.findall(r"^\| `(\w+)` \| [A-Z]", text, re.MULTILINE)
-    assert described == list(gelenk.inspection.REDUCTIONS)
+    assert described == list(gelenk.model.inspection.REDUCTIONS)
     for scene in (root / "scenes").glob("*.yaml"):
         assert text.count(f"| `{scene.name}` |") == 2, "run make reductions"
     (solver,) = blocks(root / "docs" / "reductions.md", "yaml")
@@ -297,7 +297,7 @@ def test_element_tables_of_the_format_page_are_the_registrys(root: Path, section
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("name", ["gelenk", *MODULES])
 def test_docstring_examples_run(name: str, four_bar: gelenk.Scene) -> None:
-    if name == "gelenk.urdf":
+    if name == "gelenk.io.urdf":
         pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
     module = importlib.import_module(name)
     result = doctest.testmod(module, extraglobs={"gelenk": gelenk, "four_bar": four_bar})

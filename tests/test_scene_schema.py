@@ -12,7 +12,8 @@ import pytest
 import scene_files
 
 import gelenk
-from gelenk import _core, yaml12
+from gelenk import _core
+from gelenk.model import yaml12
 
 # Beyond a schema: names that must exist, arithmetic, numbers that are none, repeated keys, two ways at once.
 BEYOND = {

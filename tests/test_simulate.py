@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import gelenk
-from gelenk import inputs, run
+from gelenk.simulation import inputs, run
 
 SINE = "drive.tau"
 

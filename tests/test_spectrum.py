@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from gelenk.spectrum import Cluster, spectrum
+from gelenk.modal.spectrum import Cluster, spectrum
 
 Array = NDArray[np.float64]
 

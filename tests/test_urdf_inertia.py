@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import gelenk
-from gelenk.urdf_inertia import LEAST_SHARE, entries, matrix, nearest_inertia
+from gelenk.io.urdf_inertia import LEAST_SHARE, entries, matrix, nearest_inertia
 
 pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from gelenk import SceneError, yaml12
+from gelenk import SceneError
+from gelenk.model import yaml12
 
 
 def read(text: str) -> Any:

@@ -12,7 +12,8 @@ from benchmarks.speed.errors import Run, Truth
 from benchmarks.speed.page import FITS, KERNELS, family_scenes
 from benchmarks.speed.timings import ENGINES, Timing, forward_of, slope
 
-from gelenk.chart.style import pyplot, save
+from gelenk.chart.style import save
+from gelenk.extras import pyplot
 
 COLOURS = {"gelenk": "black", "pinocchio": "#0072B2", "mujoco": "#D55E00", "drake": "#009E73",
            "exudyn": "#CC79A7", "simbody": "#E69F00"}  # fmt: skip

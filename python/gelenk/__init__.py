@@ -5,40 +5,39 @@
 >>> scene = gelenk.load("scenes/four_bar.yaml")
 >>> result = gelenk.simulate(scene, stop=1.0, inputs={"drive.tau": 3.0})
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
+
+Packages by subject: `model` (scenes), `io` (files of other programs, FMUs), `simulation`, `linear`, `modal`,
+`equilibria`, `chart`, `cli`. None is imported before it is asked for.
 """
 
 from __future__ import annotations
 
-from importlib.metadata import version
-from os import PathLike
+from typing import TYPE_CHECKING, Any
 
-from gelenk.branches import Assemblies, Branch, assemblies
-from gelenk.equilibria import Equilibrium, equilibrium
-from gelenk.errors import (
-    AssemblyError,
-    EquilibriumError,
-    ExportError,
-    GelenkError,
-    OperatingPointWarning,
-    SceneError,
-    SceneWarning,
-    StartWarning,
-    StepBudgetError,
-    StepError,
-    UsageError,
-)
-from gelenk.export import export_fmu
-from gelenk.inspection import Inspection, inspect
-from gelenk.linear import LinearModel
-from gelenk.linearization import linearize
-from gelenk.modal import Modes, modes
-from gelenk.mode import Mode
-from gelenk.result import Result
-from gelenk.run import simulate
-from gelenk.scene import Scene, load
-from gelenk.simulation import Simulation
+from gelenk import _lazy, _moved
 
-__version__ = version("gelenk")
+if TYPE_CHECKING:
+    from gelenk.equilibria import Equilibrium, equilibrium
+    from gelenk.errors import (
+        AssemblyError,
+        EquilibriumError,
+        ExportError,
+        GelenkError,
+        OperatingPointWarning,
+        SceneError,
+        SceneWarning,
+        StartWarning,
+        StepBudgetError,
+        StepError,
+        UsageError,
+    )
+    from gelenk.io import export_fmu, import_urdf
+    from gelenk.linear import LinearModel, OperatingPoint, linearize
+    from gelenk.modal import Mode, Modes, modes
+    from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
+    from gelenk.simulation import Result, Simulation, simulate
+
+    __version__: str
 
 __all__ = [
     "Assemblies",
@@ -52,6 +51,7 @@ __all__ = [
     "LinearModel",
     "Mode",
     "Modes",
+    "OperatingPoint",
     "OperatingPointWarning",
     "Result",
     "Scene",
@@ -74,24 +74,31 @@ __all__ = [
     "simulate",
 ]
 
+# A package or module with the name of one of these would hide it: hence `simulation` and `equilibria`.
+_get, _dir = _lazy.lazy(
+    __name__,
+    {
+        ".equilibria": ["Equilibrium", "equilibrium"],
+        ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
+        ".io": ["export_fmu", "import_urdf"],
+        ".linear": ["LinearModel", "OperatingPoint", "linearize"],
+        ".modal": ["Mode", "Modes", "modes"],
+        ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
+        ".simulation": ["Result", "Simulation", "simulate"],
+    },
+)
 
-def import_urdf(
-    path: str | PathLike[str],
-    *,
-    floating: bool = False,
-    repair_inertia: bool = False,
-    assembly_tolerance: float | None = None,
-) -> Scene:
-    """A scene from a URDF robot description, its root welded to the ground or `floating`.
+if not TYPE_CHECKING:  # with it, type checkers would take any name
 
-    repair_inertia: take the nearest physical inertia where a link has one that no rigid body has.
-    assembly_tolerance: the scene's `assembly.tolerance`. See `gelenk.urdf.import_urdf`.
-    """
-    from gelenk import urdf
+    def __getattr__(name: str) -> Any:
+        if name == "__version__":
+            from importlib.metadata import version
 
-    return urdf.import_urdf(
-        path,
-        floating=floating,
-        repair_inertia=repair_inertia,
-        assembly_tolerance=assembly_tolerance,
-    )
+            return version("gelenk")
+        return _get(name)
+
+    def __dir__() -> list[str]:
+        return sorted({*_dir(), "__version__"})
+
+
+_moved.find_moved_modules()

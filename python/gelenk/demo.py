@@ -6,7 +6,6 @@ Needs the extra `charts` for the plot.
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import sys
 import time
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import gelenk
+from gelenk.extras import pyplot
 
 STOP, STEP = 5.0, 1e-3  # s
 HEALTH = ("constraints.position", "constraints.velocity")
@@ -28,8 +28,10 @@ def torque(t: float) -> float:
 
 def main(folder: Path) -> None:
     """Exports, runs, tells, plots."""
-    if importlib.util.find_spec("matplotlib") is None:
-        sys.exit("The demo draws with matplotlib: pip install 'gelenk[charts]'")
+    try:
+        pyplot()
+    except gelenk.UsageError as e:
+        sys.exit(str(e))
     folder.mkdir(parents=True, exist_ok=True)
     scene = gelenk.load(Path(str(resources.files("gelenk") / "scenes/four_bar.yaml")))
     begun = time.perf_counter()
@@ -62,11 +64,7 @@ def main(folder: Path) -> None:
 
 def draw(result: gelenk.Result, path: Path) -> None:
     """Angles, speeds and torque over time, as a PNG."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
+    plt = pyplot()
     t = result.time
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 10), layout="constrained")
     labels = {"A": "A crank", "B": "B crank–coupler", "C": "C coupler–rocker", "D": "D rocker"}

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from gelenk.result import Result
+    from gelenk.simulation.result import Result
 
 
 class GelenkError(Exception):

@@ -76,7 +76,7 @@ def test_the_logger_writes_out_what_comes_with_a_message() -> None:
 
 def test_two_plants_hear_their_own_fmu_only(tmp_path: Path) -> None:
     """Of two that are open at a time, the one that fails is told what is the matter with it."""
-    from gelenk.fmu_plant import FmuPlant
+    from gelenk.simulation.fmu_plant import FmuPlant
 
     first, second = (FmuPlant(gelenk.export_fmu(hanging(), tmp_path / f"{name}.fmu")) for name in "ab")
     try:

@@ -10,8 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import gelenk
-from gelenk import export
 from gelenk.cli import app
+from gelenk.io import export
 
 
 def binaries(fmu: Path) -> dict[str, bytes]:

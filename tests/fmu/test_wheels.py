@@ -125,7 +125,7 @@ def test_what_acts_is_declared(exported: tuple[str, Path], tmp_path: Path) -> No
 def test_linear_models_of_fmu_and_scene_are_the_same(name: str, tmp_path: Path) -> None:
     source = PLANTS[name][0]()
     models = [
-        gelenk.linearization.linear_model(plant, at=0.3)
+        gelenk.linear.linear_model(plant, at=0.3)
         for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu"))
     ]
     for first, second in zip(*((m.A, m.B, m.C, m.D) for m in models), strict=True):

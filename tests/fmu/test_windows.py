@@ -12,7 +12,7 @@ import fmpy
 import pytest
 
 import gelenk
-from gelenk import export
+from gelenk.io import export
 
 from .c_hosts import HEADERS, HERE, compiled, extracted
 from .plants import crank_rocker

@@ -75,7 +75,7 @@ def lean_and_steer(model: LinearModel) -> Array:
 @pytest.mark.parametrize("v", PUBLISHED)
 def test_eigenvalues_of_the_scene(v: int) -> None:
     """Ten states: seven coordinates, since each wheel holds one, and three speeds."""
-    model = gelenk.linearization.linear_model(bicycle(v))
+    model = gelenk.linear.linear_model(bicycle(v))
     assert (len([s for s in model.states if ".w" in s]), len(model.states)) == (3, 10)
     assert apart(lean_and_steer(model), PUBLISHED[v]) < 1e-11  # 14 published digits
     assert (
@@ -85,12 +85,10 @@ def test_eigenvalues_of_the_scene(v: int) -> None:
 
 @pytest.mark.parametrize("v", PUBLISHED)
 def test_eigenvalues_of_the_fmu_alone(v: int, fmu: Path) -> None:
-    model = gelenk.linearization.linear_model(fmu, at=riding(v))
+    model = gelenk.linear.linear_model(fmu, at=riding(v))
     assert len(model.states) == 10
     assert apart(lean_and_steer(model), PUBLISHED[v]) < 1e-11  # 14 published digits
-    assert_close(
-        "scene", model.A, gelenk.linearization.linear_model(bicycle(v)).A, 1e-10, "round-off of 10^3"
-    )
+    assert_close("scene", model.A, gelenk.linear.linear_model(bicycle(v)).A, 1e-10, "round-off of 10^3")
 
 
 @pytest.mark.parametrize("v", [0.5, 3.3, 7.7])
@@ -98,16 +96,13 @@ def test_linear_model_is_that_of_the_benchmarks_matrices(v: float) -> None:
     """Lean to the right is positive in both; here y is to the left, and z up: steer to the left."""
     signs = np.array([1, -1, 1, -1])
     expected = linear_theory(v) * np.outer(signs, signs)
-    model = gelenk.linearization.linear_model(bicycle(v))
+    model = gelenk.linear.linear_model(bicycle(v))
     assert_close("A", lean_and_steer(model), expected, 1e-10, "matrices of 14 digits up to 80, inverted")
 
 
 def test_critical_speeds() -> None:
     """Weave begins as a double root, becomes stable, and capsize turns unstable."""
-    at = {
-        v: lean_and_steer(gelenk.linearization.linear_model(bicycle(v)))
-        for v in (DOUBLE_ROOT, WEAVE, CAPSIZE)
-    }
+    at = {v: lean_and_steer(gelenk.linear.linear_model(bicycle(v))) for v in (DOUBLE_ROOT, WEAVE, CAPSIZE)}
     pair = sorted(np.linalg.eigvals(at[DOUBLE_ROOT]), key=lambda s: s.real)[2:]
     assert_close("mean", np.mean(pair).real, 3.7829040512932, 1e-12, "14 digits")
     assert abs(pair[0] - pair[1]) < 1e-5  # rounding of the speed, 1e-14, and of A, under a root
@@ -243,7 +238,7 @@ def test_steady_turn_is_found() -> None:
 def test_ready_scene_is_the_benchmark() -> None:
     ready = gelenk.load(Path(__file__).parents[2] / "scenes" / "bicycle.yaml")
     assert ready.to_dict()["joints"].keys() == bicycle()["joints"].keys()
-    model = gelenk.linearization.linear_model(ready, at={"lean.w": 0.0})
+    model = gelenk.linear.linear_model(ready, at={"lean.w": 0.0})
     assert apart(lean_and_steer(model), PUBLISHED[5]) < 1e-11  # 14 published digits
 
 

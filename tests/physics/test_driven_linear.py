@@ -185,8 +185,8 @@ def test_the_fmu_alone_gives_the_same_model(plant: Callable[[], Scene], tmp_path
     fmu = gelenk.export_fmu(gelenk.load(plant()), tmp_path / "x.fmu")
     values = {name: law(0.0)[0] for name, law in LAWS.items() if name in
               {s.name for s in gelenk.Simulation(gelenk.load(plant())).inputs}}  # fmt: skip
-    scene = gelenk.linearization.linear_model(plant(), at=values)
-    alone = gelenk.linearization.linear_model(fmu, at=values)
+    scene = gelenk.linear.linear_model(plant(), at=values)
+    alone = gelenk.linear.linear_model(fmu, at=values)
     assert alone.states == scene.states
     assert alone.inputs == scene.inputs
     for name in "ABCD":

@@ -16,7 +16,7 @@ from scipy.optimize import brentq, root
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.linearization import linear_model
+from gelenk.linear import linear_model
 
 from . import linear_plants as plants
 from .derivative_cases import CASES

@@ -11,7 +11,7 @@ import pytest
 from mechanisms import GRAVITY, Array, Scene, body, four_bar, frame, joint, rod, scene
 
 import gelenk
-from gelenk.inspection import evaluation_cost
+from gelenk.model.inspection import evaluation_cost
 
 from .reducible import joined, pendulum_on, two_mechanisms
 from .running import INTEGRATORS

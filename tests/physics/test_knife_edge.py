@@ -95,7 +95,7 @@ def test_states_of_the_sleigh() -> None:
     """Three coordinates, two speeds; straight ahead it is stable, backwards not: dw/dt = -m a u w / J."""
     J = MOMENT + MASS * 0.25**2
     for u in (1.0, -1.0):
-        model = gelenk.linearization.linear_model(chaplygin_sleigh(u, 0.0))
+        model = gelenk.linear.linear_model(chaplygin_sleigh(u, 0.0))
         assert len(model.states) == 5
         poles = sorted(np.linalg.eigvals(model.A), key=abs)
         assert abs(np.array(poles[:4])).max() < 1e-7  # zeros, among them a block: root of round-off

@@ -15,8 +15,7 @@ from scipy.optimize import brentq
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.linear import LinearModel
-from gelenk.linearization import linear_model
+from gelenk.linear import LinearModel, linear_model
 
 from . import linear_plants as plants
 from .derivative_cases import CASES, assert_relative

@@ -14,8 +14,8 @@ from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.linearization import linear_model
-from gelenk.modal import found_in
+from gelenk.linear import linear_model
+from gelenk.modal.analysis import found_in
 
 from . import linear_plants as plants
 from .derivative_cases import CASES

@@ -15,7 +15,7 @@ import scene_files
 from mechanisms import GRAVITY, Array, Scene, body, frame, joint, reaction, rod, scene, with_sensors
 
 import gelenk
-from gelenk.inspection import REDUCTIONS, evaluation_cost
+from gelenk.model.inspection import REDUCTIONS, evaluation_cost
 
 from . import reducible, rods
 from .running import assert_close

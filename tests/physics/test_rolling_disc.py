@@ -123,7 +123,7 @@ def test_steady_turning_is_found_from_spin_and_lean(circle: Rolling) -> None:
 @pytest.mark.parametrize("circle", CIRCLES)
 def test_steady_turning_is_marginal_with_the_frequency_of_the_closed_form(circle: Rolling) -> None:
     """Five coordinates, three speeds. At 0: coordinates on which nothing depends, families of circles."""
-    model = gelenk.linearization.linear_model(disc(circle))
+    model = gelenk.linear.linear_model(disc(circle))
     assert len(model.states) == 8
     assert set(model.states[5:]) == set(SPEEDS)  # the ones that stay constant
     poles = sorted(np.linalg.eigvals(model.A), key=lambda s: s.imag)
@@ -136,7 +136,7 @@ def test_upright_disc_needs_its_speed() -> None:
     """Straight on: w^2 > m g R A / (C (C + m R^2)), Neimark & Fufaev 1972; below, it falls over."""
     critical = np.sqrt(MASS * GRAVITY * RADIUS * ACROSS / (AXIAL * ROLLED_AXIAL))
     for factor, grows in ((0.999, True), (1.001, False)):
-        model = gelenk.linearization.linear_model(disc(steady(0.0, factor * critical)))
+        model = gelenk.linear.linear_model(disc(steady(0.0, factor * critical)))
         poles = np.linalg.eigvals(model.A)
         expected = frequency_squared(Rolling(0.0, 0.0, 0.0, factor * critical))
         assert (expected < 0) == grows == (poles.real.max() > 0.1)

@@ -15,8 +15,7 @@ from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 
 import gelenk
 from gelenk.chart import mechanisms
-from gelenk.linear import LinearModel
-from gelenk.linearization import linear_model
+from gelenk.linear import LinearModel, linear_model
 
 from .scaled import scaled, size
 from .test_steady_motion import conical

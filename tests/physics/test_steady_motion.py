@@ -15,7 +15,7 @@ from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
 import gelenk
 from gelenk.chart.mechanisms import governor
-from gelenk.linearization import linear_model
+from gelenk.linear import linear_model
 
 from . import linear_plants as plants
 

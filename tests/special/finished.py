@@ -13,8 +13,7 @@ import numpy as np
 from mechanisms import Scene
 
 import gelenk
-from gelenk.linear import LinearModel
-from gelenk.linearization import linear_model
+from gelenk.linear import LinearModel, linear_model
 
 from .compare import ROUNDING, Comparison, Verdict
 from .drawn import Case

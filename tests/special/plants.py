@@ -14,8 +14,7 @@ import numpy as np
 from mechanisms import Array, Scene
 
 import gelenk
-from gelenk.linear import LinearModel
-from gelenk.linearization import linear_model
+from gelenk.linear import LinearModel, linear_model
 
 type Told = str  # a refusal's words
 CRASH = "crash: "  # before words that are not meant for users

@@ -13,8 +13,7 @@ from mechanisms import placed, rotation
 from scipy.integrate import solve_ivp
 
 import gelenk
-from gelenk.linear import LinearModel
-from gelenk.linearization import linear_model
+from gelenk.linear import LinearModel, linear_model
 
 from .compare import Comparison
 from .drawn import Case, drawn

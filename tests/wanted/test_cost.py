@@ -13,7 +13,7 @@ import pytest
 from many_islands import many_islands
 
 import gelenk
-from gelenk.inspection import evaluation_cost
+from gelenk.model.inspection import evaluation_cost
 
 COUNT = 200
 MARGIN = 1.2  # of CPU times: where data come to lie, and what else the machine does

@@ -133,7 +133,7 @@ def test_scene_keeps_its_list_where_it_is_saved(tmp_path: Path) -> None:
 def _schema() -> dict[str, object]:
     import json
 
-    found = json.loads(gelenk.export.schema())
+    found = json.loads(gelenk.io.export.schema())
     assert isinstance(found, dict)
     return found
 

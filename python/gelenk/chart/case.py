@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 import gelenk
 from gelenk.errors import UsageError
-from gelenk.run import grid
-from gelenk.scene import unknown
+from gelenk.model.values import unknown
+from gelenk.simulation.run import grid
 
 type Array = NDArray[np.float64]
 

@@ -12,7 +12,8 @@ from gelenk.chart.measure import Run
 from gelenk.chart.methods import DEFAULT, Method
 from gelenk.chart.outcome import Outcome
 from gelenk.chart.stability import SKIPPED, Map
-from gelenk.chart.style import pyplot, save
+from gelenk.chart.style import save
+from gelenk.extras import pyplot
 
 FILL = {
     Outcome.GOOD: "#a9dcb3", Outcome.WRONG: "#ffe08a", Outcome.REFUSED: "#b9cfec", Outcome.FAILED: "#f0a39b",

@@ -11,8 +11,9 @@ from typing import Any
 from gelenk.chart.measure import Run
 from gelenk.chart.methods import AUTO, Method
 from gelenk.chart.outcome import Outcome
-from gelenk.chart.style import look, pyplot, save
+from gelenk.chart.style import look, save
 from gelenk.chart.work_precision import Study
+from gelenk.extras import pyplot
 
 LIMIT = 3.0  # errors below this many times the reference's own are shown at its limit
 LOST = 10.0  # errors above are drawn here: every digit is gone

@@ -11,7 +11,7 @@ from typing import Any
 import gelenk
 from gelenk import _core
 from gelenk.errors import UsageError
-from gelenk.scene import unknown
+from gelenk.model.values import unknown
 
 FIXED_STEP = frozenset({"rk4", "euler", "generalized-alpha", "hht", "newmark"})
 # Formulations that are no ordinary differential equations, and their partners on charts; others go with all.

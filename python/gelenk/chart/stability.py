@@ -15,7 +15,7 @@ from gelenk.chart.scenes import QUICK_CASES, stability_cases
 from gelenk.chart.work_precision import run_all
 from gelenk.chart.workers import Failure
 from gelenk.errors import SceneError
-from gelenk.scene import load
+from gelenk.model.scene import load
 
 TOLERANCES = (1e-6, 1e-8)
 STEP = 1e-3  # s, of methods with fixed steps

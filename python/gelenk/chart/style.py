@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from gelenk.chart.methods import AUTO, DEFAULT, Method
-from gelenk.errors import UsageError
 
 # Integrators by colour, formulations by line and marker. Colours after Okabe & Ito and their darker kin.
 COLOURS = {
@@ -35,18 +34,6 @@ def look(method: Method) -> dict[str, Any]:
     plain = method.formulation == DEFAULT
     return {"color": COLOURS.get(method.integrator, SPARE), "linestyle": line, "marker": marker,
             "linewidth": 1.5 if plain else 1.0, "markersize": 4.5, "zorder": 3 if plain else 2}  # fmt: skip
-
-
-def pyplot() -> Any:
-    """Matplotlib, drawing into files. Raises UsageError: it is not installed."""
-    try:
-        import matplotlib
-    except ImportError:
-        raise UsageError("charts are drawn with matplotlib: pip install 'gelenk[charts]'") from None
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    return plt
 
 
 def save(figure: Any, path: Path, dpi: int) -> None:

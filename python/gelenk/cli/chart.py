@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`gelenk chart`: the commands."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gelenk.chart.progress import status_line
+from gelenk.cli.told import told
+from gelenk.errors import UsageError
+from gelenk.extras import pyplot
+from gelenk.model.values import number, unknown
+
+if TYPE_CHECKING:
+    from gelenk.chart import stability as stability_study
+    from gelenk.chart import work_precision as work_precision_study
+
+app = typer.Typer(
+    help="Charts: what methods cost for how many digits, and where they fail.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Methods = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method", metavar="NAME", help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; by default all."
+    ),
+]
+Tolerances = Annotated[
+    list[float] | None, typer.Option("--tolerance", metavar="X", help="Relative tolerance; repeatable.")
+]
+Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where files are written.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Few runs, for a first look.")]
+Limit = Annotated[float | None, typer.Option("--limit", metavar="S", help="Wall time of one run [s].")]
+
+SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # runs at a time where nobody says
+
+
+@app.command("work-precision")
+@told
+def work_precision(
+    scenes: Annotated[
+        list[str],
+        typer.Argument(metavar="SCENE...", help="Scene files, or scenes of the docs: four_bar, bricard, ..."),
+    ],
+    methods: Methods = None,
+    tolerances: Tolerances = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--input", metavar="NAME=VALUE", help="An input, constant; repeatable; others stay 0."),
+    ] = None,
+    output: Output = Path("charts"),
+    jobs: Jobs = SOME_JOBS,
+    quick: Quick = False,
+    limit: Limit = None,
+) -> None:
+    """Draw error against CPU time and evaluations: every method over its tolerances or steps."""
+    from gelenk.chart.case import case_of
+    from gelenk.chart.methods import chosen
+    from gelenk.chart.reference_set import reference_set
+    from gelenk.chart.work_precision import QUICK, Settings, study
+
+    pyplot()  # told before anything is run
+    settings = _changed(QUICK if quick else Settings(), tolerances, jobs, limit)
+    values = _values(inputs or [])
+    ready = {case.name: case for case in reference_set()}
+    cases = [ready[name] if name in ready and not values else case_of(name, values) for name in scenes]
+    _told_apart([case.name for case in cases])
+    wanted = chosen(methods)
+    with status_line(sys.stderr) as tell:
+        studies = study(cases, wanted, settings, tell)
+    output.mkdir(parents=True, exist_ok=True)
+    for one in studies:
+        _written(one, output)
+
+
+def _changed[S: (work_precision_study.Settings, stability_study.Settings)](
+    settings: S, tolerances: list[float] | None, jobs: int, limit: float | None
+) -> S:
+    """Settings with what the command line says. Raises UsageError: a tolerance or limit that cannot be."""
+    if limit is not None and not limit > 0:
+        raise UsageError(f"--limit: found {limit}, expected more than 0")
+    wrong = [x for x in tolerances or [] if not 0 < x < 1]
+    if wrong:
+        raise UsageError(f"--tolerance: found {wrong[0]}, expected a number between 0 and 1")
+    return replace(
+        settings,
+        jobs=jobs,
+        tolerances=tuple(sorted(set(tolerances), reverse=True)) if tolerances else settings.tolerances,
+        limit=settings.limit if limit is None else limit,
+    )
+
+
+def _values(given: list[str]) -> dict[str, float]:
+    values = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name.strip() and equals):
+            raise UsageError(f"--input {text}: expected NAME=VALUE")
+        values[name.strip()] = number(name.strip(), value.strip(), "real")
+    return values
+
+
+def _told_apart(names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{name}: two scenes with this name; their charts would be one file")
+
+
+def _written(one: work_precision_study.Study, folder: Path) -> None:
+    from gelenk.chart import draw_work_precision, runs_csv
+    from gelenk.chart.outcome import Outcome
+    from gelenk.chart.work_precision import regrets
+
+    name = one.case.name
+    table, picture = (folder / f"work-precision-{name}.{ending}" for ending in ("csv", "png"))
+    runs_csv.write(one.runs, table)
+    draw_work_precision.draw(one, picture)
+    count = Counter(str(run.outcome) for run in one.runs)
+    told_counts = ", ".join(f"{count[outcome]} {outcome}" for outcome in Outcome if count[outcome])
+    print(f"{name}: {len(one.runs)} runs, {told_counts}; reference {one.reference.words}")
+    print(f"  {table}, {picture}")
+    for regret in regrets(one.runs):
+        cpu = "no end" if math.isnan(regret.cpu) else f"{1e3 * regret.cpu:.3g} ms"
+        best = (
+            "none is good" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
+        )
+        print(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")
+
+
+@app.command("stability")
+@told
+def stability(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; by default all.")
+    ] = None,
+    methods: Methods = None,
+    tolerances: Tolerances = None,
+    output: Output = Path("charts"),
+    jobs: Jobs = SOME_JOBS,
+    quick: Quick = False,
+    limit: Limit = None,
+) -> None:
+    """Draw which method survives which scene: a table, coloured by outcome."""
+    from gelenk.chart import draw_stability, runs_csv, tables
+    from gelenk.chart import stability as stability_study
+    from gelenk.chart.methods import chosen
+    from gelenk.chart.scenes import stability_cases
+
+    pyplot()  # told before anything is run
+    known = [case.name for case in stability_cases()]
+    faults = [unknown(name, "scene of the map", known) for name in scenes or [] if name not in known]
+    if faults:
+        raise UsageError("\n".join(faults))
+    settings = _changed(
+        stability_study.QUICK if quick else stability_study.Settings(), tolerances, jobs, limit
+    )
+    wanted = chosen(methods) if methods else stability_study.natural_methods()
+    with status_line(sys.stderr) as tell:
+        found = stability_study.stability(wanted, settings, scenes, tell)
+    output.mkdir(parents=True, exist_ok=True)
+    table, page = output / "stability.csv", output / "stability.md"
+    runs_csv.write(found.runs, table)
+    page.write_text(tables.stability(found, settings.tolerances), encoding="utf-8")
+    pictures = []
+    for tolerance in settings.tolerances:
+        pictures.append(output / f"stability-{tolerance:.0e}.png".replace("e-0", "e-"))
+        draw_stability.draw(found, tolerance, pictures[-1])
+    print(tables.counts(found))
+    print(", ".join(str(path) for path in (table, page, *pictures)))

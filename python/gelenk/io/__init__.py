@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files of other programs that scenes are made of, and FMUs that are made of scenes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gelenk._lazy import lazy
+
+if TYPE_CHECKING:
+    from gelenk.io.export import export_fmu
+    from gelenk.io.urdf import import_urdf
+
+__all__ = ["export_fmu", "import_urdf"]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy(__name__, {".export": ["export_fmu"], ".urdf": ["import_urdf"]})

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the fields of a scene's text stand: messages about a path (`joints.A.start.phi`) get its line."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import yaml
+from yaml.nodes import MappingNode, Node, ScalarNode
+
+from gelenk.model import yaml12
+
+_TOKEN = re.compile(r'\n|"(?:[^"\\\n]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')
+_ENTRY = re.compile(r"\[(\d+)\]")
+
+
+@dataclass
+class _Value:
+    line: int
+    fields: dict[str, _Field] = field(default_factory=dict)
+    items: list[_Value] = field(default_factory=list)
+
+
+@dataclass
+class _Field:
+    line: int  # of its name
+    again: int  # of its name, where it stands last
+    value: _Value
+
+
+class Places:
+    """Lines of a text, found when first asked for."""
+
+    def __init__(self, text: str, language: str, file: str) -> None:
+        """language: yaml or json; file: what messages call it."""
+        self._text = text
+        self._language = language
+        self._file = file or "scene"
+
+    def located(self, lines: Iterable[str], *, whole: bool = True) -> list[str]:
+        """Messages `file: path: ...` as `file:line: path: ...`. whole: also those whose path is not there."""
+        return [self._located(line, whole) for line in lines]
+
+    def _located(self, message: str, whole: bool) -> str:
+        start = f"{self._file}: "
+        if not message.startswith(start):
+            return message
+        rest = message.removeprefix(start)
+        found = self._line(rest, "found twice" in rest)
+        if found is None:
+            loop = re.match(r"loop through (\w+)", rest)
+            found = self._line(f"joints.{loop[1]}", False) if loop else None
+        if found is None:
+            if not whole:
+                return message
+            found = self._root.line if self._root else 1
+        return f"{self._file}:{found}: {rest}"
+
+    def _line(self, rest: str, twice: bool) -> int | None:
+        """The line of the longest path that a message begins with; None where it begins with none."""
+        value, line = self._root, None
+        at = 0
+        while value is not None:
+            entry = _ENTRY.match(rest, at)
+            if entry and value.items:
+                index = int(entry[1]) - 1
+                if index >= len(value.items):
+                    break
+                value = value.items[index]
+                line, at = value.line, entry.end()
+                continue
+            name = _first_name(rest, at + 1 if at else 0, value.fields)
+            if name is None or (at and rest[at] != "."):
+                break
+            found = value.fields[name]
+            value, at = found.value, at + bool(at) + len(name)
+            line = found.again if twice and rest.startswith(": found twice", at) else found.line
+        return line
+
+    @functools.cached_property
+    def _root(self) -> _Value | None:
+        return _yaml_tree(self._text) if self._language == "yaml" else _json_tree(self._text)
+
+
+def _first_name(rest: str, at: int, fields: dict[str, _Field]) -> str | None:
+    """The longest name of a field that stands there. Names may hold dots, brackets and colons."""
+    name = None
+    for end in re.finditer(r"[.\[:]|$", rest[at : at + 500]):
+        if rest[at : at + end.start()] in fields:
+            name = rest[at : at + end.start()]
+    return name
+
+
+def _printable(name: str) -> str:
+    """As messages show it (text::printable): control characters escaped, not much more than 60 bytes."""
+    out = ""
+    for c in name:
+        if len(out.encode()) >= 60:
+            return out + "..."
+        out += c if c >= " " and c != "\x7f" else f"\\x{ord(c):02x}"
+    return out
+
+
+def _put(fields: dict[str, _Field], name: str, line: int, value: _Value) -> None:
+    shown = _printable(name)
+    if shown in fields:
+        fields[shown].again = line
+    else:
+        fields[shown] = _Field(line, line, value)
+
+
+def _yaml_tree(text: str) -> _Value | None:
+    root = yaml.compose(text, Loader=yaml12.Loader)
+    made: dict[int, _Value] = {}  # aliases repeat nodes
+
+    def tree(node: Node) -> _Value:
+        if id(node) in made:
+            return made[id(node)]
+        value = made[id(node)] = _Value(node.start_mark.line + 1)
+        if isinstance(node, MappingNode):
+            for key, inner in node.value:
+                if isinstance(key, ScalarNode):
+                    _put(value.fields, key.value, key.start_mark.line + 1, tree(inner))
+        elif not isinstance(node, ScalarNode):
+            value.items = [tree(item) for item in node.value]
+        return value
+
+    return None if root is None else tree(root)
+
+
+def _json_tree(text: str) -> _Value:
+    """Of text that has been read already: no mistakes of grammar are in it."""
+    root = _Value(1)
+    open_: list[tuple[_Value, bool]] = []  # with whether it is a mapping
+    line, name, name_line = 1, None, 1
+
+    def put(value: _Value) -> None:
+        nonlocal root
+        if not open_:
+            root = value
+        elif open_[-1][1]:
+            _put(open_[-1][0].fields, name or "", name_line, value)
+        else:
+            open_[-1][0].items.append(value)
+
+    for found in _TOKEN.finditer(text):
+        token = found[0]
+        if token == "\n":
+            line += 1
+        elif token in "{[":
+            value = _Value(line)
+            put(value)
+            open_.append((value, token == "{"))
+            name = None
+        elif token in "}]":
+            open_.pop()
+        elif token == ",":
+            name = None
+        elif token != ":":
+            if open_ and open_[-1][1] and name is None:
+                name, name_line = _unescaped(token), line
+            else:
+                put(_Value(line))
+    return root
+
+
+def _unescaped(token: str) -> str:
+    import json
+
+    return str(json.loads(token))

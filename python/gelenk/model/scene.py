@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes: loading, changing, saving."""
+
+from __future__ import annotations
+
+import copy
+import json
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gelenk import _core
+from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
+from gelenk.model import foreign, yaml12
+from gelenk.model.places import Places
+from gelenk.model.values import Value, number, unknown
+
+LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # of scene files, by their endings
+type Source = Scene | str | PathLike[str] | Mapping[str, Any]
+
+
+class Scene:
+    """A mechanism that has been read and found valid. Immutable; made by `gelenk.load`."""
+
+    def __init__(
+        self,
+        core: _core.Scene,
+        source: dict[str, Any] | None = None,
+        report: Iterable[str] = (),
+        places: Places | None = None,
+    ) -> None:
+        self._core = core
+        self._source = source
+        self._places = places
+        self._pruned: Scene | None = None
+        #: What an import did not take over, in words; empty for scenes of Gelenk's own.
+        self.report = tuple(report)
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+        return self._core.name
+
+    @property
+    def file(self) -> str:
+        """Where the scene was read from; empty if it was not read from a file."""
+        return self._core.file
+
+    @property
+    def stop(self) -> float:
+        """Default end of a run [s]."""
+        return self._core.stop
+
+    @property
+    def step(self) -> float:
+        """Default communication step [s]."""
+        return self._core.step
+
+    @property
+    def tolerance(self) -> float:
+        """Default relative tolerance."""
+        return self._core.tolerance
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """What may still be set before a run: names as in the FMU, present values."""
+        return {p.name: _shown(p, p.value(self._core)) for p in _core.list_parameters(self._core)}
+
+    def with_parameters(self, settings: Mapping[str, Value]) -> Scene:
+        """A changed copy.
+
+        Args:
+            settings: parameter names with numbers (SI units), booleans, or names of enumeration items.
+
+        Raises:
+            UsageError: a name that does not exist, a value that is not allowed.
+            SceneError: values that no body can have together.
+
+        Warns:
+            SceneWarning: values that are hardly meant.
+        """
+        table = {p.name: p for p in _core.list_parameters(self._core)}
+        values = []
+        for name, value in settings.items():
+            if name not in table:
+                raise UsageError(unknown(name, "parameter", table))
+            values.append((name, number(name, value, table[name].type, table[name].items)))
+        with self.located():
+            changed = Scene(_core.with_parameters(self._core, values), None, self.report, self._places)
+        before = _core.find_doubts(self._core)
+        _warn([doubt for doubt in _core.find_doubts(changed._core) if doubt not in before])
+        return changed
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names and patterns of the outputs that are wanted; none: all."""
+        return tuple(self._core.outputs)
+
+    def with_outputs(self, outputs: Iterable[str] | None) -> Scene:
+        """A copy that wants these outputs in place of its own; None: all.
+
+        What none of them depends on is left out wherever the scene is simulated, linearized or exported.
+
+        Args:
+            outputs: names ("A.phi"), or patterns as in shells ("crank.*", "*.w", "tip.r[1-2]").
+
+        Raises:
+            UsageError: none at all, a name that is no output, or a pattern that none meets.
+        """
+        names = [outputs] if isinstance(outputs, str) else list(outputs or [])
+        if outputs is not None and not names:
+            raise UsageError("outputs: found none, expected at least one name or pattern")
+        faults = [f"outputs: {fault}" for fault in _core.faults_of_outputs(self._core, names) if fault]
+        if faults:
+            raise UsageError("\n".join(faults))
+        source = None if self._source is None else {k: v for k, v in self._source.items() if k != "outputs"}
+        if source is not None and names:
+            source["outputs"] = names
+        return Scene(_core.with_outputs(self._core, names), source, self.report, self._places)
+
+    def pruned(self) -> Scene:
+        """The scene without what no wanted output depends on."""
+        if not self.outputs or self._core.is_wanted_part:
+            return self
+        if self._pruned is None:
+            self._pruned = Scene(_core.wanted_part(self._core), None, self.report, self._places)
+        return self._pruned
+
+    def inputs_beyond(self, known: Iterable[str]) -> list[str]:
+        """The names of the scene's inputs that are not among others.
+
+        Args:
+            known: these others.
+        """
+        names = set(known)
+        return [name for name in _core.input_names(self._core) if name not in names]
+
+    def wanted_part(self) -> Scene:
+        """What the wanted outputs depend on, as a scene of its own; it shows all outputs of that part."""
+        if not self.outputs:
+            return self
+        core = _core.with_outputs(_core.wanted_part(self._core), [])
+        return Scene(core, None, self.report, self._places)
+
+    def without(self, reductions: Iterable[str]) -> Scene:
+        """A copy in which these reductions are switched off; "all" stands for every one.
+
+        Raises:
+            UsageError: a name that is no reduction.
+        """
+        names = [name.replace("-", "_") for name in reductions]
+        known = [*_core.reduction_names, "all"]
+        faults = [unknown(name, "reduction", known) for name in names if name not in known]
+        if faults:
+            raise UsageError("\n".join(faults))
+        if not names:
+            return self
+        data = copy.deepcopy(self.to_dict() if self._source is None else self._source)
+        if "all" in names:
+            names = list(_core.reduction_names)
+        solver = data.setdefault("solver", {})
+        solver["reductions"] = {**solver.get("reductions", {}), **dict.fromkeys(names, False)}
+        return _from_plain(data, self.file, self.report, self._places)[0]
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Errors about this scene say the line of its file."""
+        try:
+            yield
+        except (SceneError, AssemblyError) as e:
+            if self._places is None:
+                raise
+            lines = self._places.located(e.lines, whole=False)
+            raise (
+                SceneError(lines) if isinstance(e, SceneError) else AssemblyError("\n".join(lines))
+            ) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as plain data: defaults filled in, all frames told in their bodies."""
+        data = json.loads(_core.write_scene_json(self._core))
+        assert isinstance(data, dict)
+        return data
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the scene to a .yaml, .yml or .json file: as it was given where it was not changed since.
+
+        Raises:
+            SceneError: the file's name has another ending.
+        """
+        data = self.to_dict() if self._source is None else self._source
+        target = Path(path)
+        language = LANGUAGES.get(target.suffix.lower())
+        if language is None:
+            found = target.suffix or "none"
+            raise SceneError(f"{target}: found the ending {found}, expected .yaml, .yml or .json")
+        text = yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
+        target.write_text(text, encoding="utf-8")
+
+    def __repr__(self) -> str:
+        data = self.to_dict()
+        counts = [
+            f"{len(data[key])} {key if len(data[key]) != 1 else key[:-1].replace('bodie', 'body')}"
+            for key in ("bodies", "joints", "motors", "forces", "sensors")
+            if data.get(key)
+        ]
+        return f"<Scene {self.name}: {', '.join(counts)}>"
+
+
+def load(source: Source) -> Scene:
+    """Reads and checks a scene.
+
+    Args:
+        source: a .yaml, .yml or .json file; a mapping with the same keys; or the text of a scene
+            (recognised by its line breaks or its opening brace).
+
+    Raises:
+        SceneError: with every fault found, one line each.
+        OSError: the file cannot be read.
+
+    Warns:
+        SceneWarning: what is allowed and hardly meant, such as angles in degrees.
+
+    >>> pendulum = gelenk.load('''
+    ... gelenk: 1
+    ... name: Pendulum
+    ... gravity: [0, 0, -9.81]
+    ... bodies:
+    ...   bob: {mass: 0.5, com: [0, 0, -0.8]}
+    ... joints:
+    ...   A: {type: revolute, axis: [0, 1, 0], parent: {body: ground}, child: {body: bob}}
+    ... ''')
+    >>> pendulum
+    <Scene Pendulum: 1 body, 1 joint>
+    """
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Mapping):
+        return from_dict(source)
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("{", "<"))):
+        foreign.refuse_content(source.encode("utf-8", "replace"), "scene")
+        return _read(source, "yaml", "")
+    path = Path(source)
+    _core.check_size(path.stat().st_size, str(path))
+    language = LANGUAGES.get(path.suffix.lower())
+    if language is None:
+        foreign.refuse_ending(path)
+    content = path.read_bytes()
+    foreign.refuse_content(content, str(path))
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as e:
+        line = content.count(b"\n", 0, e.start) + 1
+        raise SceneError(f"{path}:{line}: byte {e.start + 1} is not UTF-8 text") from None
+    return _read(text, language, str(path))
+
+
+def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = ()) -> Scene:
+    """A scene from plain data; numpy numbers and arrays are taken, too. Raises SceneError."""
+    scene, doubts = _from_plain(data, file, report)
+    _warn(doubts)
+    return scene
+
+
+def _from_plain(
+    data: Mapping[str, Any], file: str, report: Iterable[str], places: Places | None = None
+) -> tuple[Scene, list[str]]:
+    try:
+        text = json.dumps(data, default=_plain)
+    except ValueError:
+        raise SceneError(f"{file or 'scene'}: contains itself") from None
+    except TypeError as e:
+        raise SceneError(f"{file or 'scene'}: {e}") from None
+    core, doubts = _core.read_scene_and_doubts(text, file)
+    return Scene(core, json.loads(text), report, places), doubts
+
+
+def _read(text: str, language: str, file: str) -> Scene:
+    places = Places(text, language, file)
+    plain = yaml12.to_json(text, file or "scene") if language == "yaml" else text
+    try:
+        core, doubts = _core.read_scene_and_doubts(plain, file)
+    except SceneError as e:
+        raise SceneError(places.located(e.lines)) from None
+    _warn(places.located(doubts))
+    return Scene(core, json.loads(plain), (), places)
+
+
+def _warn(doubts: Iterable[str]) -> None:
+    for doubt in doubts:
+        warnings.warn(doubt, SceneWarning, stacklevel=4)
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"found a {type(value).__name__}, expected numbers, strings, lists and mappings")
+
+
+def _shown(parameter: _core.Parameter, value: float) -> Value:
+    if parameter.type == "boolean":
+        return bool(value)
+    if parameter.type == "integer":
+        return round(value)
+    return parameter.items[round(value) - 1] if parameter.type == "enumeration" else value

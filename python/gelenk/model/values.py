@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Names and values of parameters, inputs and outputs, as users give them."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable
+
+from gelenk.errors import UsageError
+
+type Value = float | int | bool | str
+
+
+def unknown(name: str, what: str, known: Iterable[str]) -> str:
+    """The sentence for a name that does not exist: the nearest ones, else all if they are few."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, n=3)
+    if near:
+        return f"{name}: no such {what}; did you mean {' or '.join(near)}?"
+    if not names:
+        return f"{name}: no such {what}; there are none"
+    if len(names) <= 12:
+        return f"{name}: no such {what}; there are {', '.join(names)}"
+    return f"{name}: no such {what}; there are {', '.join(names[:10])} and {len(names) - 10} more"
+
+
+def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> float:
+    """What a user wrote for a parameter, as the number that stands for it. Raises UsageError."""
+    if kind == "boolean":
+        if value in (True, False):
+            return float(value)
+        if isinstance(value, str) and value.lower() in ("true", "false", "1", "0"):
+            return float(value.lower() in ("true", "1"))
+        raise UsageError(f"{name}: found {value!r}, expected true or false")
+    names = list(items)
+    if kind == "enumeration":
+        if isinstance(value, str) and value in names:
+            return float(names.index(value) + 1)
+        if not isinstance(value, str) and value in range(1, len(names) + 1):
+            return float(value)
+        raise UsageError(f"{name}: found {value!r}, expected one of {', '.join(names)}")
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: found {value!r}, expected a number") from None
+    if not math.isfinite(result):
+        raise UsageError(f"{name}: found {result}, expected a finite number")
+    return result
+
+
+def start_parameter(name: str) -> str:
+    """Of a joint's coordinate or speed: A.phi_start, F.r_start[1]."""
+    return name.replace("[", "_start[", 1) if "[" in name else f"{name}_start"
+
+
+def elements(name: str, count: int) -> list[str]:
+    """name[1], name[2], ..."""
+    return [f"{name}[{i}]" for i in range(1, count + 1)]

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""YAML 1.2 (core schema) to JSON text, so that one reader checks scenes in either language.
+
+PyYAML reads YAML 1.1, where `1e-6` is a string, `on` a boolean, `010` eight and `1:30` ninety; here
+they are what they look like. A key given twice is passed on twice: the reader of scenes reports it.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import yaml
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from gelenk.errors import SceneError
+from gelenk.model import yaml_faults
+
+MOST_VALUES = 5_000_000  # aliases can repeat each other; a scene of 10 000 bodies has some 200 000 values
+
+_TAG = "tag:yaml.org,2002:"
+_PATTERNS = {  # YAML 1.2.2, section 10.3.2
+    "null": (r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    "bool": (r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    "int": (r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", list("-+0123456789")),
+    "float": (
+        r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+        r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+        list("-+.0123456789"),
+    ),
+}
+
+
+class Loader(yaml.SafeLoader):
+    """A YAML 1.2 loader; only its composer is used."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 (PyYAML's own way)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes what either version of YAML would not take for a string."""
+
+    yaml_implicit_resolvers = {  # noqa: RUF012
+        first: list(rules) for first, rules in yaml.SafeDumper.yaml_implicit_resolvers.items()
+    }
+
+
+for _name, (_pattern, _first) in _PATTERNS.items():
+    Loader.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)
+    _Dumper.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)
+
+
+def to_json(text: str, file: str) -> str:
+    """JSON text of a YAML document; file is only used in messages. Raises SceneError."""
+    try:
+        root = yaml.compose(text, Loader=Loader)
+        return "null" if root is None else _Writer(file).write(root)
+    except yaml.YAMLError as e:
+        raise SceneError(yaml_faults.explained(e, text, file)) from None
+    except RecursionError:
+        raise SceneError(f"{file}: nested too deeply for a scene") from None
+
+
+def dump(data: dict[str, Any]) -> str:
+    """YAML text: short lists and mappings on one line, keys in their order."""
+    return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=110))
+
+
+def _at(file: str, mark: Any, what: str) -> str:
+    place = f"{file}:{mark.line + 1}:{mark.column + 1}" if mark is not None else file
+    return f"{place}: {what}"
+
+
+class _Writer:
+    """Writes the tree of a document as JSON."""
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._above: set[int] = set()  # nodes being written
+        self._count = 0
+
+    def write(self, node: Node) -> str:
+        self._count += 1
+        if self._count > MOST_VALUES:
+            raise SceneError(f"{self._file}: its aliases stand for more than {MOST_VALUES} values")
+        if isinstance(node, ScalarNode):
+            return self._scalar(node)
+        if id(node) in self._above:
+            raise SceneError(_at(self._file, node.start_mark, "contains itself through an alias"))
+        self._above.add(id(node))
+        text = self._mapping(node) if isinstance(node, MappingNode) else self._sequence(node)
+        self._above.remove(id(node))
+        return text
+
+    def _sequence(self, node: Node) -> str:
+        if not isinstance(node, SequenceNode) or node.tag != _TAG + "seq":
+            raise self._tagged(node)
+        return "[" + ",".join(self.write(item) for item in node.value) + "]"
+
+    def _mapping(self, node: MappingNode) -> str:
+        if node.tag != _TAG + "map":
+            raise self._tagged(node)
+        return "{" + ",".join(f"{self._key(key)}:{self.write(value)}" for key, value in node.value) + "}"
+
+    def _key(self, node: Node) -> str:
+        if not isinstance(node, ScalarNode):
+            raise SceneError(
+                _at(self._file, node.start_mark, "found a list or mapping as key, expected a name")
+            )
+        return json.dumps(node.value)  # as written: a body may be called `on` or `1`
+
+    def _scalar(self, node: ScalarNode) -> str:
+        kind = node.tag.removeprefix(_TAG)
+        value = node.value
+        try:
+            if kind == "str":
+                return json.dumps(value)
+            if kind == "null":
+                return "null"
+            if kind == "bool":
+                return {"true": "true", "false": "false"}[value.lower()]
+            if kind == "int":
+                return str(int(value, 0) if value[:2] in ("0o", "0x") else int(value))
+            if kind == "float":
+                return json.dumps(float(re.sub(r"^([-+]?)\.(?=[inIN])", r"\1", value)))
+        except (ValueError, KeyError):
+            raise SceneError(_at(self._file, node.start_mark, f"found {value!r}, expected {kind}")) from None
+        raise self._tagged(node)
+
+    def _tagged(self, node: Node) -> SceneError:
+        return SceneError(
+            _at(self._file, node.start_mark, f"found the tag {node.tag}, expected a plain value")
+        )

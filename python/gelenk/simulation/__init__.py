@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Running a scene or an FMU: plants, inputs, results."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gelenk._lazy import lazy
+
+if TYPE_CHECKING:
+    from gelenk.simulation.result import Result
+    from gelenk.simulation.run import simulate
+    from gelenk.simulation.simulation import Simulation
+
+__all__ = ["Result", "Simulation", "simulate"]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy(
+        __name__, {".result": ["Result"], ".run": ["simulate"], ".simulation": ["Simulation"]}
+    )

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An FMU as a plant that `gelenk.simulate` can run, through fmpy."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+import warnings
+import xml.etree.ElementTree as ET
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from ctypes import c_double, c_int, c_uint
+from pathlib import Path
+from typing import Any, override
+
+import fmpy
+import fmpy.fmi1
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk import _core
+from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
+from gelenk.model.scales import Scales
+from gelenk.model.values import Value, number
+from gelenk.simulation.derivatives import Derivatives, rate_told
+from gelenk.simulation.fmu_slave import instantiated
+from gelenk.simulation.plant import Plant
+
+_WARNING = 1  # FMI's status; what is above has failed
+
+
+class FmuPlant(Plant):
+    """See `gelenk.simulation.plant.Plant`. Any FMI 2.0 co-simulation FMU."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path
+        self._messages: list[str] = []
+        self._warnings: list[str] = []
+        self._description = _description(path)
+        self._variables = {v.name: v for v in self._description.modelVariables}
+        experiment = self._description.defaultExperiment
+        self.name = str(self._description.modelName)
+        self.stop = float(getattr(experiment, "stopTime", None) or 1.0)
+        self.step = float(getattr(experiment, "stepSize", None) or 1e-3)
+        self.inputs = self._names("input")
+        self.outputs = self._names("output")
+        self.parameters = self._names("parameter")
+        self.idle: list[str] = []
+        self.readings = [*self.outputs, *self._names("local")]
+        self.units = {name: _unit(v) for name, v in self._variables.items() if v.type == "Real"}
+        self.assembly_report = ""
+        self._references: list[int] = []
+        self._folder = tempfile.mkdtemp(prefix="gelenk-")
+        self._log = _core.FmuLog()
+        self._slave: Any = None
+        try:
+            _extract(path, self._folder)
+            self._annotations = _annotations(self._folder)
+            with self._told(UsageError):
+                self._slave = instantiated(self._folder, self._description, self._log)
+        except BaseException:
+            self.close()
+            raise
+
+    def _names(self, causality: str) -> list[str]:
+        return [v.name for v in self._description.modelVariables if v.causality == causality]
+
+    @property
+    @override
+    def events(self) -> list[tuple[float, str]]:
+        return []  # they go to the logger
+
+    @override
+    def set_parameters(self, settings: Mapping[str, Value]) -> None:
+        for name, value in settings.items():
+            self._set(name, value)
+
+    def _set(self, name: str, value: Value) -> None:
+        v = self._variables[name]
+        with self._told(UsageError):
+            if v.type == "String":
+                self._slave.setString([v.valueReference], [str(value)])
+                return
+            if words := self._words(v):
+                x = number(name, value, "enumeration", words)
+                self._slave.setInteger([v.valueReference], [[*words.values()][int(x) - 1]])
+                return
+            x = number(name, value, "boolean" if v.type == "Boolean" else "real")
+            if v.type == "Boolean":
+                self._slave.setBoolean([v.valueReference], [bool(x)])
+            elif v.type == "Integer":
+                if x != round(x):
+                    raise UsageError(f"{name}: found {value!r}, expected a whole number")
+                self._slave.setInteger([v.valueReference], [int(x)])
+            else:
+                self._slave.setReal([v.valueReference], [x])
+
+    def _words(self, variable: Any) -> dict[str, int]:
+        """Of a choice, its words with their numbers; until version 0.1 choices were Enumerations."""
+        if variable.type == "Enumeration":
+            return {item.name: int(item.value) for item in variable.declaredType.items}
+        for choice in () if self._annotations is None else self._annotations.findall(".//Choice"):
+            if choice.get("variable") == variable.name:
+                return {item.get("name", ""): int(item.get("value", "0")) for item in choice.findall("Item")}
+        return {}
+
+    @override
+    def reset(self) -> None:
+        with self._told(UsageError):
+            self._slave.reset()
+
+    @override
+    def start(
+        self,
+        tolerance: float | None,
+        inputs: Mapping[str, float],
+        input_derivatives: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
+        with self._told(AssemblyError):
+            self._slave.setupExperiment(tolerance=tolerance, startTime=0.0)
+            self._slave.enterInitializationMode()
+            for name, value in inputs.items():
+                self.set_input(name, value)
+            for name, derivatives in (input_derivatives or {}).items():
+                self.set_input_derivatives(name, derivatives)
+            self._listen()
+            self._warnings.clear()
+            self._slave.exitInitializationMode()
+        for sentence in self._warnings:
+            warnings.warn(sentence, StartWarning, stacklevel=2)
+
+    @override
+    def select(self, names: list[str]) -> None:
+        for name in names:
+            if self._variables[name].type != "Real":
+                raise UsageError(f"{name}: only real variables can be recorded")
+        self._references = [self._variables[name].valueReference for name in names]
+
+    @override
+    def set_input(self, name: str, value: float) -> None:
+        if not np.isfinite(value):
+            raise UsageError(f"{name}: found {value}, expected a finite number")
+        self._set(name, value)
+
+    @override
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        n = len(derivatives)
+        reference = self._variables[name].valueReference
+        with self._told(UsageError):  # fmpy's own call has room for one number of inputs only
+            self._slave.fmi2SetRealInputDerivatives(
+                self._slave.component, (c_uint * n)(*[reference] * n), n, (c_int * n)(*range(1, n + 1)),
+                (c_double * n)(*derivatives),
+            )  # fmt: skip
+
+    @override
+    def advance(self, start: float, end: float) -> None:
+        with self._told(StepError):
+            self._slave.doStep(start, end - start)
+
+    @override
+    def read(self) -> NDArray[np.float64]:
+        with self._told(StepError):
+            return np.array(self._slave.getReal(self._references) if self._references else [])
+
+    @override
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        if not getattr(self._description.coSimulation, "providesDirectionalDerivative", False):
+            raise UsageError(f"{self._file}: found no directional derivatives in this FMU, expected them")
+        declared = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
+        states = [name for name in self._variables if name in declared]  # in their order
+        inputs, outputs = (
+            [name for name in names if self._variables[name].type == "Real"]
+            for names in (self.inputs, self.outputs)
+        )
+        told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
+        rates = {of: name for name, of in told.items() if of is not None and of in self._variables}
+        unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
+        inner = [name for name in states if name not in unknowns]  # states that are no outputs
+        names = [*inputs, *unknowns, *inner]
+        with self._told(UsageError):
+            C = np.vstack(
+                [self._slopes(unknowns, states), np.eye(len(states))[[states.index(n) for n in inner]]]
+            )
+            D = np.vstack([self._slopes(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
+            values = self._slave.getReal(self._references_of(names))
+        return Derivatives(
+            tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
+            dict(zip(names, map(float, values), strict=True)),
+            rates | declared, self.units, *self._annotated(),
+        )  # fmt: skip
+
+    def _annotated(self) -> tuple[int | None, Scales]:
+        """How many states the mechanism has, None where the FMU does not tell; and its scales."""
+        told = None if self._annotations is None else self._annotations.find(".//Order")
+        if told is None:
+            return None, Scales()
+        scales = (float(told.get(key, "1")) for key in ("length", "mass", "time"))
+        return int(told.get("states", "0")), Scales(*scales)
+
+    def _slopes(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
+        asked = self._references_of(unknowns)
+        columns = [
+            self._slave.getDirectionalDerivative(asked, self._references_of([name]), [1.0]) for name in knowns
+        ]
+        return np.array(columns, np.float64).reshape(len(knowns), len(unknowns)).T
+
+    def _references_of(self, names: Sequence[str]) -> list[int]:
+        return [self._variables[name].valueReference for name in names]
+
+    @override
+    def close(self) -> None:
+        if self._slave is not None:
+            self._slave.freeInstance()
+            self._slave = None
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _listen(self) -> None:
+        """Takes down what the FMU has logged."""
+        for status, message in self._log.take():
+            text = message.decode("utf-8", "replace")
+            if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
+                text = re.sub(r"^fmi2\w+: ", "", text)
+                self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
+            elif status == _WARNING:
+                self._warnings.append(text)
+
+    @contextmanager
+    def _told(self, error: Callable[[str], GelenkError]) -> Iterator[None]:
+        """A call that fails is told in the words that the FMU logged."""
+        self._messages.clear()
+        self._warnings.clear()
+        try:
+            yield
+        except GelenkError:
+            raise
+        except Exception as e:  # fmpy's own, and plain Exception where instantiation fails
+            self._listen()
+            if (
+                not self._messages
+                and not isinstance(e, fmpy.fmi1.FMICallException)
+                and type(e) is not Exception
+            ):
+                raise
+            raise error("\n".join(self._messages) or f"{self._file}: {e}") from e
+        self._listen()
+
+
+def _description(path: Path) -> Any:
+    path.open("rb").close()  # raises what is the matter with the file itself
+    try:
+        found = fmpy.read_model_description(str(path), validate=False)
+    except (zipfile.BadZipFile, KeyError):
+        raise UsageError(f"{path}: not an FMU (a zip file with a modelDescription.xml)") from None
+    except Exception as e:  # an XML parser's and fmpy's own
+        raise UsageError(
+            f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
+        ) from None
+    if found.fmiVersion != "2.0" or found.coSimulation is None:
+        raise UsageError(f"{path}: found an FMU of FMI {found.fmiVersion}, expected FMI 2.0 co-simulation")
+    return found
+
+
+def _extract(path: Path, folder: str) -> None:
+    try:
+        fmpy.extract(str(path), folder)
+    except (zipfile.BadZipFile, zlib.error) as e:
+        raise UsageError(f"{path}: damaged: {e}") from None
+
+
+def _annotations(folder: str) -> ET.Element | None:
+    """What Gelenk wrote for itself into modelDescription.xml, where fmpy does not look."""
+    return ET.parse(Path(folder, "modelDescription.xml")).find("VendorAnnotations/Tool[@name='Gelenk']")
+
+
+def _unit(variable: Any) -> str:
+    declared = getattr(variable.declaredType, "unit", None)
+    return str(variable.unit or declared or "1")

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Running a scene or an FMU over a time span."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk import _core
+from gelenk.errors import StepError, UsageError
+from gelenk.model.scene import Scene, load
+from gelenk.model.values import Value, unknown
+from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
+from gelenk.simulation.plant import Plant
+from gelenk.simulation.result import Result
+from gelenk.simulation.scene_plant import ScenePlant
+
+PASSAGES = "solver.singular_positions"  # how many were passed
+MOST_NUMBERS = 500_000_000  # of a result, 4 GB
+_DIAGNOSTICS = frozenset(_core.diagnostic_names)
+
+
+def simulate(
+    plant: Scene | str | PathLike[str] | Mapping[str, Any],
+    *,
+    stop: float | None = None,
+    step: float | None = None,
+    tolerance: float | None = None,
+    integrator: str | None = None,
+    formulation: str | None = None,
+    inputs: Inputs | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    outputs: Sequence[str] | None = None,
+    without: Sequence[str] = (),
+    assembly_tolerance: float | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Result:
+    """Runs a scene, or an FMU, from t = 0.
+
+    Inputs are sampled at the start of every communication step and held over it, as a master does; those
+    that are motions (`NAME.phi_ref`) follow a polynomial through five of their values in the step. A row of
+    the result is what the plant shows at the end of a step, before the next input is set.
+
+    Args:
+        plant: a .fmu file, or whatever `gelenk.load` takes.
+        stop: end of the run [s]; by default the scene's or the FMU's own.
+        step: communication step [s]; the last one is shortened to end at `stop`.
+        tolerance: relative tolerance of the integrator.
+        integrator: "auto", "ida", "cvode", "cvode-adams", "dirk", "erk", "rk4", "euler",
+            "generalized-alpha", "hht" or "newmark".
+        formulation: how loops meet the integrator: "projection", or a rival of it (docs/scene-format.md).
+        inputs: see `gelenk.simulation.inputs.functions`; inputs that are not named stay 0.
+        parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
+        outputs: names and patterns ("crank.*") to record; by default all outputs. Of a scene, what none of
+            them depends on is left out of the computation; in place of the `outputs` it lists itself.
+        without: reductions to leave out, see `gelenk.inspect`; scenes only.
+        assembly_tolerance: the parameter `assembly.tolerance`, how far joint frames may be moved (rad,
+            lengths of about the mechanism's size) so that loops with rounded numbers close.
+        progress: called after every step with the time reached and `stop` [s].
+
+    Returns:
+        Result: `time` and the outputs.
+
+    Raises:
+        SceneError, UsageError: the scene, a name or a value is wrong.
+        AssemblyError: the loops cannot be closed with the start values.
+        StepError: a step failed; its `result` holds the rows until then.
+        OSError: a file cannot be read.
+
+    >>> import math
+    >>> result = gelenk.simulate(four_bar, stop=0.5, inputs={"drive.tau": lambda t: 3 + math.sin(10 * t)})
+    >>> bool(result["A.phi"][-1] > result["A.phi"][0])
+    True
+    """
+    opened = open_plant(plant, without, outputs)
+    try:
+        settings = dict(parameters or {})
+        if assembly_tolerance is not None:
+            settings["assembly.tolerance"] = assembly_tolerance
+        known = [*opened.inputs, *opened.idle]
+        signals = functions_and_constants(inputs, settings, known, "as input and as parameter")
+        configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
+        times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
+        names = _selected(opened, outputs)
+        if len(times) * (1 + len(names)) > MOST_NUMBERS:
+            raise UsageError(
+                f"{len(times)} rows of {1 + len(names)} columns would not fit; choose a longer step"
+            )
+        watched = [PASSAGES] if PASSAGES in opened.units and PASSAGES not in names else []
+        opened.select([*names, *watched])
+        tolerance = None if "solver.tolerance" in settings else tolerance
+        first = float(times[1]) if len(times) > 1 else opened.step
+        motions = {
+            name: polynomial(signal, 0.0, first)[1] for name, signal in signals.items() if is_motion(name)
+        }
+        opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
+        return _run(opened, times, names, signals, progress)
+    finally:
+        opened.close()
+
+
+def grid(stop: float, step: float) -> NDArray[np.float64]:
+    """Times k step [s] from 0, the last one `stop`. Computed, not summed, so that errors do not grow.
+
+    Raises:
+        UsageError: stop or step that no run can have.
+    """
+    if not (math.isfinite(stop) and stop >= 0):
+        raise UsageError(f"stop: found {stop} s, expected 0 or more")
+    if not (math.isfinite(step) and step > 0):
+        raise UsageError(f"step: found {step} s, expected more than 0")
+    ratio = stop / step
+    if ratio > MOST_NUMBERS:
+        raise UsageError(
+            f"step: {stop:g} s in steps of {step:g} s are {ratio:.3g} steps; choose a longer one"
+        )
+    # 0.3 / 0.1 and 1.1 / 0.1 miss their integers by an ulp: a last step of 1e-16 s is not meant.
+    whole = round(ratio)
+    count = whole if abs(ratio - whole) <= 1e-12 * max(1.0, ratio) else math.ceil(ratio)
+    times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * step
+    times[-1] = stop
+    return times
+
+
+def open_plant(
+    plant: Scene | str | PathLike[str] | Mapping[str, Any],
+    without: Sequence[str],
+    outputs: Sequence[str] | None = None,
+    *,
+    whole: bool = False,
+) -> Plant:
+    """A scene without these reductions, or an FMU.
+
+    Args:
+        plant: as of `simulate`.
+        without: names of reductions.
+        outputs: names and patterns; of a scene, what none of them depends on is left out; None: as it says.
+        whole: nothing of a scene is left out, whatever outputs it lists.
+
+    Raises:
+        SceneError, UsageError, OSError: what is wrong.
+    """
+    if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
+        if without:
+            raise UsageError("without: reductions of an FMU are settled when it is exported")
+        from gelenk.simulation.fmu_plant import FmuPlant
+
+        return FmuPlant(Path(plant))
+    scene = load(plant).without(without)
+    return ScenePlant(scene.with_outputs(None) if whole else _narrowed(scene, outputs))
+
+
+def _narrowed(scene: Scene, outputs: Sequence[str] | None) -> Scene:
+    if not outputs:
+        return scene
+    names = list(dict.fromkeys([outputs] if isinstance(outputs, str) else outputs))
+    faults = _core.faults_of_outputs(scene._core, names)
+    unknown_names = any(
+        fault and not set("*?[") & set(name) for name, fault in zip(names, faults, strict=True)
+    )
+    if unknown_names or any(name in _DIAGNOSTICS for name in names):
+        return scene.with_outputs(None)  # as of an FMU, these are told; diagnostics are of all that moves
+    return scene.with_outputs(names)
+
+
+def configure(
+    plant: Plant, settings: dict[str, Value], tolerance: float | None, words: dict[str, str | None]
+) -> None:
+    """Sets parameters; words: of `solver`, None where nothing is said. Raises UsageError."""
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
+    for word, choice in words.items():
+        if choice is None:
+            continue
+        if f"solver.{word}" in settings:
+            raise UsageError(f"solver.{word}: given as {word} and as parameter")
+        settings[f"solver.{word}"] = choice
+    known = [*plant.parameters, *plant.inputs, *plant.idle]
+    faults = [unknown(name, "parameter or input", known) for name in settings if name not in plant.parameters]
+    if faults:
+        raise UsageError("\n".join(faults))
+    if settings:
+        plant.set_parameters(settings)
+
+
+def expanded(outputs: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Names in the place of patterns, in the order asked for; of patterns those that no other entry names."""
+    entries = [outputs] if isinstance(outputs, str) else list(outputs)
+    exact = set(known)
+    taken = set(entries)
+    names: list[str] = []
+    for entry in entries:
+        met = [] if entry in exact else [name for name in known if _core.meets(entry, name)]
+        names += [name for name in met if name not in taken] if met else [entry]
+        taken.update(met)
+    return names
+
+
+def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
+    names = list(plant.outputs) if outputs is None else expanded(outputs, [*plant.outputs])
+    faults = [unknown(name, "output", plant.units) for name in names if name not in plant.units]
+    faults += [f"{name}: asked for twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+    if faults:
+        raise UsageError("\n".join(faults))
+    return names
+
+
+def _run(
+    plant: Plant,
+    times: NDArray[np.float64],
+    names: list[str],
+    signals: dict[str, Callable[[float], float]],
+    progress: Callable[[float, float], None] | None,
+) -> Result:
+    rows = np.empty((len(times), 1 + len(names)))
+    rows[:, 0] = times
+    rows[0, 1:] = plant.read()[: len(names)]
+    stop = float(times[-1])
+    passages: list[float] = []
+    events: list[tuple[float, str]] = []
+    passed = names.index(PASSAGES) if PASSAGES in names else len(names)
+    count = 0.0
+
+    def result(count: int) -> Result:
+        found = Result(names, rows[:count], {name: plant.units[name] for name in names})
+        found.assembly_report = plant.assembly_report
+        found.singular_positions = tuple(passages)
+        found.events = tuple(events)
+        return found
+
+    for k in range(1, len(times)):
+        t = float(times[k - 1])
+        end = float(times[k])
+        set_inputs(plant, signals, t, end)
+        try:
+            plant.advance(t, end)
+            events += plant.events
+            values = plant.read()
+            rows[k, 1:] = values[: len(names)]
+            if passed < len(values) and values[passed] > count:
+                count = float(values[passed])
+                passages.append(end)
+        except StepError as e:
+            e.result = result(k)
+            raise
+        if progress is not None:
+            progress(end, stop)
+    return result(len(times))

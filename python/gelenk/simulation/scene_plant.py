@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A scene as a plant that `gelenk.simulate` can run, without an FMU in between."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import override
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import UsageError
+from gelenk.model.scales import Scales
+from gelenk.model.scene import Scene
+from gelenk.model.values import Value
+from gelenk.simulation.derivatives import Derivatives, rate_told
+from gelenk.simulation.plant import Plant
+from gelenk.simulation.simulation import Simulation
+
+
+class ScenePlant(Plant):
+    """See `gelenk.simulation.plant.Plant`."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._whole = scene
+        self._scene = scene.pruned()
+        self._simulation = Simulation(self._scene)
+        self.name = scene.name
+        self.stop, self.step = scene.stop, scene.step
+        self.inputs = [s.name for s in self._simulation.inputs]
+        self.outputs = [s.name for s in self._simulation.outputs]
+        self.readings = [s.name for s in self._simulation._signals]
+        self.idle = scene.inputs_beyond(self.inputs)
+        diagnostics = self._simulation.diagnostic_signals
+        self._units = {s.name: s.unit for s in (*self._simulation._signals, *diagnostics)}
+        self.units = {name: self._units[name] for name in (*self.outputs, *(s.name for s in diagnostics))}
+        self.parameters = list(scene.parameters)
+        self.assembly_report = ""
+        self._scales = Scales(*scene._core.scales)
+        self._selection: list[str] = []
+        self._diagnostics: list[tuple[int, str]] = []
+
+    @property
+    @override
+    def events(self) -> list[tuple[float, str]]:
+        return self._simulation.events
+
+    @override
+    def set_parameters(self, settings: Mapping[str, Value]) -> None:
+        kept = self._scene.parameters if self._scene is not self._whole else settings
+        if any(name not in kept for name in settings):
+            self._whole.with_parameters(settings)  # raises what is wrong
+        self._simulation = Simulation(
+            self._scene.with_parameters({name: value for name, value in settings.items() if name in kept})
+        )
+
+    @override
+    def reset(self) -> None:
+        self._simulation = Simulation(self._scene)
+
+    @override
+    def start(
+        self,
+        tolerance: float | None,
+        inputs: Mapping[str, float],
+        input_derivatives: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
+        for name, value in inputs.items():
+            self.set_input(name, value)
+        for name, derivatives in (input_derivatives or {}).items():
+            self.set_input_derivatives(name, derivatives)
+        self._simulation.initialize(0.0, tolerance or 0.0)
+        self.assembly_report = self._simulation.assembly_report()
+
+    @override
+    def select(self, names: list[str]) -> None:
+        outputs = set(self.outputs)
+        self._selection = [name for name in names if name in outputs]
+        self._diagnostics = [(i, name) for i, name in enumerate(names) if name not in outputs]
+
+    @override
+    def set_input(self, name: str, value: float) -> None:
+        if name not in self.idle:
+            self._simulation.set_input(name, value)
+
+    @override
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        for order, value in enumerate(derivatives if name not in self.idle else (), 1):
+            self._simulation.set_input_derivative(name, order, value)
+
+    @override
+    def advance(self, start: float, end: float) -> None:
+        self._simulation.step_to(end)
+
+    @override
+    def read(self) -> NDArray[np.float64]:
+        values = self._simulation.values(self._selection)
+        if not self._diagnostics:
+            return values
+        places = [i - k for k, (i, _) in enumerate(self._diagnostics)]
+        return np.insert(values, places, [self._simulation.diagnostic(name) for _, name in self._diagnostics])
+
+    @override
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        plant = self._simulation
+        output = {s.name: i for i, s in enumerate(plant._signals)}
+        rates = {}
+        for signal in plant._signals:
+            of = rate_told(signal.name, signal.description)
+            if of in output:
+                rates[of] = signal.name
+        try:
+            found = plant._core._linearize()
+        except UsageError:  # a dead centre for the states taken, maybe not for those wanted
+            taken = [output[name] for name in coordinates if name in output]
+            speeds = [output[rates[name]] for name in coordinates if name in rates]
+            if not taken:
+                raise
+            plant._core._take_states(taken, speeds)
+            found = plant._core._linearize()
+        _, _, C, D, _ = found
+        states = [self.readings[i] for i in plant._core._states()[0]]
+        ny = len(self.readings)
+        values = dict(zip(self.readings, plant._core.read_outputs(range(ny)).tolist(), strict=True))
+        return Derivatives(
+            tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.readings),
+            C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
+            values | {name: plant.input(name) for name in self.inputs}, rates,
+            self._units | {s.name: s.unit for s in plant.inputs},
+            plant.size.freedoms + plant.size.free_coordinates, self._scales,
+        )  # fmt: skip
+
+    @override
+    def close(self) -> None:
+        pass
