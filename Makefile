@@ -152,7 +152,7 @@ win64: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	  -DSUNDIALS_DIR=$(WIN64)/install/lib/cmake/sundials
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset win64 -j $(JOBS)
 	install -D build/win64/runtime/win64/gelenk_fmu.dll \
-	  "$$($(BIN)/python -P -c 'from gelenk import export; print(export._place(export.RUNTIMES["win64"]))')"
+	  "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export._place(export.RUNTIMES["win64"]))')"
 
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)
@@ -179,7 +179,7 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
 	else \
 	  echo "Building Gelenk: fetching 200 MB, compiling 180 files with $(JOBS) jobs (some 10 minutes)"; \
-	  what=('.[charts,urdf]'); \
+	  what=('.[all]'); \
 	fi; \
 	$(BIN)/python -m pip --disable-pip-version-check install -v "$${what[@]}" 2>&1 | tee build/install.log \
 	  | $(BIN)/python cmake/progress.py || \

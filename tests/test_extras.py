@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What not every user needs comes by extras, and is asked for by name where it is missing."""
+
+from __future__ import annotations
+
+import sys
+from importlib.metadata import requires
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import gelenk
+from gelenk import extras
+from gelenk.cli import progress
+from gelenk.io.urdf import import_urdf
+
+
+@pytest.mark.parametrize(
+    ("package", "use", "sentence"),
+    [
+        ("matplotlib", extras.pyplot, "charts are drawn with matplotlib: pip install 'gelenk[charts]'"),
+        (
+            "yourdfpy",
+            lambda: import_urdf(Path("robot.urdf")),
+            "importing URDF needs yourdfpy: pip install 'gelenk[urdf]'",
+        ),
+    ],
+)
+def test_without_an_extra_its_name_is_told(
+    package: str, use: Any, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robot.urdf").write_text("<robot name='r'><link name='a'/></robot>")
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(gelenk.UsageError) as caught:
+        use()
+    assert str(caught.value) == sentence
+
+
+def test_an_extra_that_is_broken_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "yourdfpy.py").write_text("import a_mesh_library_that_is_not_there")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "yourdfpy", raising=False)
+    with pytest.raises(gelenk.UsageError, match=r"cannot be imported here \(No module named 'a_mesh_library"):
+        extras.extra("yourdfpy", "importing URDF needs yourdfpy")
+
+
+class Terminal(StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_without_tqdm_a_run_goes_on_and_its_extra_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    monkeypatch.setattr(progress, "QUIET", 0.0)
+    monkeypatch.setattr(progress, "PERIOD", 0.0)
+    stream = Terminal()
+    with progress.progress_bar(stream) as reached:
+        assert reached is not None
+        for k in range(5):
+            reached(0.2 * k, 1.0)
+    assert stream.getvalue() == "progress is shown by tqdm: pip install 'gelenk[progress]'\n"
+
+
+def test_extras_are_those_of_the_package() -> None:
+    given = {line.partition(";")[0].rstrip(" >=.0123456789"): line for line in requires("gelenk") or []}
+    for package, name in extras.EXTRAS.items():
+        assert f'extra == "{name}"' in given[package].replace("'", '"')
+    needed = {name for name, line in given.items() if "extra ==" not in line}
+    assert needed == {"numpy", "fmpy", "control", "scipy", "pyyaml", "typer"}
