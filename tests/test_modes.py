@@ -239,7 +239,7 @@ def test_wheels_are_drawn_round(tmp_path: Path) -> None:
     posed = found._posed
     assert posed is not None
     still = posed.poses({})
-    (rim,) = (part.points for part in _parts(posed, still) if len(part.points) > 10)
+    (rim,) = (part.points for part in _parts(posed) if len(part.points) > 10)
     points = np.array([still["wheel"][0] @ p + still["wheel"][1] for _, p in rim])
     assert np.linalg.norm(points[:-1] - [0, 0, 0.3], axis=1) == pytest.approx([0.3] * 49)
     assert points[:, 1] == pytest.approx(np.zeros(50))

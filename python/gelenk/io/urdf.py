@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -90,28 +90,38 @@ def _check(file: Path) -> None:
         raise SceneError(f"{file}: found <{root.tag}>, expected <robot>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
         raise SceneError(f"{file}: holds xacro macros; expand it with xacro first")
+    faults = _name_faults(file, root)
     links = [e.get("name") for e in root.findall("link")]
-    faults = [
-        f"{file}: {e.tag}: has no name" for e in root if e.tag in ("link", "joint") and not e.get("name")
-    ]
-    for tag in ("link", "joint"):
-        names = [e.get("name") for e in root.findall(tag)]
-        faults += [f"{file}: {tag} {n}: is there twice" for n in dict.fromkeys(names) if names.count(n) > 1]
     for joint in root.findall("joint"):
-        where = f"{file}: joint {joint.get('name')}"
-        if joint.get("type") not in KINDS:
-            faults.append(f"{where}: found type {joint.get('type')!r}, expected one of {', '.join(KINDS)}")
-        for role in ("parent", "child"):
-            element = joint.find(role)
-            link = None if element is None else element.get("link")
-            if link not in links:
-                faults.append(f"{where}: {role}: found {link!r}, which is no link")
+        faults += _joint_faults(f"{file}: joint {joint.get('name')}", joint, links)
     for body in root.findall("link"):
         faults += _inertial_faults(f"{file}: link {body.get('name')}", body.find("inertial"))
     if not links:
         faults.append(f"{file}: has no links")
     if faults:
         raise SceneError(faults)
+
+
+def _name_faults(file: Path, root: ET.Element) -> list[str]:
+    faults = [
+        f"{file}: {e.tag}: has no name" for e in root if e.tag in ("link", "joint") and not e.get("name")
+    ]
+    for tag in ("link", "joint"):
+        names = [e.get("name") for e in root.findall(tag)]
+        faults += [f"{file}: {tag} {n}: is there twice" for n in dict.fromkeys(names) if names.count(n) > 1]
+    return faults
+
+
+def _joint_faults(where: str, joint: ET.Element, links: Sequence[str | None]) -> list[str]:
+    faults = []
+    if joint.get("type") not in KINDS:
+        faults.append(f"{where}: found type {joint.get('type')!r}, expected one of {', '.join(KINDS)}")
+    for role in ("parent", "child"):
+        element = joint.find(role)
+        link = None if element is None else element.get("link")
+        if link not in links:
+            faults.append(f"{where}: {role}: found {link!r}, which is no link")
+    return faults
 
 
 def _inertial_faults(where: str, inertial: ET.Element | None) -> list[str]:
@@ -214,7 +224,7 @@ def _joint(joint: Any, bodies: dict[str, str]) -> dict[str, Any]:
             parent["rotation"] = rotation
     entry["parent"] = parent
     entry["child"] = {"body": bodies[joint.child]}
-    damping = float((joint.dynamics and joint.dynamics.damping) or 0.0)
+    damping = _loss(joint, "damping")
     if damping and kind in DRIVEN:
         entry["damping"] = damping
     return entry
@@ -246,17 +256,8 @@ def _rpy_matrix(rpy: list[float]) -> NDArray[np.float64]:
 def _left_out(robot: Any) -> list[str]:
     """One line per kind of thing that the scene does not hold."""
     movable = [j for j in robot.joints if j.type != "fixed"]
-    notes = []
-    for j in movable:
-        if j.mimic is not None:
-            free = "here it moves freely" + (" and has a motor" if KINDS[j.type] in DRIVEN else "")
-            notes.append(f"joint {j.name}: follows {j.mimic.joint} in the file (mimic); {free}")
-    friction = [j for j in movable if j.dynamics is not None and float(j.dynamics.friction or 0.0)]
-    for j in friction:
-        notes.append(f"joint {j.name}: its dry friction of {float(j.dynamics.friction):g} is not modelled")
-    for j in movable:
-        if KINDS[j.type] not in DRIVEN and j.dynamics is not None and float(j.dynamics.damping or 0.0):
-            notes.append(f"joint {j.name}: its damping of {float(j.dynamics.damping):g} is not modelled")
+    notes = [_mimicry(j) for j in movable if j.mimic is not None]
+    notes += _losses(movable)
     limited = [j.name for j in movable if j.limit is not None]
     if limited:
         notes.append(
@@ -272,6 +273,27 @@ def _left_out(robot: Any) -> list[str]:
     if robot.transmission:
         notes.append("transmissions are not taken over: every motor has gear ratio 1")
     return notes
+
+
+def _mimicry(joint: Any) -> str:
+    free = "here it moves freely" + (" and has a motor" if KINDS[joint.type] in DRIVEN else "")
+    return f"joint {joint.name}: follows {joint.mimic.joint} in the file (mimic); {free}"
+
+
+def _losses(movable: Sequence[Any]) -> list[str]:
+    frictions = {j.name: _loss(j, "friction") for j in movable}
+    dampings = {j.name: _loss(j, "damping") for j in movable if KINDS[j.type] not in DRIVEN}
+    return [
+        f"joint {name}: its {what} of {number:g} is not modelled"
+        for what, losses in (("dry friction", frictions), ("damping", dampings))
+        for name, number in losses.items()
+        if number
+    ]
+
+
+def _loss(joint: Any, name: str) -> float:
+    """Friction or damping of a joint; 0 where the file tells none."""
+    return float((joint.dynamics and getattr(joint.dynamics, name)) or 0.0)
 
 
 def _list(names: list[str]) -> str:

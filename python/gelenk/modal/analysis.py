@@ -135,11 +135,8 @@ def modes(
     if not 0 <= rounding < 1:
         raise UsageError(f"rounding: found {rounding}, expected a number from 0 to less than 1")
     if isinstance(source, LinearModel) or hasattr(source, "state_labels"):
-        given = {"at": at, "input_values": input_values, "states": states, "parameters": parameters,
-                 "tolerance": tolerance}  # fmt: skip
-        useless = ", ".join(name for name, value in given.items() if value is not None)
-        if useless:
-            raise UsageError(f"{useless}: of no use with a linear model, whose point is settled")
+        _refuse({"at": at, "input_values": input_values, "states": states, "parameters": parameters,
+                 "tolerance": tolerance})  # fmt: skip
         return found_in(source if isinstance(source, LinearModel) else _of_control(source), rounding)
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     plant, scene, by_fmu = _opened(point.source)
@@ -154,6 +151,12 @@ def modes(
     everything = model if states is None else model_at(point)
     settings = {**(point.parameters or {}), **point.values}
     return found_in(model, rounding, bodies, posed(scene, settings, everything))
+
+
+def _refuse(arguments: Mapping[str, Any]) -> None:
+    given = ", ".join(name for name, value in arguments.items() if value is not None)
+    if given:
+        raise UsageError(f"{given}: of no use with a linear model, whose point is settled")
 
 
 def _opened(source: Any) -> tuple[Scene | str, Scene | None, bool]:

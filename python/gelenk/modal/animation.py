@@ -44,7 +44,7 @@ def animate(at: Posed, mode: Mode, file: Path, amplitude: float | None = None) -
     if not moving:
         raise UsageError(f"mode {mode.number}: a speed that is kept, no shape to be drawn")
     still = at.poses({})
-    parts = _parts(at, still)
+    parts = _parts(at)
     size = _size([_placed(part, still) for part in parts])
     if amplitude is None:
         amplitude = _seen(at, moving, size)
@@ -81,7 +81,7 @@ def _size(lines: Sequence[Array]) -> float:
     return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or 1.0
 
 
-def _parts(at: Posed, still: Mapping[str, Pose]) -> list[_Part]:
+def _parts(at: Posed) -> list[_Part]:
     """Bodies as lines between where joints and springs take hold; supports; springs."""
     joints = [
         (joint["parent"], joint["child"])
@@ -90,32 +90,41 @@ def _parts(at: Posed, still: Mapping[str, Pose]) -> list[_Part]:
     ]
     forces = at.data.get("forces", {}).values()
     springs = [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
+    bodies = at.data["bodies"]
     ends = [_point(end) for pair in (*joints, *springs) for end in pair]
-    out = [_Part([(body, p)], EARTH, "^") for body, p in ends if body not in at.data["bodies"]]
+    wheels = _wheels(at)
+    heavy = NEGLIGIBLE * max(body["mass"] for body in bodies.values())
+    out = [_Part([_point(a), _point(b)], GHOST, width=1.0) for a, b in joints]
+    out += [_Part([(body, p)], EARTH, "^") for body, p in ends if body not in bodies]
     out += [_Part([_point(a), _point(b)], WIRE, width=1.5) for a, b in springs]
-    heavy = NEGLIGIBLE * max(body["mass"] for body in at.data["bodies"].values())
-    # Discs, whatever holds them: those about an axis of one body.
-    constraints = at.data.get("constraints", {}).values()
-    wheels = {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
-    for name, body in at.data["bodies"].items():
-        com = np.array(body["com"], float)
+    for name, body in bodies.items():
         marks = [p for owner, p in ends if owner == name]
-        out.append(_Part([(name, com)], INK, "o"))
-        far = [p for p in (*marks, com) if all(np.linalg.norm(p - q) > 1e-9 for q in marks[:1])]
-        if marks and far:
-            line = [*marks, *([com] if len(marks) == 1 else []), *(marks[:1] if len(marks) > 2 else [])]
-            out.append(_Part([(name, p) for p in line], INK))
-        elif body["mass"] > heavy and name not in wheels:
-            out += [_Part([(name, com - axis), (name, com + axis)], INK) for axis in _axes(body)]
-    out += [_wheel(row) for row in wheels.values()]
-    slides = [_Part([_point(a), _point(b)], GHOST, width=1.0) for a, b in joints]
-    return slides + [part for part in out if len(_placed(part, still))]
+        out += _body(name, body, marks, alone=body["mass"] > heavy and name not in wheels)
+    return out + [_wheel(row) for row in wheels.values()]
+
+
+def _body(name: str, body: Mapping[str, Any], marks: Sequence[Array], alone: bool) -> list[_Part]:
+    """Its centre of mass, and a line through the marks; axes of what has none to be seen by, if `alone`."""
+    com = np.array(body["com"], float)
+    lines: list[list[Array]] = []
+    if marks and any(np.linalg.norm(p - marks[0]) > 1e-9 for p in (*marks, com)):
+        back = [com] if len(marks) == 1 else marks[:1] if len(marks) > 2 else []
+        lines.append([*marks, *back])
+    elif alone:
+        lines += [[com - axis, com + axis] for axis in _axes(body)]
+    return [_Part([(name, com)], INK, "o"), *(_Part([(name, p) for p in line], INK) for line in lines)]
 
 
 def _axes(body: Mapping[str, Any]) -> Array:
     """As long as the body is thick, so that it is seen to turn; none of a point."""
     radius = float(np.sqrt(sum(body["inertia"][:3]) / 2 / (body["mass"] or 1.0)))
     return np.eye(3)[: 3 if radius else 0] * radius
+
+
+def _wheels(at: Posed) -> dict[str, Mapping[str, Any]]:
+    """By their bodies: discs, whatever holds them, as constraints about an axis of one body have them."""
+    constraints = at.data.get("constraints", {}).values()
+    return {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
 
 
 def _wheel(row: Mapping[str, Any]) -> _Part:

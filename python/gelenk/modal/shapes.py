@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -82,30 +82,37 @@ def _renamed(model: LinearModel, prefix: str) -> LinearModel:
 
 def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
     """Coordinates are states, and outputs of joints, in rad or m; all states, if there are none."""
-    at = {name: i for i, name in enumerate(model.outputs)}
-    names: dict[str, Array] = {}
-    for i, name in enumerate(model.states):
-        if model.units.get(name) in COORDINATES:
-            names[name] = np.eye(len(model.states))[i]
-    for name in model.outputs:
-        owner, _, rest = name.rpartition(".")
-        if rest.startswith("r[") and f"{owner}.a[1]" not in at:
-            continue  # where a sensor's frame or a contact is: no joint
-        if model.units.get(name) in COORDINATES:
-            names.setdefault(name, model.C[at[name]])
-        elif rest == "Q[1]" and f"{owner}.z[1]" in at and {*elements(f"{owner}.Q", 4)} <= {*at}:
-            Q = [at[n] for n in elements(f"{owner}.Q", 4)]
-            turn = small_turn(model.y0[Q], model.C[Q], in_world=False)
-            for theta, row in zip(elements(f"{owner}.theta", 3), turn, strict=True):
-                names.setdefault(theta, row)
+    unit = np.eye(len(model.states))
+    names = {name: row for name, row in zip(model.states, unit, strict=True) if _is_place(model, name)}
+    for name, row in _outputs_of_joints(model):
+        names.setdefault(name, row)
     if not names:
-        names = dict(zip(model.states, np.eye(len(model.states)), strict=True))
+        names = dict(zip(model.states, unit, strict=True))
     of = model if bodies is None else bodies
     return Rows(
         tuple(names), np.array([*names.values()]).reshape(len(names), len(model.states)),
         {name: _frame(of, name) for name in _frame_names(of.outputs)},
         {name: model.units.get(name, "rad" if ".theta[" in name else "1") for name in names},
     )  # fmt: skip
+
+
+def _is_place(model: LinearModel, name: str) -> bool:
+    return model.units.get(name) in COORDINATES
+
+
+def _outputs_of_joints(model: LinearModel) -> Iterator[tuple[str, Array]]:
+    """Coordinates among the outputs, J.theta[1..3] in the place of quaternions, and their slopes."""
+    at = {name: i for i, name in enumerate(model.outputs)}
+    for name in model.outputs:
+        owner, _, rest = name.rpartition(".")
+        if rest.startswith("r[") and f"{owner}.a[1]" not in at:
+            continue  # where a sensor's frame or a contact is: no joint
+        if _is_place(model, name):
+            yield name, model.C[at[name]]
+        elif rest == "Q[1]" and f"{owner}.z[1]" in at and {*elements(f"{owner}.Q", 4)} <= {*at}:
+            Q = [at[n] for n in elements(f"{owner}.Q", 4)]
+            turn = small_turn(model.y0[Q], model.C[Q], in_world=False)
+            yield from zip(elements(f"{owner}.theta", 3), turn, strict=True)
 
 
 def _frame_names(outputs: Sequence[str]) -> list[str]:

@@ -183,22 +183,25 @@ def _plain(branch: Branch) -> dict[str, Any]:
 def _lines(found: Assemblies) -> Iterator[str]:
     if not found.starts:
         yield f"{found.name} has no loops: its start values are taken as they are"
-    for part, (starts, closed) in enumerate(zip(found.starts, found.closed, strict=True)):
-        listed = [branch for branch in found.branches if branch.part == part]
-        what = f"{len(listed)} branch{'' if len(listed) == 1 else 'es'}"
-        end = "no new ones turned up any more" if found.settled[part] else "there may be more"
-        where = f", part {part + 1}" if len(found.starts) > 1 else ""
-        searches = f"after {starts} searches of which {closed} closed the loops"
-        yield f"{found.name}{where}: {what}, {searches}; {end}"
-        if any(branch.freedoms for branch in listed):
-            most = max(branch.freedoms for branch in listed)
+    for part in range(len(found.starts)):
+        listed = {n: branch for n, branch in enumerate(found.branches, 1) if branch.part == part}
+        yield _search_line(found, part, len(listed))
+        most = max((branch.freedoms for branch in listed.values()), default=0)
+        if most:
             yield (
                 f"  fixed values leave {most} freedom{'' if most == 1 else 's'}: "
                 "listed are places of least distance from the guesses"
             )
-        for number, branch in enumerate(found.branches, 1):
-            if branch.part == part:
-                yield from _branch_lines(number, branch, found.units)
+        for number, branch in listed.items():
+            yield from _branch_lines(number, branch, found.units)
+
+
+def _search_line(found: Assemblies, part: int, count: int) -> str:
+    what = f"{count} branch{'' if count == 1 else 'es'}"
+    end = "no new ones turned up any more" if found.settled[part] else "there may be more"
+    where = f", part {part + 1}" if len(found.starts) > 1 else ""
+    searches = f"after {found.starts[part]} searches of which {found.closed[part]} closed the loops"
+    return f"{found.name}{where}: {what}, {searches}; {end}"
 
 
 def _branch_lines(number: int, branch: Branch, units: Mapping[str, str]) -> Iterator[str]:
