@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from physics.rods import spatial_four_bar
+from models.rods import spatial_four_bar
 from scipy.spatial.transform import Rotation
 
 import gelenk

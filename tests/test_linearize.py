@@ -15,7 +15,7 @@ import control
 import numpy as np
 import pytest
 from mechanisms import body, four_bar, frame, frame_sensor, joint, reaction, scene, with_sensors
-from physics.derivative_cases import assert_relative
+from models.derivative_cases import assert_relative
 from test_cli import call, faults, told
 
 import gelenk

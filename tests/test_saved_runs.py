@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 from mechanisms import four_bar
-from physics.test_parallelograms import windows
-from physics.test_stops import ball
+from physics.loops.test_parallelograms import windows
+from physics.nonsmooth.test_stops import ball
 
 import gelenk
 from gelenk.chart.mechanisms import governor

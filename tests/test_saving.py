@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from mechanisms import four_bar
-from physics.test_stops import ball
+from physics.nonsmooth.test_stops import ball
 
 import gelenk
 

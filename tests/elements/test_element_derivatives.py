@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from physics.derivative_cases import assert_relative
-from physics.differences import Assembler, in_time, linearized, output_derivatives
+from models.derivative_cases import assert_relative
+from models.differences import Assembler, in_time, linearized, output_derivatives
 
 import gelenk
 

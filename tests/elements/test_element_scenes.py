@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mechanisms import Scene
-from physics.running import assert_close, run
+from models.running import assert_close, run
 from test_saved_runs import goes_on_to_the_bit
 
 import gelenk

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mechanisms import Scene
-from physics.test_scaling import course, scales
+from physics.methods.test_scaling import course, scales
 
 import gelenk
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 from mechanisms import Scene, four_bar
-from physics.reducible import two_mechanisms
+from models.reducible import two_mechanisms
 
 import gelenk
 from gelenk.chart import mechanisms

@@ -142,7 +142,7 @@ def cannot_act(source: dict[str, Any], name: str) -> bool:
     In a tree guesses are kept as exactly as what is fixed, and there is nothing to formulate. In a
     plane only inertia about the normal matters, deviations from it included, and none of bodies that slide;
     what moves a joint of a loop off the plane tears the loop, so is refused. Their numbers are exact, which
-    `assembly.tolerance` leaves as they are (tests/physics/test_rounded_mechanisms.py has others).
+    `assembly.tolerance` leaves as they are (tests/physics/assembly/test_rounded_mechanisms.py has others).
     """
     if name == "assembly.tolerance":
         return True

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from mechanisms import Scene, rotation
-from physics.disc import disc, disc_on_a_table, flying_disc
-from physics.sleighs import chaplygin_sleigh, on_a_turntable
-from physics.vehicles import four_wheeled_cart, trailer, two_wheeled_cart
-from physics.whipple import bicycle
+from models.disc import disc, disc_on_a_table, flying_disc
+from models.sleighs import chaplygin_sleigh, on_a_turntable
+from models.vehicles import four_wheeled_cart, trailer, two_wheeled_cart
+from models.whipple import bicycle
 
 import gelenk
 from gelenk.chart import mechanisms

@@ -13,7 +13,7 @@ import scene_files
 from benchmarks.speed.families import MAKERS
 from benchmarks.speed.tree import to_scene
 from mechanisms import Scene, rotation
-from physics import reducible
+from models import reducible
 
 import gelenk
 from gelenk.chart import mechanisms as charted

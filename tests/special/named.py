@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from mechanisms import GRAVITY, Array, Scene, body, four_bar, frame, joint, rod, scene
-from physics.one_freedom import Geometry, Jet, Moving, OneFreedom, atan2, cos, jet, sin, sqrt
-from physics.planar_loops import FourBar, place, uniform
+from models.one_freedom import Geometry, Jet, Moving, OneFreedom, atan2, cos, jet, sin, sqrt
+from models.planar_loops import FourBar, place, uniform
 
 Z = {"axis": [0, 0, 1]}
 DOWN = (0.0, -GRAVITY, 0.0)

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Motions in which speeds stay constant, against closed forms; and the linear models about them."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import GRAVITY, Scene, body, frame, joint, scene
+from models import linear_plants as plants
+
+import gelenk
+from gelenk.chart.mechanisms import governor
+from gelenk.linear import linear_model
+
+CLOSE = 1e-11  # Newton's method has converged; of sums of a few terms
+
+
+def steady(source: Scene, tmp_path: Path | None = None, **arguments: Any) -> gelenk.Equilibrium:
+    """Of the scene, and of its FMU the same; linearised there without a warning, and staying so for 2 s."""
+    found = gelenk.equilibrium(source, **arguments)
+    assert found.residual < 1e-8
+    if tmp_path is not None:
+        by_fmu = gelenk.equilibrium(gelenk.export_fmu(source, tmp_path / "x.fmu"), **arguments)
+        assert [*by_fmu.values.values()] == pytest.approx([*found.values.values()], rel=1e-9, abs=1e-9)
+        assert list(by_fmu.advancing) == list(found.advancing)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", gelenk.OperatingPointWarning)
+        gelenk.modes(source, at=found.at)
+    run = gelenk.simulate(source, stop=0.5, tolerance=1e-10, inputs=found.inputs, parameters=start(found))
+    for name, value in found.values.items():
+        going = found.advancing.get(name, 0.0) if "Q" not in name else None
+        if going is not None and name in run.names:
+            # 1e-10 per step, over half a second of growth by what is unstable.
+            assert run[name][-1] == pytest.approx(value + 0.5 * going, rel=1e-5, abs=1e-6), name
+    return found
+
+
+def start(found: gelenk.Equilibrium) -> dict[str, Any]:
+    return {name: value for name, value in found.at.items() if name not in found.inputs}
+
+
+# --- a bead on a hoop, a conical pendulum: the same on a hinge ---
+
+MASS, LENGTH, SHAFT = 1.3, 0.7, 0.2  # kg, m, kg m2
+
+
+def conical(damping: float = 0.0) -> Scene:
+    """A point on a hinge that a vertical shaft turns."""
+    return scene(
+        {"shaft": body(0.1, (0, 0, 0), (0.1, 0.1, SHAFT)), "bob": body(MASS, (0, 0, -LENGTH))},
+        {"S": joint("revolute", frame("ground"), frame("shaft"), axis=[0, 0, 1], damping=damping),
+         "H": joint("revolute", frame("shaft"), frame("bob"), axis=[0, 1, 0], start={"phi": 0.6})},
+        gravity=[0, 0, -GRAVITY], motors={"drive": {"joint": "S"}}, name="Conical",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("spin", "first"), [(3.9, 0.6), (5.0, 0.6), (-20.0, 1.2)])
+def test_conical_pendulum(spin: float, first: float, tmp_path: Path) -> None:
+    """At cos(tilt) = g / l w^2; small swings about it by the moment of momentum that the shaft keeps."""
+    source = conical()
+    found = steady(source, tmp_path, steady={"S.w": spin}, at={"H.phi": first})
+    tilt = found.values["H.phi"]
+    assert math.cos(tilt) == pytest.approx(GRAVITY / (LENGTH * spin**2), rel=CLOSE)
+    assert found.values["S.w"] == spin
+    assert found.advancing == {"S.phi": spin}
+    assert str(found).startswith("Conical moves steadily, S.phi goes on, found in")
+    # I(tilt) w constant: dw = -w 2 m l^2 s c / I dtilt; of F = m l^2 s c w^2 - m g l s the slope.
+    s, c, m = math.sin(tilt), math.cos(tilt), MASS * LENGTH**2
+    slower = -2 * m * s * c * spin / (SHAFT + m * s**2)
+    slope = m * (c**2 - s**2) * spin**2 + 2 * m * s * c * spin * slower - MASS * GRAVITY * LENGTH * c
+    drift, swing = gelenk.modes(source, at=found.at).modes
+    assert swing.frequency == pytest.approx(math.sqrt(-slope / m), rel=1e-10)
+    assert (drift.kind, drift.names) == ("drifts", ["S.phi"])
+
+
+def test_too_slow_a_spin_leaves_it_hanging() -> None:
+    """Below sqrt(g / l) only tilt 0 is steady."""
+    found = steady(conical(), steady={"S.w": 3.0})
+    assert found.values["H.phi"] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_spin_that_holds_a_tilt_is_found(tmp_path: Path) -> None:
+    """Of two, w and -w, the one next to the first."""
+    for sign in (1, -1):
+        found = steady(conical(), tmp_path, steady=["S.w"], hold={"H.phi": 0.8}, at={"S.w": 3.0 * sign})
+        spin = sign * math.sqrt(GRAVITY / (LENGTH * math.cos(0.8)))
+        assert found.values["S.w"] == pytest.approx(spin, rel=CLOSE)
+        assert found.values["H.phi"] == 0.8
+
+
+def test_a_motor_keeps_a_damped_shaft_going(tmp_path: Path) -> None:
+    found = steady(conical(0.3), tmp_path, steady={"S.w": 5.0}, solve_for=["drive.tau"])
+    assert found.inputs["drive.tau"] == pytest.approx(0.3 * 5.0, rel=CLOSE)
+    assert math.cos(found.values["H.phi"]) == pytest.approx(GRAVITY / (LENGTH * 25), rel=CLOSE)
+
+
+def test_a_body_on_a_ball_turns_about_the_vertical() -> None:
+    """If (I1 - I3) w^2 cos(tilt) = m g l for its speeds, which are along its own axes; else it is refused."""
+    tilt = 0.7
+    weight = plants.TOP_MASS * GRAVITY * plants.TOP_REACH
+    spin = math.sqrt(weight / ((plants.ACROSS - plants.ALONG) * math.cos(tilt)))
+    w = spin * np.array([0.0, math.sin(tilt), math.cos(tilt)])
+    source = plants.top(0.0, upright=False)
+    names = [f"S.w[{i}]" for i in (1, 2, 3)]
+    source["joints"]["S"]["start"]["Q"] = [0.3, 0, 0, math.sqrt(0.91)]
+    found = steady(source, steady=dict(zip(names, map(float, w), strict=True)))
+    x, y, z, s = (found.values[f"S.Q[{i}]"] for i in (1, 2, 3, 4))
+    up = np.array([2 * (x * z - y * s), 2 * (y * z + x * s), 1 - 2 * (x * x + y * y)])  # along its own axes
+    assert up == pytest.approx(w / spin, abs=1e-10)
+    assert {*found.advancing} == {"S.theta[2]", "S.theta[3]"}
+    said = refusal(source, steady=dict(zip(names, map(float, 1.1 * w), strict=True)))
+    assert said.startswith("steady for a moment only: ")
+
+
+# --- a heavy top in gimbals ---
+
+
+def gimballed_top() -> Scene:
+    """Rings without inertia: precession about the vertical, nutation, spin about the top's own axis."""
+    across = plants.ACROSS - plants.TOP_MASS * plants.TOP_REACH**2
+    nearly_none = body(1e-30, (0, 0, 0), (1e-30,) * 3)  # kg, kg m2
+    return scene(
+        {"outer": nearly_none, "inner": nearly_none,
+         "top": body(plants.TOP_MASS, (0, 0, plants.TOP_REACH), (across, across, plants.ALONG))},
+        {"precession": joint("revolute", frame("ground"), frame("outer"), axis=[0, 0, 1]),
+         "nutation": joint("revolute", frame("outer"), frame("inner"), axis=[1, 0, 0], start={"phi": 0.5}),
+         "spin": joint("revolute", frame("inner"), frame("top"), axis=[0, 0, 1])},
+        gravity=[0, 0, -GRAVITY],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("fast", [False, True])
+@pytest.mark.parametrize("tilt", [0.4, 1.9])
+def test_heavy_top_precesses_slowly_or_fast(tilt: float, fast: bool) -> None:
+    """(I1 - I3) cos(tilt) p^2 - I3 s p + m g l = 0, s the speed of the spin joint (Goldstein 1980, 5-76)."""
+    s = 250.0
+    weight = plants.TOP_MASS * GRAVITY * plants.TOP_REACH
+    a, b = (plants.ACROSS - plants.ALONG) * math.cos(tilt), -plants.ALONG * s
+    roots = sorted(np.roots([a, b, weight]).real, key=abs)
+    found = steady(
+        gimballed_top(), steady={"spin.w": s, "precession.w": None}, hold={"nutation.phi": tilt},
+        at={"precession.w": float(roots[fast]) * 0.8},
+    )  # fmt: skip
+    assert found.values["precession.w"] == pytest.approx(roots[fast], rel=CLOSE)
+    assert {*found.advancing} == {"precession.phi", "spin.phi"}
+
+
+def test_a_sleeping_top_is_steady() -> None:
+    found = gelenk.equilibrium(plants.top(0.0), steady={"S.w[3]": 200.0})
+    assert [found.values[f"S.w[{i}]"] for i in (1, 2, 3)] == [0, 0, 200]
+    assert gelenk.modes(plants.top(0.0), at=found.at).stability == "marginal"
+
+
+# --- governors ---
+
+
+def test_stiff_governor_at_speed(tmp_path: Path) -> None:
+    """Forces on arm and collar by hand, from the scene's numbers; both arms alike."""
+    spin = 6.0
+    found = steady(governor(), tmp_path, steady={"S.w": spin})
+    assert found.values["L.phi"] == pytest.approx(found.values["R.phi"], rel=1e-9)
+    s, phi = found.values["P.s"], found.values["L.phi"]
+    arm = np.array([math.cos(phi), -math.sin(phi)])  # outwards, up: phi is below the level
+    middle, collar = np.array([0.05, 1.0]) + 0.5 * arm, np.array([0.05, s])
+    length = float(np.linalg.norm(middle - collar))
+    pull = 8e5 * (length - 0.5) * (collar - middle) / length
+    # Collar: two springs carry 3 kg. 8e5 N/m at rounding of 1 m: 1e-9 N.
+    assert -2 * pull[1] == pytest.approx(3 * GRAVITY, rel=1e-7)
+    # Arm about its pivot: ball and rod (uniform, thin but for 1e-4 / 12 of its own, along all axes alike
+    # but one) in weight and centrifugal force.
+    m_ball, m_rod = 5.0, 0.3
+    r_out = lambda share: 0.05 + share * math.cos(phi)  # noqa: E731
+    weight = (m_ball + 0.5 * m_rod) * GRAVITY * math.cos(phi)
+    thin = m_rod * (1 + 1e-4) / 12 - m_rod * 1e-4 / 6
+    out = m_ball * r_out(1) * math.sin(phi) + m_rod * r_out(0.5) * 0.5 * math.sin(phi)
+    out += thin * math.cos(phi) * math.sin(phi)
+    spring = 0.5 * (arm[0] * pull[1] - arm[1] * pull[0])
+    assert spring - weight + spin**2 * out == pytest.approx(0, abs=1e-6)
+
+
+def porter(arm: float, ball: float, collar: float) -> Scene:
+    """Two loops: balls on arms from the shaft's axis, links without mass of the same length to the collar."""
+    tilt = 0.7
+    bodies: dict[str, Any] = {"shaft": body(0.5, (0, 0, 0), (0.1, 0.1, 0.1)), "collar": body(collar)}
+    joints: dict[str, Any] = {
+        "S": joint("revolute", frame("ground"), frame("shaft"), axis=[0, 0, 1]),
+        "P": joint("prismatic", frame("shaft"), frame("collar"), axis=[0, 0, 1],
+                   start={"s": -2 * arm * math.cos(tilt)}),
+    }  # fmt: skip
+    about_y = {"axis": [0, 1, 0]}
+    for name, side in (("left", 1), ("right", -1)):
+        bodies[name] = body(ball, (0, 0, -arm), (1e-3,) * 3)  # alike about all axes: of no effect
+        bodies[f"{name}_link"] = body(0.0)
+        joints[f"{name}_top"] = joint(
+            "revolute", frame("shaft"), frame(name), **about_y, start={"phi": -side * tilt}
+        )
+        joints[f"{name}_knee"] = joint(
+            "revolute", frame(name, (0, 0, -arm)), frame(f"{name}_link"), **about_y,
+            start={"phi": 2 * side * tilt},
+        )  # fmt: skip
+        joints[f"{name}_foot"] = joint(
+            "revolute", frame(f"{name}_link", (0, 0, -arm)), frame("collar"), **about_y,
+            start={"phi": -side * tilt},
+        )  # fmt: skip
+    return scene(bodies, joints, gravity=[0, 0, -GRAVITY])
+
+
+@pytest.mark.parametrize("spin", [8.0, 12.0])
+def test_height_of_porters_governor(spin: float, tmp_path: Path) -> None:
+    """At h = (m + M) / m g / w^2 below the pivots, with balls of m and a collar of M; loops closed."""
+    arm, ball, collar = 0.4, 1.5, 2.0
+    found = steady(porter(arm, ball, collar), tmp_path, steady={"S.w": spin})
+    height = (ball + collar) / ball * GRAVITY / spin**2
+    assert found.values["P.s"] == pytest.approx(-2 * height, rel=1e-9)
+    assert found.values["S.w"] == pytest.approx(spin, rel=1e-12)
+    assert gelenk.modes(porter(arm, ball, collar), at=found.at).stability == "marginal"
+
+
+# --- given motions ---
+
+
+def driven(motion: dict[str, Any], lean: float = 0.0) -> Scene:
+    """The shaft turns as it is told; gravity leans."""
+    source = conical()
+    del source["motors"]
+    source["gravity"] = [GRAVITY * math.sin(lean), 0, -GRAVITY * math.cos(lean)]
+    source["constraints"] = {"turn": {"type": "motion", "joint": "S", **motion}}
+    return source
+
+
+@pytest.mark.parametrize("motion", [{"polynomial": [0.0, 5.0]}, {"speed": 5.0}])
+@pytest.mark.parametrize("speeds", [None, {"S.w": 5.0}, ["S.w"]])
+def test_a_shaft_that_is_driven_carries_its_pendulum(motion: Any, speeds: Any, tmp_path: Path) -> None:
+    """It swings by m l^2 sin^2 w^2 now: the shaft does not slow."""
+    found = gelenk.equilibrium(driven(motion), steady=speeds)
+    by_fmu = gelenk.equilibrium(gelenk.export_fmu(driven(motion), tmp_path / "x.fmu"), steady=speeds)
+    tilt = math.acos(GRAVITY / (LENGTH * 25))
+    for each in (found, by_fmu):
+        assert each.values["H.phi"] == pytest.approx(tilt, rel=CLOSE)
+        assert each.advancing == {"S.phi": 5.0}
+    swing = gelenk.modes(driven(motion), at=found.at).modes[-1]
+    assert swing.frequency == pytest.approx(5 * math.sin(tilt), rel=1e-10)
+
+
+def test_a_given_motion_decides_its_speed() -> None:
+    with pytest.raises(gelenk.UsageError, match=r"steady: S\.w is 5 by a constraint, it cannot be 4$"):
+        gelenk.equilibrium(driven({"polynomial": [0.0, 5.0]}), steady={"S.w": 4.0})
+
+
+@pytest.mark.parametrize(
+    ("motion", "lean", "sentence"),
+    [
+        ({"polynomial": [0.3, 5.0]}, 0.1, r"H\.a = -?0\.00\d* rad/s2 by a given motion, 0\.001 s later"),
+        ({"polynomial": [0.0, 0.0, 5.0]}, 0.0, r"S\.a = 10 rad/s2 by a given motion$"),
+        (
+            {"sine": {"amplitude": 0.5, "frequency": 2.0}},
+            0.0,
+            r"S\.a = -.* by a given motion, 0\.001 s later",
+        ),
+    ],
+)
+def test_what_a_given_motion_carries_away_is_refused(motion: Any, lean: float, sentence: str) -> None:
+    """In gravity that leans, ever faster, to and fro: there is a pose without acceleration, for a moment."""
+    assert re.fullmatch(f"no steady motion: {sentence}", refusal(driven(motion, lean)))
+
+
+# --- what is none ---
+
+
+def refusal(source: Scene, **arguments: Any) -> str:
+    with pytest.raises(gelenk.EquilibriumError) as told:
+        gelenk.equilibrium(source, **arguments)
+    return str(told.value)
+
+
+def test_what_is_steady_for_a_moment_only_is_refused() -> None:
+    """A pendulum through its lowest point: -g / l cos(0) w."""
+    said = refusal(conical(), steady={"H.w": 3.0})
+    assert said == "steady for a moment only: H.a changes at -42.0429 rad/s2 per second as H.phi goes on"
+
+
+def test_a_damped_shaft_without_a_motor_is_refused() -> None:
+    """Told with the deceleration that remains: -c w / I at some tilt."""
+    said = refusal(conical(0.3), steady={"S.w": 5.0})
+    assert said.startswith("no steady motion")
+    assert "S.a = -" in said
+
+
+def test_a_spin_that_gravity_can_hold_at_no_tilt_beyond_the_level_is_refused() -> None:
+    said = refusal(conical(), steady={"S.w": 5.0}, hold={"H.phi": 1.7}, solve_for="drive.tau")
+    assert said.startswith("drive.tau cannot hold this motion: H.a = ")
+
+
+def test_wrong_speeds_are_told() -> None:
+    for speeds, sentence in (
+        ({"S.v": 3.0}, r"S\.v: no such speed; did you mean S\.w"),
+        ({"S.phi": 3.0}, r"S\.phi: no such speed; there are S\.w, H\.w"),
+        ({"S.w": math.nan}, r"S\.w: found nan, expected a finite number"),
+    ):
+        with pytest.raises(gelenk.UsageError, match=sentence):
+            gelenk.equilibrium(conical(), steady=speeds)
+    with pytest.raises(gelenk.UsageError, match=r"left_top\.w, P\.v cannot be chosen together, 1 of them"):
+        gelenk.equilibrium(porter(0.4, 1.5, 2.0), steady={"left_top.w": 0.0, "P.v": 0.0})
+
+
+def test_states_of_the_linear_model_keep_their_number() -> None:
+    found = gelenk.equilibrium(conical(), steady={"S.w": 5.0})
+    assert linear_model(conical(), at=found.at).rates.tolist() == pytest.approx([5, 0, 0, 0], abs=1e-8)

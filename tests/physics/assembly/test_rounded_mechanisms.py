@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`assembly.tolerance`: overconstrained mechanisms whose numbers are printed with four to eight digits."""
+
+from __future__ import annotations
+
+import copy
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import Array, Scene
+from models.rounded import (
+    FREEDOMS,
+    MECHANISMS,
+    Placed,
+    bennett,
+    circles,
+    four_bar,
+    scene,
+    three_cranks_in_line,
+    tilted,
+)
+
+import gelenk
+
+# A number from 1 to 10 is off by 0.5 * 10^(1 - digits) at most; positions and angles here are no larger
+# than pi, and three of them make a rotation. Twice that is room enough.
+DIGITS = (4, 5, 6, 8)
+
+
+def tolerance(digits: int) -> float:
+    return 10.0 ** (1 - digits)
+
+
+# rad, m: of all rows, at every output; the sizes here are about 1 m.
+CLOSED = 1e-13
+# Of joint coordinates, in units of 10^-digits: some 50 numbers are off by up to 5 each, at random, which adds
+# up to 20; transmissions of angles between joints multiply that by a few. Measured: 40 at most.
+OFF = 100
+
+
+def started(name: str, digits: int | None = None, **sections: Any) -> Scene:
+    """The mechanism, its first joint turning where that alone is one freedom."""
+    joints = MECHANISMS[name]()
+    fields = {} if name == "stewart" else {joints[0][0]: {"start": {"w": 1.0}}}
+    return scene(joints, digits, fields=fields, **sections)
+
+
+def rounded_scene(name: str, digits: int) -> Scene:
+    return started(name, digits, assembly={"tolerance": tolerance(digits)})
+
+
+def initialized(data: Scene | gelenk.Scene) -> gelenk.Simulation:
+    plant = gelenk.Simulation(gelenk.load(data))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gelenk.StartWarning)
+        plant.initialize()
+    return plant
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize("without", [[], ["all"]], ids=["reduced", "literal"])
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_rounded_mechanism_moves_as_many_ways_and_stays_closed(
+    name: str, digits: int, without: list[str]
+) -> None:
+    """Literally all rows of the loops are there, in space: none of them may gape."""
+    plant = initialized(gelenk.load(rounded_scene(name, digits)).without(without))
+    assert plant.size.freedoms == FREEDOMS[name]
+    for t in np.linspace(0.05, 1, 20):
+        plant.step_to(float(t))
+        assert plant.diagnostics["constraints.position"] < CLOSED
+    moves = [max(m.turn, m.shift) for m in plant._core.moved_frames()]
+    assert max(moves, default=0) <= tolerance(digits)
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_mechanism_without_redundant_constraints_is_left_as_it_is(digits: int) -> None:
+    """A Stewart platform's numbers may be rounded as they like."""
+    with_tolerance = initialized(rounded_scene("stewart", digits))
+    as_given = initialized(started("stewart", digits))
+    assert not with_tolerance._core.moved_frames()
+    for plant in (with_tolerance, as_given):
+        plant.step_to(0.2)
+    assert np.array_equal(with_tolerance.values(), as_given.values())
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_exact_mechanism_is_left_as_it_is(name: str) -> None:
+    """To the bit, with the widest tolerance that there is."""
+    plant = initialized(started(name, assembly={"tolerance": 1e-2}))
+    assert not plant._core.moved_frames()
+
+
+def coordinates(data: Scene, drives: list[str]) -> Array:
+    """All scalar coordinates while these joints turn by 0.8 rad/s."""
+    constraints = {
+        f"drive_{joint}": {"type": "motion", "joint": joint, "polynomial": [0, 0.8]} for joint in drives
+    }
+    plant = initialized({**data, "constraints": constraints})
+    names = [s.name for s in plant.outputs if s.name.endswith((".phi", ".s", ".phi_a", ".phi_b"))]
+    rows = []
+    for t in np.linspace(0.1, 0.5, 5):
+        plant.step_to(float(t))
+        rows.append(plant.values(names))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
+def test_rounded_mechanism_goes_where_the_exact_one_goes(name: str, digits: int) -> None:
+    drives = {"double_parallelogram": ["A0", "E0"], "three_cranks": ["A0"]}.get(name, ["A"])
+    exact = coordinates(scene(MECHANISMS[name]()), drives)
+    data = scene(MECHANISMS[name](), digits, assembly={"tolerance": tolerance(digits)})
+    off = np.abs(coordinates(data, drives) - exact).max()
+    assert off < OFF * 10.0**-digits, f"off by {off:.3g}"
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_rounded_four_bar_follows_the_closed_form(digits: int) -> None:
+    """The rocker's angle where the circles of coupler and rocker meet."""
+    data = scene(tilted(four_bar(phi=1.1)), digits, assembly={"tolerance": tolerance(digits)})
+    found = coordinates(data, ["A"])[:, 3]
+    D = np.array([0.6, 0.0])
+
+    def rocker(phi: float) -> float:
+        C = circles(0.21 * np.array([math.cos(phi), math.sin(phi)]), 0.53, D, 0.43)
+        return math.atan2(C[1] - D[1], C[0] - D[0])
+
+    exact = [rocker(1.1 + 0.8 * t) - rocker(1.1) for t in np.linspace(0.1, 0.5, 5)]
+    assert np.abs(found - exact).max() < OFF * 10.0**-digits
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_rounded_bennett_linkage_keeps_its_law(digits: int) -> None:
+    """tan(t1/2) tan(t2/2) = sin((beta + alpha)/2) / sin((beta - alpha)/2) (Bennett 1914), t1 and t2 the
+    angles between sides that follow each other; the start tells the sense, and which of the twists is alpha.
+    """
+    joints = bennett()
+    points, axes = [p for *_, p, _ in joints], [a for *_, a in joints]
+
+    def angle(i: int) -> float:
+        """Of the side that leaves joint i against the one that arrives."""
+        after = np.array(points[(i + 1) % 4]) - points[i]
+        before = np.array(points[i]) - points[i - 1]
+        return math.atan2(float(np.dot(axes[i], np.cross(before, after))), float(before @ after))
+
+    law = math.sin((1.3 + 0.7) / 2) / math.sin((1.3 - 0.7) / 2)
+    data = scene(joints, digits, assembly={"tolerance": tolerance(digits)})
+    found = coordinates(data, ["A"])
+    # A turns the side that arrives (its child), B the side that leaves.
+    product = np.tan((angle(0) - found[:, 0]) / 2) * np.tan((angle(1) + found[:, 1]) / 2)
+    exact = product[0] / abs(product[0]) * min((law, 1 / law), key=lambda x: abs(x - abs(product[0])))
+    # tan has a slope of 1/2 to 5 at these angles
+    assert np.abs(product - exact).max() < 5 * OFF * 10.0**-digits
+
+
+@pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
+@pytest.mark.parametrize("digits", DIGITS)
+def test_rounded_mechanism_without_tolerance_is_refused_with_one_that_does(name: str, digits: int) -> None:
+    data = started(name, digits)
+    with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: ") as refusal:
+        initialized(data)
+    enough = float(str(refusal.value).split("{tolerance: ")[1].split("}")[0])
+    assert enough <= tolerance(digits)
+    plant = initialized({**data, "assembly": {"tolerance": enough}})
+    assert plant.size.freedoms == FREEDOMS[name]
+
+
+def disturbed(name: str, size: float) -> Scene:
+    """All numbers of the frames off by up to `size`, rad or m."""
+    rng = np.random.default_rng(4)
+    data = copy.deepcopy(started(name))
+    for joint in data["joints"].values():
+        for half in (joint["parent"], joint["child"]):
+            half["position"] = list(half["position"] + size * rng.uniform(-1, 1, 3))
+            half["rotation"]["rpy"] = list(half["rotation"]["rpy"] + size * rng.uniform(-1, 1, 3))
+    return data
+
+
+@pytest.mark.parametrize("exponent", range(-14, -3))
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_what_assembles_runs(name: str, exponent: int) -> None:
+    """Either side of 1e-12, from which gaps are taken for contradictions, of 1e-9, up to which these are
+    taken away without being asked, and in between and beyond: it moves, with all its freedoms, or is refused.
+    """
+    refusal = ""
+    try:
+        plant = initialized(disturbed(name, 10.0**exponent))
+    except gelenk.AssemblyError as e:
+        refusal = str(e)
+    if refusal:
+        assert exponent > -10, "what loops may gape by is no reason to refuse"
+        assert "assembly: {tolerance: " in refusal
+        return
+    assert plant.size.freedoms == FREEDOMS[name]
+    plant.step_to(1.0)
+    # What is left as it is gapes by its own misfit: up to 1e-12 and what it grows to elsewhere.
+    assert plant.diagnostics["constraints.position"] < 1e-11
+
+
+@pytest.mark.parametrize("which", "ABCD")
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0.6, 0.8, 0)])
+@pytest.mark.parametrize("exponent", np.arange(-13, -4.5, 0.5))
+def test_four_bar_with_a_tilted_axis_runs_or_is_refused(which: str, axis: Any, exponent: float) -> None:
+    """The plane is found up to tilts of 1e-11; refusals begin beyond 1e-9, what frames move by unasked."""
+    data = scene(four_bar(), fields={"A": {"start": {"w": 1.0}}})
+    parent = data["joints"][which]["parent"]
+    rpy = np.array(parent["rotation"]["rpy"])
+    parent["rotation"]["rpy"] = list(rpy + 10.0**exponent * np.array([*axis[:2], 0]))
+    if exponent > -8:
+        with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: "):
+            initialized(data)
+        data["assembly"] = {"tolerance": 10.0 ** math.ceil(exponent)}
+    plant = initialized(data) if exponent > -8 or exponent <= -9 else None
+    if plant is None:
+        return
+    assert plant.size.planar
+    plant.step_to(1.0)
+    assert plant.diagnostics["constraints.position"] < CLOSED
+
+
+def change_point() -> list[Placed]:
+    """A parallelogram with all hinges in line."""
+    places = zip(four_bar(), ((0, 0), (0.2, 0.03), (0.7, -0.02), (0.5, 0.05)), strict=True)
+    return [(n, t, a, b, np.array([x, 0.0, z]), axis) for (n, t, a, b, _, axis), (x, z) in places]
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize(
+    "joints",
+    [four_bar(phi=0.0), four_bar(phi=math.pi), change_point()],
+    ids=["crank outwards", "crank inwards", "change point"],
+)
+def test_rounded_mechanism_starts_in_line(joints: list[Placed], digits: int) -> None:
+    fields = {"A": {"start": {"w": 1.0}}}
+    plant = initialized(
+        scene(tilted(joints), digits, fields=fields, assembly={"tolerance": tolerance(digits)})
+    )
+    assert plant.size.freedoms == 1
+    plant.step_to(1.0)
+    assert plant.diagnostics["constraints.position"] < CLOSED
+
+
+def test_tolerance_on_either_side_of_what_it_takes() -> None:
+    """The frames of a linkage of Bennett disturbed by 1e-6 have to move by nearly that much."""
+    data = disturbed("bennett", 1e-6)
+    plant = initialized({**data, "assembly": {"tolerance": 1e-2}})
+    needed = max(max(m.turn, m.shift) for m in plant._core.moved_frames())
+    assert 1e-7 < needed < 1e-6
+    initialized({**data, "assembly": {"tolerance": 1.001 * needed}})
+    with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: 1e-06\}"):
+        initialized({**data, "assembly": {"tolerance": 0.999 * needed}})
+
+
+def test_moved_frames_are_told() -> None:
+    data = rounded_scene("sarrus", 6)
+    with pytest.warns(gelenk.StartWarning, match=r"assembly.tolerance = 1e-05: 12 joint frames were moved"):
+        gelenk.Simulation(gelenk.load(data)).initialize()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gelenk.StartWarning)
+        report = gelenk.inspect(data)
+    assert len(report.moved_frames) == 12
+    joint, body, turn, shift = report.moved_frames[0]
+    assert (joint, body) == ("A", "ground")
+    assert 0 < turn < 1e-5
+    assert shift < 1e-5
+    assert "frames moved so that the loops close" in str(report)
+    assert report.freedoms == 1
+
+
+def test_tolerance_goes_into_the_fmu(tmp_path: Path) -> None:
+    """And is a parameter there: without it the same FMU is refused."""
+    data = rounded_scene("bennett", 6)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", gelenk.StartWarning)
+        fmu = gelenk.export_fmu(gelenk.load(data), tmp_path / "bennett.fmu")
+        here = gelenk.simulate(data, stop=0.2)
+        there = gelenk.simulate(fmu, stop=0.2)
+    # The same code on the same scene; the FMU is compiled with other flags.
+    assert np.abs(here["D.phi"] - there["D.phi"]).max() < 1e-9
+    with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: "):
+        gelenk.simulate(fmu, stop=0.2, parameters={"assembly.tolerance": 0.0})
+
+
+def test_tolerance_is_kept_by_the_writer_and_set_by_keyword() -> None:
+    data = rounded_scene("bennett", 6)
+    assert gelenk.load(gelenk.load(data).to_dict()).to_dict()["assembly"] == {"tolerance": 1e-5}
+    del data["assembly"]
+    assert "assembly" not in gelenk.load(data).to_dict()
+    with pytest.warns(gelenk.StartWarning, match="frames were moved"):
+        gelenk.simulate(data, stop=0.01, assembly_tolerance=1e-5)
+
+
+@pytest.mark.parametrize("value", [-1e-6, 0.0100001, math.inf])
+def test_tolerance_out_of_range_is_refused(value: float) -> None:
+    data = started("bennett", assembly={"tolerance": value})
+    with pytest.raises(gelenk.SceneError, match=r"assembly\.tolerance"):
+        gelenk.load(data)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5])
+def test_three_cranks_beside_their_change_point_are_warned_of_whatever_is_found(
+    angle: float, turned: bool
+) -> None:
+    """One angle is fixed, the others are guesses: beside the change point loops close to rounding on any
+    mixture of branches, on some of which nothing can move. That passed for a mechanism without degrees of
+    freedom, in silence.
+    """
+    placed = three_cranks_in_line()
+    data = scene(
+        tilted(placed) if turned else placed, fields={"A0": {"start": {"phi": angle, "fixed": ["phi"]}}}
+    )
+    plant = gelenk.Simulation(data)
+    with pytest.warns(gelenk.StartWarning, match="singular configuration"):
+        plant.initialize()
+    assert plant.output("A0.phi") == angle
+    assert plant.diagnostics["constraints.position"] < 1e-14
+    if plant.size.freedoms == 0:
+        assert "cannot move at all" in " ".join(plant._core.start_warnings())

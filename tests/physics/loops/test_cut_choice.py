@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where loops are cut decides how many rows and quaternions there are, and nothing else."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+import scene_files
+from mechanisms import Scene, four_bar, reordered
+from models.reducible import platform_on_balls
+from models.running import assert_close
+
+import gelenk
+from physics.loops.test_spatial_slider_crank import slider_crank
+
+JOINTS = ("main", "crank_pin", "piston_pin", "cylinder")
+
+
+def started(source: Scene, *off: str, tolerance: float = 1e-11) -> gelenk.Simulation:
+    plant = gelenk.Simulation(gelenk.load(source).without(off))
+    plant.initialize(0.0, tolerance)
+    return plant
+
+
+def quaternions(plant: gelenk.Simulation) -> int:
+    """Each has one coordinate more than speeds."""
+    return plant.size.coordinates - plant.size.speeds
+
+
+def assert_moves_alike(found: gelenk.Simulation, expected: gelenk.Simulation, stop: float) -> None:
+    for t in np.linspace(0, stop, 11)[1:]:
+        found.step_to(float(t))
+        expected.step_to(float(t))
+        for signal in expected.outputs:
+            value = expected.output(signal.name)
+            bound = 1e-9 * max(1.0, abs(value))
+            assert_close(f"{signal.name} at {t} s", found.output(signal.name), value, bound, "issue 3")
+
+
+def test_unlucky_order_of_a_spatial_loop_costs_a_row_and_a_quaternion() -> None:
+    """Ball joint before universal joint: kept in that order, the universal joint is cut."""
+    source = slider_crank()
+    joints = source["joints"]
+    source["joints"] = {name: joints[name] for name in ("S", "A", "P", "U")}
+    chosen, by_file = started(source), started(source, "cut_choice")
+    assert (chosen.size.rows, quaternions(chosen)) == (3, 0)
+    assert (by_file.size.rows, quaternions(by_file)) == (4, 1)
+    assert chosen.size.freedoms == by_file.size.freedoms == 1
+    assert_moves_alike(chosen, by_file, 0.5)
+
+
+def test_platform_on_balls_is_cut_at_all_balls_but_one() -> None:
+    """In the file's order six quaternions and 20 rows; chosen, one and 15."""
+    source = platform_on_balls()
+    chosen, by_file = started(source), started(source, "cut_choice")
+    assert (chosen.size.rows, quaternions(chosen)) == (15, 1)
+    assert (by_file.size.rows, quaternions(by_file)) == (20, 6)
+    assert chosen.size.freedoms == by_file.size.freedoms == 6
+    note = gelenk.inspect(source).reductions["cut_choice"].notes[-1]
+    assert "20 rows and 32 coordinates" in note
+    assert "15 and 22" in note
+    assert_moves_alike(chosen, by_file, 0.3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_stewart_platform_has_one_quaternion_in_any_order(seed: int) -> None:
+    """Six legs of universal joint, slide and ball joint: quaternions only where needed, once (issue 3)."""
+    ready = gelenk.load(scene_files.SCENES / "stewart.yaml").to_dict()
+    plain, shuffled = started(ready), started(reordered(ready, seed))
+    for plant in (plain, shuffled):
+        assert (plant.size.rows, quaternions(plant), plant.size.freedoms) == (15, 1, 6)
+    assert_moves_alike(shuffled, plain, 0.2)
+
+
+@pytest.mark.parametrize("cut", "ABCD")
+def test_driven_joints_stay_in_the_tree(cut: str) -> None:
+    source = four_bar(1.1)
+    source["joints"]["A"].pop("damping")
+    source["motors"] = {f"m{j}": {"joint": j} for j in "ABCD" if j != cut}
+    source["joints"]["A"]["start"].pop("fixed")
+    (note,) = gelenk.inspect(source).reductions["cut_choice"].notes
+    assert f"cut at {cut} (revolute)" in note
+
+
+# --- the same mechanism with other joints ---
+
+
+def planar_slider_crank(**kinds: dict[str, Any]) -> Scene:
+    """The ready scene's, with some of its joints of other kinds; no reaction read, no rotor, and inertia
+    about the bars' own axes, which the plane does not ask for.
+    """
+    source = copy.deepcopy(gelenk.load(scene_files.SCENES / "slider_crank.yaml").to_dict())
+    del source["sensors"]
+    del source["motors"]
+    source["forces"]["drive"] = {"type": "wrench", "body": "crank", "torque": [0, -5, 0]}
+    for name in ("crank", "rod"):
+        source["bodies"][name]["inertia"][0] = 0.002
+    for name, fields in kinds.items():
+        entry = source["joints"][name]
+        for key in ("axis", "start", "damping", "stiffness", "spring_reference"):
+            entry.pop(key, None)
+        entry.update(copy.deepcopy(fields))
+    return source
+
+
+Y = [0.0, -1.0, 0.0]  # the hinges' axis
+BALL: dict[str, Any] = {"type": "spherical", "start": {"rotation": {"axis": Y, "angle": -0.9}}}
+BALL_AT_PISTON: dict[str, Any] = {"type": "spherical", "start": {"rotation": {"axis": Y, "angle": 0.2}}}
+# Its second axis lies across the rod, in the plane: the rod cannot spin.
+CROSS: dict[str, Any] = {"type": "universal", "axes": [Y, [0, 0, 1]], "start": {"phi_a": -0.9}}
+CROSS_AT_PISTON: dict[str, Any] = {"type": "universal", "axes": [[0, 0, 1], Y], "start": {"phi_b": 0.2}}
+ROUND: dict[str, Any] = {"type": "cylindrical", "axis": [1, 0, 0], "start": {"s": 1.1}, "damping": [2, 0]}
+SLEEVE: dict[str, Any] = {
+    "type": "cylindrical",
+    "axis": Y,
+    "start": {"phi": 0.7, "w": 0, "s": 0, "fixed": ["phi", "w"]},
+    "damping": [0, 0.05],
+}
+
+# What is exchanged, and the freedoms there are then.
+EXCHANGED: dict[str, tuple[dict[str, dict[str, Any]], int]] = {
+    "R-S-R-P": ({"crank_pin": BALL}, 1),
+    "R-R-S-P": ({"piston_pin": BALL_AT_PISTON}, 1),
+    "R-S-U-P": ({"crank_pin": BALL, "piston_pin": CROSS_AT_PISTON}, 1),
+    "R-U-S-P": ({"crank_pin": CROSS, "piston_pin": BALL_AT_PISTON}, 1),
+    "R-U-R-P": ({"crank_pin": CROSS}, 1),
+    "R-R-R-C": ({"cylinder": ROUND}, 1),
+    "R-R-U-C": ({"piston_pin": CROSS_AT_PISTON, "cylinder": ROUND}, 1),
+    "R-S-R-C": ({"crank_pin": BALL, "cylinder": ROUND}, 1),
+    "C-R-R-P": ({"main": SLEEVE}, 1),
+    # The rod can spin about itself, the piston roll in its cylinder, the crank slide: nothing makes them.
+    "R-S-S-P": ({"crank_pin": BALL, "piston_pin": BALL_AT_PISTON}, 2),
+    "C-S-U-P": ({"main": SLEEVE, "crank_pin": BALL, "piston_pin": CROSS_AT_PISTON}, 2),
+    "R-R-S-C": ({"piston_pin": BALL_AT_PISTON, "cylinder": ROUND}, 2),
+    "R-S-S-C": ({"crank_pin": BALL, "piston_pin": BALL_AT_PISTON, "cylinder": ROUND}, 3),
+}
+# s. At its dead points rod and piston can roll about the slide, which then lies along the rod: short of them.
+STOPS = {"R-S-R-C": 0.35}
+
+
+@pytest.mark.parametrize("off", [(), ("redundant_rows",), ("cut_choice",), ("all",)], ids="-".join)
+@pytest.mark.parametrize("name", EXCHANGED)
+def test_slider_crank_moves_alike_on_other_joints(name: str, off: tuple[str, ...]) -> None:
+    """Issue 3: hinges and slide against joints that allow more, where the rest of the loop forbids it."""
+    kinds, freedoms = EXCHANGED[name]
+    plain, other = started(planar_slider_crank()), started(planar_slider_crank(**kinds), *off)
+    assert other.size.freedoms == freedoms
+    shared = [s.name for s in plain.outputs if s.name.split(".")[0] not in ("crank_pin", "piston_pin")]
+    for plant in (plain, other):
+        plant.set_input("gas.f[1]", -20.0)
+    for t in np.linspace(0, STOPS.get(name, 1.0), 21)[1:]:
+        plain.step_to(float(t))
+        other.step_to(float(t))
+        for output in shared:
+            value = plain.output(output)
+            # cylindrical joints call the hinge's acceleration wd
+            same = output.replace(".a", ".wd") if output == "main.a" and "main" in kinds else output
+            bound = 1e-9 * max(1.0, abs(value))
+            assert_close(f"{output} at {t} s", other.output(same), value, bound, "issue 3")

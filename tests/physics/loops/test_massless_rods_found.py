@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which parts without mass become rows, which stay bodies, and what is told of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from mechanisms import body, reaction, with_sensors
+from models.rods import hung_plank, hung_platform, planar_four_bar, sizes, spatial_four_bar
+
+import gelenk
+
+# --- sizes ---
+
+
+def test_planar_four_bar_has_two_coordinates_and_one_row() -> None:
+    assert sizes(planar_four_bar()) == (2, 1, 1)
+    assert sizes(planar_four_bar(), massless=False) == (3, 2, 1)
+
+
+@pytest.mark.parametrize("first", ["universal", "spherical"])
+def test_spatial_four_bar_has_two_coordinates_and_one_row(first: str) -> None:
+    assert sizes(spatial_four_bar(first)) == (2, 1, 1)
+
+
+def test_rods_that_alone_hold_a_body_stay_in_the_tree() -> None:
+    """The first of three: its joints are fewer states than a free body. The other two are rows."""
+    assert sizes(hung_platform(3, {"phi_a": 0.5})) == (5, 2, 3)
+    assert sizes(hung_platform(1, {"phi_a": 0.5})) == (5, 0, 5)
+
+
+# --- what stays as it is ---
+
+UNCHANGED: dict[str, dict[str, Any]] = {
+    "motor": {"motors": {"m": {"joint": "B"}}},
+    "damping": {"joints": {"B": {"damping": 0.1}}},
+    "stiffness": {"joints": {"C": {"stiffness": 0.1}}},
+    "stop": {"joints": {"B": {"stop": {"upper": 9.0, "stiffness": 0.1}}}},
+    "force": {"forces": {"f": {"type": "wrench", "body": "coupler", "force": [0.1, 0, 0]}}},
+    "spring": {
+        "forces": {
+            "f": {
+                "type": "spring_damper",
+                "from": {"body": "coupler"},
+                "to": {"body": "ground"},
+                "stiffness": 1.0,
+            }
+        }
+    },
+    "mass": {"bodies": {"coupler": body(1e-6, (0.5, 0, 0), [1e-6] * 3)}},
+    "neighbour without mass": {"bodies": {"rocker": body(0)}},
+}
+
+
+@pytest.mark.parametrize("what", UNCHANGED)
+def test_a_rod_on_which_something_acts_stays_a_body(what: str) -> None:
+    source = planar_four_bar()
+    for section, entries in UNCHANGED[what].items():
+        for name, fields in entries.items():
+            source.setdefault(section, {}).setdefault(name, {}).update(fields)
+    assert sizes(source) == (3, 2, 1)
+
+
+def test_a_rod_whose_reaction_is_read_stays_a_body() -> None:
+    source = with_sensors(spatial_four_bar(), R=reaction("S"))
+    assert sizes(source) == sizes(spatial_four_bar(), massless=False)
+
+
+@pytest.mark.parametrize("axes", [[[1, 0, 0], [0.3, 1, 0]], [[1, 0, 0], [0, 0.3, 1]]])
+def test_a_joint_that_does_not_let_it_point_everywhere_keeps_it_a_body(axes: list[list[float]]) -> None:
+    source = spatial_four_bar()
+    source["joints"]["U"]["axes"] = axes
+    assert sizes(source) == sizes(source, massless=False)
+
+
+def test_without_the_reduction_a_rod_that_may_spin_is_refused_by_name() -> None:
+    source = spatial_four_bar("spherical")
+    with pytest.raises(gelenk.SceneError, match=r"bodies\.rod: moves without inertia"):
+        sizes(source, massless=False)
+
+
+# --- what is told ---
+
+
+def test_inspection_names_the_rods_and_their_joints() -> None:
+    report = gelenk.inspect(spatial_four_bar()).reductions["massless"]
+    assert report.changed
+    assert list(report.notes) == ["rod rod (universal U, spherical S) has no mass: its length is one row"]
+    report = gelenk.inspect(hung_platform(3, {"phi_a": 0.5})).reductions["massless"]
+    assert list(report.notes) == [
+        "rods rod1 (universal U1, spherical S1) and rod2 (universal U2, spherical S2) have no mass: "
+        "the length of each is one row",
+    ]
+
+
+def test_inspection_says_that_a_rod_spins() -> None:
+    report = gelenk.inspect(spatial_four_bar("spherical"))
+    assert (report.freedoms, report.counted_freedoms) == (1, 2)
+    assert list(report.mobility) == [
+        "1 rod turns about itself between spherical joints, which moves no mass and counts for nothing",
+    ]
+
+
+def test_inspection_knows_rows_in_space_of_what_only_a_plane_makes_rods() -> None:
+    """A plank on three hinged rods: in space the two rods that are rows would be bodies without inertia."""
+    report = gelenk.inspect(hung_plank(3))
+    assert (report.freedoms, report.counted_freedoms) == (1, -6)
+    assert {joint for joint, _ in report.redundant_rows} == {"B1", "B2"}

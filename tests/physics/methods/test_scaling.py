@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A linkage of a micrometre is as exact as one of a kilometre: the same digits at any size and mass."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import Array, Scene
+from models.scaled import scaled, size
+
+import gelenk
+
+SCENES = sorted(path.stem for path in (Path(__file__).parents[3] / "scenes").glob("*.yaml"))
+TOLERANCE = 1e-8
+OUTPUTS = 5  # times at which all outputs are compared
+# Spans [s] in which the motion of the scene does not yet multiply its errors, short ones for the fast scenes.
+SPAN = {"andrews": 0.01, "free_body": 2.0, "heavy_top": 0.2}
+
+
+def course(source: Scene, span: float, tolerance: float, length: float = 1, mass: float = 1) -> Array:
+    """All outputs of a run in the units of the original: shape (times, outputs). Motors push with 0.1 N (N m)
+    times the scale.
+    """
+    plant = gelenk.Simulation(gelenk.load(scaled(source, length, mass)))
+    for i, signal in enumerate(plant.inputs):
+        plant.set_input(signal.name, 0.1 * (-1) ** i * size(signal.unit, length, mass))
+    plant.initialize(0.0, tolerance)
+    factors = np.array([size(signal.unit, length, mass) for signal in plant.outputs])
+    rows = []
+    for k in range(OUTPUTS):
+        plant.step_to((k + 1) / OUTPUTS * span)
+        rows.append([plant.output(signal.name) for signal in plant.outputs])
+    found: Array = np.array(rows) / factors
+    return found
+
+
+def scales(plant: gelenk.Simulation, exact: Array) -> Array:
+    """Of each output its largest value, at least a thousandth of that of outputs of its unit."""
+    largest = np.abs(exact).max(axis=0)
+    of_unit: dict[str, float] = {}
+    for signal, value in zip(plant.outputs, largest, strict=True):
+        of_unit[signal.unit] = max(of_unit.get(signal.unit, 0.0), float(value))
+    floors = np.array([of_unit[signal.unit] for signal in plant.outputs])
+    out: Array = np.maximum(largest, np.where(floors > 0, 1e-3 * floors, 1.0))
+    return out
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_digits_do_not_depend_on_size_or_mass(name: str, root: Path) -> None:
+    """Each output errs by a share of its largest value that is at most ten times that of the original; what
+    the original has right to 1e-12 is as good as exact, since the scaled numbers of the file are rounded.
+    """
+    source = gelenk.load(root / "scenes" / f"{name}.yaml").to_dict()
+    span = SPAN.get(name, 0.5)
+    exact = course(source, span, 1e-13)
+    plant = gelenk.Simulation(gelenk.load(source))
+    scale = scales(plant, exact)
+    own = np.abs(course(source, span, TOLERANCE) - exact).max(axis=0) / scale
+    for length, mass in (
+        (1e-6, 1), (1e-3, 1), (1e3, 1), (1e6, 1), (1, 1e-12), (1, 1e-6), (1, 1e6), (1e-6, 1e-12), (1e3, 1e6),
+    ):  # fmt: skip
+        found = np.abs(course(source, span, TOLERANCE, length, mass) - exact).max(axis=0) / scale
+        worst = int(np.argmax(found - 10 * own))
+        assert found[worst] <= 10 * max(own.max(), 1e-12), (
+            f"lengths x {length:g}, masses x {mass:g}: {plant.outputs[worst].name} errs by "
+            f"{found[worst]:.2g}, the original by {own[worst]:.2g}"
+        )
