@@ -13,6 +13,7 @@
 # make growth   measure what scenes cost by their size, for docs/performance.md
 # make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
 # make costs    count what standard jobs cost, for tests/costs/figures.json; WHY="..." says why they changed
+# make clocks   the tests that read clocks, one at a time; it wants a machine on which nothing else runs
 # make special  compare ways of computing at special positions: all families, 2000 random mechanisms
 # make masters  the shipped scenes in masters of other people, Java's included, for docs/fmu.md; needs Maven
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
@@ -40,9 +41,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs special masters sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs clocks special masters sanitize fuzz win64 clean
 help:
-	@sed -n '2,22s/^# //p' Makefile
+	@sed -n '2,23s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -102,6 +103,10 @@ bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 # Needs valgrind.
 costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
+
+# Ten minutes.
+clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m pytest -m clock $(TESTS)
 
 # Half an hour; findings go to build/special.txt. ARGS="--only 'random 87'" compares one of them again.
 ARGS ?=

@@ -8,21 +8,12 @@ import warnings
 from pathlib import Path
 
 import pytest
-from fmu.c_hosts import compiled
 
-from .counting import HERE, Prepared, counts_of, instructions_of, machine, prepared, valgrind, written
+from .counting import Prepared, counts_of, instructions_of, machine, prepared, valgrind, written
 from .jobs import JOBS
 
 # Rounding differs from compiler to compiler, alignment from build to build: counts follow by less than this.
 MARGIN = 0.05
-
-
-@pytest.fixture(scope="module")
-def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = compiled("cost_host", tmp_path_factory.mktemp("host"), where=HERE)
-    if found is None:
-        pytest.skip("no C compiler")
-    return found
 
 
 @pytest.fixture(params=JOBS)

@@ -105,7 +105,6 @@ def main(instrument: str, library: Path | None = None) -> int:
                 "LD_PRELOAD": f"{runtime('libasan.so')} {runtime('libubsan.so')}",
                 "ASAN_OPTIONS": "detect_leaks=0",
                 "PYTHONMALLOC": "malloc",
-                "GELENK_SLOWDOWN": "40",  # without optimisation, too
                 "PYTHONPATH": os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")]),
             }
             fmu = gelenk.export_fmu(crank_rocker(), folder / "x.fmu")

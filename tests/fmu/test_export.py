@@ -22,6 +22,7 @@ import gelenk
 from .plants import crank_rocker, gyroscope
 
 
+@pytest.mark.clock
 def test_export_takes_less_than_a_second(tmp_path: Path) -> None:
     begin = time.perf_counter()
     gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")

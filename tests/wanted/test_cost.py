@@ -41,6 +41,7 @@ def sources(k: int) -> tuple[gelenk.Scene, gelenk.Scene]:
     return wanted, gelenk.load(many_islands(COUNT, only=k))
 
 
+@pytest.mark.clock
 @pytest.mark.parametrize("k", range(5))
 def test_start_and_steps_take_the_same_time(k: int) -> None:
     plants = [gelenk.Simulation(source) for source in sources(k)]
@@ -68,6 +69,7 @@ def test_counts_and_sizes_are_the_same(k: int) -> None:
     assert diagnostics[0] == diagnostics[1]
 
 
+@pytest.mark.clock
 def test_evaluation_of_the_whole_costs_more() -> None:
     """So the comparisons above could fail: two hundred islands take at least twenty times as long as one."""
     wanted, _ = sources(0)
@@ -75,12 +77,17 @@ def test_evaluation_of_the_whole_costs_more() -> None:
     assert (whole or 0.0) > 20 * (part or math.inf)
 
 
-def test_fmu_is_as_large_and_made_as_fast(tmp_path: Path) -> None:
+def test_fmu_is_as_large(tmp_path: Path) -> None:
     """The FMU also says what is wanted, and the size of the rest: some 400 bytes."""
     wanted, alone = sources(0)
     found = gelenk.export_fmu(wanted, tmp_path / "wanted.fmu").stat().st_size
     expected = gelenk.export_fmu(alone, tmp_path / "alone.fmu").stat().st_size
     assert abs(found - expected) < 1000
+
+
+@pytest.mark.clock
+def test_fmu_is_made_as_fast(tmp_path: Path) -> None:
+    wanted, alone = sources(0)
     least = [math.inf, math.inf]
     for _ in range(10):
         for i, source in enumerate((wanted, alone)):
