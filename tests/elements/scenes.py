@@ -21,6 +21,7 @@ JOINTS = {kind["name"]: kind for kind in joint_registry.kinds()}
 TILT = rotation([0.3, 1, -0.2], 0.7)
 PIVOT = np.array([0.3, -0.2, 0.5])
 LINK = 0.6  # m
+BESIDE = 0.12  # m: so far along the axes the load moves beside the plane of the link
 ANGLES = (0.5, 0.8)
 
 
@@ -140,7 +141,7 @@ def planar_arm() -> Scene:
         {
             "A": joint("revolute", frame("ground", PIVOT, TILT), frame("link", R=R.T), axis=[0, 0, 1],
                        start={"phi": ANGLES[0], "w": 0.9, "fixed": True}),
-            "B": joint("revolute", frame("link", R.T @ [LINK, 0, 0], R.T), frame("load", R=R.T),
+            "B": joint("revolute", frame("link", R.T @ [LINK, 0, BESIDE], R.T), frame("load", R=R.T),
                        axis=[0, 0, 1], start={"phi": ANGLES[1], "w": -1.3, "fixed": True}),
         },
         gravity=[0.5, -0.3, -GRAVITY],
@@ -151,7 +152,7 @@ def on_gantry(source: Scene) -> Scene:
     """The arm with its load held by a gantry, too: two sliders and a hinge that forbid and weigh nothing."""
     out = copy.deepcopy(source)
     turn = TILT @ rotation([0, 0, 1], ANGLES[0])
-    elbow = PIVOT + turn @ [LINK, 0, 0]
+    elbow = PIVOT + turn @ [LINK, 0, BESIDE]
     holder = frame("ground", elbow, turn @ rotation([0, 0, 1], ANGLES[1]))
     for name, axis in (("X", [1, 0, 0]), ("Y", [0, 1, 0])):
         out["bodies"][f"part_{name}"] = body(0.0)
