@@ -100,3 +100,11 @@ def test_units_do_not_decide() -> None:
 
 def test_an_empty_matrix_has_no_eigenvalues() -> None:
     assert spectrum(np.zeros((0, 0))) == []
+
+
+@pytest.mark.parametrize(("damping", "told"), [(1e-14, False), (1e-13, False), (1e-10, True), (1e-8, True)])
+def test_damping_is_told_where_it_is_more_than_rounding(damping: float, told: bool) -> None:
+    """The oscillator q'' = -q - 2 d q' has -d +- i sqrt(1 - d2); derivatives are good to 1e-12."""
+    (found,) = spectrum(second_order(np.eye(1), np.array([[2 * damping]])))
+    assert found.value.imag == pytest.approx(1.0, abs=1e-14)
+    assert found.value.real == (pytest.approx(-damping, abs=1e-15) if told else 0.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -116,6 +118,25 @@ def test_aliases_that_multiply_are_refused(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(yaml12, "MOST_VALUES", 10_000)
     with pytest.raises(SceneError, match="aliases stand for more than 10000 values"):
         yaml12.to_json("\n".join(lines), "s.yaml")
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_as_many_values_as_allowed_are_read(more: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A list of n - 1 values is a value itself."""
+    monkeypatch.setattr(yaml12, "MOST_VALUES", 100)
+    text = "[" + ", ".join("x" for _ in range(99 + more)) + "]"
+    if more:
+        with pytest.raises(SceneError, match="more than 100 values"):
+            yaml12.to_json(text, "s.yaml")
+    else:
+        assert read(text) == ["x"] * 99
+
+
+def test_both_readers_allow_the_same_number_of_values(root: Path) -> None:
+    """As shipped: 25 times what a scene of 10 000 bodies has."""
+    native = (root / "src" / "scene" / "yaml.cpp").read_text("utf-8")
+    (allowed,) = re.findall(r"most_values =\s*([0-9']+);", native)
+    assert yaml12.MOST_VALUES == int(allowed.replace("'", "")) == 25 * 200_000
 
 
 def test_what_is_dumped_is_read_back() -> None:

@@ -326,3 +326,15 @@ def test_minreal_of_a_transfer_function_leaves_its_order() -> None:
     transfer = control.tf(linear)
     assert len(control.minreal(transfer, tol=1e-6, verbose=False).poles()) == 4
     assert np.sort(transfer.poles().real) == pytest.approx(np.sort(linear.poles().real), abs=1e-6)
+
+
+@pytest.mark.parametrize(("torque", "told"), [(0.9e-8, False), (1.1e-8, True), (1e-5, True)])
+def test_what_moves_no_faster_than_rounding_stands(torque: float, told: bool) -> None:
+    """A hanging pendulum of 1 kg m2, whose scales are metre, kilogram and second: beyond 1e-8 it moves."""
+    hanging = body(1.0, (0, 0, -0.5), (0.75, 0.75, 0.1))
+    pin = joint("revolute", frame("ground"), frame("bob"), axis=[0, 1, 0], damping=0.5)
+    source = scene({"bob": hanging}, {"A": pin}, gravity=[0, 0, -GRAVITY])
+    source["motors"] = {"drive": {"joint": "A"}}
+    found = linear_model(source, input_values={"drive.tau": torque})
+    assert found.rates == pytest.approx([0.0, torque], rel=1e-12)
+    assert ("A.w changes" in found.unrest) == told

@@ -57,6 +57,23 @@ def test_four_bar_with_its_crank_fixed_has_two(seed: int | None) -> None:
     assert sum(branch.chosen for branch in found) == 1
 
 
+def test_what_was_free_stays_free_where_a_branch_is_put() -> None:
+    """Its angles are guesses but for the crank's, which was fixed: another crank's angle can be asked for."""
+    source = held({"A": 1.1}, B={"phi": -0.2}, D={"phi": 1.5, "weight": 3})
+    branch = gelenk.assemblies(source)[0]
+    data = branch.put_into(source).to_dict()
+    fixed = {name: entry["start"].get("fixed", False) for name, entry in data["joints"].items()}
+    assert fixed.pop("A") in (True, ["phi"])
+    assert not any(fixed.values()), fixed
+    guessed = {name: entry["start"]["phi"] for name, entry in data["joints"].items()}
+    assert guessed == {name: branch.values[f"{name}.phi"] for name in guessed}
+    data["joints"]["A"]["start"]["phi"] = 1.2
+    plant = gelenk.Simulation(data)
+    plant.initialize()
+    found = [plant.output(f"{name}.phi") for name in JOINTS]
+    assert min(apart(found, angles(1.2)), apart(found, angles(1.2, open_branch=False))) < 1e-12
+
+
 def test_branches_that_meet_at_a_dead_centre_are_one() -> None:
     """Crank and coupler in line: a rocker 1e-12 rad inside the limit leaves 1e-6 rad to either side."""
     crank, coupler, rocker, ground = LINKS
