@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The module native_units, built where it is needed; what has not changed is not compiled again."""
+
+from __future__ import annotations
+
+import fcntl
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+HERE = Path(__file__).parent
+BUILD = HERE.parent.parent / "build" / "native"
+
+
+@pytest.fixture(scope="session")
+def units() -> Any:
+    """Some 25 s of a processor the first time; pytest's workers wait for the one that builds."""
+    scripts = Path(sys.executable).parent
+    environment = {**os.environ, "PATH": os.pathsep.join([str(scripts), os.environ.get("PATH", "")])}
+    missing = [tool for tool in ("cmake", "ninja") if not shutil.which(tool, path=environment["PATH"])]
+    missing += [name for name in ("nanobind", "sundials4py") if importlib.util.find_spec(name) is None]
+    if missing:
+        pytest.skip(f"{', '.join(missing)} not installed: pip install --group lint")
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with (BUILD / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        configure = [
+            "cmake",
+            "-S",
+            str(HERE),
+            "-B",
+            str(BUILD),
+            "-G",
+            "Ninja",
+            f"-DPython_EXECUTABLE={sys.executable}",
+        ]
+        for command in (configure, ["cmake", "--build", str(BUILD), "-j", "2"]):
+            done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, done.stdout + done.stderr
+    (library,) = BUILD.glob("native_units*.so")
+    spec = importlib.util.spec_from_file_location("native_units", library)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

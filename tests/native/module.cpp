@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "units.h"
+
+NB_MODULE(native_units, m) {
+  native::bind_factors(m);
+  native::bind_whitened_rows(m);
+  native::bind_times(m);
+}

@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inputs as functions of time, the master's clock, records, brackets of a zero and passages, each alone."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+# --- records ---
+
+LARGEST = {"small": (2**31 - 1) >> 3, "large": (2**63 - 1) >> 15}  # counts that are read
+
+
+def sample(units: Any, **values: Any) -> Any:
+    out = units.Sample()
+    given = {"x": -1.5e-300, "word": 2**64 - 1, "flag": True, "small": -7, "large": 2**40, "place": 3}
+    for name, value in (given | {"list": [0.1, -0.0, math.inf]} | values).items():
+        setattr(out, name, value)
+    return out
+
+
+def told(x: Any) -> tuple[Any, ...]:
+    return (repr(x.x), x.word, x.flag, x.small, x.large, x.place, repr(list(x.list)))
+
+
+def test_a_record_gives_back_what_it_was_given(units: Any) -> None:
+    written = sample(units)
+    words = written.words()
+    assert len(words) == 6 + 3
+    other = sample(units, x=0.0, word=0, flag=False, small=0, large=0, place=0, list=[1.0, 1.0, 1.0])
+    other.read(words)
+    assert told(other) == told(written)
+    assert other.words() == words
+
+
+def test_numbers_that_are_none_keep_their_bits(units: Any) -> None:
+    odd = 0x7FF8000000ABCDEF  # a NaN with something in it
+    words = sample(units).words()
+    other = sample(units)
+    other.read([odd, *words[1:]])
+    assert other.words()[0] == odd
+
+
+def test_a_record_too_short_or_long_is_refused(units: Any) -> None:
+    words = sample(units).words()
+    for wrong in (*(words[:k] for k in range(len(words))), [*words, 0]):
+        with pytest.raises(ValueError, match="it is not of this plant, or damaged"):
+            sample(units).read(wrong)
+
+
+FIELDS = {"flag": 2, "small": 3, "large": 4, "place": 5}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "taken"),
+    [
+        *(("flag", value, value in (0, 1)) for value in (-1, 0, 1, 2, 2**40)),
+        *(("place", value, 0 <= value <= 3) for value in (-1, 0, 3, 4, 2**32)),
+        *((name, sign * (most + more), more == 0)
+          for (name, most), sign, more in itertools.product(LARGEST.items(), (1, -1), (0, 1))),
+        ("small", 2**32, False),  # 0 in 32 bits
+    ],
+)  # fmt: skip
+def test_a_count_out_of_its_range_is_refused(units: Any, name: str, value: int, taken: bool) -> None:
+    words = sample(units).words()
+    words[FIELDS[name]] = value % 2**64
+    read = sample(units)
+    if taken:
+        read.read(words)
+        assert getattr(read, name) == value
+    else:
+        with pytest.raises(ValueError, match="damaged"):
+            read.read(words)
+
+
+# --- inputs ---
+
+LAW = (0.7, -2.0, 3.0, 5.0, -8.0, 20.0)  # value and derivatives at 0
+
+
+def law(t: float, order: int = 0) -> float:
+    """Taylor's sum, from the derivatives of that order on."""
+    return sum(d * t**k / math.factorial(k) for k, d in enumerate(LAW[order:]))
+
+
+def moving(units: Any, start: float = 2.0) -> Any:
+    """Two inputs, of which the second follows the law from `start` on."""
+    u = units.Inputs(2)
+    u.start(start)
+    u.set(1, LAW[0])
+    for order in range(1, units.Inputs.highest_order + 1):
+        u.set_derivative(1, order, LAW[order])
+    return u
+
+
+@pytest.mark.parametrize("t", [2.0, 2.001, 2.5, 1.75])
+def test_inputs_follow_their_polynomials(units: Any, t: float) -> None:
+    u = moving(units)
+    assert u.moving
+    u.go_to(t)
+    assert u.now == pytest.approx([0.0, law(t - 2.0)], rel=1e-14)  # of six terms
+    for order in range(6):
+        assert u.derivative_at(1, order, t) == pytest.approx(law(t - 2.0, order), rel=1e-14)
+        assert u.derivative_at(0, order, t) == 0.0
+    u.set(0, 4.0)  # from t0 on, which now() is of then
+    assert u.now == [4.0, LAW[0]]
+
+
+def test_a_step_ends_motions_and_keeps_what_was_reached(units: Any) -> None:
+    u = moving(units)
+    u.finish(2.5)
+    assert not u.moving
+    assert u.value(1) == pytest.approx(law(0.5), rel=1e-14)
+    assert [u.derivative(1, k) for k in range(1, 6)] == [0.0] * 5
+    # Outputs that are read here see the motion that has led here.
+    assert [u.rate(1, k) for k in (1, 2)] == pytest.approx([law(0.5, k) for k in (1, 2)], rel=1e-14)
+    u.finish(3.0)
+    assert [u.rate(1, k) for k in (1, 2)] == [0.0, 0.0]
+    u.go_to(3.2)
+    assert u.now == pytest.approx([0.0, law(0.5)], rel=1e-14)
+
+
+def test_a_step_cut_short_leaves_the_rest_of_the_motion(units: Any) -> None:
+    u = moving(units)
+    u.interrupt(2.2)
+    assert u.moving
+    u.go_to(2.7)
+    assert u.now[1] == pytest.approx(law(0.7), rel=1e-13)
+    u.finish(2.7)
+    assert u.value(1) == pytest.approx(law(0.7), rel=1e-13)
+
+
+@pytest.mark.parametrize(("share", "change"), [(0.0, "none"), (0.9, "smooth"), (1.1, "jump"), (1e6, "jump")])
+def test_a_value_is_a_jump_beyond_rounding_of_the_motion(units: Any, share: float, change: str) -> None:
+    """1e-10 of the value and of what the step may have changed it by."""
+    u = moving(units)
+    u.finish(2.5)
+    most = sum(abs(d) * 0.5**k / math.factorial(k) for k, d in enumerate(LAW) if k)
+    reached = u.value(1)
+    found = u.set(1, reached + share * 1e-10 * (abs(reached) + most))
+    assert found == getattr(units.Change, change)
+
+
+def test_after_a_step_that_was_held_any_other_value_is_a_jump(units: Any) -> None:
+    u = units.Inputs(1)
+    u.start(0.0)
+    u.set(0, 1.0)
+    u.finish(1.0)
+    assert u.set(0, 1.0) == units.Change.none
+    assert u.set(0, math.nextafter(1.0, 2.0)) == units.Change.jump
+
+
+def test_inputs_are_the_same_functions_or_not(units: Any) -> None:
+    assert moving(units).same(moving(units))
+    assert not moving(units).same(moving(units, start=2.1))
+    held = [units.Inputs(1) for _ in range(2)]
+    for u, t in zip(held, (0.0, 5.0), strict=True):
+        u.start(t)
+    assert held[0].same(held[1])  # a constant knows no beginning
+    held[1].set(0, 1e-300)
+    assert not held[0].same(held[1])
+
+
+def test_saved_inputs_go_on(units: Any) -> None:
+    u, other = moving(units), units.Inputs(2)
+    u.interrupt(2.2)
+    u.go_to(2.3)
+    other.read(u.words())
+    for one in (u, other):
+        one.go_to(2.4)
+    assert other.same(u)
+    assert other.now == u.now
+    assert other.words() == u.words()
+
+
+@pytest.mark.parametrize(
+    ("order", "value", "fine"),
+    [
+        *((0, 1.0, False), (1, 1.0, True), (5, -1e300, True), (6, 1.0, False)),
+        *((1, math.inf, False), (2, math.nan, False)),
+    ],
+)
+def test_derivatives_there_are(units: Any, order: int, value: float, fine: bool) -> None:
+    fault = units.Inputs.fault(order, value)
+    assert (fault == "") == fine
+    assert fine or (fault.startswith("found ") and ", expected " in fault)
+
+
+# --- clock ---
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.1, 1 / 3, 1e-7])
+@pytest.mark.parametrize("start", [0.0, 1e3])
+def test_masters_that_round_differently_see_the_same_instants(units: Any, h: float, start: float) -> None:
+    """One multiplies, one sums."""
+    clocks = [units.Clock() for _ in range(2)]
+    for clock in clocks:
+        clock.start(start)
+    summed = start
+    for k in range(2000):
+        multiplied = start + k * h
+        assert clocks[0].meets(multiplied, h)
+        assert clocks[1].meets(summed, h)
+        found = [clocks[0].step(multiplied, h), clocks[1].step(summed, h)]
+        summed += h
+        # Where sums have left the counted steps by 1e-9 of one, steps are counted from there.
+        drift = abs(summed - (start + (k + 1) * h))
+        if drift <= 1e-9 * h:
+            assert found[0] == found[1] == start + (k + 1) * h
+        assert abs(found[1] - summed) <= 1e-9 * h + math.ulp(summed)
+
+
+@pytest.mark.parametrize(("share", "fine"), [(0.9, True), (-0.9, True), (1.2, False), (-1.2, False)])
+def test_steps_begin_where_the_last_one_ended(units: Any, share: float, fine: bool) -> None:
+    clock = units.Clock()
+    clock.start(0.0)
+    clock.step(0.0, 0.1)
+    assert clock.end == 0.1
+    assert clock.meets(0.1 + share * 1e-9 * 0.1, 0.1) == fine
+
+
+def test_another_size_of_step_is_counted_anew(units: Any) -> None:
+    clock = units.Clock()
+    clock.start(0.0)
+    for k in range(3):
+        clock.step(k * 0.1, 0.1)
+    t = 3 * 0.1
+    assert clock.step(t, 0.05) == t + 0.05
+    assert clock.step(t + 0.05, 0.05) == t + 2 * 0.05
+    other = units.Clock()
+    other.read(clock.words())
+    assert other.step(t + 0.1, 0.05) == clock.step(t + 0.1, 0.05)
+    assert other.words() == clock.words()
+
+
+# --- brackets ---
+
+FUNCTIONS: dict[
+    str, tuple[Callable[[float], float], float, tuple[float, float]]
+] = {  # with a zero, and the ends between which it lies
+    "line": (lambda x: 3 * x - 1, 1 / 3, (0.0, 1.0)),
+    "cosine": (lambda x: math.cos(x) - x, 0.7390851332151607, (0.0, 1.0)),
+    "flat": (lambda x: (x - 0.3) ** 9, 0.3, (-1.0, 1.0)),
+    "steep": (lambda x: math.exp(200 * (x - 0.9)) - 1, 0.9, (0.0, 1.0)),
+    "jump": (lambda x: -1.0 if x < 0.123456 else 2.0, 0.123456, (0.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("downwards", [False, True])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_zero_stays_in_its_bracket_until_it_is_found(units: Any, name: str, downwards: bool) -> None:
+    """Halving alone takes 44 trials to 1e-13; a smooth function a quarter of them."""
+    rising, zero, (low, high) = FUNCTIONS[name]
+    sign = 1 if (rising(low) < 0) != downwards else -1
+
+    def f(x: float) -> float:
+        return sign * rising(x)
+
+    nearest = 1e-13
+    bracket = units.Bracket(low, f(low), high, f(high))
+    trials = 0
+    while bracket.width > 2 * nearest:
+        x = bracket.next(nearest)
+        assert bracket.low < x < bracket.high
+        bracket.put(x, f(x))
+        assert f(bracket.low) * f(bracket.high) <= 0
+        trials += 1
+    assert abs(bracket.low - zero) < 4 * nearest or abs(f(bracket.low)) < 1e-15
+    assert trials <= {"line": 4, "cosine": 10, "jump": 50, "steep": 25, "flat": 70}[name]
+
+
+# --- passages ---
+
+
+def course(units: Any, nearest: float, step: float = 0.01) -> Any:
+    """A ratio of pivots that falls to `nearest` at 0.503 s and rises again, as |t - t0| does."""
+    passages = units.Passages()
+    for t in np.arange(0, 1 + step / 2, step):
+        passages.seen(t, math.hypot(t - 0.503, nearest))
+        passages.accepted(t)
+    return passages
+
+
+@pytest.mark.parametrize(("share", "count"), [(0.0, 1), (0.9, 1), (1.1, 0), (10.0, 0)])
+def test_a_passage_is_told_where_the_ratio_comes_to_zero(units: Any, share: float, count: int) -> None:
+    """0.02 of the soundest, whichever side of the lowest step it lies on; the square is a parabola."""
+    soundest = 0.503
+    found = course(units, share * 0.02 * soundest)
+    assert found.count == count
+    if count:
+        assert found.last == pytest.approx(0.503, abs=0.005)  # half a step
+
+
+def test_a_passage_is_taken_back_with_the_run(units: Any) -> None:
+    found = course(units, 0.0)
+    again = units.Passages()
+    again.read(found.words())
+    assert (again.count, again.last) == (found.count, found.last)
+    found.restart(0.7)
+    assert found.count == 1
+    found.restart(0.4)
+    assert found.count == 0

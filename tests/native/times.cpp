@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Inputs as functions of time, the master's clock, records of a run, brackets of a zero, passages.
+#include <array>
+#include <cstdint>
+
+#include "fmu/clock.h"
+#include "formulation/inputs.h"
+#include "formulation/passages.h"
+#include "math/bracket.h"
+#include "math/record.h"
+#include "units.h"
+
+namespace nb = nanobind;
+
+namespace native {
+namespace {
+
+// One number of each sort that records hold.
+struct Sample {
+  double x = 0;
+  std::uint64_t word = 0;
+  bool flag = false;
+  int small = 0;
+  long large = 0;
+  int place = 0;  // of four
+  Numbers list;
+
+  void exchange(gelenk::Record& record) {
+    record.exchange(x, word, flag, small, large);
+    record.within(place, 0, 3);
+    record.exchange(list);
+  }
+};
+
+template <class T>
+void bind_words(nb::class_<T>& c) {
+  c.def("words", [](T& x) {
+     gelenk::Record record;
+     x.exchange(record);
+     return record.words();
+   }).def("read", [](T& x, std::vector<std::uint64_t> words) {
+    gelenk::Record record(std::move(words));
+    x.exchange(record);
+    record.finish();
+  });
+}
+
+}  // namespace
+
+void bind_times(nb::module_& m) {
+  using gelenk::Bracket;
+  using gelenk::Clock;
+  using gelenk::Inputs;
+  using gelenk::Passages;
+
+  auto sample = nb::class_<Sample>(m, "Sample").def(nb::init<>());
+  sample.def_rw("x", &Sample::x).def_rw("word", &Sample::word).def_rw("flag", &Sample::flag);
+  sample.def_rw("small", &Sample::small).def_rw("large", &Sample::large).def_rw("place", &Sample::place);
+  sample.def_rw("list", &Sample::list);
+  bind_words(sample);
+
+  auto inputs = nb::class_<Inputs>(m, "Inputs").def(nb::init<std::size_t>());
+  nb::enum_<Inputs::Change>(m, "Change")
+      .value("none", Inputs::Change::none)
+      .value("smooth", Inputs::Change::smooth)
+      .value("jump", Inputs::Change::jump);
+  inputs.def_prop_ro("now", [](const Inputs& u) { return u.now(); })
+      .def_prop_ro("moving", &Inputs::moving)
+      .def("go_to", &Inputs::go_to)
+      .def("value", &Inputs::value)
+      .def("derivative", &Inputs::derivative)
+      .def("rate", &Inputs::rate)
+      .def("derivative_at", &Inputs::derivative_at)
+      .def("set", &Inputs::set)
+      .def("set_derivative", &Inputs::set_derivative)
+      .def_static("fault", &Inputs::fault)
+      .def("start", &Inputs::start)
+      .def("finish", &Inputs::finish)
+      .def("interrupt", &Inputs::interrupt)
+      .def("same", [](const Inputs& a, const Inputs& b) { return a == b; });
+  inputs.def_ro_static("highest_order", &Inputs::highest_order);
+  bind_words(inputs);
+
+  auto clock = nb::class_<Clock>(m, "Clock").def(nb::init<>());
+  clock.def("start", &Clock::start).def("meets", &Clock::meets).def("step", &Clock::step);
+  clock.def_prop_ro("end", &Clock::end);
+  bind_words(clock);
+
+  nb::class_<Bracket>(m, "Bracket")
+      .def(nb::init<double, double, double, double>())
+      .def_prop_ro("low", &Bracket::low)
+      .def_prop_ro("high", &Bracket::high)
+      .def_prop_ro("width", &Bracket::width)
+      .def("kept", &Bracket::kept)
+      .def("next", &Bracket::next)
+      .def("put", &Bracket::put);
+
+  auto passages = nb::class_<Passages>(m, "Passages").def(nb::init<>());
+  passages.def("seen", &Passages::seen).def("accepted", &Passages::accepted).def("restart", &Passages::restart);
+  passages.def_prop_ro("count", &Passages::count).def_prop_ro("last", &Passages::last);
+  bind_words(passages);
+}
+
+}  // namespace native

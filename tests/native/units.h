@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <vector>
+
+namespace native {
+
+using Numbers = std::vector<double>;
+using Table = std::vector<Numbers>;
+
+void bind_factors(nanobind::module_& m);
+void bind_whitened_rows(nanobind::module_& m);
+void bind_times(nanobind::module_& m);
+
+}  // namespace native
