@@ -17,6 +17,7 @@
 # make special  compare ways of computing at special positions: all families, 2000 random mechanisms
 # make masters  the shipped scenes in masters of other people, Java's included, for docs/fmu.md; needs Maven
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
+# make smoke    a minute of fuzzing, where clang is, and the native units under AddressSanitizer and UBSan
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
 # make clean    remove what was built
@@ -41,9 +42,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs clocks special masters sanitize fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz win64 clean
 help:
-	@sed -n '2,23s/^# //p' Makefile
+	@sed -n '2,24s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -129,6 +130,17 @@ sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers thread build/thread/runtime/linux64/gelenk_fmu.so
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers memcheck
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers helgrind
+
+# What continuous integration can afford. The runtimes of sanitizers stand before the interpreter, which has none.
+RUNTIMES = $(shell $(CXX) -print-file-name=libasan.so) $(shell $(CXX) -print-file-name=libubsan.so)
+smoke: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	@if command -v $(CLANGXX) >/dev/null; then $(MAKE) fuzz SECONDS_EACH=20; \
+	else echo "make smoke: no fuzzing: $(CLANGXX) was not found (CLANGXX=... names another)"; fi
+	@case "$(RUNTIMES)" in \
+	  /*\ /*) GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+	    $(BIN)/python -m pytest -q tests/native ;; \
+	  *) echo "make smoke: nothing under sanitizers: $(CXX) has no libasan.so or no libubsan.so" ;; \
+	esac
 
 # What is found new stays in build/fuzz/corpus; bytes that break something in build/fuzz.
 SECONDS_EACH ?= 600

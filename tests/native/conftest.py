@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
-BUILD = HERE.parent.parent / "build" / "native"
+SANITIZE = os.environ.get("GELENK_SANITIZE", "OFF")  # `make smoke`: as CMake's option of that name
+BUILD = HERE.parent.parent / "build" / ("native" if SANITIZE == "OFF" else f"native_{SANITIZE}")
 
 
 @pytest.fixture(scope="session")
@@ -23,6 +24,7 @@ def units() -> Any:
     """Some 25 s of a processor the first time; pytest's workers wait for the one that builds."""
     scripts = Path(sys.executable).parent
     environment = {**os.environ, "PATH": os.pathsep.join([str(scripts), os.environ.get("PATH", "")])}
+    environment.pop("LD_PRELOAD", None)  # a sanitizer's, of this process alone
     missing = [tool for tool in ("cmake", "ninja") if not shutil.which(tool, path=environment["PATH"])]
     missing += [name for name in ("nanobind", "sundials4py") if importlib.util.find_spec(name) is None]
     if missing:
@@ -30,16 +32,8 @@ def units() -> Any:
     BUILD.mkdir(parents=True, exist_ok=True)
     with (BUILD / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        configure = [
-            "cmake",
-            "-S",
-            str(HERE),
-            "-B",
-            str(BUILD),
-            "-G",
-            "Ninja",
-            f"-DPython_EXECUTABLE={sys.executable}",
-        ]
+        options = [f"-DPython_EXECUTABLE={sys.executable}", f"-DGELENK_SANITIZE={SANITIZE}"]
+        configure = ["cmake", "-S", str(HERE), "-B", str(BUILD), "-G", "Ninja", *options]
         for command in (configure, ["cmake", "--build", str(BUILD), "-j", "2"]):
             done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
             assert done.returncode == 0, done.stdout + done.stderr
