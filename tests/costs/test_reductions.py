@@ -12,7 +12,7 @@ import scene_files
 from models.reducible import without
 
 import gelenk
-from gelenk.inspection import REDUCTIONS
+from gelenk.model.inspection import REDUCTIONS
 
 from .counting import instructions_of, prepared, valgrind
 from .jobs import RK4, Job

@@ -2,9 +2,9 @@
 // The factorisations of rows and of masses. Matrices come and go as lists of columns or rows.
 #include <algorithm>
 
-#include "dynamics/row_factor.h"
-#include "dynamics/sparse_factor.h"
-#include "dynamics/sparse_row_factor.h"
+#include "linear/row_factor.h"
+#include "linear/sparse_factor.h"
+#include "linear/sparse_row_factor.h"
 #include "units.h"
 
 namespace nb = nanobind;

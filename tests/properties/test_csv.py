@@ -11,8 +11,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from gelenk.errors import UsageError
-from gelenk.inputs import read_csv
-from gelenk.result import Result
+from gelenk.simulation.inputs import read_csv
+from gelenk.simulation.result import Result
 
 from .bounds import examples
 
