@@ -138,7 +138,7 @@ smoke: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	else echo "make smoke: no fuzzing: $(CLANGXX) was not found (CLANGXX=... names another)"; fi
 	@case "$(RUNTIMES)" in \
 	  /*\ /*) GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
-	    $(BIN)/python -m pytest -q tests/native ;; \
+	    $(BIN)/python -m pytest -q -s tests/native ;; \
 	  *) echo "make smoke: nothing under sanitizers: $(CXX) has no libasan.so or no libubsan.so" ;; \
 	esac
 

@@ -26,6 +26,7 @@ def stretched(count: int, slack: float) -> Scene:
     joints["end"] = joint("revolute", frame("ground", (1, 0, 0)), last, axis=[0, 0, 1])
     out = scene({f"b{i}": rod(1, length) for i in range(count)}, joints)
     out["motors"] = {"pull": {"joint": "j1"}}
+    out["solver"] = {"integrator": "rk4"}  # which does not try ever shorter steps
     return out
 
 
@@ -37,7 +38,7 @@ def opened(count: int, slack: float) -> tuple[float, float]:
     return float(np.abs(ends - 1).max()), float(np.ptp(found["j0.phi"]))
 
 
-@pytest.mark.parametrize("count", [2, 3, 4, 5])
+@pytest.mark.parametrize("count", [2, 3])
 def test_what_is_stretched_does_not_open(count: int) -> None:
     """Rows are told to repeat others only where that was seen at several positions, and here is but one. With
     one of them left out the bars swung round by half a metre and more.
