@@ -180,6 +180,7 @@ def test_a_coordinate_that_does_not_stay_constant_is_named_where_it_counts() -> 
     [
         ({"outputs": ["hinge.ph"]}, r"hinge\.ph: no such output; did you mean hinge\.phi"),
         ({"inputs": ["drive.f", "drive.g"]}, r"drive\.g: no such input; did you mean drive\.f\?"),
+        ({"inputs": {"drive.f": 2.0}}, r"inputs: found values by name, expected names; values of inputs are"),
         ({"outputs": ["hinge.phi", "hinge.phi"]}, r"hinge\.phi: asked for twice"),
         ({"states": ["hinge.phi", "hinge.phi"]}, r"hinge\.phi: asked for twice"),
         ({"states": ["hinge.a", "track.s"]}, r"hinge\.a: no such state; did you mean"),

@@ -170,6 +170,9 @@ def _check_closed(A: Array, C: Array, states: Names, kept: Names, outputs: Names
 def _selected(wanted: Names | None, known: Names, what: str) -> tuple[str, ...]:
     if wanted is None:
         return tuple(known)
+    if isinstance(wanted, Mapping):
+        values = "; values of inputs are `input_values`" if what == "input" else ""
+        raise UsageError(f"{what}s: found values by name, expected names{values}")
     if isinstance(wanted, str):
         wanted = [wanted]
     faults = [unknown(name, what, known) for name in wanted if name not in known]

@@ -122,6 +122,8 @@ def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
     faults = [
         f"{path}:1: column {name!r} is there twice" for name in dict.fromkeys(names) if names.count(name) > 1
     ]
+    if "" in names:
+        faults.append(f"{path}:1: found column {names.index('') + 1} without a name, expected one")
     rows = []
     for line, cells in lines[1:]:
         if len(cells) != len(names):
