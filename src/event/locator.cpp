@@ -59,6 +59,17 @@ Step Locator::step(Stepping& method, double end) {
   return step;
 }
 
+Step Locator::step_across(Stepping& method, double end) {
+  keep_start(method);
+  const Step step = method.step_towards(end);
+  if (step != Step::made) return step;
+  read(method.state(), g_, gdot_, positive_.get());
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    if (changed(i)) source_.found_event(estimate(i, method.time()), static_cast<int>(i), positive_[i]);
+  }
+  return source_.too_many_events().empty() ? Step::made : Step::too_many_events;
+}
+
 Step Locator::step_in_mode(Stepping& method, double end) {
   keep_start(method);
   const HeldMode held(source_, start_t_, start_positive_.get());

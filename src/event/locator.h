@@ -38,6 +38,9 @@ class Locator {
   bool is_needed() const { return source_.indicators() > 0; }
   // One step of the method, to `end`, to the first event before, or less far.
   Step step(Stepping& method, double end);
+  // One step that ends where the method ends it, across events too, which are told at about their times: for methods
+  // that can make no very short steps.
+  Step step_across(Stepping& method, double end);
   // The method begins elsewhere.
   void restart() { approached_ = 0; }
   void exchange(Record& record) { record.exchange(approached_); }

@@ -64,7 +64,12 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     patience_end_ = end;
   }
   const bool locates = locator_.is_needed() && !passes_events_;
-  const auto step_towards = [&] { return locates ? locator_.step(*this, end) : make_step(end); };
+  // Where a step is very short nothing is left of multipliers but rounding.
+  const bool across = system_.multipliers() > 0;
+  const auto step_towards = [&] {
+    if (!locates) return make_step(end);
+    return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
+  };
   prepare(end);
   for (; t_ < end && most > 0; --most) {
     Step step = step_towards();
