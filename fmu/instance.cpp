@@ -96,7 +96,6 @@ void Instance::step(double current, double h) {
   }
   Clock next = clock_;
   const long passages = plant_.count(Diagnostic::singular_positions);
-  const long events = plant_.count(Diagnostic::events);
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
   } catch (const StepBudgetError&) {
@@ -108,8 +107,7 @@ void Instance::step(double current, double h) {
   }
   clock_ = next;
   mode_ = Mode::step_complete;
-  const bool listens = log_.listens(Category::events) && plant_.count(Diagnostic::events) > events;
-  if (!listens && plant_.count(Diagnostic::singular_positions) == passages) return;
+  if (!log_.listens(Category::events) && plant_.count(Diagnostic::singular_positions) == passages) return;
   for (const EventReport& event : plant_.events()) {
     log_.say(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }

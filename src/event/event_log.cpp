@@ -30,12 +30,21 @@ void EventLog::begin(double t) {
   before_ += in_step_;
   in_step_ = 0;
   start_ = t;
+}
+
+void EventLog::begin_part() {
+  before_part_ = in_step_;
   events_.clear();
 }
 
-void EventLog::undo() {
-  in_step_ = 0;
+void EventLog::undo_part() {
+  in_step_ = before_part_;
   events_.clear();
+}
+
+void EventLog::exchange(Record& record) {
+  record.exchange(before_, in_step_, start_);
+  if (record.reading()) begin_part();
 }
 
 void EventLog::add(const Event& event) {

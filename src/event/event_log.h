@@ -33,24 +33,27 @@ class EventLog {
 
   // A communication step begins at t.
   void begin(double t);
-  // It is taken back, or made in a warm-up.
-  void undo();
+  // So does a part of it, or all; it is taken back.
+  void begin_part();
+  void undo_part();
   void add(const Event& event);
 
-  // Of the last communication step, in order; if there are very many, the first.
+  // Of the last part, in order; if there are very many, the first.
   const std::vector<Event>& events() const { return events_; }
   EventReport report(const Event& event) const;
   long count() const { return before_ + in_step_; }
   // Empty, or that there are too many in this communication step, which they are.
   std::string too_many() const;
-  void exchange(Record& record) { record.exchange(before_, in_step_, start_); }
+  // Events listed are none of it.
+  void exchange(Record& record);
 
  private:
   std::vector<std::array<std::string, 2>> texts_;
   std::vector<Event> events_;
   long most_ = 0;
   long before_ = 0, in_step_ = 0;
-  double start_ = 0;  // s, of the communication step
+  long before_part_ = 0;  // of in_step_
+  double start_ = 0;      // s, of the communication step
   Event last_{};
 
   std::string_view text(const Event& event) const;

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <vector>
 
 namespace gelenk {
 
@@ -21,14 +23,19 @@ class EventSource {
   virtual void hold_mode(double /*t*/, const bool* /*positive*/) {}
   // The earliest time after that t at which they have been asked for outside the mode held; infinite: never.
   virtual double left_mode() const { return INFINITY; }
-  // The next time after t at which they change whatever the state is; infinite: there is none.
-  virtual double next_time_event(double /*t*/) const { return INFINITY; }
 
   // At t, an indicator has changed its sign: to positive or not. Once for each that does so at the same time.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
   // Empty, or why no more can be taken on in this communication step.
   virtual std::string too_many_events() const { return {}; }
 };
+
+// The indicators at y, and which of them are positive: at zero, those that do not fall.
+inline void read_mode(EventSource& source, const double* y, std::vector<double>& g, std::vector<double>& gdot,
+                      bool* positive) {
+  source.indicator_values(y, g.data(), gdot.data());
+  for (std::size_t i = 0; i < g.size(); ++i) positive[i] = g[i] > 0 || (g[i] == 0 && gdot[i] >= 0);
+}
 
 // While it lives the equations keep to a mode.
 class HeldMode {

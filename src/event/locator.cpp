@@ -32,11 +32,6 @@ Locator::Locator(EventSource& source, int size) : source_(source) {
   high_y_.resize(static_cast<std::size_t>(size));
 }
 
-void Locator::read(const double* y, std::vector<double>& g, std::vector<double>& gdot, bool* positive) {
-  source_.indicator_values(y, g.data(), gdot.data());
-  for (std::size_t i = 0; i < g.size(); ++i) positive[i] = g[i] > 0 || (g[i] == 0 && gdot[i] >= 0);
-}
-
 bool Locator::any_changed() const {
   return !std::equal(positive_.get(), positive_.get() + g_.size(), start_positive_.get());
 }
@@ -44,7 +39,7 @@ bool Locator::any_changed() const {
 void Locator::keep_start(const Stepping& method) {
   start_t_ = method.time();
   std::copy_n(method.state(), start_y_.size(), start_y_.begin());
-  read(start_y_.data(), start_g_, start_gdot_, start_positive_.get());
+  read_mode(source_, start_y_.data(), start_g_, start_gdot_, start_positive_.get());
 }
 
 void Locator::keep_high(const Stepping& method) {
@@ -63,7 +58,7 @@ Step Locator::step_across(Stepping& method, double end) {
   keep_start(method);
   const Step step = method.step_towards(end);
   if (step != Step::made) return step;
-  read(method.state(), g_, gdot_, positive_.get());
+  read_mode(source_, method.state(), g_, gdot_, positive_.get());
   for (std::size_t i = 0; i < g_.size(); ++i) {
     if (changed(i)) source_.found_event(estimate(i, method.time()), static_cast<int>(i), positive_[i]);
   }
@@ -81,7 +76,7 @@ Step Locator::step_in_mode(Stepping& method, double end) {
     step = step_from_start(method, source_.left_mode());
   }
   if (step != Step::made) return step;
-  read(method.state(), g_, gdot_, positive_.get());
+  read_mode(source_, method.state(), g_, gdot_, positive_.get());
   for (int k = 0; k < most_shortened && !any_changed(); ++k) {
     if (!has_left_mode(method.time())) return step;
     step = step_from_start(method, source_.left_mode());
@@ -114,7 +109,7 @@ Step Locator::step_from_start(Stepping& method, double end) {
   method.go_to(start_t_, start_y_.data());
   stop_at(end, method);
   const Step step = method.step_towards(end);
-  if (step == Step::made) read(method.state(), g_, gdot_, positive_.get());
+  if (step == Step::made) read_mode(source_, method.state(), g_, gdot_, positive_.get());
   return step;
 }
 
@@ -136,7 +131,7 @@ Step Locator::search(std::size_t i, Stepping& method) {
     bracket.put(t, g_[i]);
     next = bracket.next(nearest);
   }
-  read(high_y_.data(), g_, gdot_, positive_.get());
+  read_mode(source_, high_y_.data(), g_, gdot_, positive_.get());
   return Step::made;
 }
 

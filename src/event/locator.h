@@ -52,7 +52,6 @@ class Locator {
   bool has_left_mode(double end) const;
   void keep_start(const Stepping& method);
   void keep_high(const Stepping& method);
-  void read(const double* y, std::vector<double>& g, std::vector<double>& gdot, bool* positive);
   bool changed(std::size_t i) const { return positive_[i] != start_positive_[i]; }
   bool any_changed() const;
   double estimate(std::size_t i, double t) const;

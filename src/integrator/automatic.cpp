@@ -50,7 +50,6 @@ class Counted final : public Equations {
   void indicator_values(const double* y, double* g, double* gdot) override { counted_.indicator_values(y, g, gdot); }
   void hold_mode(double t, const bool* positive) override { counted_.hold_mode(t, positive); }
   double left_mode() const override { return counted_.left_mode(); }
-  double next_time_event(double t) const override { return counted_.next_time_event(t); }
   void found_event(double t, int i, bool positive) override { counted_.found_event(t, i, positive); }
   std::string too_many_events() const override { return counted_.too_many_events(); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }

@@ -109,11 +109,6 @@ class Started final : public Integrator {
     left_ = starting_steps;
   }
 
-  void read_mode(bool* positive) {
-    system_.indicator_values(y_.data(), g_.data(), gdot_.data());
-    for (std::size_t i = 0; i < g_.size(); ++i) positive[i] = g_[i] > 0 || (g_[i] == 0 && gdot_[i] >= 0);
-  }
-
   // The multistep method's last step has gone beyond an event: it is made by erk, which can take steps back at no loss.
   void meet_event(double t) {
     t_ = t;
@@ -126,10 +121,10 @@ class Started final : public Integrator {
   // A step of the multistep method in the mode in which it begins; whether it has gone beyond the mode's end.
   bool step_in_mode(double end) {
     y_before_ = y_;
-    read_mode(positive_before_.get());
+    read_mode(system_, y_.data(), g_, gdot_, positive_before_.get());
     const HeldMode held(system_, t_, positive_before_.get());
     t_ = multistep_->advance_some(end, y_.data(), 1);
-    read_mode(positive_.get());
+    read_mode(system_, y_.data(), g_, gdot_, positive_.get());
     return system_.left_mode() < t_ ||
            !std::equal(positive_.get(), positive_.get() + g_.size(), positive_before_.get());
   }

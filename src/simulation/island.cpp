@@ -110,6 +110,7 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
   backup_followed_ = followed_;
   fresh_ = Outputs::Needs::state;
   if (!goes_on) equations_->events().begin(time_);
+  equations_->events().begin_part();
   if (integrator_) {
     if (follows_) meet_drives();
     if (inputs_jumped_) {
@@ -183,7 +184,7 @@ void Island::roll_back() {
   y_ = backup_;
   time_ = backup_time_;
   followed_ = backup_followed_;
-  equations_->events().undo();
+  equations_->events().undo_part();
   fresh_ = Outputs::Needs::state;
   equations_->start(equations_->cut_coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());

@@ -190,3 +190,36 @@ def test_multipliers_are_integrated_across_events(formulation: str) -> None:
     assert np.abs(times - true).max() < 1e-3  # s: contacts of some milliseconds, several steps each
     # rad: some hundred tolerances: the error test alone meets the jump of the force
     assert np.abs(found["D.phi"] - truth["D.phi"]).max() < 1e-3
+
+
+@pytest.mark.parametrize("integrator", ["erk", "rk4", "cvode"])
+def test_before_the_first_step_there_are_no_events(integrator: str) -> None:
+    """Nor after a saved state has been restored: steps made in order to get ready are none of the run's."""
+    source = ball(integrator=integrator, step=1e-3)
+    source["joints"]["J"]["start"].update({"s": 1e-4, "v": -1.0})  # the touch is after 0.1 ms
+    plant = gelenk.Simulation(gelenk.load(source))
+    plant.initialize()
+    start = plant.save()
+    assert (plant.events, plant.diagnostic("solver.events")) == ([], 0)
+    plant.step_to(0.01)
+    assert [text for _, text in plant.events] == in_words(1)
+    assert plant.diagnostic("solver.events") == 1
+    plant.restore(start)
+    assert (plant.events, plant.diagnostic("solver.events")) == ([], 0)
+
+
+@pytest.mark.parametrize("integrator", ["erk", "cvode", "rk4"])
+def test_a_step_cut_short_goes_on_counting(integrator: str) -> None:
+    """One communication step over three bounces, left at each end of its evaluations, and gone on with."""
+    plant = gelenk.Simulation(gelenk.load(ball(integrator=integrator, step=1e-3, max_evaluations=100)))
+    plant.initialize(0.0, 1e-8)
+    cut, events = 0, []
+    while plant.time < END:
+        try:
+            plant.step_to(END)
+        except gelenk.StepBudgetError:
+            cut += 1
+        events += plant.events
+    assert cut > len(TIMES)
+    assert plant.diagnostic("solver.events") == len(TIMES)
+    assert [text for _, text in events] == in_words(len(TIMES))
