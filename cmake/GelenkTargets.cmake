@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The native targets: the core, the FMU runtime, the export tool. Folders are globbed: a new file needs no edit here.
-set(rooms util field math joint element scene mechanism linear kinematics derivatives dynamics event formulation integrator analysis simulation)
+set(rooms util field math joint element scene check scene_file mechanism linear kinematics derivatives dynamics assembly analysis event formulation integrator
+  preparation outputs simulation)
 list(TRANSFORM rooms PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
 list(TRANSFORM rooms APPEND /*.cpp OUTPUT_VARIABLE patterns)
 file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp)
-set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/yaml.cpp)
+set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene_file/yaml.cpp)
 set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
 list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 
@@ -12,10 +13,10 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(util|field|element|event|scene|modelDescription|mechanism)/[^/]*$|/derivatives/(extended|extended_kernels)\\.cpp$")
+  "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|mechanism)/[^/]*$|/derivatives/(extended|extended_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(formulation/branch_acceleration|analysis/(assembly|branches|closing|conflict|equilibrium|frame_adjustment|loop_geometry|loop_positions|parallel_axes|row_space|singular_start|structure)|kinematics/model|simulation/(adjustment|assemblies|closed_start|events|inertia|inspection|parameters|outputs_extended|past|preparation|report|seen|settle|simulation_derivatives|start))\\.cpp$")
+  "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|structure)|kinematics/model|outputs/(outputs_extended|seen)|simulation/(assemblies|closed_start|events|inspection|parameters|past|settle|simulation_derivatives))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
@@ -60,15 +61,12 @@ endif()
 
 # The JSON Schema of scene files, written from the joint registry at build time.
 set(schema_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/schema_main.cpp)
-file(GLOB scene_sources ${CMAKE_CURRENT_SOURCE_DIR}/src/scene/*.cpp)
-if(scene_sources)
-  set(GELENK_SCHEMA ${PROJECT_BINARY_DIR}/schema/scene.schema.json)
-  add_executable(gelenk-schema ${schema_source})
-  target_link_libraries(gelenk-schema PRIVATE gelenk_flags gelenk_core)
-  add_custom_command(OUTPUT ${GELENK_SCHEMA} COMMAND gelenk-schema ${GELENK_SCHEMA}
-    DEPENDS gelenk-schema COMMENT "Writing scene.schema.json" VERBATIM)
-  add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
-endif()
+set(GELENK_SCHEMA ${PROJECT_BINARY_DIR}/schema/scene.schema.json)
+add_executable(gelenk-schema ${schema_source})
+target_link_libraries(gelenk-schema PRIVATE gelenk_flags gelenk_core)
+add_custom_command(OUTPUT ${GELENK_SCHEMA} COMMAND gelenk-schema ${GELENK_SCHEMA}
+  DEPENDS gelenk-schema COMMENT "Writing scene.schema.json" VERBATIM)
+add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
 
 # Licences of what an FMU carries; the texts stand beside the runtime as they do in the installed package.
 file(GLOB GELENK_LICENSES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/licenses/*.txt)

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "simulation/report.h"
+#include "preparation/report.h"
 #include "util/text.h"
 
 namespace gelenk {

@@ -18,7 +18,7 @@
 #include "modelDescription/write_page.h"
 #include "modelDescription/write_xml.h"
 #include "modelDescription/zip.h"
-#include "scene/read.h"
+#include "scene_file/read.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {

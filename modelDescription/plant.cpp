@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "modelDescription/fingerprint.h"
-#include "scene/read.h"
+#include "scene_file/read.h"
 #include "util/text.h"
 
 namespace gelenk {

@@ -17,6 +17,8 @@ BELOW["field"] = {"util"}
 BELOW["joint"] = {"field", "math", *BELOW["field"]}
 BELOW["element"] = {"joint", *BELOW["joint"]}
 BELOW["scene"] = {"element", *BELOW["element"]}
+BELOW["check"] = {"scene", *BELOW["scene"]}
+BELOW["scene_file"] = {"check", *BELOW["check"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
 BELOW["linear"] = set()
 BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
@@ -25,9 +27,12 @@ BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
 BELOW["event"] = {"math", "util"}
 BELOW["formulation"] = {"dynamics", "event", *BELOW["dynamics"]}
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
-BELOW["analysis"] = {"dynamics", *BELOW["dynamics"]}
-BELOW["simulation"] = {"integrator", "analysis", *BELOW["integrator"]}
-BELOW["modelDescription"] = {"simulation", *BELOW["simulation"]}
+BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["analysis"] = {"assembly", *BELOW["assembly"]}
+BELOW["preparation"] = {"analysis", "formulation", *BELOW["analysis"], *BELOW["formulation"]}
+BELOW["outputs"] = {"dynamics", *BELOW["dynamics"]}
+BELOW["simulation"] = {"integrator", "outputs", "preparation", *BELOW["integrator"], *BELOW["preparation"]}
+BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *BELOW["simulation"]}
 BELOW["fmu"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["bindings"] = {"modelDescription", *BELOW["modelDescription"]}
 
@@ -41,7 +46,7 @@ FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
 OWNERS = {
     "integrator": re.compile(r"(ida|idas|cvode|cvodes|arkode|kinsol|nvector|sun[a-z]*|sundials)/"),
     "fmu": re.compile(r"fmi[23]\w*\.h"),
-    "scene": re.compile(r"(nlohmann|yaml-cpp)/"),
+    "scene_file": re.compile(r"(nlohmann|yaml-cpp)/"),
     "bindings": re.compile(r"(nanobind/|Python\.h)"),
 }
 
@@ -78,7 +83,7 @@ def wrong_includes(room: str, text: str) -> list[str]:
         ("scene", '#include "mechanism/mechanism.h"'),
         ("formulation", '#include "integrator/integrator.h"'),
         ("analysis", '#include "formulation/formulation.h"'),
-        ("integrator", '#include "analysis/assembly.h"'),
+        ("integrator", '#include "assembly/assembly.h"'),
         ("simulation", '#include "modelDescription/catalogue.h"'),
         ("modelDescription", '#include "fmu/instance.h"'),
         ("simulation", "#include <idas/idas.h>"),

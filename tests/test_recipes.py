@@ -35,16 +35,20 @@ ADDED = {
     "height": ("Height", "AnySensor"),
     "preload": ("std::optional<Preload>", "JointForces"),
 }
-BUILT = ("util", "field", "math", "joint", "element", "scene")
+BUILT = ("util", "field", "math", "joint", "element", "scene", "check", "scene_file")
 NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
     "kinematics/load_kernels.cpp",
     "derivatives/extended_kernels.cpp",
     "derivatives/recursive_slopes.cpp",
-    "simulation/outputs.cpp",
+    "outputs/outputs.cpp",
 )
-FIRST = ("scene/element_fields.h", "scene/schema_parts.h", "scene/check.h")  # included everywhere, read once
+FIRST = (
+    "scene_file/element_fields.h",
+    "scene_file/schema_parts.h",
+    "check/check.h",
+)  # included everywhere, read once
 
 SCENE: dict[str, Any] = {
     "gelenk": 1,

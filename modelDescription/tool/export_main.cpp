@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "check/doubts.h"
 #include "modelDescription/pack.h"
-#include "scene/doubts.h"
-#include "scene/read.h"
+#include "scene_file/read.h"
 
 namespace {
 

@@ -10,6 +10,7 @@
 
 #include "bindings.h"
 #include "scene/settable.h"
+#include "scene_file/read.h"
 #include "simulation/simulation.h"
 
 namespace nb = nanobind;

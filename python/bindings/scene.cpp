@@ -9,12 +9,12 @@
 #include <tuple>
 
 #include "bindings.h"
+#include "check/doubts.h"
 #include "mechanism/wanted_part.h"
-#include "scene/doubts.h"
 #include "scene/natural_time.h"
-#include "scene/read.h"
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"
+#include "scene_file/read.h"
 
 namespace nb = nanobind;
 using gelenk::Scene;

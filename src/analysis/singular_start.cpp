@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "analysis/assembly_problem.h"
-#include "analysis/closing.h"
+#include "assembly/assembly_problem.h"
+#include "assembly/closing.h"
 #include "linear/weak_rows.h"
 
 namespace gelenk {

@@ -2,8 +2,8 @@
 // Starts in or beside a singular configuration (a change point, a dead centre), where branches of motion meet.
 #pragma once
 
-#include "analysis/assembly.h"
 #include "analysis/structure.h"
+#include "assembly/assembly.h"
 
 namespace gelenk {
 

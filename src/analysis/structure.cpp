@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "analysis/row_space.h"
+#include "assembly/row_space.h"
 
 namespace gelenk {
 namespace {

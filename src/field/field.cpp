@@ -6,6 +6,7 @@
 #include "util/text.h"
 
 namespace gelenk {
+
 std::string unit_of(std::string_view unit, const Coordinate& coordinate) {
   std::string out(unit);
   const bool turns = coordinate.is_angle;
@@ -27,6 +28,59 @@ std::string spelled(std::string unit) {
   if (unit == "1") return {};
   std::ranges::replace(unit, '.', ' ');
   return unit;
+}
+
+bool permits(Range allowed, double x) {
+  switch (allowed) {
+    case Range::not_negative:
+      return x >= 0;
+    case Range::positive:
+      return x > 0;
+    case Range::not_zero:
+      return x != 0;
+    case Range::any:
+      break;
+  }
+  return true;
+}
+
+std::string bound(Range allowed, std::string_view unit) {
+  switch (allowed) {
+    case Range::not_negative:
+      return text::with_unit("0", unit) + " or more";
+    case Range::positive:
+      return "more than " + text::with_unit("0", unit);
+    case Range::not_zero:
+      return "a number other than 0";
+    case Range::any:
+      break;
+  }
+  return unit.empty() ? "a number" : "a number in " + std::string(unit);
+}
+
+bool is_given(const Field& field, const void* element) {
+  switch (field.type) {
+    case Field::Type::number:
+      return std::isfinite(field.of<double>(element));
+    case Field::Type::numbers:
+      return !field.of<std::vector<double>>(element).empty();
+    case Field::Type::choice:
+      return field.of<Choice>(element).index != Choice::none;
+    case Field::Type::group:
+      return field.in(element) != nullptr;
+    default:
+      return true;
+  }
+}
+
+std::vector<std::vector<std::string>> ways_of(std::span<const Field> fields) {
+  std::vector<std::vector<std::string>> out;
+  for (const Field& field : fields) {
+    if (field.way == 0) continue;
+    out.resize(std::max(out.size(), static_cast<std::size_t>(field.way)));
+    out[static_cast<std::size_t>(field.way) - 1].emplace_back(field.name);
+  }
+  return out;
 }
 
 }  // namespace gelenk

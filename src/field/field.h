@@ -163,6 +163,16 @@ struct Coordinate {
 std::string unit_of(std::string_view unit, const Coordinate& coordinate);
 // Of the i-th of a list's numbers.
 std::string unit_of(const Field& field, const Coordinate& coordinate, std::size_t i = 0);
+// Whether a number may be what x is.
+bool permits(Range allowed, double x);
+// What a number in that unit has to be: "0 kg or more".
+std::string bound(Range allowed, std::string_view unit);
+
+// Whether an optional field is given.
+bool is_given(const Field& field, const void* element);
+// The names of the fields of each way, by way from 1 on.
+std::vector<std::vector<std::string>> ways_of(std::span<const Field> fields);
+
 // A unit as messages spell it: "N.m.s/rad" as "N m s/rad", none as nothing.
 std::string spelled(std::string unit);
 

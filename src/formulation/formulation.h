@@ -14,9 +14,9 @@
 
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
+#include "event/passages.h"
 #include "formulation/equations.h"
 #include "formulation/inputs.h"
-#include "formulation/passages.h"
 #include "formulation/targets.h"
 #include "formulation/turns.h"
 #include "math/record.h"

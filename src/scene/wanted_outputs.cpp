@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scene/check.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
 #include "util/text.h"
@@ -215,14 +214,6 @@ std::vector<std::string> faults_of_outputs(const Scene& scene, const std::vector
                              : "");
   }
   return faults;
-}
-
-void check_outputs(const Scene& scene, Faults& faults, bool partial) {
-  if (partial || scene.outputs.empty()) return;
-  const std::vector<std::string> found = faults_of_outputs(scene, scene.outputs);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!found[i].empty()) faults.add("outputs[" + std::to_string(i + 1) + "]", found[i]);
-  }
 }
 
 }  // namespace gelenk

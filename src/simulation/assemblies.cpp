@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "formulation/targets.h"
-#include "simulation/adjustment.h"
-#include "simulation/preparation.h"
-#include "simulation/report.h"
+#include "preparation/adjustment.h"
+#include "preparation/preparation.h"
+#include "preparation/report.h"
+#include "preparation/start.h"
 #include "simulation/simulation.h"
-#include "simulation/start.h"
 
 namespace gelenk {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/branches.h"
+#include "assembly/branches.h"
 
 namespace gelenk {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/closing.h"
+#include "assembly/closing.h"
 #include "scene/words.h"
 #include "simulation/simulation_impl.h"
 #include "util/text.h"

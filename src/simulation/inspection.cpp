@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "mechanism/wanted_part.h"
+#include "outputs/seen.h"
+#include "preparation/report.h"
 #include "scene/words.h"
-#include "simulation/report.h"
-#include "simulation/seen.h"
 #include "util/text.h"
 
 namespace gelenk {

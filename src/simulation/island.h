@@ -10,9 +10,9 @@
 
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
-#include "simulation/outputs.h"
+#include "outputs/outputs.h"
+#include "preparation/preparation.h"
 #include "simulation/past.h"
-#include "simulation/preparation.h"
 
 namespace gelenk {
 

@@ -12,7 +12,6 @@
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
 #include "joint/registry.h"
-#include "scene/read.h"
 #include "scene/settable.h"
 #include "scene/words.h"
 #include "util/text.h"
@@ -286,7 +285,5 @@ void set_parameter(Scene& scene, const Parameter& parameter, double value) {
   check_parameter(parameter, value);
   if (value != parameter.get(scene)) parameter.put(scene, value);
 }
-
-Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }
 
 }  // namespace gelenk

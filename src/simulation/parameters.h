@@ -46,8 +46,4 @@ void check_parameter(const Parameter& parameter, double value);
 // all (a guess stays a guess).
 void set_parameter(Scene& scene, const Parameter& parameter, double value);
 
-// The scene with quaternions made unit again and everything checked that only several values together can break
-// (moments of inertia). Throws SceneError.
-Scene checked(const Scene& scene);
-
 }  // namespace gelenk

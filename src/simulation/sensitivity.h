@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "analysis/tangent.h"
+#include "outputs/outputs.h"
 #include "scene/signals.h"
 #include "simulation/island.h"
-#include "simulation/outputs.h"
 #include "simulation/states.h"
 
 namespace gelenk {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "analysis/equilibrium.h"
-#include "simulation/report.h"
+#include "preparation/report.h"
 #include "simulation/simulation_impl.h"
 
 namespace gelenk {

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "integrator/integrator.h"
+#include "preparation/report.h"
 #include "scene/settable.h"
 #include "simulation/parameters.h"
-#include "simulation/report.h"
 #include "util/text.h"
 
 namespace gelenk {

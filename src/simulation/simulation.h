@@ -11,10 +11,10 @@
 #include "derivatives/derivatives.h"
 #include "formulation/equations.h"
 #include "math/record.h"
+#include "preparation/adjustment.h"
+#include "preparation/preparation.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
-#include "simulation/adjustment.h"
-#include "simulation/preparation.h"
 #include "simulation/sensitivity.h"
 
 namespace gelenk {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "analysis/independent_columns.h"
-#include "simulation/report.h"
+#include "preparation/report.h"
+#include "preparation/start.h"
 #include "simulation/simulation_impl.h"
-#include "simulation/start.h"
 
 namespace gelenk {
 namespace {

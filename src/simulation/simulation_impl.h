@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "simulation/adjustment.h"
+#include "preparation/adjustment.h"
 #include "simulation/island.h"
 #include "simulation/simulation.h"
 

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <string>
 
-#include "scene/read.h"
+#include "scene_file/read.h"
 
 namespace gelenk::fuzz {
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
+#include "event/passages.h"
 #include "fmu/clock.h"
 #include "formulation/inputs.h"
-#include "formulation/passages.h"
 #include "math/bracket.h"
 #include "math/record.h"
 #include "units.h"

@@ -7,9 +7,9 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "scene/read.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
+#include "scene_file/read.h"
 
 namespace {
 

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/assembly_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+using Eigen::VectorXd;
+
+std::vector<int> not_fixed(const std::vector<bool>& fixed) {
+  std::vector<int> out;
+  for (int k = 0; k < static_cast<int>(fixed.size()); ++k) {
+    if (!fixed[k]) out.push_back(k);
+  }
+  return out;
+}
+
+// Difference of two coordinates of one joint as a displacement along its speeds, in user's or our signs alike:
+// plain coordinates subtract; a quaternion gives the rotation vector, in M, from q0 to q.
+void difference(int nq, int nv, const double* q, const double* q0, double* out) {
+  const int plain = nq > nv ? nq - 4 : nq;
+  for (int i = 0; i < plain; ++i) out[i] = q[i] - q0[i];
+  if (nq == nv) return;
+  const Eigen::Quaterniond Q(q[plain + 3], q[plain], q[plain + 1], q[plain + 2]);
+  const Eigen::Quaterniond Q0(q0[plain + 3], q0[plain], q0[plain + 1], q0[plain + 2]);
+  const Eigen::Vector3d turn = rotation_vector((Q0.inverse() * Q).toRotationMatrix());
+  for (int i = 0; i < 3; ++i) out[plain + i] = turn[i];
+}
+
+double largest_given(const Wishes& wishes, const VectorXd& offset) {
+  double out = 0;
+  for (Eigen::Index k = 0; k < offset.size(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (wishes.q_given[i] && !wishes.q_fixed[i]) out = std::max(out, std::abs(offset[k]));
+  }
+  return out;
+}
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+// Rows of `all`, each times its factor, as the rows from `first` on; those whose factor is 0 are left out where
+// `packed`. Returns the number of the next row.
+int add_rows(Entries& entries, int first, const SparseMatrix& all, const std::vector<double>& factors, bool packed) {
+  std::vector<int> place(factors.size());
+  int next = first;
+  for (std::size_t r = 0; r < factors.size(); ++r) place[r] = packed && factors[r] == 0 ? -1 : next++;
+  for (int k = 0; k < all.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator at(all, k); at; ++at) {
+      const auto r = static_cast<std::size_t>(at.row());
+      if (place[r] >= 0) entries.emplace_back(place[r], k, factors[r] * at.value());
+    }
+  }
+  return next;
+}
+
+std::vector<double> as_factors(const std::vector<bool>& chosen) { return {chosen.begin(), chosen.end()}; }
+
+std::vector<double> roots(const std::vector<double>& weights) {
+  std::vector<double> out;
+  for (const double weight : weights) out.push_back(std::sqrt(weight));
+  return out;
+}
+
+// Of a matrix with n columns, those chosen.
+SparseMatrix matrix(const Entries& entries, int rows, int n, const std::vector<int>& chosen) {
+  std::vector<int> place(static_cast<std::size_t>(n), -1);
+  for (std::size_t k = 0; k < chosen.size(); ++k) place[static_cast<std::size_t>(chosen[k])] = static_cast<int>(k);
+  Entries kept;
+  for (const auto& entry : entries) {
+    const int k = place[static_cast<std::size_t>(entry.col())];
+    if (k >= 0) kept.emplace_back(entry.row(), k, entry.value());
+  }
+  SparseMatrix out(rows, static_cast<Eigen::Index>(chosen.size()));
+  out.setFromTriplets(kept.begin(), kept.end());
+  return out;
+}
+
+void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen) {
+  const Eigen::Index old = top.size();
+  top.conservativeResize(old + std::ranges::count(chosen, true));
+  Eigen::Index next = old;
+  for (int k = 0; k < static_cast<int>(chosen.size()); ++k) {
+    if (chosen[k]) top[next++] = all[k];
+  }
+}
+
+}  // namespace
+
+AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      tree_(tree),
+      cuts_(cuts),
+      free_q_(not_fixed(tree.q_fixed)),
+      free_v_(not_fixed(tree.v_fixed)),
+      turns_(tree.turns) {
+  const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    for (const CoordinateRow::Term& term : row.terms) {
+      if (row.holds_position) turns_[term.v] = false;
+    }
+  }
+  cuts_fixed_ = any(cuts.q_fixed);
+  cut_wishes_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  const std::vector<bool> holds = mechanism.position_rows();
+  for (int r = 0; r < mechanism.rows; ++r) {
+    if (holds[r]) position_rows_.push_back(r);
+  }
+  for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
+  length_ = std::max(length_, span_);
+  for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
+  span_ = span_ > 0 ? 1.5 * span_ : 1;  // slides and flights reach somewhat beyond
+}
+
+VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  const auto& Phi = dynamics_.Phi();
+  VectorXd g(static_cast<Eigen::Index>(position_rows_.size()));
+  for (Eigen::Index r = 0; r < g.size(); ++r) g[r] = Phi[position_rows_[static_cast<std::size_t>(r)]];
+  if (cuts_fixed_) append(g, cut_offset(q), cuts_.q_fixed);
+  return g;
+}
+
+// The rows of the loops at q. Those that forbid nothing there are 0, not the rounding that is left of them: taken for
+// rows it would hold still what can move.
+SparseMatrix AssemblyProblem::rows_at(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  SparseMatrix G = dynamics_.sparse_J();
+  VectorXd most = VectorXd::Zero(G.rows());
+  for (int k = 0; k < G.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator at(G, k); at; ++at)
+      most[at.row()] = std::max(most[at.row()], std::abs(at.value()));
+  }
+  G.prune([&](Eigen::Index row, Eigen::Index, double) { return most[row] >= 1e-12 * length_; });
+  return G;
+}
+
+SparseMatrix AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
+  const SparseMatrix J = rows_at(q);
+  std::vector<double> holds(static_cast<std::size_t>(J.rows()), 0);
+  for (const int r : position_rows_) holds[static_cast<std::size_t>(r)] = 1;
+  Entries entries;
+  int rows = add_rows(entries, 0, J, holds, true);
+  if (cuts_fixed_) rows = add_rows(entries, rows, cut_columns(q), as_factors(cuts_.q_fixed), true);
+  return matrix(entries, rows, mechanism_.nv, free_q_);
+}
+
+VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
+  const VectorXd tree = tree_offset(q);
+  VectorXd d(mechanism_.nv + (cut_wishes_ ? mechanism_.cut_nv : 0));
+  for (int k = 0; k < mechanism_.nv; ++k) d[k] = std::sqrt(tree_.q_weight[k]) * tree[k];
+  if (!cut_wishes_) return d;
+  const VectorXd cut = cut_offset(q);
+  for (int k = 0; k < mechanism_.cut_nv; ++k) d[mechanism_.nv + k] = std::sqrt(cuts_.q_weight[k]) * cut[k];
+  return d;
+}
+
+SparseMatrix AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
+  Entries entries;
+  for (int k = 0; k < mechanism_.nv; ++k) entries.emplace_back(k, k, std::sqrt(tree_.q_weight[k]));
+  int rows = mechanism_.nv;
+  if (cut_wishes_) rows = add_rows(entries, rows, cut_columns(q), roots(cuts_.q_weight), false);
+  return matrix(entries, rows, mechanism_.nv, free_q_);
+}
+
+AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
+  const int nv = mechanism_.nv;
+  Speeds out;
+  out.v.assign(nv, 0);
+  VectorXd fixed = VectorXd::Zero(nv);
+  for (int k = 0; k < nv; ++k) {
+    if (tree_.v_fixed[k]) fixed[k] = out.v[k] = tree_.v[k];
+  }
+  const SparseMatrix J = rows_at(q);
+  Entries G;
+  Entries T;
+  int rows = add_rows(G, 0, J, std::vector<double>(static_cast<std::size_t>(J.rows()), 1), false);
+  int distances = nv;
+  out.d0.resize(nv);
+  for (int k = 0; k < nv; ++k) {
+    const double root = std::sqrt(tree_.v_weight[k]);
+    T.emplace_back(k, k, root);
+    out.d0[k] = root * (fixed[k] - tree_.v[k]);
+  }
+  dynamics_.set_velocity(fixed.data());
+  const std::vector<double>& rates = dynamics_.row_rates();
+  out.g0 = Eigen::Map<const VectorXd>(rates.data(), static_cast<Eigen::Index>(rates.size()));
+  if (cut_wishes_) {
+    const SparseMatrix C = cut_columns(q);
+    const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);
+    rows = add_rows(G, rows, C, as_factors(cuts_.v_fixed), true);
+    append(out.g0, offset, cuts_.v_fixed);
+    distances = add_rows(T, distances, C, roots(cuts_.v_weight), false);
+    out.d0.conservativeResize(distances);
+    for (int k = 0; k < mechanism_.cut_nv; ++k) out.d0[nv + k] = std::sqrt(cuts_.v_weight[k]) * offset[k];
+  }
+  out.G = matrix(G, rows, nv, free_v_);
+  out.T = matrix(T, distances, nv, free_v_);
+  return out;
+}
+
+std::vector<double> AssemblyProblem::displaced(const std::vector<double>& q, const VectorXd& step) const {
+  std::vector<double> dv(mechanism_.nv, 0);
+  for (std::size_t k = 0; k < free_q_.size(); ++k) dv[free_q_[k]] = step[static_cast<Eigen::Index>(k)];
+  std::vector<double> out = q;
+  dynamics_.displace(out.data(), dv.data());
+  return out;
+}
+
+void AssemblyProblem::unwind(std::vector<double>& q) const {
+  for (const Link& link : mechanism_.links) {
+    for (int i = 0; i < link.nv; ++i) {
+      const int k = link.iv + i;
+      if (tree_.q_fixed[k] || !turns_[k]) continue;
+      double& angle = q[link.iq + i];
+      angle -= 2 * M_PI * std::round((angle - tree_.q[link.iq + i]) / (2 * M_PI));
+    }
+  }
+}
+
+std::vector<double> AssemblyProblem::scattered(std::mt19937& random) const {
+  std::uniform_real_distribution<double> within(-1, 1);
+  std::normal_distribution<double> normal;
+  std::vector<double> q = tree_.q;
+  for (const Link& link : mechanism_.links) {
+    const int plain = link.nq > link.nv ? link.nq - 4 : link.nq;
+    for (int i = 0; i < plain; ++i) {
+      if (!tree_.q_fixed[link.iv + i]) q[link.iq + i] = within(random) * (tree_.turns[link.iv + i] ? M_PI : span_);
+    }
+    if (plain == link.nq || tree_.q_fixed[link.iv + plain]) continue;
+    Eigen::Map<Eigen::Vector4d> Q(q.data() + link.iq + plain);
+    do {
+      for (double& x : Q) x = normal(random);
+    } while (Q.norm() < 0.1);
+    Q.normalize();
+  }
+  return q;
+}
+
+double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<double>& b) const {
+  double out = 0;
+  double d[6];
+  for (const Link& link : mechanism_.links) {
+    if (link.parent < 0) continue;
+    difference(link.nq, link.nv, a.data() + link.iq, b.data() + link.iq, d);
+    for (int i = 0; i < link.nv; ++i) {
+      out = std::max(out, std::abs(turns_[link.iv + i] ? std::remainder(d[i], 2 * M_PI) : d[i]));
+    }
+  }
+  return out;
+}
+
+double AssemblyProblem::moved(const std::vector<double>& q) {
+  const double in_tree = largest_given(tree_, tree_offset(q));
+  return cut_wishes_ ? std::max(in_tree, largest_given(cuts_, cut_offset(q))) : in_tree;
+}
+
+VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {
+  VectorXd d(mechanism_.nv);
+  for (const Link& link : mechanism_.links) {
+    if (link.parent < 0) continue;
+    difference(link.nq, link.nv, q.data() + link.iq, tree_.q.data() + link.iq, d.data() + link.iv);
+  }
+  return d;
+}
+
+VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
+  dynamics_.set_position(q.data());
+  VectorXd d = VectorXd::Zero(mechanism_.cut_nv);
+  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+    const Cut& cut = mechanism_.cuts[c];
+    if (cut.is_rod()) continue;  // no wishes there
+    double found[max_cut_nq];
+    std::copy_n(cuts_.q.data() + cut.iq, cut.nq, found);
+    dynamics_.cut_coordinates(c, found);
+    difference(cut.nq, cut.nv, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
+    for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) {
+      // A cut joint's angle is known within a turn.
+      if (cut.turns[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);
+    }
+  }
+  return d;
+}
+
+// Which tree speeds move a cut: those between its ends.
+void AssemblyProblem::find_cut_pattern() {
+  std::vector<std::vector<int>> cuts_of(static_cast<std::size_t>(mechanism_.nv));
+  for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+    std::vector<int>& speeds = moving_.emplace_back();
+    for (const auto* path : {&mechanism_.cuts[c].path_a, &mechanism_.cuts[c].path_b}) {
+      for (const int i : *path) {
+        for (int k = 0; k < mechanism_.links[i].nv; ++k) speeds.push_back(mechanism_.links[i].iv + k);
+      }
+    }
+    for (const int k : speeds) cuts_of[k].push_back(c);
+  }
+  // Greedily: each into the first group none of whose speeds moves one of its cuts.
+  std::vector<std::vector<bool>> taken;  // by group, by cut
+  for (int k = 0; k < mechanism_.nv; ++k) {
+    if (cuts_of[k].empty()) continue;
+    std::size_t group = 0;
+    const auto free = [&](int c) { return !taken[group][c]; };
+    while (group < groups_.size() && !std::ranges::all_of(cuts_of[k], free)) ++group;
+    if (group == groups_.size()) {
+      groups_.emplace_back();
+      taken.emplace_back(mechanism_.cuts.size(), false);
+    }
+    groups_[group].push_back(k);
+    for (const int c : cuts_of[k]) taken[group][c] = true;
+  }
+}
+
+// Cut joints' speeds by tree speeds, cut_nv x nv.
+SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
+  if (moving_.empty()) find_cut_pattern();
+  dynamics_.set_position(q.data());
+  Entries entries;
+  std::vector<double> unit(mechanism_.nv, 0);
+  double v[max_cut_nv];
+  for (const std::vector<int>& group : groups_) {
+    for (const int k : group) unit[k] = 1;
+    dynamics_.set_velocity(unit.data());
+    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
+      const auto k = std::ranges::find_if(moving_[c], [&](int speed) { return unit[speed] != 0; });
+      if (k == moving_[c].end()) continue;
+      const Cut& cut = mechanism_.cuts[c];
+      dynamics_.cut_speeds(c, v);
+      for (int i = 0; i < cut.nv; ++i) entries.emplace_back(cut.iv + i, *k, v[i]);
+    }
+    for (const int k : group) unit[k] = 0;
+  }
+  SparseMatrix out(mechanism_.cut_nv, mechanism_.nv);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+}  // namespace gelenk

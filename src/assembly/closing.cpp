@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/closing.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace gelenk {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Level = AssemblyProblem::Level;
+
+constexpr double closed = 1e-13;        // relative to the mechanism's length: some hundreds of roundings
+constexpr double rounding = 2e-16;      // relative to the mechanism's length
+constexpr double longest_step = 0.4;    // rad or m: farther than this the linearised loops say little
+constexpr double difference = 1e-5;     // of second derivatives: as much lost by rounding as by its length
+constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
+
+double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
+
+VectorXd limited(const VectorXd& step) {
+  const double size = largest(step);
+  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
+}
+
+// Half the squared distance along the loops closed at q.
+struct Slope {
+  explicit Slope(const SparseMatrix& G) : loops(G) {}
+  RowSpace loops;
+  VectorXd d;         // distances
+  SparseMatrix T;     // their derivative
+  VectorXd whole;     // the gradient as if there were no loops
+  VectorXd gradient;  // what of it the loops let through: along their basis, or where that is too wide, as it is
+};
+
+Slope slope_at(AssemblyProblem& problem, const std::vector<double>& q) {
+  Slope out(problem.gap_jacobian(q));
+  if (out.loops.freedoms() == 0) return out;
+  out.d = problem.distance(q);
+  out.T = problem.distance_jacobian(q);
+  out.whole = out.T.transpose() * out.d;
+  out.gradient = out.loops.has_basis() ? out.loops.basis().transpose() * out.whole : out.loops.free_part(out.whole);
+  return out;
+}
+
+// Z^T (second derivatives of the Lagrangian) Z, Z the basis, by differences of its gradient.
+MatrixXd bending(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at, const MatrixXd& Z) {
+  VectorXd lambda;  // holds what of the gradient the loops do not let through
+  if (at.loops.rows().rows() > 0) lambda = at.loops.multipliers(-at.whole);
+  const auto gradient = [&](const VectorXd& step) {
+    const std::vector<double> beside = problem.displaced(q, step);
+    VectorXd out = problem.distance_jacobian(beside).transpose() * problem.distance(beside);
+    if (lambda.size() > 0) out += problem.gap_jacobian(beside).transpose() * lambda;
+    return out;
+  };
+  const double h = difference * problem.length();
+  MatrixXd H(Z.cols(), Z.cols());
+  for (Eigen::Index k = 0; k < H.cols(); ++k) {
+    const VectorXd z = h * Z.col(k);
+    H.col(k) = Z.transpose() * (gradient(z) - gradient(-z)) / (2 * h);
+  }
+  return (H + H.transpose()) / 2;
+}
+
+// Downhill, and the shortest way where the distance is bowl-shaped.
+VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, const Slope& at) {
+  const MatrixXd& Z = at.loops.basis();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(bending(problem, q, at, Z));
+  const VectorXd& bends = parts.eigenvalues();
+  const double least = 1e-9 * bends.cwiseAbs().maxCoeff();
+  VectorXd along = parts.eigenvectors().transpose() * at.gradient;
+  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(bends[k]), least, 1e-300});
+  return -(Z * (parts.eigenvectors() * along));
+}
+
+// One step of come_near, shortened until it leads nearer; false when none does.
+bool nearer(AssemblyProblem& problem, std::vector<double>& q, Slope& at, VectorXd step, bool newton) {
+  const double cost = at.d.squaredNorm();
+  for (int k = 0; k < 8; ++k, step /= 4) {
+    if (largest(step) < 1e-13 * problem.length()) return false;
+    std::vector<double> next = problem.displaced(q, step);
+    if (!(close_gaps(problem, next) <= assembled_gap)) continue;  // nor where it is no number
+    const double next_cost = problem.distance(next).squaredNorm();
+    // Near the bottom the distance is level within rounding; its slope still tells.
+    if (!(next_cost < cost * (newton ? 1 + 1e-12 : 1))) continue;
+    Slope there = slope_at(problem, next);
+    if (next_cost >= cost && there.gradient.norm() > 0.5 * at.gradient.norm()) continue;
+    q = std::move(next);
+    at = std::move(there);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold) {
+  const RowSpace loops(s.G, threshold);
+  const VectorXd v = -loops.shortest(s.g0);
+  return loops.freedoms() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0)) : v;
+}
+
+double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
+  VectorXd g = problem.gap(q);
+  double damping = 0;
+  for (int i = 0; i < 200 && largest(g) > rounding * problem.length(); ++i) {
+    // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
+    // further as long as that makes progress; there Newton's method quarters the gap at each step.
+    const double least_progress = largest(g) > closed * problem.length() ? 1e-6 : 0.5;
+    const SparseMatrix G = problem.gap_jacobian(q);
+    if (G.cols() == 0) break;  // everything is fixed
+    const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
+    bool better = false;
+    for (int k = 0; k < 12 && !better; ++k) {
+      VectorXd step;
+      if (damping == 0) {
+        step = -RowSpace(G).shortest(g);
+      } else {
+        const SparseMatrix normal = G * G.transpose();
+        step = -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), g);
+      }
+      std::vector<double> next = problem.displaced(q, limited(step));
+      const VectorXd g_next = problem.gap(next);
+      better = g_next.norm() < g.norm() * (1 - least_progress);
+      if (better) {
+        q = std::move(next);
+        g = g_next;
+        damping = damping < 1e-5 ? 0 : damping / 10;
+      } else if (least_progress < 0.5) {
+        damping = std::max(1e-4, damping * 8);
+      } else {
+        break;
+      }
+    }
+    if (!better) break;
+  }
+  return largest(g);
+}
+
+void pull(AssemblyProblem& problem, std::vector<double>& q) {
+  const auto residual = [&](const std::vector<double>& at) {
+    const VectorXd g = problem.gap(at);
+    const VectorXd d = problem.distance(at);
+    return VectorXd((VectorXd(g.size() + d.size()) << g, d).finished());
+  };
+  VectorXd r = residual(q);
+  double damping = 1e-4;
+  for (int i = 0; i < 40; ++i) {
+    const SparseMatrix G = problem.gap_jacobian(q);
+    const SparseMatrix T = problem.distance_jacobian(q);
+    if (G.cols() == 0) return;
+    const SparseMatrix loops = G.transpose() * G;
+    const SparseMatrix wishes = T.transpose() * T;
+    const SparseMatrix normal = plus_diagonal(loops + wishes, damping);
+    const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
+    const VectorXd step = limited(-solve_definite(normal, downhill));
+    std::vector<double> next = problem.displaced(q, step);
+    const VectorXd r_next = residual(next);
+    if (r_next.norm() < r.norm()) {
+      const bool done = r.norm() - r_next.norm() < 1e-4 * r.norm();
+      q = std::move(next);
+      r = r_next;
+      damping = std::max(1e-9, damping / 10);
+      if (done) return;
+    } else if (damping > 1e6) {
+      return;
+    } else {
+      damping *= 10;
+    }
+  }
+}
+
+void come_near(AssemblyProblem& problem, std::vector<double>& q) {
+  Slope at = slope_at(problem, q);
+  for (int i = 0; i < 100 && at.loops.freedoms() > 0; ++i) {
+    const double cost = at.d.squaredNorm();
+    const bool newton = i >= 2 && at.loops.freedoms() <= most_bent;
+    const VectorXd step = newton ? newton_step(problem, q, at) : nearest(at.loops, at.T, at.d);
+    if (!nearer(problem, q, at, limited(step), newton)) return;
+    if (!newton && at.loops.freedoms() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
+    if (largest(at.gradient) < 1e-15 * problem.length()) return;
+  }
+}
+
+Bottom bottom_at(AssemblyProblem& problem, const std::vector<double>& q) {
+  const Slope at = slope_at(problem, q);
+  Bottom out;
+  out.freedoms = at.loops.freedoms();
+  if (out.freedoms == 0) return out;
+  out.slope = largest(at.gradient);
+  const MatrixXd& Z = at.loops.basis();
+  if (out.freedoms > most_bent) {
+    const MatrixXd along = at.T * Z;
+    out.least_bending = (along.transpose() * along).selfadjointView<Eigen::Lower>().eigenvalues()[0];
+    return out;
+  }
+  out.least_bending = Eigen::SelfAdjointEigenSolver<MatrixXd>(bending(problem, q, at, Z)).eigenvalues()[0];
+  return out;
+}
+
+std::vector<double> shaken(const AssemblyProblem& problem, const std::vector<double>& q, int attempt) {
+  if (attempt == 0) return q;
+  std::mt19937 random(static_cast<unsigned>(attempt));
+  // At first small, for guesses that stand on a dead point; in the end anywhere.
+  const double reach = std::min(M_PI, 0.05 * std::pow(1.35, attempt));
+  std::uniform_real_distribution<double> shake(-reach, reach);
+  const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
+  VectorXd step(n);
+  for (Eigen::Index k = 0; k < n; ++k) step[k] = shake(random) * problem.length();
+  return problem.displaced(q, step);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/loop_positions.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double longest_step = 0.3;  // rad or m, of one closing step: beyond, the linearised loops say little
+constexpr double stride = 0.4;        // rad or m, from one position to the next: so that they differ much
+constexpr double stayed = 0.05;       // rad or m: a walk that gets no farther has met an end
+constexpr double least_progress = 1e-3;
+// Of the largest singular value: at regular positions of mechanisms with all kinds of proportions it is 1e-3 and more.
+constexpr double least_pivot = 1e-4;
+constexpr double beside_singular = 1e-3;  // likewise: positions beside singular ones have smaller ones
+// Between the last singular value that counts and the first that does not.
+constexpr double certain = 10;
+
+double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
+
+VectorXd limited(const VectorXd& step) {
+  const double size = largest(step);
+  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
+}
+
+}  // namespace
+
+Decomposition::Decomposition(const MatrixXd& J) {
+  const Eigen::BDCSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  U = svd.matrixU();
+  V = svd.matrixV();
+  sigma = svd.singularValues();
+}
+
+VectorXd Decomposition::solve(const VectorXd& b, Index rank, double damping) const {
+  VectorXd along = U.leftCols(rank).transpose() * b;
+  for (Index k = 0; k < rank; ++k) {
+    const double divisor = sigma[k] * sigma[k] + damping;
+    along[k] = divisor > 0 ? along[k] * sigma[k] / divisor : 0;
+  }
+  return V.leftCols(rank) * along;
+}
+
+LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
+  LoopGeometry::Equations here = loops_.equations(q);
+  double damping = 0;
+  for (int i = 0; i < 80; ++i) {
+    const Decomposition J(here.J);
+    if (J.sigma.size() == 0 || J.sigma[0] == 0) break;
+    bool better = false;
+    for (int k = 0; k < 8 && !better; ++k) {
+      std::vector<double> next = loops_.displaced(q, limited(-J.solve(here.Phi, rank_, damping)));
+      LoopGeometry::Equations there = loops_.equations(next);
+      better = there.Phi.norm() < here.Phi.norm() * (1 - least_progress);
+      if (better) {
+        q = std::move(next);
+        here = std::move(there);
+      } else {
+        damping = std::max(1e-4 * J.sigma[0] * J.sigma[0], 8 * damping);
+      }
+    }
+    if (!better) break;
+    damping = damping > 1e-8 * J.sigma[0] * J.sigma[0] ? damping / 10 : 0;
+  }
+  return {std::move(q), largest(here.Phi), Decomposition(here.J).sigma};
+}
+
+bool LoopPositions::is_regular(const Position& position) const {
+  const VectorXd& sigma = position.sigma;
+  if (rank_ == 0 || sigma.size() == 0) return true;
+  const double beyond = rank_ < sigma.size() ? sigma[rank_] : 0;
+  return sigma[rank_ - 1] > std::max(least_pivot * sigma[0], certain * beyond);
+}
+
+VectorXd LoopPositions::free_direction(const std::vector<double>& q, std::mt19937& random) const {
+  const Decomposition J(loops_.equations(q).J);
+  std::normal_distribution<double> normal;
+  // At a singular position branches meet, and more is free there than on any of them.
+  Index held = 0;
+  while (held < rank_ && J.sigma[held] > beside_singular * J.sigma[0]) ++held;
+  VectorXd along(J.V.cols() - held);
+  for (double& x : along) x = normal(random);
+  const VectorXd out = J.V.rightCols(along.size()) * along;
+  return out / largest(out);
+}
+
+std::vector<std::vector<double>> LoopPositions::walk(const Position& start, std::size_t count, unsigned seed) const {
+  std::vector<std::vector<double>> out;
+  if (is_regular(start) && start.gap <= misfit_) out.push_back(start.q);
+  if (rank_ == loops_.speeds()) return out;
+  std::mt19937 random(seed);
+  std::vector<double> at = start.q;
+  VectorXd last;  // the way it came, or the opposite of that before an end was met
+  for (std::size_t i = 0; i < 6 * count && out.size() < count; ++i) {
+    VectorXd ahead = free_direction(at, random);
+    if (last.size() > 0 && ahead.dot(last) < 0) ahead = -ahead;
+    Position next = closed(loops_.displaced(at, stride * ahead));
+    double moved = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) moved = std::max(moved, std::abs(next.q[k] - at[k]));
+    if (!(next.gap <= misfit_) || moved < stayed) {
+      at = start.q;
+      if (is_regular(start)) {
+        last = -ahead;
+      } else {
+        last.resize(0);
+      }
+      continue;
+    }
+    last = ahead;
+    at = std::move(next.q);
+    next.q = at;
+    if (is_regular(next)) out.push_back(at);
+  }
+  return out;
+}
+
+}  // namespace gelenk

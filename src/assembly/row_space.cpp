@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/row_space.h"
+
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Columns up to which sorted pivots, which tell the rank best, cost nothing to speak of.
+constexpr Index most_dense = 300;
+constexpr Index widest_basis = 64;     // columns of a basis that is worth its price where the rows are sparse
+constexpr double least_pivot = 1e-9;   // of the largest, in a basis
+constexpr double regularised = 1e-12;  // of the largest entry, where no basis is worth its price
+
+bool is_large(const SparseMatrix& G) { return G.cols() > most_dense; }
+
+}  // namespace
+
+RowSpace::RowSpace(const SparseMatrix& G, double threshold) : G_(G), threshold_(threshold) {
+  if (!is_large(G_) || G_.rows() == 0) return;
+  G_.makeCompressed();
+  SparseMatrix columns = G_.transpose();
+  columns.makeCompressed();
+  sparse_ = std::make_unique<Factor>();
+  double largest = 0;
+  for (Index k = 0; k < columns.cols(); ++k) largest = std::max(largest, columns.col(k).norm());
+  sparse_->setPivotThreshold((threshold_ > 0 ? threshold_ : least_pivot) * largest);
+  sparse_->compute(columns);
+  if (sparse_->info() != Eigen::Success) throw std::runtime_error("sparse factors of the loops' rows were not found");
+}
+
+Index RowSpace::rank() const {
+  if (sparse_) return sparse_->rank();
+  return G_.cols() - basis().cols();
+}
+
+bool RowSpace::has_basis() const { return !is_large(G_) || freedoms() <= widest_basis; }
+
+VectorXd RowSpace::shortest(const VectorXd& b) const {
+  if (G_.rows() == 0 || G_.cols() == 0) return VectorXd::Zero(G_.cols());
+  if (!sparse_) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(G_.rows(), G_.cols());
+    if (threshold_ > 0) factor.setThreshold(threshold_);
+    return factor.compute(MatrixXd(G_)).solve(b);
+  }
+  // G^T P = Q R, so that R_1^T (Q^T x) = P^T b.
+  const Index r = sparse_->rank();
+  const VectorXd sorted = sparse_->colsPermutation().transpose() * b;
+  const SparseMatrix R = sparse_->matrixR().topLeftCorner(r, r);
+  VectorXd y = VectorXd::Zero(G_.cols());
+  y.head(r) = R.transpose().triangularView<Eigen::Lower>().solve(sorted.head(r));
+  return sparse_->matrixQ() * y;
+}
+
+VectorXd RowSpace::multipliers(const VectorXd& b) const {
+  if (G_.rows() == 0) return {};
+  if (!sparse_) return MatrixXd(G_.transpose()).completeOrthogonalDecomposition().solve(b);
+  return sparse_->solve(b);
+}
+
+VectorXd RowSpace::free_part(const VectorXd& x) const {
+  if (G_.rows() == 0) return x;
+  if (!sparse_) return basis() * (basis().transpose() * x);
+  VectorXd y = sparse_->matrixQ().transpose() * x;
+  y.head(sparse_->rank()).setZero();
+  return sparse_->matrixQ() * y;
+}
+
+const MatrixXd& RowSpace::basis() const {
+  if (!basis_) {
+    basis_ = sparse_ ? sparse_basis() : nullspace(MatrixXd(G_), G_.cols(), threshold_ > 0 ? threshold_ : least_pivot);
+  }
+  return *basis_;
+}
+
+MatrixXd RowSpace::sparse_basis() const {
+  const Index r = sparse_->rank();
+  MatrixXd out = MatrixXd::Zero(G_.cols(), freedoms());
+  for (Index k = 0; k < out.cols(); ++k) {
+    const VectorXd e = VectorXd::Unit(G_.cols(), r + k);
+    const VectorXd column = sparse_->matrixQ() * e;
+    out.col(k) = column;
+  }
+  return out;
+}
+
+VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d) {
+  if (rows.has_basis()) {
+    const MatrixXd& Z = rows.basis();
+    if (Z.cols() == 0) return VectorXd::Zero(T.cols());
+    return -(Z * MatrixXd(T * Z).completeOrthogonalDecomposition().solve(d));
+  }
+  // [T^T T, G^T; G, 0] with a little on the diagonal, which makes it definite enough to be factorised in any order.
+  const SparseMatrix& G = rows.rows();
+  const Index n = G.cols();
+  const Index m = G.rows();
+  const SparseMatrix H = T.transpose() * T;
+  constexpr double tiny = 1e-300;  // where all are 0
+  const double size = std::max(tiny, H.diagonal().maxCoeff());
+  const double row_size = G.nonZeros() > 0 ? std::max(tiny, G.coeffs().square().maxCoeff()) : tiny;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index k = 0; k < n; ++k) {
+    for (SparseMatrix::InnerIterator at(H, k); at; ++at) entries.emplace_back(at.row(), k, at.value());
+    entries.emplace_back(k, k, regularised * 1e3 * size);
+    for (SparseMatrix::InnerIterator at(G, k); at; ++at) {
+      entries.emplace_back(n + at.row(), k, at.value());
+      entries.emplace_back(k, n + at.row(), at.value());
+    }
+  }
+  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularised * row_size / size);
+  SparseMatrix K(n + m, n + m);
+  K.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<SparseMatrix> factor(K);
+  VectorXd right = VectorXd::Zero(n + m);
+  right.head(n) = -(T.transpose() * d);
+  const VectorXd x = factor.solve(right);
+  return rows.free_part(x.head(n));  // what the diagonal has let through
+}
+
+SparseMatrix plus_diagonal(const SparseMatrix& A, double x) {
+  SparseMatrix I(A.rows(), A.cols());
+  I.setIdentity();
+  return A + x * I;
+}
+
+VectorXd solve_definite(const SparseMatrix& A, const VectorXd& b) {
+  if (!is_large(A)) return MatrixXd(A).ldlt().solve(b);
+  const Eigen::SimplicialLDLT<SparseMatrix> factor(A);
+  return factor.solve(b);
+}
+
+MatrixXd nullspace(const MatrixXd& G, Index n, double threshold) {
+  if (G.rows() == 0 || n == 0) return MatrixXd::Identity(n, n);
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(G.transpose());
+  qr.setThreshold(threshold);
+  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, n);
+  return Q.rightCols(n - qr.rank());
+}
+
+}  // namespace gelenk

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "check/check.h"
+#include "check/fields.h"
+#include "joint/registry.h"
+#include "scene/element_numbers.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+const Joint* find_joint(const Scene& scene, const std::string& name, const std::string& path, Faults& faults) {
+  const auto found = std::ranges::find(scene.joints, name, &Joint::name);
+  if (found != scene.joints.end()) return &*found;
+  std::vector<std::string> names;
+  for (const Joint& joint : scene.joints) names.push_back(joint.name);
+  faults.add(path, text::quoted(name), text::one_of(name, names, "joints"));
+  return nullptr;
+}
+
+// The kinds of joints that a port can be at.
+std::string fitting(const Port& port) {
+  std::vector<std::string> kinds;
+  for (const JointKind& kind : joint_kinds()) {
+    if (port.fits(kind)) kinds.emplace_back(kind.name);
+  }
+  return kinds.size() == 1 ? "a " + kinds[0] + " joint" : "a joint of one of the types " + text::list(kinds);
+}
+
+// Of one section.
+struct Checker {
+  const Scene& scene;
+  const Section& section;
+  Faults& faults;
+  bool partial;
+  std::set<std::string> held{};  // coordinates that constraints are about
+
+  void joint(const Port& port, const std::string& name, const std::string& path) {
+    if (name.empty() && (partial || port.optional)) return;
+    const Joint* found = find_joint(scene, name, path, faults);
+    const JointKind* kind = found == nullptr ? nullptr : find_joint_kind(found->type);
+    if (kind == nullptr || port.fits == nullptr || port.fits(*kind)) return;
+    faults.add(path, text::quoted(name) + ", a " + found->type + " joint", fitting(port));
+  }
+
+  void coordinate(const ElementPlace& element, const std::string& path) {
+    const JointKind* kind = kind_of_joint(scene, element.joints.front());
+    if (kind == nullptr || (partial && element.coordinate.empty())) return;
+    const std::string whole = element.joints.front() + "." + element.coordinate;
+    if (std::ranges::find(kind->q, element.coordinate, &Quantity::name) == kind->q.end()) {
+      faults.add(path + ".coordinate", text::quoted(element.coordinate),
+                 "a coordinate of joint " + element.joints.front());
+    } else if (!held.insert(whole).second) {
+      faults.add(path, "a second motion of " + whole, "one motion for each coordinate");
+    }
+  }
+
+  void frame(const Port& port, const BodyFrame& frame, const std::string& path) {
+    const std::string own = port.name.empty() ? path : path + "." + std::string(port.name);
+    check_frame(frame, scene, own, faults, partial);
+    if (!port.on_ground && frame.body == ground) faults.add(own + ".body", "'ground'", "a body that a force can move");
+  }
+
+  void ports(const ElementPlace& element, const ElementKind& kind, const std::string& path) {
+    std::size_t frames = 0;
+    std::size_t joints = 0;
+    for (const Port& port : kind.ports) {
+      if (port.kind != Port::Kind::joint) {
+        frame(port, element.frames.at(frames++), path);
+        continue;
+      }
+      joint(port, element.joints.at(joints++), path + "." + std::string(port.name));
+      if (port.has_coordinate) coordinate(element, path);
+    }
+    if (section.name == sensors_section.name) return;
+    const auto twice = [](std::vector<std::string> names) {
+      std::erase(names, "");
+      std::ranges::sort(names);
+      const auto found = std::ranges::adjacent_find(names);
+      return found == names.end() ? std::string() : *found;
+    };
+    std::vector<std::string> bodies;
+    for (const BodyFrame& frame : element.frames) bodies.push_back(frame.body);
+    if (const std::string body = twice(bodies); !body.empty()) {
+      faults.add(path, text::quoted(body) + " twice", "two different bodies");
+    }
+    if (!twice(element.joints).empty()) faults.add(path, "a joint twice", "different joints");
+  }
+
+  template <class Any>
+  void run(const std::vector<Element<Any>>& elements) {
+    for (const Element<Any>& element : elements) {
+      const std::string path = std::string(section.name) + "." + text::printable(element.name);
+      ports(element, kind_of(element.is), path);
+      if (!partial) check_numbers(element, path, coordinate_of(scene, element), faults);
+    }
+  }
+};
+
+// Of what keeps a speed only, dependent coordinates cannot be told.
+void check_formulation(const Scene& scene, Faults& faults) {
+  if (scene.solver.formulation != "independent") return;
+  for (const Constraint& c : scene.constraints) {
+    if (holds_positions(c.is)) continue;
+    faults.add(
+        "solver.formulation",
+        "'independent' with constraints." + text::printable(c.name) + ", which constrains speeds but no position",
+        "another formulation, as projection");
+  }
+}
+
+}  // namespace
+
+template <class Any>
+void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults) {
+  check_element(
+      kind_of(element.is).fields, data_of(element.is), path, coordinate,
+      [&] { return fault_of(element.is, coordinate); }, faults);
+}
+template void check_numbers(const Motor&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Force&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Constraint&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Sensor&, const std::string&, const Coordinate&, Faults&);
+
+void check_elements(const Scene& scene, Faults& faults, bool partial) {
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    Checker{.scene = scene, .section = section, .faults = faults, .partial = partial}.run(elements);
+  });
+  check_formulation(scene, faults);
+}
+
+}  // namespace gelenk

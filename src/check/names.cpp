@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "check/check.h"
+#include "joint/registry.h"
+#include "scene/element_numbers.h"
+#include "scene/units.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+constexpr std::size_t longest_name = 200;  // characters, as of the scene's own
+
+template <class Element>
+void check_section(const std::vector<Element>& elements, const std::string& section, Faults& faults) {
+  std::set<std::string> seen;
+  for (const Element& element : elements) {
+    const std::string path = section + "." + text::printable(element.name);
+    if (element.name == ground) {
+      faults.add(path, "the name 'ground'", "another: 'ground' is the body that stands still");
+    } else if (!text::is_identifier(element.name)) {
+      faults.add(path, "the name " + text::quoted(element.name), "a letter or _, then letters, digits or _");
+    } else if (element.name.size() > longest_name) {
+      faults.add(section + "." + element.name.substr(0, 20) + "...",
+                 "a name of " + std::to_string(element.name.size()) + " characters",
+                 "at most " + std::to_string(longest_name));
+    }
+    if (!seen.insert(element.name).second) faults.add(path, "twice", "every name once");
+  }
+}
+
+// Who has which structured name ("A.phi"), without indices.
+class Names {
+ public:
+  explicit Names(Faults& faults) : faults_(faults) {}
+
+  // At most one fault for each pair of owners.
+  void take(const std::string& owner, const std::string& element, const std::vector<std::string>& suffixes) {
+    std::set<std::string> told;
+    for (const std::string& suffix : suffixes) {
+      const std::string name = element + "." + suffix;
+      const std::string& first = owners_.try_emplace(name, owner).first->second;
+      if (first == owner || !told.insert(first).second) continue;
+      faults_.add(owner, "the variable " + name + ", which " + first + " has already",
+                  "names that keep their variables apart");
+    }
+  }
+
+ private:
+  Faults& faults_;
+  std::map<std::string, std::string> owners_;
+};
+
+void add_fields(std::vector<std::string>& out, std::span<const Field> fields) {
+  for (const Field& field : fields) out.emplace_back(field.name);
+}
+
+std::vector<std::string> joint_suffixes(const Joint& joint) {
+  std::vector<std::string> out = {"fixed", "parent", "child"};
+  for (const JointForceKind& force : joint_force_kinds()) {
+    if (!force.group.empty()) out.emplace_back(force.group);
+    if (force.group.empty()) add_fields(out, force.fields);
+  }
+  const JointKind* kind = find_joint_kind(joint.type);
+  if (kind == nullptr) return out;
+  add_fields(out, kind->fields);
+  for (const auto quantities : {kind->q, kind->v, kind->a}) {
+    for (const QuantityGroup& group : groups(quantities)) {
+      out.push_back(group.name);
+      out.push_back(group.name + "_start");
+    }
+  }
+  return out;
+}
+
+template <class Any>
+std::vector<std::string> suffixes(const Scene& scene, const Element<Any>& element) {
+  const ElementKind& kind = kind_of(element.is);
+  const Coordinate coordinate = coordinate_of(scene, element);
+  std::vector<std::string> out;
+  add_fields(out, kind.fields);
+  for (const auto signals : {inputs_of(element.is), kind.outputs}) {
+    for (const SignalGroup& signal : signals) out.push_back(filled_in(signal.name, element, coordinate));
+  }
+  return out;
+}
+
+}  // namespace
+
+void check_names(const Scene& scene, Faults& faults) {
+  check_section(scene.bodies, "bodies", faults);
+  check_section(scene.joints, "joints", faults);
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    check_section(elements, std::string(section.name), faults);
+  });
+
+  Names names(faults);
+  const std::string always = "every mechanism";
+  names.take(always, "assembly", {"tolerance"});
+  names.take(always, "constraints", {"position", "velocity"});
+  names.take(always, "energy", {"kinetic", "potential", "total"});
+  names.take(always, "solver",
+             {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
+              "formulation", "integrator", "step", "start"});
+  for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
+  for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
+  each_section(scene, [&](const Section& section, const auto& elements) {
+    for (const auto& element : elements) {
+      names.take(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
+    }
+  });
+}
+
+}  // namespace gelenk

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_extended.cpp.
+#include "outputs/outputs_impl.h"
+
+namespace gelenk {
+Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals)
+    : reduced_(reduced) {
+  for (const Sensor& sensor : scene.sensors) {
+    sensors_.push_back(sensor.is);
+    ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
+  }
+  for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
+  for (const Signal& signal : signals) {
+    sources_.push_back(signal.joint >= 0 ? joint_source(signal) : element_source(scene, signal));
+  }
+}
+
+Outputs::Entry Outputs::entry(int output) const {
+  const Source& s = sources_[output];
+  switch (s.kind) {
+    case Kind::tree_q:
+      return {s.index, s.sign};
+    case Kind::tree_v:
+      return {reduced_.islands[s.island].nq + s.index, s.sign};
+    case Kind::tree_a:
+      return {reduced_.islands[s.island].nq + reduced_.islands[s.island].nv + s.index, s.sign};
+    default:
+      return {none, 0};
+  }
+}
+
+Outputs::Source Outputs::joint_source(const Signal& signal) const {
+  const JointPlace& place = reduced_.joints[signal.joint];
+  const int c = signal.component;
+  Source source;
+  if (place.role == JointPlace::Role::merged) {
+    source.sign = signal.level == 0 ? place.q[c] : 0;
+    return source;
+  }
+  source.island = place.island;
+  const Mechanism& mechanism = reduced_.islands[place.island];
+  source.sign = signal.level == 0 ? place.q_sign[c] : place.v_sign[c];
+  if (place.role == JointPlace::Role::tree) {
+    static constexpr Kind kinds[] = {Kind::tree_q, Kind::tree_v, Kind::tree_a};
+    static constexpr Needs needs[] = {Needs::state, Needs::state, Needs::accelerations};
+    source.kind = kinds[signal.level];
+    source.needs = needs[signal.level];
+    source.index = (signal.level == 0 ? place.iq : place.iv) + c;
+    return source;
+  }
+  static constexpr Kind kinds[] = {Kind::cut_q, Kind::cut_v, Kind::cut_a};
+  static constexpr Needs cut_needs[] = {Needs::state, Needs::state, Needs::accelerations};
+  source.kind = kinds[signal.level];
+  source.needs = cut_needs[signal.level];
+  source.index = signal.level == 0 ? place.iq + c : place.index;
+  source.component = place.iv - mechanism.cuts[place.index].iv + c;
+  return source;
+}
+
+Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal) const {
+  Source out;
+  out.index = signal.element;
+  out.group = signal.group;
+  out.component = signal.component;
+  out.needs = signal.stage == Stage::acceleration ? Needs::accelerations : Needs::velocities;
+  if (signal.section == sections::sensors) {
+    const auto i = static_cast<std::size_t>(signal.element);
+    out.kind = kind_of(scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;
+    out.island = out.kind == Kind::whole ? none : ports_[i].island;
+    return out;
+  }
+  out.island = reduced_.constraints[static_cast<std::size_t>(signal.element)].island;
+  out.kind = out.island < 0 ? Kind::constant : Kind::constraint;
+  if (out.island < 0) out.sign = 0;
+  return out;
+}
+
+double Outputs::constant(int output) const {
+  const Source& s = sources_[output];
+  return s.kind == Kind::constant ? s.sign : sensor_value<double>(s, nullptr);
+}
+
+template double Outputs::value(int, const Reading&) const;
+template double Outputs::of_energy(int, const Energy&) const;
+
+}  // namespace gelenk

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Outputs as numbers that carry derivatives.
+#include "math/dual.h"
+#include "math/series.h"
+#include "outputs/outputs_impl.h"
+
+namespace gelenk {
+
+template Dual Outputs::value(int, const ReadingOf<Dual>&) const;
+template Series Outputs::value(int, const ReadingOf<Series>&) const;
+template Dual Outputs::of_energy(int, const EnergyOf<Dual>&) const;
+template Series Outputs::of_energy(int, const EnergyOf<Series>&) const;
+
+}  // namespace gelenk

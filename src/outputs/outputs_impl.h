@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "math/pose_in.h"
+#include "outputs/outputs.h"
+
+namespace gelenk {
+
+template <class T>
+T Outputs::value(int output, const ReadingOf<T>& reading) const {
+  const Source& s = sources_[output];
+  const auto component = [&s](auto&& read) {
+    T joint[max_cut_nv] = {};
+    read(joint);
+    return T(s.sign) * joint[s.component];
+  };
+  switch (s.kind) {
+    case Kind::tree_q:
+      return T(s.sign) * reading.q[s.index];
+    case Kind::tree_v:
+      return T(s.sign) * reading.v[s.index];
+    case Kind::tree_a:
+      return T(s.sign) * reading.vdot[s.index];
+    case Kind::cut_q:
+      return T(s.sign) * reading.cut_q[s.index];
+    case Kind::cut_v:
+      if (reading.cut_v != nullptr)
+        return T(s.sign) * reading.cut_v[reduced_.islands[s.island].cuts[s.index].iv + s.component];
+      return component([&](T* joint) { reading.dynamics.cut_speeds(s.index, joint); });
+    case Kind::cut_a:
+      return component([&](T* joint) { reading.dynamics.cut_accelerations(s.index, joint); });
+    case Kind::sensor:
+      return sensor_value<T>(s, &reading.dynamics);
+    case Kind::constraint:
+      return constraint_value<T>(s, reading.dynamics);
+    case Kind::constant:
+    case Kind::whole:
+      break;
+  }
+  return T(0);
+}
+
+template <class T>
+T Outputs::sensor_value(const Source& source, const Readings<T>* dynamics) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  const SeenPorts<T> seen(ports_[i], reduced_, dynamics);
+  return std::visit(
+      [&](const auto& sensor) -> T {
+        if constexpr (OfWhole<std::decay_t<decltype(sensor)>>)
+          return T(0);
+        else
+          return sensor.output(seen, source.group, source.component);
+      },
+      sensors_[i]);
+}
+
+template <class T>
+T Outputs::constraint_value(const Source& source, const Readings<T>& dynamics) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  const SeenConstraint<T> seen(reduced_.constraints[i], reduced_, dynamics);
+  return std::visit([&](const auto& c) { return T(c.output(seen, source.group, source.component)); }, constraints_[i]);
+}
+
+template <class T>
+T Outputs::of_energy(int output, const EnergyOf<T>& energy) const {
+  const Source& s = sources_[output];
+  const SeenEnergy<T> seen{energy};
+  return std::visit(
+      [&](const auto& sensor) -> T {
+        if constexpr (OfWhole<std::decay_t<decltype(sensor)>>) return sensor.output(seen, s.group, s.component);
+        return T(0);
+      },
+      sensors_[static_cast<std::size_t>(s.index)]);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assembly/frame_adjustment.h"
+#include "math/rotations.h"
+#include "mechanism/mechanism.h"
+#include "preparation/start.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+// Every joint in space and as itself: redundancy is what is looked for.
+ReducedScene reduce_in_space(const Scene& scene) {
+  Scene literal = scene;
+  for (const Reduction pass : {Reduction::planar, Reduction::massless}) {
+    literal.solver.reductions[static_cast<std::size_t>(pass)] = false;
+  }
+  return reduce(literal);
+}
+
+BodyFrame& half(Scene& scene, const FrameMove& move) {
+  Joint& joint = scene.joints[move.scene_joint];
+  return move.child ? joint.child : joint.parent;
+}
+
+// The frame that the file gives is turned against the one in which the joint is written.
+void apply(const ReducedScene& reduced, int island, const FrameMove& move, Scene& scene) {
+  BodyFrame& frame = half(scene, move);
+  const Pose3 X_LF = place(scene, reduced, island, frame).X_LB;
+  const Eigen::Matrix3d R = X_LF.R.transpose() * move.X_given.R;
+  frame.X_BF.p += frame.X_BF.R * (R * move.X_move.p);
+  frame.X_BF.R = settled(Eigen::Matrix3d(frame.X_BF.R * R * move.X_move.R * R.transpose()));
+}
+
+constexpr double much_more = 100;  // of a tolerance
+
+double largest(const MovedFrame& frame) { return std::max(frame.turn, frame.shift); }
+
+}  // namespace
+
+AdjustedScene adjust(const Scene& scene, double tolerance) {
+  AdjustedScene out{.scene = scene, .moved = {}};
+  const ReducedScene reduced = reduce_in_space(scene);
+  std::vector<FrameMove> moves;
+  for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
+    const Mechanism& mechanism = reduced.islands[i];
+    if (mechanism.cuts.empty()) continue;
+    const FrameAdjustment found = adjust_frames(mechanism, start_wishes(scene, reduced, i).tree.q, tolerance);
+    const bool closes =
+        found.outcome == FrameAdjustment::Outcome::as_given || found.outcome == FrameAdjustment::Outcome::adjusted;
+    out.closes = out.closes && closes;
+    out.freedoms += found.freedoms;
+    for (const FrameMove& move : found.moves) {
+      moves.push_back(move);
+      if (closes) apply(reduced, i, move, out.scene);
+    }
+  }
+  std::ranges::sort(moves, {}, [](const FrameMove& m) { return 2 * m.scene_joint + (m.child ? 1 : 0); });
+  for (const FrameMove& move : moves) {
+    out.moved.push_back({scene.joints[move.scene_joint].name, half(out.scene, move).body, move.turn, move.shift});
+  }
+  return out;
+}
+
+double sufficient_tolerance(const Scene& scene, double from, double most) {
+  double least = 0;
+  int freedoms = -1;
+  for (int decade = static_cast<int>(std::ceil(std::log10(from))); decade <= std::lround(std::log10(most)); ++decade) {
+    const double tolerance = std::pow(10.0, decade);
+    if (tolerance <= from) continue;
+    if (least > 0 && tolerance > 1.01 * much_more * least) break;
+    const AdjustedScene found = adjust(scene, tolerance);
+    if (!found.closes || found.moved.empty() || found.freedoms <= freedoms) continue;
+    least = tolerance;
+    freedoms = found.freedoms;
+  }
+  return least;
+}
+
+std::string describe_moves(const Scene& scene, const std::vector<MovedFrame>& moved) {
+  if (moved.empty()) return {};
+  const auto most = std::ranges::max_element(moved, {}, largest);
+  const auto n = static_cast<int>(moved.size());
+  return std::to_string(n) + (n == 1 ? " joint frame was" : " joint frames were") +
+         " moved so that the loops close at every position, at most that of " + most->joint + " in " + most->body +
+         ", by " + text::rounded(most->turn, 2) + " rad and " +
+         text::rounded(most->shift * scene.units.size_of("m"), 2) + " m";
+}
+
+}  // namespace gelenk

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/report.h"
+
+#include <algorithm>
+
+#include "assembly/closing.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+double in_si(const Scene& scene, double x, std::string_view unit) { return x * scene.units.size_of(unit); }
+
+// What loops may gape by [m], for the user.
+std::string allowed(const Scene& scene) {
+  return scene.units.is_si() ? "1e-9" : text::rounded(in_si(scene, assembled_gap, "m"), 3);
+}
+
+// "0.134 m", "0.134 m and 0.2 rad".
+std::string gap_text(const Scene& scene, const CannotAssemble& fault) {
+  const std::string metres = text::rounded(in_si(scene, fault.gap, "m"), 3) + " m";
+  return fault.turn > assembled_gap ? metres + " and " + text::rounded(fault.turn, 3) + " rad" : metres;
+}
+
+std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
+
+// " at A.phi = 0.52 rad": the first scalar coordinate of the loop that sits in the tree.
+std::string position_text(const Scene& scene, const ReducedScene& reduced, const std::vector<int>& joints,
+                          const std::vector<double>& q) {
+  for (const int j : joints) {
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    const JointPlace& place = reduced.joints[j];
+    if (place.role != JointPlace::Role::tree || kind.nq != 1) continue;
+    return " at " + scene.joints[j].name + "." + std::string(kind.q[0].name) + " = " +
+           text::rounded(in_si(scene, place.q_sign[0] * q[place.iq], kind.q[0].unit)) + " " +
+           std::string(kind.q[0].unit);
+  }
+  return "";
+}
+
+std::string describe_island(const Scene& scene, const ReducedScene& reduced, int island, const Assembled& found) {
+  std::string out = "loops closed at";
+  const char* separator = " ";
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    if (place.role != JointPlace::Role::tree) continue;
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    if (kind.has_quaternion()) continue;
+    for (int i = 0; i < kind.nq; ++i) {
+      out += separator + scene.joints[j].name + "." + std::string(kind.q[i].name) + " = " +
+             text::rounded(in_si(scene, place.q_sign[i] * found.q[place.iq + i], kind.q[i].unit)) + " " +
+             std::string(kind.q[i].unit);
+      separator = ", ";
+    }
+  }
+  if (found.moved > 0) out += "; guesses moved by up to " + text::rounded(found.moved);
+  if (found.tries > 1) out += "; the guesses themselves led nowhere, start " + std::to_string(found.tries) + " did";
+  return out;
+}
+
+// A fixed value in the user's words and signs.
+struct Named {
+  int joint = -1;
+  std::string name;  // "A.phi"
+  std::string unit;
+  double sign = 1;
+  double fixed = 0;  // what it was to be
+};
+
+Named named(const Scene& scene, const ReducedScene& reduced, int island, const FixedValue& value) {
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    const Joint& joint = scene.joints[j];
+    const JointKind& kind = *find_joint_kind(joint.type);
+    if (place.role != (value.cut ? JointPlace::Role::cut : JointPlace::Role::tree)) continue;
+    if (value.first < place.iv || value.first >= place.iv + kind.nv) continue;
+    const bool speed = value.q < 0;
+    const int i = speed ? value.first - place.iv : value.q - place.iq;
+    const Quantity& quantity = (speed ? kind.v : kind.q)[i];
+    const std::string_view name =
+        quantity.name.substr(0, value.count > 1 ? quantity.name.find('[') : std::string::npos);
+    return {j, joint.name + "." + std::string(name), std::string(quantity.unit),
+            (speed ? place.v_sign : place.q_sign)[i], (speed ? joint.start.v : joint.start.q)[i]};
+  }
+  return {};
+}
+
+// "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
+std::string advice(const Scene& scene, const Conflict& conflict, const std::vector<Named>& values) {
+  const bool one = values.size() == 1;
+  std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
+  if (conflict.freed < 0) return out + ".";
+  const Named& freed = values[static_cast<std::size_t>(conflict.freed)];
+  const auto shown = [&](double x) { return text::rounded(in_si(scene, x, freed.unit)) + " " + freed.unit; };
+  return out + (one ? ": it" : ": " + freed.name + ", for instance,") + " would then be " +
+         shown(freed.sign * conflict.nearest) + " instead of " + shown(freed.fixed) + ".";
+}
+
+std::vector<Named> all_named(const Scene& scene, const ReducedScene& reduced, int island, const Conflict& conflict) {
+  std::vector<Named> out;
+  for (const FixedValue& value : conflict.values) out.push_back(named(scene, reduced, island, value));
+  return out;
+}
+
+std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduced, int island,
+                                  const CannotAssemble& fault) {
+  const std::string what = reduced.islands[island].driven() ? "the loops and given motions" : "the loops";
+  const std::string left = ": at best a rate of " + text::rounded(in_si(scene, fault.gap, "m"), 3) +
+                           " m/s (rad/s) is left (allowed " + allowed(scene) + ").";
+  const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
+  if (values.empty()) return prefix(scene) + what + " cannot all move as they are told to" + left;
+  std::vector<std::string> joints;
+  for (const Named& value : values) {
+    const std::string& name = scene.joints[value.joint].name;
+    if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
+  }
+  return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict " + what + left +
+         advice(scene, fault.conflict, values);
+}
+
+// What is to blame for a loop that stays open.
+std::string describe_fixed_positions(const Scene& scene, const std::vector<Named>& values, const Conflict& conflict) {
+  std::vector<std::string> names;
+  for (const Named& value : values) names.push_back(value.name);
+  const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops by itself."
+                                              : "The fixed values of " + text::list(names) + " contradict each other.";
+  return what + advice(scene, conflict, values);
+}
+
+// "the loop through C", or "constraints.drive": what a row belongs to.
+std::string owner_of_row(const Scene& scene, const Mechanism& mechanism, int row) {
+  for (const Cut& cut : mechanism.cuts) {
+    if (row < cut.first_row || row >= cut.first_row + cut.rows) continue;
+    return cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
+                            : "the loop through " + scene.joints[cut.scene_joints.front()].name;
+  }
+  const CoordinateRow& of = mechanism.coordinate_rows[row - mechanism.first_coordinate_row()];
+  return "constraints." + scene.constraints[of.constraint].name;
+}
+
+}  // namespace
+
+std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
+  const Cut& c = mechanism.cuts[cut];
+  std::vector<int> out = c.scene_joints;
+  for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
+  for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
+  std::ranges::sort(out);
+  return out;
+}
+
+std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found) {
+  std::string out;
+  for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
+    if (reduced.islands[i].rows == 0) continue;
+    out += (out.empty() ? "" : "; ") + describe_island(scene, reduced, i, found[i]);
+  }
+  return out.empty() ? "no loops: the start values are taken as they are" : out;
+}
+
+std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault) {
+  const Mechanism& mechanism = reduced.islands[island];
+  if (fault.cut < 0) return describe_fixed_speeds(scene, reduced, island, fault);
+  const auto cuts = static_cast<int>(mechanism.cuts.size());
+  const bool conflict = !fault.conflict.values.empty();
+  const auto blame = [&] {
+    return describe_fixed_positions(scene, all_named(scene, reduced, island, fault.conflict), fault.conflict);
+  };
+  if (fault.cut >= cuts) {
+    const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
+    return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " +
+           gap_text(scene, fault) + " " + "(allowed " + allowed(scene) + " m). " +
+           (conflict ? blame() : "Check the start values of the joints it names.");
+  }
+  const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
+  std::vector<std::string> names;
+  std::vector<std::string> fixed;
+  for (const int j : joints) {
+    names.push_back(scene.joints[j].name);
+    const auto& flags = scene.joints[j].start.q_fixed;
+    if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
+  }
+  const Cut& cut = mechanism.cuts[fault.cut];
+  const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
+                                            : "loop through " + scene.joints[cut.scene_joints.front()].name;
+  std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + gap_text(scene, fault) +
+                    position_text(scene, reduced, joints, fault.q) + " " + "(allowed " + allowed(scene) + " m). ";
+  if (conflict) return out + blame();
+  out += "Check the positions in joints " + text::list(names);
+  std::vector<std::string> motions;
+  for (const CoordinateRow& row : mechanism.coordinate_rows) {
+    const Constraint& c = scene.constraints[row.constraint];
+    if (row.moves() && std::ranges::find(names, c.joints.front()) != names.end())
+      motions.push_back("constraints." + c.name);
+  }
+  if (!motions.empty()) out += ", the motion of " + text::list(motions) + " at the start";
+  if (!fixed.empty()) out += ", and the fixed start of " + text::list(fixed);
+  return out + ".";
+}
+
+std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, int island,
+                               const SingularStart& start) {
+  const Mechanism& mechanism = reduced.islands[island];
+  std::vector<std::string> fixed;
+  for (const int j : mechanism.joints) {
+    const auto& flags = scene.joints[j].start.v_fixed;
+    if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
+  }
+  return prefix(scene) + "the start is a singular configuration of " + owner_of_row(scene, mechanism, start.row) +
+         ", where branches of motion meet, and no branch goes on with the start speeds of " + text::list(fixed) +
+         ", which are fixed. Leave one of them as a guess (fixed: false), or start beside this position.";
+}
+
+std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
+                                    const SingularStart& start) {
+  const std::string owner = owner_of_row(scene, reduced.islands[island], start.row);
+  std::string out = prefix(scene) + "the start is " +
+                    (start.share < 1e-9 ? "a singular configuration of " + owner
+                                        : "beside a singular configuration of " + owner + " (by " +
+                                              text::rounded(start.share, 2) + " of the way to a regular one)") +
+                    ", where branches of motion meet: ";
+  if (!start.moves) return out + "at rest nothing determines the branch that the motion will take";
+  // Of the position rounding leaves its root there.
+  const double open = std::max(1e-8, std::min(start.share, 2e-16 / (start.share * start.share)));
+  return out + "the start takes the branch nearest to the start values given, with velocities accurate to about " +
+         text::rounded(open, 1) + " of their size";
+}
+
+std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault) {
+  std::string what = "a joint";
+  std::string unit;
+  for (const int j : reduced.islands[island].joints) {
+    const JointPlace& place = reduced.joints[j];
+    const JointKind& kind = *find_joint_kind(scene.joints[j].type);
+    if (place.role != JointPlace::Role::tree || fault.speed < place.iv || fault.speed >= place.iv + kind.nv) continue;
+    const Quantity& a = kind.a[fault.speed - place.iv];
+    what = scene.joints[j].name + "." + std::string(a.name);
+    unit = a.unit;
+  }
+  return prefix(scene) +
+         "solver.start: found no equilibrium from the start values under the inputs at the start: " + what + " = " +
+         text::rounded(in_si(scene, std::abs(fault.acceleration), unit)) + " " + unit +
+         " is the largest acceleration that remains; expected start values nearer to one, or as_given";
+}
+
+std::string describe_moving_drive(const Scene& scene, int constraint) {
+  return prefix(scene) + "solver.start: found equilibrium while constraints." + scene.constraints[constraint].name +
+         " moves its joint at the start; expected a motion that begins at rest, or as_given";
+}
+
+std::string describe_undefined_rows(const Scene& scene, const Cut& cut) {
+  const ElementFault fault = undefined_start(cut.joint);
+  return prefix(scene) + "constraints." + scene.constraints[cut.constraint].name + ": found " + fault.found +
+         "; expected " + fault.expected;
+}
+
+std::string describe_massless(const Scene& scene, const std::string& link) {
+  return prefix(scene) + "bodies." + link +
+         ": moves without inertia: found mass and inertia 0 along a motion of its "
+         "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it "
+         "carries, or a gear, a rack, a given motion or a loop that ties this motion to one with inertia (a spring "
+         "does not: the body would be where its force is zero, at any speed)";
+}
+
+std::string describe_finest(const std::string& integrator, double tolerance, double finest) {
+  return "solver.tolerance: " + text::rounded(tolerance) + " is below what '" + integrator +
+         "' can keep, whose steps meet rounding: errors will be those of " + text::rounded(finest) +
+         "; 'erk' and 'dirk' take finer steps";
+}
+
+std::string describe_event(const EventReport& event) {
+  return "t = " + text::rounded(event.time) + " s: " + event.text;
+}
+
+std::string describe_lost_inertia(double t, const std::string& link) {
+  return "after t = " + text::rounded(t) + " s: the inertia seen at bodies." + link +
+         " is no longer positive: the motion has grown beyond bounds (steps too long for the method?), or the body has "
+         "come to move without inertia";
+}
+
+std::string describe_equal_assemblies(const Scene& scene, const std::string& coordinate, double taken, double other) {
+  return prefix(scene) + "the loops can be closed in two ways that are equally near to the start values: with " +
+         coordinate + " = " + text::rounded(taken) + ", which is taken, or with " + text::rounded(other) +
+         ". Which one is taken may depend on the order of the file. Give " + coordinate +
+         " a start value that is nearer to the one you mean";
+}
+
+std::string describe_collapsed_spring(const Scene& scene, int force) {
+  return prefix(scene) + "forces." + scene.forces[force].name +
+         ": its ends meet at the start, where the direction of its force is not defined";
+}
+
+std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
+                                  const std::vector<std::string>& states) {
+  const std::string when = "t = " + text::rounded(t) + " s: ";
+  if (fault.reason() == Undetermined::What::spring) {
+    return when + "the ends of forces." + scene.forces[fault.force()].name +
+           " meet, where the direction of its force is not defined: derivatives do not exist there";
+  }
+  if (fault.reason() == Undetermined::What::rows) {
+    return when +
+           "a loop stands in a singular position, or beside one, where it could go on by another branch: derivatives "
+           "do not "
+           "exist there, or have no digits";
+  }
+  return when + "the states " + text::list(states) +
+         " do not determine the other coordinates here (a loop stands at a dead centre for them): derivatives by them "
+         "do not exist there";
+}
+
+std::string describe_cut_short(double t, double end, long evaluations) {
+  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s was left here, with " +
+         std::to_string(evaluations) +
+         " evaluations (solver.max_evaluations). The plant stands at t = " + text::number(t) +
+         " s and can go on from there. Allow more evaluations, or ask for shorter steps, a looser "
+         "solver.tolerance or another solver.integrator.";
+}
+
+std::string describe_refusal(const std::string& cause, double good_time) {
+  return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
+}
+
+}  // namespace gelenk

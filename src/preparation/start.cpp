@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "preparation/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <unordered_set>
+
+namespace gelenk {
+namespace {
+
+// What nobody asked for moves first: by a metre before something asked for moves by a centimetre.
+constexpr double silent_weight = 1e-4;
+
+Wishes empty(int nq, int nv) {
+  Wishes w;
+  w.q.assign(nq, 0);
+  w.v.assign(nv, 0);
+  w.q_fixed.assign(nv, false);
+  w.v_fixed.assign(nv, false);
+  w.q_weight.assign(nv, 0);
+  w.v_weight.assign(nv, 0);
+  w.q_given.assign(nv, false);
+  w.turns.assign(nv, false);
+  return w;
+}
+
+// Which coordinate of a joint stands for speed i: the quaternion's first for all three turns.
+int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
+
+// q: nq numbers, in the mechanism's signs.
+void wished_coordinates(const Joint& joint, const JointPlace& place, double* q) {
+  const JointStart& start = joint.start;
+  const JointKind& kind = *find_joint_kind(joint.type);
+  for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
+}
+
+void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, Wishes& out) {
+  const JointStart& start = joint.start;
+  wished_coordinates(joint, place, &out.q[place.iq]);
+  for (int i = 0; i < kind.nv; ++i) {
+    const int c = coordinate_of(kind, i);
+    out.q_fixed[place.iv + i] = start.q_fixed[c];
+    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : silent;
+    out.q_given[place.iv + i] = start.q_given[c];
+    out.turns[place.iv + i] = kind.q[c].unit == "rad";
+    out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
+    out.v_fixed[place.iv + i] = start.v_fixed[i];
+    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : silent;
+  }
+}
+
+}  // namespace
+
+StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int island) {
+  const Mechanism& mechanism = reduced.islands[island];
+  StartWishes out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
+  for (const int j : mechanism.joints) {
+    const Joint& joint = scene.joints[j];
+    const JointKind& kind = *find_joint_kind(joint.type);
+    const JointPlace& place = reduced.joints[j];
+    if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
+    if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
+    // The wishes of joints at a rod are heard while it is still a body (preparation.cpp): left are side and turn.
+    if (place.role == JointPlace::Role::rod) wished_coordinates(joint, place, &out.cuts.q[place.iq]);
+  }
+  return out;
+}
+
+std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduced, int island) {
+  const Mechanism& mechanism = reduced.islands[island];
+  std::vector<bool> out(mechanism.nv, false);
+  std::unordered_set<std::string_view> driven;
+  for (const Motor& motor : scene.motors) driven.insert(motor.joints.front());
+  for (const Constraint& c : scene.constraints) {
+    if (!c.joints.empty() && !holds_positions(c.is)) driven.insert(c.joints.front());  // its coordinate is open
+  }
+  const bool contacts = std::ranges::any_of(mechanism.cuts, &Cut::is_contact);
+  for (const int j : mechanism.joints) {
+    const JointPlace& place = reduced.joints[j];
+    if (place.role != JointPlace::Role::tree) continue;
+    const Joint& joint = scene.joints[j];
+    const JointKind& kind = *find_joint_kind(joint.type);
+    for (int i = 0; i < kind.nv; ++i) {
+      out[place.iv + i] =
+          driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
+      // A quaternion is a state as a whole or not at all.
+      if (contacts && kind.has_quaternion() && i >= kind.nv - 3) out[place.iv + i] = true;
+    }
+  }
+  return out;
+}
+
+std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduced, int joint,
+                                   const std::vector<double>& q, const Dynamics& dynamics) {
+  const JointPlace& place = reduced.joints[joint];
+  const JointKind& kind = *find_joint_kind(scene.joints[joint].type);
+  const JointStart& start = scene.joints[joint].start;
+  std::vector<double> out(kind.nq);
+  if (place.role == JointPlace::Role::tree) {
+    for (int i = 0; i < kind.nq; ++i) out[i] = place.q_sign[i] * q[place.iq + i];
+    return out;
+  }
+  const Cut& cut = reduced.islands[place.island].cuts[place.index];
+  double found[max_cut_nq];
+  for (const int j : cut.scene_joints) {
+    wished_coordinates(scene.joints[j], reduced.joints[j], found + reduced.joints[j].iq - cut.iq);
+  }
+  dynamics.cut_coordinates(place.index, found);
+  for (int i = 0; i < kind.nq; ++i) {
+    out[i] = place.q_sign[i] * found[place.iq - cut.iq + i];
+    if (kind.q[i].unit != "rad") continue;
+    const double wanted = start.q_given[i] ? start.q[i] : 0;
+    out[i] += 2 * M_PI * std::round((wanted - out[i]) / (2 * M_PI));
+  }
+  return out;
+}
+
+}  // namespace gelenk

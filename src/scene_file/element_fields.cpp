@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_file/element_fields.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "check/check.h"
+#include "scene_file/frames.h"
+#include "scene_file/schema_parts.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+std::string unit_for_people(const Field& field, const Coordinate& coordinate) {
+  return spelled(unit_of(field, coordinate));
+}
+
+std::vector<std::string> words_of(const Field& field) { return {field.words.begin(), field.words.end()}; }
+
+std::vector<std::string> names_of(std::span<const Field> fields) {
+  std::vector<std::string> names;
+  for (const Field& field : fields) names.emplace_back(field.name);
+  return names;
+}
+
+// At least `least` numbers.
+std::vector<double> read_numbers(const Json& value, const std::string& path, Faults& faults, const Field& field,
+                                 const Coordinate& coordinate) {
+  const std::size_t least = field.least;
+  if (!value.is_array() || value.size() < least) {
+    faults.add(path, shown(value),
+               least == 1 ? "a list of numbers" : "a list of " + std::to_string(least) + " numbers or more");
+    return {};
+  }
+  std::vector<double> out;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const auto number =
+        read_number(value[i], path + "[" + std::to_string(i + 1) + "]", faults, spelled(unit_of(field, coordinate, i)));
+    if (number) out.push_back(*number);
+  }
+  return out;
+}
+
+std::string expected_of(const Field& field, const Coordinate& coordinate) {
+  const std::string unit = unit_for_people(field, coordinate);
+  const std::string in_unit = unit.empty() ? "" : " in " + unit;
+  return (field.type == Field::Type::numbers ? "a list of numbers" : "a number") + in_unit;
+}
+
+void read_choice(const Json& value, const std::string& path, Faults& faults, const Field& field, Choice& choice) {
+  const std::vector<std::string> words = words_of(field);
+  if (!value.is_string()) return faults.add(path, shown(value), "one of " + text::list(words));
+  const auto& word = value.get_ref<const std::string&>();
+  const auto found = std::ranges::find(words, word);
+  if (found == words.end()) return faults.add(path, text::quoted(word), text::one_of(word, words, "words"));
+  choice.index = static_cast<int>(found - words.begin());
+}
+
+}  // namespace
+
+void read_field(const Json& value, const std::string& path, Faults& faults, const Field& field, void* element,
+                const Coordinate& coordinate) {
+  const std::string unit = unit_for_people(field, coordinate);
+  switch (field.type) {
+    case Field::Type::number: {
+      auto& x = field.of<double>(element);
+      x = read_number(value, path, faults, unit, field.range).value_or(x);
+      return;
+    }
+    case Field::Type::vector: {
+      auto& x = field.of<Eigen::Vector3d>(element);
+      const auto list = read_list(value, path, faults, 3, unit, field.range);
+      if (list) x = Eigen::Vector3d((*list)[0], (*list)[1], (*list)[2]);
+      return;
+    }
+    case Field::Type::direction: {
+      auto& x = field.of<Direction>(element);
+      x.along = read_direction(value, path, faults).value_or(x.along);
+      return;
+    }
+    case Field::Type::numbers:
+      field.of<std::vector<double>>(element) = read_numbers(value, path, faults, field, coordinate);
+      return;
+    case Field::Type::flag:
+      if (!value.is_boolean()) return faults.add(path, shown(value), "true or false");
+      field.of<bool>(element) = value.get<bool>();
+      return;
+    case Field::Type::choice:
+      return read_choice(value, path, faults, field, field.of<Choice>(element));
+    case Field::Type::group: {
+      Fields inner(value, path, faults, "a mapping with " + text::list(names_of(field.inner())));
+      if (!inner.valid()) return;
+      field.give(element);
+      read_fields(inner, field.inner(), field.in(element), coordinate);
+      inner.done();
+    }
+  }
+}
+
+void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate) {
+  for (const Field& field : fields) {
+    const std::string name(field.name);
+    const Json* value = field.required ? from.require(name, expected_of(field, coordinate)) : from.find(name);
+    if (value != nullptr) read_field(*value, from.path(name), from.faults(), field, element, coordinate);
+  }
+}
+
+void write_fields(Json& to, std::span<const Field> fields, const void* element) {
+  for (const Field& field : fields) {
+    Json& value = to[std::string(field.name)];
+    switch (field.type) {
+      case Field::Type::number:
+        if (const double x = field.of<double>(element); std::isfinite(x)) value = x;
+        break;
+      case Field::Type::vector:
+        value = numbers_of(field.of<Eigen::Vector3d>(element));
+        break;
+      case Field::Type::direction:
+        value = numbers_of(field.of<Direction>(element).along);
+        break;
+      case Field::Type::numbers:
+        if (const auto& list = field.of<std::vector<double>>(element); !list.empty()) value = numbers_of(list);
+        break;
+      case Field::Type::flag:
+        value = field.of<bool>(element);
+        break;
+      case Field::Type::choice:
+        if (const int i = field.of<Choice>(element).index; i != Choice::none) {
+          value = std::string(field.words[static_cast<std::size_t>(i)]);
+        }
+        break;
+      case Field::Type::group:
+        if (const void* there = field.in(element)) {
+          write_fields(value, field.inner(), there);
+        }
+    }
+    if (value.is_null()) to.erase(std::string(field.name));
+  }
+}
+
+}  // namespace gelenk

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motors, forces, constraints and sensors, by what the registry says of their kinds.
+#include <algorithm>
+#include <utility>
+
+#include "scene_file/element_fields.h"
+#include "scene_file/reader.h"
+
+namespace gelenk {
+namespace {
+
+std::string read_joint_name(Fields& fields, const Port& port, Reader& reader) {
+  const std::string field(port.name);
+  const char* expected = "the name of a joint";
+  const Json* value = port.optional ? fields.find(field) : fields.require(field, expected);
+  if (value == nullptr) return {};
+  const auto name = read_text(*value, fields.path(field), reader.faults, expected);
+  if (!name || reader.joints.empty()) return {};  // no joints: told already
+  if (std::ranges::find(reader.joints, *name) != reader.joints.end()) return *name;
+  reader.faults.add(fields.path(field), text::quoted(*name), text::one_of(*name, reader.joints, "joints"));
+  return {};
+}
+
+// The coordinate's name; that of a joint with one degree of freedom where nothing is said.
+std::string read_coordinate(Fields& fields, const std::string& joint, Reader& reader) {
+  const JointKind* kind = kind_of_joint(reader.scene, joint);
+  const Json* value = fields.find("coordinate");
+  std::vector<std::string> names;
+  if (kind != nullptr) {
+    for (const Quantity& q : kind->q) names.emplace_back(q.name);
+  }
+  const std::string path = fields.path("coordinate");
+  if (value == nullptr) {
+    if (names.size() <= 1) return names.empty() ? std::string() : names[0];
+    reader.faults.add(path, "nothing", text::one_of({}, names, "coordinates of " + joint));
+    return {};
+  }
+  const auto name = read_text(*value, path, reader.faults, "the name of a coordinate");
+  if (!name || kind == nullptr) return {};
+  if (std::ranges::find(names, *name) != names.end()) return *name;
+  reader.faults.add(path, text::quoted(*name), text::one_of(*name, names, "coordinates of " + joint));
+  return {};
+}
+
+BodyFrame read_frame(Fields& fields, const Port& port, Reader& reader) {
+  BodyFrame frame;
+  if (port.name.empty()) {
+    const Json* body = fields.require("body", "the name of a body");
+    frame.body = body != nullptr ? read_body_name(*body, fields.path("body"), reader.faults, reader.bodies) : "";
+    if (port.kind != Port::Kind::body) frame.X_BF = read_pose(fields, port.kind == Port::Kind::frame);
+    return frame;
+  }
+  const std::string key(port.name);
+  const bool turned = port.kind == Port::Kind::frame;
+  const char* expected =
+      turned ? "{body, position, rotation} or the name of a body" : "{body, position} or the name of a body";
+  const Json* value = port.optional ? fields.find(key) : fields.require(key, expected);
+  if (value != nullptr) return read_body_frame(*value, fields.path(key), reader.faults, reader.bodies, turned);
+  if (!port.optional) frame.body.clear();
+  return frame;
+}
+
+void read_ports(Fields& fields, const ElementKind& kind, Reader& reader, ElementPlace& element) {
+  for (const Port& port : kind.ports) {
+    if (port.kind != Port::Kind::joint) {
+      element.frames.push_back(read_frame(fields, port, reader));
+      continue;
+    }
+    element.joints.push_back(read_joint_name(fields, port, reader));
+    if (port.has_coordinate) element.coordinate = read_coordinate(fields, element.joints.back(), reader);
+  }
+}
+
+// What an entry is expected to be that is no mapping.
+std::string mapping_of(const Section& section, std::span<const ElementKind> kinds) {
+  std::vector<std::string> names;
+  for (const ElementKind& kind : kinds) {
+    if (kind.kind != section.usual) continue;
+    for (const Port& port : kind.ports) names.emplace_back(port.name);
+    for (const Field& field : kind.fields) names.emplace_back(field.name);
+  }
+  return "a mapping with " + (names.empty() ? "type" : text::list(names));
+}
+
+std::vector<std::string> names_of(std::span<const ElementKind> kinds) {
+  std::vector<std::string> names;
+  for (const ElementKind& kind : kinds) names.emplace_back(kind.kind);
+  return names;
+}
+
+template <class Any>
+void read_section(const Json& section, const Section& of, Reader& reader, std::vector<Element<Any>>& out) {
+  const std::span<const ElementKind> kinds = element_kinds<Any>();
+  const std::vector<std::string> names = names_of(kinds);
+  const std::string expected = mapping_of(of, kinds);
+  each_entry(section, std::string(of.name), reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               const std::size_t before = reader.faults.count();
+               Fields fields(value, path, reader.faults, expected);
+               const std::string type = fields.choice("type", names, std::string(of.usual));
+               if (type.empty()) {
+                 reader.doubtful.insert(name);
+                 return;
+               }
+               const auto n = static_cast<std::size_t>(std::ranges::find(names, type) - names.begin());
+               Element<Any> element;
+               element.name = name;
+               element.is = make_element<Any>(n);
+               read_ports(fields, kinds[n], reader, element);
+               const Coordinate coordinate = coordinate_of(reader.scene, element);
+               read_fields(fields, kinds[n].fields, data_of(element.is), coordinate);
+               fields.done();
+               if (reader.faults.count() == before) check_numbers(element, path, coordinate, reader.faults);
+               out.push_back(std::move(element));
+             });
+}
+
+}  // namespace
+
+void read_elements(Fields& sections, Reader& reader) {
+  each_section(reader.scene, [&](const Section& section, auto& elements) {
+    const Json* value = sections.find(std::string(section.name));
+    if (value != nullptr) read_section(*value, section, reader, elements);
+  });
+}
+
+}  // namespace gelenk

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <utility>
+
+#include "joint/registry.h"
+#include "math/rotations.h"
+#include "scene/units.h"
+#include "scene_file/element_fields.h"
+#include "scene_file/reader.h"
+
+namespace gelenk {
+namespace {
+
+// Below this angle [rad] two axes are parallel: the third, normal to both, would be lost in rounding.
+constexpr double parallel = 1e-6;
+
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const JointKind& kind : joint_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string a_kind(const JointKind& kind) { return "a " + std::string(kind.name) + " joint"; }
+
+void read_one_axis(const Json* axis, Fields& fields, Joint& joint) {
+  if (axis == nullptr) return;
+  joint.axes[0] = read_direction(*axis, fields.path("axis"), fields.faults()).value_or(joint.axes[0]);
+}
+
+void read_two_axes(const Json* axes, Fields& fields, Joint& joint) {
+  if (axes == nullptr) return;
+  const std::string path = fields.path("axes");
+  if (!axes->is_array() || axes->size() != 2) {
+    fields.faults().add(path, shown(*axes), "a list of 2 directions");
+    return;
+  }
+  const auto a = read_direction((*axes)[0], path + "[1]", fields.faults());
+  const auto b = read_direction((*axes)[1], path + "[2]", fields.faults());
+  if (!a || !b) return;
+  if (a->cross(*b).norm() < parallel) {
+    fields.faults().add(path, "two parallel directions", "two that cross");
+    return;
+  }
+  joint.axes = {*a, *b};
+}
+
+void read_axes(Fields& fields, const JointKind& kind, Joint& joint) {
+  const Json* axis = fields.find("axis");
+  const Json* axes = fields.find("axes");
+  Faults& faults = fields.faults();
+  if (axis != nullptr && kind.axes != 1) {
+    faults.add(fields.path("axis"), "an axis",
+               kind.axes == 0 ? "none: " + a_kind(kind) + " has no axis"
+                              : "'axes': " + a_kind(kind) + " has two, axes: [[x, y, z], [x, y, z]]");
+  }
+  if (axes != nullptr && kind.axes != 2) {
+    faults.add(fields.path("axes"), "two axes",
+               kind.axes == 0 ? "none: " + a_kind(kind) + " has no axis"
+                              : "'axis': " + a_kind(kind) + " has one, axis: [x, y, z]");
+  }
+  joint.axes = default_axes(kind);
+  if (kind.axes == 1) read_one_axis(axis, fields, joint);
+  if (kind.axes == 2) read_two_axes(axes, fields, joint);
+}
+
+Pose3 reference_pose(const Scene& scene, const std::string& body) {
+  const auto found = std::ranges::find(scene.bodies, body, &Body::name);
+  return found == scene.bodies.end() ? Pose3{} : found->pose.value_or(Pose3{});
+}
+
+void read_frames(Fields& fields, Reader& reader, Joint& joint) {
+  Faults& faults = reader.faults;
+  const Json* at = fields.find("at");
+  for (BodyFrame* frame : {&joint.parent, &joint.child}) {
+    const std::string key = frame == &joint.parent ? "parent" : "child";
+    frame->body.clear();
+    const Json* value = fields.require(key, "{body, position, rotation} or the name of a body");
+    if (value == nullptr) continue;
+    bool placed = false;
+    *frame = read_body_frame(*value, fields.path(key), faults, reader.bodies, true, &placed);
+    if (placed && at != nullptr) {
+      faults.add(fields.path(key), "a position or rotation beside 'at'", "either 'at' or the frames in both bodies");
+    }
+  }
+  if (at == nullptr) return;
+  Fields inner(*at, fields.path("at"), faults, "{position, rotation} in the world");
+  const Pose3 X_WF = read_pose(inner);
+  inner.done();
+  for (BodyFrame* frame : {&joint.parent, &joint.child}) {
+    frame->X_BF = settled(reference_pose(reader.scene, frame->body).inverse() * X_WF);
+  }
+}
+
+// A number for one degree of freedom, a list for more.
+void read_along(Fields& fields, const JointForceKind& kind, const Field& field, Joint& joint) {
+  const std::string key(field.name);
+  const Json* value = fields.find(key);
+  if (value == nullptr) return;
+  const std::string path = fields.path(key);
+  const std::size_t n = joint.along.size();
+  const JointKind& of = kind_of(joint.is);
+  const auto element = [&](std::size_t i) { return kind.there(joint.along[i]); };
+  if (n == 1) return read_field(*value, path, fields.faults(), field, element(0), coordinate_of(of, 0));
+  const auto list = read_list(*value, path, fields.faults(), n, common_unit(field, of), field.range);
+  for (std::size_t i = 0; list && i < n; ++i) field.of<double>(element(i)) = (*list)[i];
+}
+
+void refuse(const Json& value, const std::string& path, std::string_view name, const JointForceKind& kind,
+            const JointKind& of, Faults& faults) {
+  faults.add(
+      path, shown(value),
+      "no " + std::string(name) + ": " + a_kind(of) + " " + (of.nv == 0 ? "cannot move" : std::string(kind.misfit)));
+}
+
+// Nothing is there after a fault: its numbers belong together.
+void read_group(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
+  const std::size_t before = reader.faults.count();
+  JointForces& at = joint.along.front();
+  std::vector<std::string> names;
+  for (const Field& field : kind.fields) names.emplace_back(field.name);
+  Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
+  kind.give(at);
+  if (fields.valid()) read_fields(fields, kind.fields, kind.there(at), coordinate_of(kind_of(joint.is), 0));
+  fields.done();
+  if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
+  if (reader.faults.count() == before) return;
+  kind.take(at);
+  reader.doubtful.insert(joint.name);
+}
+
+void read_forces(Fields& fields, Reader& reader, Joint& joint) {
+  const JointKind& of = kind_of(joint.is);
+  joint.along.resize(static_cast<std::size_t>(of.nv));
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    std::vector<std::string> keys;
+    if (!kind.group.empty()) keys.emplace_back(kind.group);
+    for (const Field& field : kind.fields) {
+      if (kind.group.empty()) keys.emplace_back(field.name);
+    }
+    if (!kind.fits(of)) {
+      for (const std::string& key : keys) {
+        if (const Json* value = fields.find(key)) {
+          refuse(*value, fields.path(key), key, kind, of, reader.faults);
+          if (!kind.group.empty()) reader.doubtful.insert(joint.name);
+        }
+      }
+    } else if (kind.group.empty()) {
+      for (const Field& field : kind.fields) read_along(fields, kind, field, joint);
+    } else if (const Json* value = fields.find(keys[0])) {
+      read_group(*value, fields.path(keys[0]), kind, reader, joint);
+    }
+  }
+}
+
+// What is not looked at without the joint's kind, so that it is no unknown field.
+void know_fields(Fields& fields) {
+  for (const char* key : {"axis", "axes", "start"}) fields.find(key);
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    if (!kind.group.empty()) fields.find(std::string(kind.group));
+    for (const Field& field : kind.fields) {
+      if (kind.group.empty()) fields.find(std::string(field.name));
+    }
+  }
+  for (const JointKind& kind : joint_kinds()) {
+    for (const Field& field : kind.fields) fields.find(std::string(field.name));
+  }
+}
+
+void read_joint(const Json& value, const std::string& path, Reader& reader, Joint& joint) {
+  Fields fields(value, path, reader.faults, "a mapping with type, parent, child");
+  joint.type = fields.choice("type", kind_names(), "");
+  const JointKind* kind = find_joint_kind(joint.type);
+  if (kind == nullptr) {
+    know_fields(fields);
+    reader.doubtful.insert(joint.name);
+    read_frames(fields, reader, joint);
+    fields.done();
+    return;
+  }
+  read_axes(fields, *kind, joint);
+  read_frames(fields, reader, joint);
+  joint.start = free_start(*kind);
+  if (const Json* start = fields.find("start")) read_start(*start, fields.path("start"), reader.faults, joint);
+  joint.is = make_joint(joint.type, joint.axes);
+  read_fields(fields, kind->fields, data_of(joint.is), {});
+  read_forces(fields, reader, joint);
+  fields.done();
+}
+
+}  // namespace
+
+void read_joints(const Json& section, Reader& reader) {
+  each_entry(section, "joints", reader.faults,
+             [&](const std::string& name, const Json& value, const std::string& path) {
+               Joint joint;
+               joint.name = name;
+               read_joint(value, path, reader, joint);
+               reader.scene.joints.push_back(std::move(joint));
+             });
+}
+
+}  // namespace gelenk

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sections of a scene file: each function reads one into the scene and adds faults for what is wrong.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "check/check.h"
+#include "scene/scene.h"
+#include "scene_file/advice.h"
+#include "scene_file/frames.h"
+#include "scene_file/json_fields.h"
+#include "util/text.h"
+
+namespace gelenk {
+
+// What the sections know of each other.
+struct Reader {
+  Scene& scene;
+  Faults& faults;
+  std::vector<std::string> bodies;  // names, ground first; none when the section could not be read
+  std::vector<std::string> joints;
+  Doubtful& doubtful;
+};
+
+// Reads and checks the whole tree. Throws SceneError with all faults, those added before included.
+Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults);
+
+void read_bodies(const Json& section, Reader& reader);
+void read_joints(const Json& section, Reader& reader);
+// The sections of elements among all sections.
+void read_elements(Fields& sections, Reader& reader);
+void read_parameters(const Json& section, Reader& reader);
+void read_outputs(const Json& section, Reader& reader);
+void read_assembly(const Json& section, Reader& reader);
+void read_experiment(const Json& section, Reader& reader);
+void read_solver(const Json& section, Reader& reader);
+
+// Start values, by the names of the joint's coordinates and speeds; arrays as a whole: Q: [x, y, z, w].
+void read_start(const Json& value, const std::string& path, Faults& faults, Joint& joint);
+
+// Calls read(name, value, path) for every entry of a section {name: value, ...}.
+template <class Read>
+void each_entry(const Json& section, const std::string& name, Faults& faults, Read read) {
+  if (!section.is_object()) {
+    faults.add(
+        name, shown(section),
+        "a mapping from names to " + name + (section.is_null() ? " ({} for none)" : "") + advice::on_section(section));
+    return;
+  }
+  for (const auto& [key, value] : section.items()) read(key, value, name + "." + text::printable(key));
+}
+
+}  // namespace gelenk

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sections of elements in the JSON Schema, from what the elements say of themselves.
+#include <cctype>
+#include <utility>
+
+#include "scene_file/element_fields.h"
+#include "scene_file/schema_parts.h"
+#include "util/text.h"
+
+namespace gelenk::schema {
+namespace {
+
+// A sentence's beginning.
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string text_of(std::string_view text, const Coordinate* coordinate) {
+  return sentence(about_any(text, coordinate));
+}
+
+// Of a coordinate that is not known: both units.
+std::string unit_for(const Field& field, const Coordinate* coordinate) {
+  if (coordinate != nullptr) return spelled(unit_of(field, *coordinate));
+  const std::string of_angle = spelled(unit_of(field, {.name = {}, .speed = {}, .is_angle = true}));
+  const std::string of_length = spelled(unit_of(field, {.name = {}, .speed = {}, .is_angle = false}));
+  return of_angle == of_length ? of_angle : of_angle + " or " + of_length;
+}
+
+std::string with_default(const std::string& text, const std::string& value) {
+  return text + "; " + value + " if not given";
+}
+
+Json field_schema(const Field& field, const void* defaults, const Coordinate* coordinate) {
+  const std::string text = text_of(field.text, coordinate);
+  const std::string unit = unit_for(field, coordinate);
+  switch (field.type) {
+    case Field::Type::number: {
+      const double x = field.of<double>(defaults);
+      const bool told = field.required || field.optional || x == 0;
+      return number(unit, told ? text : with_default(text, text::number(x)), field.range);
+    }
+    case Field::Type::vector:
+      return list(3, unit, text, field.range);
+    case Field::Type::direction: {
+      const Eigen::Vector3d& x = field.of<Direction>(defaults).along;
+      return list(3, unit, with_default(text, numbers_of(x).dump()));
+    }
+    case Field::Type::numbers: {
+      Json out = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", field.least}};
+      out["description"] = text + (unit.empty() ? "" : " [" + unit + "]");
+      return out;
+    }
+    case Field::Type::flag:
+      return {{"type", "boolean"}, {"description", text}};
+    case Field::Type::choice: {
+      const int i = field.of<Choice>(defaults).index;
+      Json words = Json::array();
+      for (const std::string_view word : field.words) words.push_back(word);
+      const std::string usual = i == Choice::none ? "" : std::string(field.words[static_cast<std::size_t>(i)]);
+      return {{"enum", words}, {"description", usual.empty() ? text : with_default(text, usual)}};
+    }
+    case Field::Type::group:
+      break;
+  }
+  return group(field, coordinate);
+}
+
+// A number for one coordinate, a list for more.
+Json per_coordinate(const Field& field, const JointKind& kind) {
+  std::vector<std::string> names;
+  std::vector<std::string> speeds;
+  for (int i = 0; i < kind.nv; ++i) {
+    if (kind.springs()) names.emplace_back(kind.q[i].name);
+    speeds.emplace_back(kind.v[i].name);
+  }
+  const std::string all = text::list(names);
+  const std::string all_speeds = text::list(speeds);
+  const std::string text = sentence(filled_in(field.text, {}, {.name = all, .speed = all_speeds, .is_angle = true}));
+  const std::string unit = common_unit(field, kind);
+  return kind.nv == 1 ? number(unit, text, field.range) : list(kind.nv, unit, text, field.range);
+}
+
+}  // namespace
+
+Json properties(std::span<const Field> fields, const void* defaults, const Coordinate* coordinate,
+                std::vector<std::string>& required) {
+  Json out = Json::object();
+  for (const Field& field : fields) {
+    const std::string name(field.name);
+    out[name] = field_schema(field, defaults, coordinate);
+    if (field.required) required.push_back(name);
+  }
+  return out;
+}
+
+void add_ways(Json& mapping, std::span<const Field> fields) {
+  Json ways = Json::array();
+  for (const std::vector<std::string>& way : ways_of(fields)) {
+    Json any = Json::array();
+    for (const std::string& name : way) any.push_back({{"required", Json::array({name})}});
+    ways.push_back(any.size() == 1 ? any[0] : Json{{"anyOf", any}});
+  }
+  if (ways.size() == 1) mapping.update(ways[0]);
+  if (ways.size() > 1) mapping["oneOf"] = ways;
+}
+
+Json group(const Field& field, const Coordinate* coordinate) {
+  std::vector<std::string> required;
+  Json out = object(properties(field.inner(), field.defaults(), coordinate, required), required);
+  add_ways(out, field.inner());
+  out["description"] = text_of(field.text, coordinate);
+  return out;
+}
+
+Json joint_numbers(const JointKind& kind, std::vector<std::string>& required) {
+  const AnyJoint plain = make_joint(kind.name, default_axes(kind));
+  Json out = properties(kind.fields, data_of(plain), nullptr, required);
+  for (const JointForceKind& force : joint_force_kinds()) {
+    if (!force.fits(kind)) continue;
+    if (!force.group.empty()) {
+      Json& group = out[std::string(force.group)];
+      const Coordinate coordinate = coordinate_of(kind, 0);
+      std::vector<std::string> of_group;
+      group = object(properties(force.fields, force.defaults(), &coordinate, of_group), of_group);
+      add_ways(group, force.fields);
+      group["description"] = sentence(std::string(force.summary));
+      continue;
+    }
+    for (const Field& field : force.fields) out[std::string(field.name)] = per_coordinate(field, kind);
+  }
+  return out;
+}
+
+namespace {
+
+void add_port(const Port& port, Json& fields, std::vector<std::string>& required) {
+  const std::string text(port.text);
+  if (port.name.empty()) {
+    fields["body"] = schema::string("Name of a body" + std::string(port.on_ground ? ", or ground" : ""));
+    if (port.kind != Port::Kind::body) fields["position"] = list(3, "m", text);
+    if (port.kind == Port::Kind::frame) fields["rotation"] = reference("rotation");
+    required.emplace_back("body");
+    return;
+  }
+  const std::string name(port.name);
+  switch (port.kind) {
+    case Port::Kind::frame:
+      fields[name] = reference("frame");
+      break;
+    case Port::Kind::point:
+      fields[name] = reference("point");
+      break;
+    case Port::Kind::body:
+      fields[name] = schema::string("Name of a body: " + text);
+      break;
+    case Port::Kind::joint:
+      fields[name] = schema::string("Name of a joint: " + text);
+      if (port.has_coordinate) fields["coordinate"] = schema::string("Which of its coordinates, where it has several");
+  }
+  if (!port.optional) required.push_back(name);
+}
+
+template <class Any>
+Json elements(const Section& section) {
+  Json cases = Json::array();
+  Json names = Json::array();
+  std::size_t n = 0;
+  for (const ElementKind& kind : element_kinds<Any>()) {
+    const Any defaults = make_element<Any>(n++);
+    const std::string name(kind.kind);
+    Json fields;
+    std::vector<std::string> required;
+    fields["type"] = {{"const", name}, {"description", sentence(std::string(kind.summary))}};
+    if (section.usual != kind.kind) required.emplace_back("type");
+    for (const Port& port : kind.ports) add_port(port, fields, required);
+    fields.update(properties(kind.fields, data_of(defaults), nullptr, required));
+    names.push_back(name);
+    Json element = object(fields, required);
+    add_ways(element, kind.fields);
+    cases.push_back(when_type(name, element));
+  }
+  return by_type(names, cases, std::string(section.usual));
+}
+
+}  // namespace
+
+Json elements(const Section& section, const std::vector<Motor>&) { return elements<AnyMotor>(section); }
+Json elements(const Section& section, const std::vector<Force>&) { return elements<AnyForce>(section); }
+Json elements(const Section& section, const std::vector<Constraint>&) { return elements<AnyConstraint>(section); }
+Json elements(const Section& section, const std::vector<Sensor>&) { return elements<AnySensor>(section); }
+
+}  // namespace gelenk::schema

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "joint/registry.h"
+#include "scene/units.h"
+#include "scene/words.h"
+#include "scene_file/element_fields.h"
+#include "scene_file/read.h"
+
+namespace gelenk {
+namespace {
+
+// A rotation goes out as its nine numbers: reading leaves a matrix that is one to rounding as it is.
+void add_pose(Json& out, const Pose3& X) {
+  out["position"] = numbers_of(X.p);
+  if ((X.R.array() == Eigen::Matrix3d::Identity().array()).all()) return;
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back(numbers_of(Eigen::RowVector3d(X.R.row(i))));
+  out["rotation"]["matrix"] = rows;
+}
+
+Json frame(const BodyFrame& frame) {
+  Json out;
+  out["body"] = frame.body;
+  add_pose(out, frame.X_BF);
+  return out;
+}
+
+Json point(const BodyFrame& frame) {
+  Json out;
+  out["body"] = frame.body;
+  out["position"] = numbers_of(frame.X_BF.p);
+  return out;
+}
+
+Json body(const Body& body) {
+  const Eigen::Matrix3d& I = body.inertia;
+  Json out;
+  out["mass"] = body.mass;
+  out["com"] = numbers_of(body.com);
+  out["inertia"] = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
+  if (body.pose) {
+    out["pose"] = Json::object();
+    add_pose(out["pose"], *body.pose);
+  }
+  return out;
+}
+
+// The groups of coordinates or speeds of which a value is given.
+void add_start_values(Json& out, Json& fixed, std::span<const Quantity> quantities, const std::vector<double>& values,
+                      const std::vector<bool>& given, const std::vector<bool>& held) {
+  for (const QuantityGroup& group : groups(quantities)) {
+    const auto any = [&](const std::vector<bool>& flags) {
+      const auto first = flags.begin() + static_cast<std::ptrdiff_t>(group.first);
+      return std::any_of(first, first + static_cast<std::ptrdiff_t>(group.size), [](bool flag) { return flag; });
+    };
+    if (!any(given) && !any(held)) continue;
+    const double* first = values.data() + group.first;
+    out[group.name] = group.array ? numbers_of(std::span(first, group.size)) : Json(*first);
+    if (any(held)) fixed.push_back(group.name);
+  }
+}
+
+// Weights that are not as if nothing were said, by name.
+void add_weights(Json& out, std::span<const Quantity> quantities, const std::vector<bool>& given,
+                 const std::vector<double>& weights) {
+  for (const QuantityGroup& group : groups(quantities)) {
+    const double weight = weights.at(group.first);
+    if (given.at(group.first) && weight != default_start_weight) out[group.name] = weight;
+  }
+}
+
+Json start(const JointStart& start, const JointKind& kind) {
+  Json out = Json::object();
+  Json fixed = Json::array();
+  add_start_values(out, fixed, kind.q, start.q, start.q_given, start.q_fixed);
+  add_start_values(out, fixed, kind.v, start.v, start.v_given, start.v_fixed);
+  if (!fixed.empty()) out["fixed"] = fixed.size() == out.size() ? Json(true) : fixed;
+  Json weights = Json::object();
+  add_weights(weights, kind.q, start.q_given, start.q_weight);
+  add_weights(weights, kind.v, start.v_given, start.v_weight);
+  if (!weights.empty()) out["weight"] = std::move(weights);
+  return out;
+}
+
+// What acts along the coordinates: a number for one, a list for more.
+void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
+  for (const JointForceKind& force : joint_force_kinds()) {
+    if (!force.fits(kind)) continue;
+    if (!force.group.empty()) {
+      const void* there = force.in(joint.along.front());
+      if (there != nullptr) write_fields(out[std::string(force.group)], force.fields, there);
+      continue;
+    }
+    for (const Field& field : force.fields) {
+      Json values = Json::array();
+      for (const JointForces& along : joint.along) values.push_back(field.of<double>(force.in(along)));
+      out[std::string(field.name)] = kind.nv == 1 ? values[0] : values;
+    }
+  }
+}
+
+Json joint(const Joint& joint) {
+  Json out;
+  out["type"] = joint.type;
+  if (joint.axes.size() == 1) out["axis"] = numbers_of(joint.axes[0]);
+  if (joint.axes.size() == 2) out["axes"] = {numbers_of(joint.axes[0]), numbers_of(joint.axes[1])};
+  out["parent"] = frame(joint.parent);
+  out["child"] = frame(joint.child);
+  const JointKind* kind = find_joint_kind(joint.type);
+  if (kind == nullptr) return out;
+  write_fields(out, kind->fields, data_of(joint.is));
+  if (kind->nv == 0) return out;
+  Json values = start(joint.start, *kind);
+  if (!values.empty()) out["start"] = std::move(values);
+  write_forces(out, joint, *kind);
+  return out;
+}
+
+Json element(const ElementPlace& element, const ElementKind& kind, const void* data, const Section& section) {
+  Json out;
+  if (section.usual != kind.kind) out["type"] = kind.kind;
+  std::size_t frames = 0;
+  std::size_t joints = 0;
+  for (const Port& port : kind.ports) {
+    const std::string name(port.name);
+    if (port.kind == Port::Kind::joint) {
+      const std::string& joint = element.joints.at(joints++);
+      if (!joint.empty()) out[name] = joint;
+      if (port.has_coordinate) out["coordinate"] = element.coordinate;
+      continue;
+    }
+    const BodyFrame& at = element.frames.at(frames++);
+    const Json written = port.kind == Port::Kind::body    ? Json{{"body", at.body}}
+                         : port.kind == Port::Kind::point ? point(at)
+                                                          : frame(at);
+    if (name.empty()) {
+      out.update(written);
+    } else {
+      out[name] = written;
+    }
+  }
+  write_fields(out, kind.fields, data);
+  return out;
+}
+
+template <class Element>
+Json section(const std::vector<Element>& elements, Json (*write)(const Element&)) {
+  Json out = Json::object();
+  for (const Element& element : elements) out[element.name] = write(element);
+  return out;
+}
+
+// One line for each entry of a section: short, and still to be read and compared by people.
+std::string laid_out(const Json& tree) {
+  std::string out = "{";
+  const char* separator = "\n ";
+  for (const auto& [key, value] : tree.items()) {
+    out += separator + Json(key).dump() + ": ";
+    separator = ",\n ";
+    const bool entries = value.is_object() && !value.empty() && value.front().is_object();
+    if (!entries) {
+      out += value.dump();
+      continue;
+    }
+    const char* inner = "{\n  ";
+    for (const auto& [name, entry] : value.items()) {
+      out += inner + Json(name).dump() + ": " + entry.dump();
+      inner = ",\n  ";
+    }
+    out += "\n }";
+  }
+  return out + "\n}\n";
+}
+
+}  // namespace
+
+std::string write_scene_json(const Scene& scene) {
+  Json out;
+  out["gelenk"] = scene_version;
+  out["name"] = scene.name;
+  out["gravity"] = numbers_of(scene.gravity);
+  out["bodies"] = section(scene.bodies, body);
+  out["joints"] = section(scene.joints, joint);
+  each_section(scene, [&](const Section& of, const auto& elements) {
+    Json& entries = out[std::string(of.name)] = Json::object();
+    for (const auto& e : elements) entries[e.name] = element(e, kind_of(e.is), data_of(e.is), of);
+  });
+  out["parameters"] = scene.parameters;
+  if (!scene.outputs.empty()) out["outputs"] = scene.outputs;
+  if (scene.assembly.tolerance > 0) out["assembly"] = {{"tolerance", scene.assembly.tolerance}};
+  const Experiment& e = scene.experiment;
+  out["experiment"] = {{"stop", e.stop}, {"step", e.step}, {"tolerance", e.tolerance}};
+  const Solver& s = scene.solver;
+  out["solver"] = {{"formulation", s.formulation}, {"integrator", s.integrator}, {"step", s.step}};
+  if (s.start != Solver{}.start) out["solver"]["start"] = s.start;
+  if (s.max_evaluations != Solver{}.max_evaluations) out["solver"]["max_evaluations"] = s.max_evaluations;
+  if (s.max_events != Solver{}.max_events) out["solver"]["max_events"] = s.max_events;
+  if (s.corrections != Solver{}.corrections) out["solver"]["corrections"] = s.corrections;
+  if (s.rho_inf != Solver{}.rho_inf) out["solver"]["rho_inf"] = s.rho_inf;
+  if (s.baumgarte_alpha != 0) out["solver"]["baumgarte_alpha"] = s.baumgarte_alpha;
+  if (s.baumgarte_beta != 0) out["solver"]["baumgarte_beta"] = s.baumgarte_beta;
+  if (const auto& l = scene.left_out) {
+    out["solver"]["left_out"] = {{"length", l->length}, {"travel", l->travel}, {"mass", l->mass}};
+  }
+  for (int i = 0; i < reduction_count; ++i) {
+    if (!s.reductions[i]) out["solver"]["reductions"][words::reductions[i]] = false;
+  }
+  return laid_out(out);
+}
+
+}  // namespace gelenk
