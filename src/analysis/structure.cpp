@@ -214,7 +214,7 @@ class Standing {
     double v[6];
     for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
       const int nv = mechanism_.cuts[c].nv;
-      dynamics.cut_speeds(c, v);
+      dynamics.readings().cut_speeds(c, v);
       if (std::any_of(v, v + nv, [](double x) { return std::abs(x) > no_motion; })) out_.standing_cuts[c] = false;
     }
   }

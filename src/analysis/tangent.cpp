@@ -66,6 +66,8 @@ Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure
 
 void Tangent::stand(const double* q, const double* v, const double* u, const double* cut_q,
                     const std::vector<MotionLaw::Derivatives>& targets) {
+  stages_.realize(Stage::position);
+  stages_.realize(Stage::velocity);
   std::copy_n(q, mechanism_.nq, q_.begin());
   std::copy_n(v, mechanism_.nv, v_.begin());
   std::copy_n(u, inputs_, u_.begin());
@@ -79,11 +81,10 @@ void Tangent::stand(const double* q, const double* v, const double* u, const dou
   d.set_velocity(v);
   d.solve(u, vdot_.data());
   if (!no_list_has_any(loads_.forces)) {
-    d.set_root_poses();
-    const int force = undefined_force(loads_, d);
+    d.readings().set_root_poses();
+    const int force = undefined_force(loads_, d.readings());
     if (force >= 0) throw Undetermined(Undetermined::What::spring, force);
   }
-  partition_known_ = slopes_known_ = false;
   redundant_ = false;
   if (mechanism_.rows == 0) return;
   d.set_acceleration(vdot_.data());  // for lambda
@@ -207,16 +208,18 @@ VectorXd Tangent::qdot() const {
 }
 
 void Tangent::know_partition() {
-  if (mechanism_.rows == 0 || partition_known_) return;
+  if (mechanism_.rows == 0 || partition_.holds(stages_)) return;
   of_positions_.compute(J_, position_rank_);
   of_speeds_.compute(J_, rank_);
-  partition_known_ = true;
+  partition_.set(stages_);
 }
 
 MovedState Tangent::move_state(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
   know_partition();
-  if (!slopes_known_) dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), slopes_, lambda_.data());
-  slopes_known_ = true;
+  if (!slopes_known_.holds(stages_)) {
+    dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), slopes_, lambda_.data());
+    slopes_known_.set(stages_);
+  }
   const Index nq = mechanism_.nq;
   const Index nv = mechanism_.nv;
   const Index n = dq.cols();

@@ -15,6 +15,7 @@
 #include "analysis/structure.h"
 #include "derivatives/extended.h"
 #include "dynamics/dynamics.h"
+#include "kinematics/stages.h"
 #include "math/dual.h"
 #include "math/series.h"
 
@@ -110,8 +111,8 @@ class Tangent {
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;
-  bool partition_known_ = false;  // both are of J_
-  bool slopes_known_ = false;
+  Stages stages_;
+  Computed partition_{Stage::position}, slopes_known_{Stage::velocity};
   Slopes slopes_;
   Partition of_positions_, of_speeds_;
   std::vector<MotionLaw::Derivatives> targets_;

@@ -327,7 +327,7 @@ SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
       const auto k = std::ranges::find_if(moving_[c], [&](int speed) { return unit[speed] != 0; });
       if (k == moving_[c].end()) continue;
       const Cut& cut = mechanism_.cuts[c];
-      dynamics_.cut_speeds(c, v);
+      dynamics_.readings().cut_speeds(c, v);
       for (int i = 0; i < cut.nv; ++i) entries.emplace_back(cut.iv + i, *k, v[i]);
     }
     for (const int k : group) unit[k] = 0;

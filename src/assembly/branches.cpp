@@ -56,9 +56,9 @@ class Collector {
  private:
   std::vector<Pose3> poses_at(const std::vector<double>& q) {
     dynamics_.set_position(q.data());
-    dynamics_.set_root_poses();
+    dynamics_.readings().set_root_poses();
     std::vector<Pose3> out;
-    for (const int link : links_) out.push_back(dynamics_.link_pose(link));
+    for (const int link : links_) out.push_back(dynamics_.readings().link_pose(link));
     return out;
   }
 

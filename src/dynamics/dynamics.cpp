@@ -14,6 +14,7 @@
 #include "kinematics/kernels.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/output_kernels.h"
+#include "kinematics/stages.h"
 #include "kinematics/visit.h"
 #include "kinematics/with_readings.h"
 
@@ -47,9 +48,11 @@ std::vector<int> all_links(const Mechanism& mechanism) {
   return out;
 }
 
+class AllOfDynamics : public Dynamics, public StateReadings, public Branching {};
+
 template <class A>
-class DynamicsOf final : public WithReadings<A, Dynamics> {
-  using Base = WithReadings<A, Dynamics>;
+class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
+  using Base = WithReadings<A, AllOfDynamics>;
   using Base::cut_reference_;
   using Base::loads_;
   using Base::mechanism_;
@@ -77,47 +80,46 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
         shifted_(model_.rows) {}
 
   void set_position(const double* q) override {
-    if (placed_ && same(q, q_)) return;
-    placed_ = true;
-    moving_ = factorised_ = false;
+    if (stages_.has(Stage::position) && same(q, q_)) return;
     std::copy(q, q + model_.nq, q_.begin());
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, loaded_links_, ws_);
     kernels::loop_positions(model_, ws_);
     kernels::coordinate_row_positions(model_, q, targets_, ws_);
+    stages_.realize(Stage::position);
   }
 
   void set_targets(const double* targets) override {
     if (same(targets, targets_)) return;
-    placed_ = moving_ = factorised_ = false;
+    stages_.clear();
     std::copy_n(targets, targets_.size(), targets_.begin());
   }
 
   void factorise() override {
     const bool as_before = same(loads_.added_inertia.data(), added_);
-    if (factorised_ && as_before) return;
-    factorised_ = false;
+    if (factors_.holds(stages_) && as_before) return;
+    factors_.drop();
     if (!as_before) added_ = loads_.added_inertia;
     if (model_.rows > 0) fill_jacobian();
     if (const int k = M_.factorise(); k >= 0) throw_singular(k);
     if (model_.rows > 0) Y_.factorise(max_rank_);
-    factorised_ = true;
+    factors_.set(stages_);
   }
 
   bool mass_is_definite() override {
-    factorised_ = false;
+    factors_.drop();
     added_ = loads_.added_inertia;
     return M_.definite();
   }
 
   void set_velocity(const double* v) override {
-    if (moving_ && same(v, v_) && gravity_ == loads_.gravity) return;
-    moving_ = true;
+    if (stages_.has(Stage::velocity) && same(v, v_) && gravity_ == loads_.gravity) return;
     gravity_ = loads_.gravity;
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
     kernels::loop_velocities(model_, ws_);
     kernels::coordinate_row_velocities(model_, v, targets_, ws_);
+    stages_.realize(Stage::velocity);
   }
 
   void set_weak_pivots(double ratio) override { Y_.set_weak(ratio); }
@@ -142,7 +144,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_row_shift(const double* shift) override { row_shift_ = shift; }
 
   void assemble(const double* u, double* M, double* f) override {
-    factorised_ = false;
+    factors_.drop();
     M_.matrix(M);
     if (model_.rows > 0) fill_jacobian();
     forces(u, f);
@@ -153,7 +155,7 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
   void set_acceleration(const double* vdot) override {
     if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
     kernels::accelerations(model_, vdot, ws_);
-    moving_ = false;  // the cuts' biases are overwritten
+    stages_.fall_back_to(Stage::position);  // the cuts' biases are overwritten
   }
 
   void rate(const double* q, const double* v, double* qdot) const override {
@@ -242,21 +244,25 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
     return {J_.data(), model_.rows, model_.nv};
   }
   Eigen::SparseMatrix<double> sparse_J() override {
-    if (!factorised_ && model_.rows > 0) fill_jacobian();
+    if (!factors_.holds(stages_) && model_.rows > 0) fill_jacobian();
     return ws_.J.matrix(model_.nv);
   }
-  int branchings() const override {
+  StateReadings& readings() override { return *this; }
+  const StateReadings& readings() const override { return *this; }
+  Branching& branching() override { return *this; }
+
+  int count() const override {
     int n = loads_.tree.branchings();
     for (const JointLoads& on : loads_.cuts) n += on.branchings();
     return n;
   }
   void indicators(double* g, double* gdot) const override { look_at_branches(nullptr, g, gdot); }
-  void branches(int* sides) const override { look_at_branches(sides, nullptr, nullptr); }
-  void hold_branches(const int* sides) override { held_ = sides; }
+  void sides(int* sides) const override { look_at_branches(sides, nullptr, nullptr); }
+  void hold(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void limit_rank(int rank) override {
-    factorised_ = factorised_ && rank == max_rank_;
+    if (rank != max_rank_) factors_.drop();
     max_rank_ = rank;
   }
 
@@ -355,13 +361,12 @@ class DynamicsOf final : public WithReadings<A, Dynamics> {
 
   const int* held_ = nullptr;  // branches of stops
 
-  // What the workspace holds is of q_ and targets_; of v_ and gravity_ too. Steps end where outputs are read and the
-  // next one begins.
-  bool placed_ = false;
-  bool moving_ = false;
-  bool factorised_ = false;    // there; before other inputs the same factors serve
-  bool unloaded_ = false;      // no loads on links are left over in the workspace
-  std::vector<double> added_;  // to the diagonal of M then
+  // The workspace holds the position of q_ and targets_, the velocity of v_ and gravity_. Steps end where outputs are
+  // read and the next one begins.
+  Stages stages_;
+  Computed factors_{Stage::position};  // before other inputs the same factors serve
+  bool unloaded_ = false;              // no loads on links are left over in the workspace
+  std::vector<double> added_;          // to the diagonal of M then
   Eigen::Vector3d gravity_{0, 0, 0};
   bool everything_;
   std::vector<int> all_links_, loaded_links_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Equations of motion of a mechanism in joint coordinates (DESIGN section 3):
+// Equations of motion of a mechanism in joint coordinates:
 //
 //   M(q) vdot + h(q, v) + J(q)^T lambda = tau(q, v, u)      Phi(q, t) = 0,   J v = b(t),   J vdot = gamma(q, v, t)
 //
@@ -7,12 +7,12 @@
 // tau (nv), lambda and rows (rows), u (inputs), in the mechanism's own signs and order.
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
 #include "derivatives/derivatives.h"
+#include "kinematics/kinematics.h"
 #include "kinematics/model.h"
 #include "kinematics/readings.h"
 
@@ -23,19 +23,37 @@ class SingularMass : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-class Dynamics : public Readings<double> {
+// What outputs are read from, where the equations stand.
+class StateReadings : public Readings<double> {
  public:
-  // The time, for rows that change with it: of each coordinate row s, ds/dt, d2s/dt2. From the next set_position on.
-  virtual void set_targets(const double* targets) = 0;
-  // --- in this order; each uses what the ones before have left ---
-  // Poses of links in their parents and the rows' position errors Phi.
-  virtual void set_position(const double* q) = 0;
-  // M, J and their factors at that position. Throws SingularMass.
+  // Poses of all links in the root frame, after set_position.
+  virtual void set_root_poses() = 0;
+  // Makes tree_reaction() and cut_reaction() tell the wrenches of these multipliers alone, at rest and without loads.
+  virtual void set_multipliers(const double* lambda) = 0;
+};
+
+// What acts along joints and has branches (element/coordinate_force.h), in the tree and where loops are cut.
+class Branching {
+ public:
+  virtual ~Branching() = default;
+
+  virtual int count() const = 0;
+  // Of each, where the equations stand: the branch on which it is.
+  virtual void sides(int* sides) const = 0;
+  // Likewise two numbers that vanish where that changes, with their rates.
+  virtual void indicators(double* g, double* gdot) const = 0;
+  // From now on the equations take them on these branches (read then), and differentiate() too; null: on those of the
+  // state.
+  virtual void hold(const int* sides) = 0;
+};
+
+class Dynamics : public Kinematics {
+ public:
+  // --- in this order; each uses what the ones before, and set_position and set_velocity, have left ---
+  // M, J and their factors at a position. Throws SingularMass.
   virtual void factorise() = 0;
   // Whether M alone is positive definite at that position, beyond rounding. Allocates; the factors are lost.
   virtual bool mass_is_definite() = 0;
-  // Velocities, J v - b (row_rates) and the velocity products h, gamma.
-  virtual void set_velocity(const double* v) = 0;
   // Solves for vdot under the inputs u. expected: vdot to be followed along weak pivots, or null: none is weak.
   virtual void solve(const double* u, double* vdot, const double* expected = nullptr) = 0;
   // Pivots of the rows near or below this ratio to the largest are weak (row_factor.h); 0: none.
@@ -45,16 +63,8 @@ class Dynamics : public Readings<double> {
   // Instead of factorise() and solve(), after set_velocity: M (nv x nv, full), f = tau - h, and J. The factors are
   // lost.
   virtual void assemble(const double* u, double* M, double* f) = 0;
-  // --- what only outputs need ---
-  // Poses of all links in the root frame, after set_position.
-  virtual void set_root_poses() = 0;
   // lambda and body accelerations for the vdot found, after solve.
   virtual void set_acceleration(const double* vdot) = 0;
-
-  virtual void rate(const double* q, const double* v, double* qdot) const = 0;
-  // q <- q moved by the small displacement dv (speeds times time), redundant parts renormalised.
-  virtual void displace(double* q, const double* dv) const = 0;
-  virtual void normalise(double* q) const = 0;
 
   // Exact derivatives of the residuals at the state of the last solve(), with its vdot and lambda; or those of
   // assemble(), with any vdot and lambda. u: `inputs` numbers. Allocates when first called.
@@ -66,40 +76,19 @@ class Dynamics : public Readings<double> {
   virtual void solve_linear(double* r, const double* c, double* l = nullptr) const = 0;
   // The same for many right sides at a time, without l: r (nv x columns) and c (rows x columns) row by row.
   virtual void solve_linear_columns(double* r, const double* c, int columns) const = 0;
+  // dv <- the smallest displacement (mass metric, last factors) that takes the residual of the rows away.
+  virtual void correct(const double* residual, double* dv) const = 0;
 
-  virtual const std::vector<double>& Phi() const = 0;        // after set_position
-  virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
-  virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
-  virtual const std::vector<double>& gamma() const = 0;      // likewise
-  virtual const std::vector<double>& lambda() const = 0;     // after set_acceleration
-  virtual Eigen::Map<const RowMatrix> J() const = 0;         // rows x nv, after factorise or assemble
-  virtual Eigen::SparseMatrix<double> sparse_J() = 0;        // the same, after set_position; allocates
+  virtual const std::vector<double>& lambda() const = 0;  // after set_acceleration
+  virtual Eigen::Map<const RowMatrix> J() const = 0;      // rows x nv, after factorise or assemble
   virtual int rank() const = 0;
   virtual double pivot_ratio() const = 0;  // the smallest pivot over the largest (row_factor.h); 0: rank is lost
   // Rows beyond this rank are taken to repeat others; rows() at first.
   virtual void limit_rank(int rank) = 0;
 
-  // dv <- the smallest displacement (mass metric, last factors) that takes the residual of the rows away.
-  virtual void correct(const double* residual, double* dv) const = 0;
-
-  // Coordinates of a cut joint (angles within half a turn; quaternions near what `q` holds on entry).
-  virtual void cut_coordinates(int cut, double* q) const = 0;
-  // Angles of cut joints as last counted, for springs that act on them; cut_nq numbers.
-  virtual void set_cut_reference(const double* q) = 0;
-
-  // Makes tree_reaction() and cut_reaction() tell the wrenches of these multipliers alone, at rest and without loads.
-  virtual void set_multipliers(const double* lambda) = 0;
-  virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
-
-  // What acts along joints and has branches (element/coordinate_force.h), in the tree and where loops are cut: how
-  // many, and, of each where it stands, the branch on which it is and two numbers that vanish where that changes, with
-  // their rates.
-  virtual int branchings() const = 0;
-  virtual void branches(int* sides) const = 0;
-  virtual void indicators(double* g, double* gdot) const = 0;
-  // From now on solve() and assemble() take them on these branches (read then), and differentiate() too; null: on those
-  // of the state.
-  virtual void hold_branches(const int* sides) = 0;
+  virtual StateReadings& readings() = 0;
+  virtual const StateReadings& readings() const = 0;
+  virtual Branching& branching() = 0;
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

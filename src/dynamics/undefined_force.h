@@ -5,7 +5,8 @@
 
 #include <array>
 
-#include "dynamics/dynamics.h"
+#include "kinematics/model.h"
+#include "kinematics/readings.h"
 
 namespace gelenk {
 namespace detail {
@@ -19,7 +20,7 @@ struct PortPlace {
 }  // namespace detail
 
 // Such a force of the scene; -1: there is none. at: after set_root_poses().
-inline int undefined_force(const Loads& loads, const Dynamics& at) {
+inline int undefined_force(const Loads& loads, const Readings<double>& at) {
   int found = -1;
   each_list(loads.forces, [&](const auto& list) {
     for (const auto& force : list) {

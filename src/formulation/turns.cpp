@@ -42,7 +42,7 @@ void TurnCounter::count(double t, const double* y) {
   const double h = t - last_time_;
   for (std::size_t c = 0; c < mechanism_.cuts.size(); ++c) {
     const Cut& cut = mechanism_.cuts[c];
-    dynamics_.cut_speeds(static_cast<int>(c), v_.data() + cut.iv);
+    dynamics_.readings().cut_speeds(static_cast<int>(c), v_.data() + cut.iv);
     double found[max_cut_nq];
     std::copy_n(q_.data() + cut.iq, cut.nq, found);
     dynamics_.cut_coordinates(static_cast<int>(c), found);

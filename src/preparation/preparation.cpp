@@ -337,7 +337,7 @@ struct Preparer {
         double of_cut[max_cut_nv];
         const double* v = start.v.data() + place.iv;
         if (place.role != JointPlace::Role::tree) {
-          dynamics[i]->cut_speeds(place.index, of_cut);
+          dynamics[i]->readings().cut_speeds(place.index, of_cut);
           v = of_cut + place.iv - out.reduced.islands[i].cuts[place.index].iv;
         }
         for (std::size_t k = 0; k < wish.v.size(); ++k) wish.v[k] = place.v_sign[k] * v[k];
@@ -361,8 +361,8 @@ struct Preparer {
         out.warnings.push_back(describe_singular_start(scene, out.reduced, island, found));
       }
       dynamics[i]->set_position(of.start.q.data());
-      dynamics[i]->set_root_poses();
-      const int force = undefined_force(loads[i], *dynamics[i]);
+      dynamics[i]->readings().set_root_poses();
+      const int force = undefined_force(loads[i], dynamics[i]->readings());
       if (force >= 0) out.warnings.push_back(describe_collapsed_spring(scene, force));
     }
   }

@@ -83,7 +83,7 @@ class RowInspector {
     if (structure.idle.cols() == 0) return;
     const auto dynamics = make_dynamics(mechanism, loads);
     dynamics->set_position(structure.idle_q.data());
-    dynamics->set_root_poses();
+    dynamics->readings().set_root_poses();
     dynamics->factorise();
     name_rows(mechanism, structure, *dynamics);
     find_undetermined(mechanism, structure, *dynamics);
@@ -155,12 +155,12 @@ class RowInspector {
   void find_undetermined(const Mechanism& mechanism, const Structure& structure, Dynamics& dynamics) {
     for (Eigen::Index k = 0; k < structure.idle.cols(); ++k) {
       const Eigen::VectorXd lambda = structure.idle.col(k);
-      dynamics.set_multipliers(lambda.data());
+      dynamics.readings().set_multipliers(lambda.data());
       find_undetermined_contacts(mechanism, lambda);
       for (const int j : mechanism.joints) {
         const ElementPlace at_joint{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
         const PortPlaces ports(scene_, prepared_.reduced, at_joint, true);
-        const SeenPorts<double> seen(ports, prepared_.reduced, &dynamics);
+        const SeenPorts<double> seen(ports, prepared_.reduced, &dynamics.readings());
         const SeenWrench<double> wrench = seen.reaction();
         const Eigen::Matrix3d R_0F = seen.pose(0).R;
         for (int i = 0; i < 6; ++i) {

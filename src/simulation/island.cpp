@@ -218,13 +218,13 @@ void Island::refresh(Outputs::Needs needs) {
     dynamics_->set_position(q());
     dynamics_->set_velocity(v());
   }
-  dynamics_->set_root_poses();
+  dynamics_->readings().set_root_poses();
   if (needs == Outputs::Needs::accelerations) dynamics_->set_acceleration(vdot_.data());
   fresh_ = needs;
 }
 
 Reading Island::reading() const {
-  return {*dynamics_, q(), v(), vdot_.data(), cut_coordinates().data(), equations_->cut_speeds().data()};
+  return {dynamics_->readings(), q(), v(), vdot_.data(), cut_coordinates().data(), equations_->cut_speeds().data()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

@@ -109,7 +109,7 @@ Energy Simulation::Impl::energy() {
   sum.potential = still_energy;
   for (const auto& island : islands) {
     island->refresh(Outputs::Needs::velocities);
-    const Energy part = island->dynamics().energy();
+    const Energy part = island->dynamics().readings().energy();
     sum.kinetic += part.kinetic;
     sum.potential += part.potential;
   }
@@ -260,7 +260,7 @@ Pose3 Simulation::body_pose(int body) {
   if (place.island >= 0) {
     Island& island = *s.islands[place.island];
     island.refresh(Outputs::Needs::velocities);
-    const auto& readings = island.dynamics();
+    const StateReadings& readings = island.dynamics().readings();
     const Pose3 X_0L = place.rod >= 0 ? readings.rod_pose(place.rod) : readings.link_pose(place.link);
     X_WB = s.prepared.reduced.islands[place.island].X_W0 * X_0L * place.X_LB;
   }
