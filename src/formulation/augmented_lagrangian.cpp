@@ -15,26 +15,26 @@ constexpr int most = 50;          // each gains some digits; near positions that
 
 class AugmentedLagrangian final : public Penalised {
  public:
-  AugmentedLagrangian(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs)
-      : Penalised(mechanism, dynamics, inputs), more_(rows()), sum_(rows()), change_(nv_) {}
+  explicit AugmentedLagrangian(const FormulationContext& context)
+      : Penalised(context), more_(mechanism_.rows), sum_(mechanism_.rows), change_(mechanism_.nv) {}
 
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
-    return Penalised::accelerate(t, y, vdot) && (rows() == 0 || iterate(vdot));
+    return Penalised::accelerate(t, y, vdot) && (mechanism_.rows == 0 || iterate(vdot));
   }
 
   bool iterate(double* vdot) {
-    Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
+    Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
     lambda_.setZero();
     double before = INFINITY;
     for (int i = 0; i < most; ++i) {
       more_ = -a_ * wish_;
-      more_.noalias() += a_ * J() * x;
+      more_.noalias() += a_ * dynamics_.J() * x;
       lambda_ += more_;
       sum_ = lambda_ + more_;
       change_ = f_;
       change_.noalias() -= M_ * x;
-      change_.noalias() -= J().transpose() * sum_;
+      change_.noalias() -= dynamics_.J().transpose() * sum_;
       factor_.solveInPlace(change_);
       x += change_;
       const double size = change_.norm() / (1 + x.norm());
@@ -47,7 +47,7 @@ class AugmentedLagrangian final : public Penalised {
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.factorise();
-    dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_, lambda_.data());
     stabilise_slopes();
     solve_slopes(out);
   }
@@ -57,9 +57,8 @@ class AugmentedLagrangian final : public Penalised {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_augmented_lagrangian(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                                       const FormulationOptions&) {
-  return std::make_unique<AugmentedLagrangian>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_augmented_lagrangian(const FormulationContext& context) {
+  return std::make_unique<AugmentedLagrangian>(context);
 }
 
 }  // namespace gelenk

@@ -13,29 +13,30 @@ constexpr double gain_per_step = 0.1;
 
 class Baumgarte final : public Formulation {
  public:
-  Baumgarte(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u, const FormulationOptions& options)
-      : Formulation(mechanism, dynamics, u),
-        alpha_(options.baumgarte_alpha > 0 ? options.baumgarte_alpha : gain_per_step / options.step),
-        beta_(options.baumgarte_beta > 0 ? options.baumgarte_beta : alpha_),
-        shift_(mechanism.rows) {}
+  explicit Baumgarte(const FormulationContext& context)
+      : Formulation(context),
+        alpha_(context.options.baumgarte_alpha > 0 ? context.options.baumgarte_alpha
+                                                   : gain_per_step / context.options.step),
+        beta_(context.options.baumgarte_beta > 0 ? context.options.baumgarte_beta : alpha_),
+        shift_(mechanism_.rows) {}
 
  private:
   bool accelerate(double, const double* y, double* vdot) override {
-    refactor();
-    dynamics_.set_velocity(y + nq_);
-    for (int r = 0; r < rows(); ++r) {
+    dynamics_.factorise();
+    dynamics_.set_velocity(y + mechanism_.nq);
+    for (int r = 0; r < mechanism_.rows; ++r) {
       shift_[r] = -2 * alpha_ * dynamics_.row_rates()[r] - beta_ * beta_ * dynamics_.Phi()[r];
     }
     dynamics_.set_row_shift(shift_.data());
-    dynamics_.solve(u_.data(), vdot);
+    dynamics_.solve(drives_.u().data(), vdot);
     dynamics_.set_row_shift(nullptr);
     return true;
   }
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
-    dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_);
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_);
     slopes_.c_q() += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;
-    slopes_.c_v() += 2 * alpha_ * J();
+    slopes_.c_v() += 2 * alpha_ * dynamics_.J();
     solve_slopes(out);
   }
 
@@ -45,9 +46,8 @@ class Baumgarte final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_baumgarte(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                            const FormulationOptions& options) {
-  return std::make_unique<Baumgarte>(mechanism, dynamics, u, options);
+std::unique_ptr<Formulation> make_baumgarte(const FormulationContext& context) {
+  return std::make_unique<Baumgarte>(context);
 }
 
 }  // namespace gelenk

@@ -9,8 +9,10 @@
 
 namespace gelenk {
 
-class Equations : public EventSource {
+class Equations {
  public:
+  virtual ~Equations() = default;
+
   virtual int size() const = 0;
   virtual int coordinates() const = 0;  // nq: how many of y are q
 
@@ -28,6 +30,8 @@ class Equations : public EventSource {
   virtual void displace(double* q, const double* dv) const = 0;
   // A step has been accepted; y is on the constraints.
   virtual void accepted(double t, const double* y) = 0;
+  // What changes the equations' form.
+  virtual EventSource& modes() = 0;
   // Whether the evaluations allowed are used up: an advance then ends after the step it is in.
   virtual bool spent() const { return false; }
 

@@ -17,113 +17,149 @@ namespace {
 // A new partition is looked for where the smallest pivot has shrunk to this part of what it was when chosen.
 constexpr double worn = 0.3;
 
-class Independent final : public Formulation {
+// Corrects the dependent coordinates and speeds alone.
+class Partition final : public Corrector {
  public:
-  Independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-      : Formulation(mechanism, dynamics, u),
-        state_(size()),
+  Partition(const Mechanism& mechanism, Dynamics& dynamics)
+      : Corrector(mechanism, dynamics),
         all_(mechanism.rows, mechanism.nv),
-        right_(std::min(mechanism.rows, mechanism.nv)),
-        dv_dq_(mechanism.nv, mechanism.nq),
-        carried_(mechanism.nv) {
+        right_(std::min(mechanism.rows, mechanism.nv)) {
     needed_.reserve(right_.size());
     dependent_.reserve(right_.size());
   }
 
-  void start(const std::vector<double>& cut_q, double t, const double* y) override {
-    Formulation::start(cut_q, t, y);
-    if (rows() > 0) choose();
-  }
+  const std::vector<int>& dependent() const { return dependent_; }
+  bool is_worn() const { return smallest_ < worn * chosen_; }
 
-  void exchange(Record& record) override {
-    Formulation::exchange(record);
-    int rank = static_cast<int>(needed_.size());
-    record.within(rank, 0, std::min(rows(), nv_));
-    needed_.resize(rank);
-    dependent_.resize(rank);
-    for (int& row : needed_) record.within(row, 0, rows() - 1);
-    for (int& speed : dependent_) record.within(speed, 0, nv_ - 1);
-    record.exchange(smallest_, chosen_);
-  }
-
-  bool project(double t, double* y) override {
-    go_to(t);
-    return close_position(y) && close_velocity(y + nq_);
-  }
-
-  void accepted(double t, const double* y) override {
-    Formulation::accepted(t, y);  // leaves dynamics_ at y
-    if (rows() > 0 && smallest_ < worn * chosen_) choose();
-  }
-
- private:
-  // At the position of dynamics_.
+  // At the position of `dynamics`.
   void choose() {
     dynamics_.factorise();
-    all_.compute(J());
+    all_.compute(dynamics_.J());
     // Where the rank is low for a moment, the former partition is as good as any.
     if (!needed_.empty() && dynamics_.rank() < static_cast<int>(needed_.size())) return;
     const int rank = dynamics_.rank();
     const auto& columns = all_.permutationQ().indices();
     dependent_.assign(columns.begin(), columns.begin() + rank);
     needed_.clear();
-    for (int r = 0; r < rows(); ++r) {
+    for (int r = 0; r < mechanism_.rows; ++r) {
       if (all_.permutationP().indices()[r] < rank) needed_.push_back(r);
     }
-    factorise_dependent();
+    renew_factors();
     chosen_ = smallest_;
-    factors_ = true;
   }
 
-  void factorise_dependent() {
-    const auto rank = static_cast<Eigen::Index>(needed_.size());
-    J_d_.resize(rank, rank);
-    for (Eigen::Index k = 0; k < rank; ++k) {
-      for (Eigen::Index r = 0; r < rank; ++r) J_d_(r, k) = J()(needed_[r], dependent_[k]);
-    }
-    lu_.compute(J_d_);
-    smallest_ = lu_.matrixLU().diagonal().cwiseAbs().minCoeff();
-  }
-
-  void refactor() override {
-    dynamics_.factorise();
-    if (!needed_.empty()) factorise_dependent();
-  }
-
-  void correction(const double* residual, double* dv) override {
+  void correct(const double* residual, double* dv) override {
     // lu_.solve() would ask for memory.
     const auto rank = static_cast<Eigen::Index>(needed_.size());
     auto x = right_.head(rank);
     for (Eigen::Index k = 0; k < rank; ++k) x[lu_.permutationP().indices()[k]] = residual[needed_[k]];
     lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(x);
     lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(x);
-    std::fill_n(dv, nv_, 0.0);
+    std::fill_n(dv, mechanism_.nv, 0.0);
     for (Eigen::Index k = 0; k < rank; ++k) dv[dependent_[lu_.permutationQ().indices()[k]]] = -x[k];
   }
 
-  const double* state_for(const double* y) override {
-    std::copy_n(y, size(), state_.begin());
-    return close_position(state_.data()) ? state_.data() : nullptr;
+  void exchange(Record& record) {
+    int rank = static_cast<int>(needed_.size());
+    record.within(rank, 0, std::min(mechanism_.rows, mechanism_.nv));
+    needed_.resize(rank);
+    dependent_.resize(rank);
+    for (int& row : needed_) record.within(row, 0, mechanism_.rows - 1);
+    for (int& speed : dependent_) record.within(speed, 0, mechanism_.nv - 1);
+    record.exchange(smallest_, chosen_);
   }
 
+ private:
+  void refactor() override {
+    dynamics_.factorise();
+    if (!needed_.empty()) factorise_dependent();
+  }
+
+  void factorise_dependent() {
+    const auto rank = static_cast<Eigen::Index>(needed_.size());
+    J_d_.resize(rank, rank);
+    const auto J = dynamics_.J();
+    for (Eigen::Index k = 0; k < rank; ++k) {
+      for (Eigen::Index r = 0; r < rank; ++r) J_d_(r, k) = J(needed_[r], dependent_[k]);
+    }
+    lu_.compute(J_d_);
+    smallest_ = lu_.matrixLU().diagonal().cwiseAbs().minCoeff();
+  }
+
+  std::vector<int> needed_, dependent_;    // rows, and the speeds they determine
+  Eigen::MatrixXd J_d_;                    // J there
+  Eigen::FullPivLU<Eigen::MatrixXd> lu_;   // of it
+  Eigen::FullPivLU<Eigen::MatrixXd> all_;  // of J, when they were chosen
+  Eigen::VectorXd right_;
+  double smallest_ = INFINITY, chosen_ = 0;  // its smallest pivot; when chosen
+};
+
+class Independent final : public Formulation {
+ public:
+  explicit Independent(const FormulationContext& context)
+      : Formulation(context),
+        partition_(mechanism_, dynamics_),
+        state_(size()),
+        dv_dq_(mechanism_.nv, mechanism_.nq),
+        carried_(mechanism_.nv) {}
+
+  void start(const std::vector<double>& cut_q, double t, const double* y) override {
+    Formulation::start(cut_q, t, y);
+    if (mechanism_.rows > 0) partition_.choose();
+  }
+
+  void exchange(Record& record) override {
+    Formulation::exchange(record);
+    partition_.exchange(record);
+  }
+
+  bool rhs(double t, const double* y, double* ydot) override {
+    if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return false;
+    drives_.go_to(t);
+    std::copy_n(y, size(), state_.begin());
+    return partition_.close_position(state_.data()) && evaluate(t, state_.data(), ydot);
+  }
+
+  bool jacobian(double t, const double* y, double* J) override {
+    if (!Formulation::jacobian(t, y, J)) return false;
+    Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
+    chain(out);
+    return out.allFinite();
+  }
+
+  bool project(double t, double* y) override {
+    drives_.go_to(t);
+    return partition_.close_position(y) && partition_.close_velocity(y + mechanism_.nq);
+  }
+
+  void accepted(double t, const double* y) override {
+    Formulation::accepted(t, y);  // leaves dynamics_ at y
+    if (mechanism_.rows > 0 && partition_.is_worn()) partition_.choose();
+  }
+
+ private:
+  Corrector& corrector() override { return partition_; }
+
   bool accelerate(double, const double*, double* vdot) override {
-    renew_factors();
-    if (!close_velocity(state_.data() + nq_)) return false;
-    dynamics_.solve(u_.data(), vdot);
+    partition_.renew_factors();
+    if (!partition_.close_velocity(state_.data() + mechanism_.nq)) return false;
+    dynamics_.solve(drives_.u().data(), vdot);
     return true;
   }
 
-  // With z = state_for(y): dq_z = N T N^+ dq and dv_z = T dv - E J_d^-1 (d(J v)/dq) dq_z, where T carries the dependent
-  // speeds along with the independent ones and E places numbers at the dependent speeds. N^+ takes a quaternion's
-  // length away, as normalising it does.
-  void chain(Eigen::Map<Eigen::MatrixXd>& out) override {
+  // From the slopes of f at z = state_ to those at y: dq_z = N T N^+ dq and dv_z = T dv - E J_d^-1 (d(J v)/dq) dq_z,
+  // where T carries the dependent speeds along with the independent ones and E places numbers at the dependent speeds.
+  // N^+ takes a quaternion's length away, as normalising it does.
+  void chain(Eigen::Map<Eigen::MatrixXd>& out) {
+    const int nq = mechanism_.nq;
+    const int nv = mechanism_.nv;
     const Eigen::MatrixXd& N = slopes_.qdot_v;
-    T_.setIdentity(nv_, nv_);
-    for (const int k : dependent_) T_(k, k) = 0;
-    JT_.noalias() = J() * T_;
-    for (int k = 0; k < nv_; ++k) {
-      correction(JT_.col(k).data(), carried_.data());
-      for (const int dependent : dependent_) T_(dependent, k) = carried_[dependent];
+    T_.setIdentity(nv, nv);
+    for (const int k : partition_.dependent()) T_(k, k) = 0;
+    JT_.noalias() = dynamics_.J() * T_;
+    for (int k = 0; k < nv; ++k) {
+      partition_.correct(JT_.col(k).data(), carried_.data());
+      for (const int dependent : partition_.dependent()) T_(dependent, k) = carried_[dependent];
     }
     square_.noalias() = N.transpose() * N;
     square_factor_.compute(square_);
@@ -132,20 +168,15 @@ class Independent final : public Formulation {
     T_to_speeds_.noalias() = T_ * to_speeds_;
     dq_.noalias() = N * T_to_speeds_;
     rates_.noalias() = slopes_.rate_q * dq_;
-    for (int k = 0; k < nq_; ++k) correction(rates_.col(k).data(), dv_dq_.col(k).data());
+    for (int k = 0; k < nq; ++k) partition_.correct(rates_.col(k).data(), dv_dq_.col(k).data());
     f_ = out;
-    out.leftCols(nq_).noalias() = f_.leftCols(nq_) * dq_;
-    out.leftCols(nq_).noalias() += f_.rightCols(nv_) * dv_dq_;
-    out.rightCols(nv_).noalias() = f_.rightCols(nv_) * T_;
+    out.leftCols(nq).noalias() = f_.leftCols(nq) * dq_;
+    out.leftCols(nq).noalias() += f_.rightCols(nv) * dv_dq_;
+    out.rightCols(nv).noalias() = f_.rightCols(nv) * T_;
   }
 
-  std::vector<double> state_;
-  std::vector<int> needed_, dependent_;    // rows, and the speeds they determine
-  Eigen::MatrixXd J_d_;                    // J there
-  Eigen::FullPivLU<Eigen::MatrixXd> lu_;   // of it
-  Eigen::FullPivLU<Eigen::MatrixXd> all_;  // of J, when they were chosen
-  Eigen::VectorXd right_;
-  double smallest_ = INFINITY, chosen_ = 0;  // its smallest pivot; when chosen
+  Partition partition_;
+  std::vector<double> state_;  // at which rhs(y) evaluates
   // Of chain().
   Eigen::MatrixXd T_, JT_, square_, to_speeds_, T_to_speeds_, dq_, rates_, dv_dq_, f_;
   Eigen::VectorXd carried_;
@@ -154,9 +185,8 @@ class Independent final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_independent(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                              const FormulationOptions&) {
-  return std::make_unique<Independent>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_independent(const FormulationContext& context) {
+  return std::make_unique<Independent>(context);
 }
 
 }  // namespace gelenk

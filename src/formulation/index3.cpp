@@ -12,19 +12,19 @@ namespace {
 
 class Index3 final : public WithMultipliers {
  public:
-  Index3(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-      : WithMultipliers("index3", mechanism, dynamics, u) {}
+  explicit Index3(const FormulationContext& context) : WithMultipliers("index3", context) {}
 
-  int multipliers() const override { return rows(); }
+  int multipliers() const override { return mechanism_.rows; }
   int index(int i) const override {
-    if (rows() == 0 || i < nq_) return 1;
+    if (mechanism_.rows == 0 || i < mechanism_.nq) return 1;
     return i < size() || !holds_position(i - size()) ? 2 : 3;
   }
 
   bool residual(double t, const double* x, const double* xdot, double* out) override {
     Vector r(out, unknowns());
     if (!equations_of_motion(t, x, xdot, r)) return false;
-    for (int k = 0; k < rows(); ++k) r[size() + k] = (holds_position(k) ? dynamics_.Phi() : dynamics_.row_rates())[k];
+    for (int k = 0; k < mechanism_.rows; ++k)
+      r[size() + k] = (holds_position(k) ? dynamics_.Phi() : dynamics_.row_rates())[k];
     return r.allFinite();
   }
 
@@ -32,11 +32,11 @@ class Index3 final : public WithMultipliers {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
     if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
-    F_x(first(), Eigen::seqN(0, nq_)) = slopes_.Phi_q;
-    for (int k = 0; k < rows(); ++k) {
+    F_x(first(), Eigen::seqN(0, mechanism_.nq)) = slopes_.Phi_q;
+    for (int k = 0; k < mechanism_.rows; ++k) {
       if (holds_position(k)) continue;
-      F_x.block(size() + k, 0, 1, nq_) = slopes_.rate_q.row(k);
-      F_x.block(size() + k, nq_, 1, nv_) = J().row(k);
+      F_x.block(size() + k, 0, 1, mechanism_.nq) = slopes_.rate_q.row(k);
+      F_x.block(size() + k, mechanism_.nq, 1, mechanism_.nv) = dynamics_.J().row(k);
     }
     return true;
   }
@@ -44,9 +44,8 @@ class Index3 final : public WithMultipliers {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_index3(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                         const FormulationOptions&) {
-  return std::make_unique<Index3>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_index3(const FormulationContext& context) {
+  return std::make_unique<Index3>(context);
 }
 
 }  // namespace gelenk

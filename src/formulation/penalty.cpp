@@ -18,81 +18,80 @@ class Penalty final : public Penalised {
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
     if (!Penalised::accelerate(t, y, vdot)) return false;
-    if (rows() == 0) return true;
+    if (mechanism_.rows == 0) return true;
     lambda_ = -a_ * wish_;
-    lambda_.noalias() += a_ * J() * Eigen::Map<const Eigen::VectorXd>(vdot, nv_);
+    lambda_.noalias() += a_ * dynamics_.J() * Eigen::Map<const Eigen::VectorXd>(vdot, mechanism_.nv);
     return true;
   }
 
   // With lambda = a (J vdot - wish): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
-    dynamics_.differentiate(u_.data(), inputs(), vdot, slopes_, lambda_.data());
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_, lambda_.data());
     stabilise_slopes();
-    auto by_q = out.bottomLeftCorner(nv_, nq_);
-    auto by_v = out.bottomRightCorner(nv_, nv_);
+    auto by_q = out.bottomLeftCorner(mechanism_.nv, mechanism_.nq);
+    auto by_v = out.bottomRightCorner(mechanism_.nv, mechanism_.nv);
     by_q = -slopes_.r_q();
     by_v = -slopes_.r_v();
-    if (rows() > 0) {
-      by_q.noalias() -= a_ * J().transpose() * slopes_.c_q();
-      by_v.noalias() -= a_ * J().transpose() * slopes_.c_v();
+    if (mechanism_.rows > 0) {
+      by_q.noalias() -= a_ * dynamics_.J().transpose() * slopes_.c_q();
+      by_v.noalias() -= a_ * dynamics_.J().transpose() * slopes_.c_v();
     }
-    auto slopes = out.bottomRows(nv_);
+    auto slopes = out.bottomRows(mechanism_.nv);
     factor_.solveInPlace(slopes);
   }
 };
 
 }  // namespace
 
-Penalised::Penalised(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-    : Formulation(mechanism, dynamics, u),
-      M_(mechanism.nv, mechanism.nv),
-      f_(mechanism.nv),
-      wish_(mechanism.rows),
-      lambda_(Eigen::VectorXd::Zero(mechanism.rows)),
-      penalised_(mechanism.nv, mechanism.nv),
-      factor_(mechanism.nv) {}
+Penalised::Penalised(const FormulationContext& context)
+    : Formulation(context),
+      M_(mechanism_.nv, mechanism_.nv),
+      f_(mechanism_.nv),
+      wish_(mechanism_.rows),
+      lambda_(Eigen::VectorXd::Zero(mechanism_.rows)),
+      penalised_(mechanism_.nv, mechanism_.nv),
+      factor_(mechanism_.nv) {}
 
 void Penalised::start(const std::vector<double>& cut_q, double t, const double* y) {
   Formulation::start(cut_q, t, y);
-  if (a_ > 0 || rows() == 0) return;
-  dynamics_.assemble(u_.data(), M_.data(), f_.data());
-  a_ = penalty * M_.trace() / J().squaredNorm();
+  if (a_ > 0 || mechanism_.rows == 0) return;
+  dynamics_.assemble(drives_.u().data(), M_.data(), f_.data());
+  a_ = penalty * M_.trace() / dynamics_.J().squaredNorm();
 }
 
 bool Penalised::accelerate(double, const double* y, double* vdot) {
-  if (!assemble(y + nq_)) return false;
-  Eigen::Map<Eigen::VectorXd> x(vdot, nv_);
+  if (!assemble(y + mechanism_.nq)) return false;
+  Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
   x = f_;
-  if (rows() > 0) x.noalias() += a_ * J().transpose() * wish_;
+  if (mechanism_.rows > 0) x.noalias() += a_ * dynamics_.J().transpose() * wish_;
   factor_.solveInPlace(x);
   return true;
 }
 
 bool Penalised::assemble(const double* v) {
   dynamics_.set_velocity(v);
-  dynamics_.assemble(u_.data(), M_.data(), f_.data());
-  if (rows() == 0) {
+  dynamics_.assemble(drives_.u().data(), M_.data(), f_.data());
+  if (mechanism_.rows == 0) {
     factor_.compute(M_);
     return factor_.info() == Eigen::Success;
   }
-  for (int r = 0; r < rows(); ++r) {
+  for (int r = 0; r < mechanism_.rows; ++r) {
     wish_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
   }
   penalised_ = M_;
-  penalised_.noalias() += a_ * J().transpose() * J();
+  penalised_.noalias() += a_ * dynamics_.J().transpose() * dynamics_.J();
   factor_.compute(penalised_);
   return factor_.info() == Eigen::Success;
 }
 
 void Penalised::stabilise_slopes() {
-  if (rows() == 0) return;
+  if (mechanism_.rows == 0) return;
   slopes_.c_q() += 2 * Omega * mu * slopes_.rate_q + Omega * Omega * slopes_.Phi_q;
-  slopes_.c_v() += 2 * Omega * mu * J();
+  slopes_.c_v() += 2 * Omega * mu * dynamics_.J();
 }
 
-std::unique_ptr<Formulation> make_penalty(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                          const FormulationOptions&) {
-  return std::make_unique<Penalty>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_penalty(const FormulationContext& context) {
+  return std::make_unique<Penalty>(context);
 }
 
 }  // namespace gelenk

@@ -13,7 +13,7 @@ namespace gelenk {
 
 class Penalised : public Formulation {
  public:
-  Penalised(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u);
+  explicit Penalised(const FormulationContext& context);
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
 
  protected:

@@ -40,20 +40,71 @@ double weak_share(double error, double size) {
   return std::max(least_weak, std::cbrt(row_noise * size / error));
 }
 
+// Corrects by the least step in the mass metric, along weak directions only as far as these are sound.
+class WeakRowCorrector final : public Corrector {
+ public:
+  // soundest: largest pivot ratio known before the run.
+  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double soundest)
+      : Corrector(mechanism, dynamics), soundest_known_(soundest) {}
+
+  // The last factors are not near a singular position.
+  bool sound() const { return sound_; }
+  // Of the soundest seen.
+  double share() const { return dynamics_.pivot_ratio() / soundest_; }
+  bool below(double share) const { return dynamics_.pivot_ratio() < share * soundest_; }
+  // Where a run begins: whether that is beside a singular position, as far as is known from before it.
+  void judge_start() {
+    if (!(dynamics_.pivot_ratio() < sound_share * soundest_known_)) return;
+    soundest_ = std::max(soundest_, soundest_known_);
+    judge();
+  }
+  void judge() {
+    sound_ = !below(sound_share);
+    set_weak(sound_ ? 0 : unknown_weak);
+  }
+  void set_weak(double share) {
+    if (!rigorous_ || share == 0) dynamics_.set_weak_pivots(share * soundest_);
+  }
+  // A long step may have left more along a weak direction than may stay.
+  bool close_rigorously(double* q, double* v) {
+    rigorous_ = true;
+    dynamics_.set_weak_pivots(0);
+    refactor();
+    const bool closed = close_position(q) && close_velocity(v);
+    rigorous_ = false;
+    return closed;
+  }
+  void exchange(Record& record) { record.exchange(soundest_); }
+
+ private:
+  void refactor() override {
+    dynamics_.factorise();
+    soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
+    judge();
+  }
+  // Along weak directions what is left is small by itself, and leads back where the rows are sound again.
+  double slack() const override { return sound_ ? Corrector::slack() : 1e8; }
+
+  double soundest_known_;
+  double soundest_ = 0;  // pivot ratio seen in the run, or known where it begins beside a singular position
+  bool sound_ = true;
+  bool rigorous_ = false;  // weak directions are corrected in full
+};
+
 class Projection final : public Formulation {
  public:
-  Projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs, const FormulationOptions& options)
-      : Formulation(mechanism, dynamics, inputs),
-        corrections_(options.corrections),
-        soundest_known_(options.soundest),
-        move_(nv_),
-        expected_(nv_),
-        before_(nv_),
-        after_(nv_),
-        seen_(inputs) {
+  explicit Projection(const FormulationContext& context)
+      : Formulation(context),
+        corrections_(context.options.corrections),
+        move_(mechanism_.nv),
+        rows_(mechanism_, dynamics_, context.options.soundest),
+        expected_(mechanism_.nv),
+        before_(mechanism_.nv),
+        after_(mechanism_.nv),
+        seen_(context.inputs) {
     slopes_.of_rows = false;
-    for (const Link& link : mechanism.links) finest_ += row_rounding * link.X_PJ.p.norm();
-    for (auto& acceleration : accelerations_) acceleration.resize(nv_);
+    for (const Link& link : mechanism_.links) finest_ += row_rounding * link.X_PJ.p.norm();
+    for (auto& acceleration : accelerations_) acceleration.resize(mechanism_.nv);
   }
   bool project(double t, double* y) override;
   void polish(bool on) override { polishing_ = on; }
@@ -63,11 +114,9 @@ class Projection final : public Formulation {
   void exchange(Record& record) override;
 
  private:
-  void refactor() override;
-  void judge() override;
-  double slack() const override;
-  const double* expected(double t) override;
-  bool rank_is_lost() const override { return dynamics_.pivot_ratio() < lost_share * soundest_; }
+  Corrector& corrector() override { return rows_; }
+  void solve(double t, double* vdot) override;
+  const double* expected(double t);
   double lagrange(double t, int first, double* weights) const;
   void add_jump(double t);
   void launch(double t, const double* y);
@@ -76,10 +125,9 @@ class Projection final : public Formulation {
   bool close(double* y);
 
   int corrections_;
-  double soundest_known_;     // largest pivot ratio known before the run
-  double soundest_ = 0;       // seen in it, or known where it begins beside a singular position
   double finest_ = 0;         // m or rad: of the mechanism's size
   std::vector<double> move_;  // by a correction
+  WeakRowCorrector rows_;
 
   // Accelerations at the last times at which the rows were sound.
   static constexpr int memory = 8;
@@ -89,9 +137,7 @@ class Projection final : public Formulation {
   double shares_[memory] = {};  // pivot ratios there
   std::vector<double> accelerations_[memory];
   std::vector<double> expected_, before_, after_;
-  Inputs seen_;            // inputs of the accelerations remembered
-  bool sound_ = true;      // the last factors are not near a singular position
-  bool rigorous_ = false;  // weak directions are corrected in full
+  Inputs seen_;  // inputs of the accelerations remembered
   bool polishing_ = false;
 };
 
@@ -106,32 +152,31 @@ void Projection::start(const std::vector<double>& cut_q, double t, const double*
 void Projection::launch(double t, const double* y) {
   if (mechanism_.cuts.empty() || mechanism_.rows == 0 || mechanism_.driven()) return;
   dynamics_.set_position(y);
-  renew_factors();
-  if (dynamics_.pivot_ratio() < sound_share * soundest_known_) {
-    soundest_ = std::max(soundest_, soundest_known_);
-    judge();
-  }
-  if (sound_) return;
-  if (!BranchAcceleration(mechanism_, dynamics_).find(y, y + nq_, u_.data(), accelerations_[0].data())) return;
+  rows_.renew_factors();
+  rows_.judge_start();
+  if (rows_.sound()) return;
+  if (!BranchAcceleration(mechanism_, dynamics_)
+           .find(y, y + mechanism_.nq, drives_.u().data(), accelerations_[0].data()))
+    return;
   remembered_ = 1;
   launched_ = true;
   times_[0] = t;
-  seen_ = inputs_;
+  seen_ = drives_.inputs();
   dynamics_.set_position(y);
-  renew_factors();
-  shares_[0] = dynamics_.pivot_ratio() / soundest_;
+  rows_.renew_factors();
+  shares_[0] = rows_.share();
 }
 
 void Projection::inputs_changed(double t, const double* y) {
   if (!launched_ || remembered_ != 1 || times_[0] != t) return;
-  go_to(t);
+  drives_.go_to(t);
   remembered_ = 0;
   launch(t, y);
 }
 
 void Projection::exchange(Record& record) {
   Formulation::exchange(record);
-  record.exchange(soundest_);
+  rows_.exchange(record);
   record.within(remembered_, 0, memory);
   record.exchange(launched_);
   if (remembered_ == 0) return;
@@ -141,19 +186,13 @@ void Projection::exchange(Record& record) {
   }
 }
 
-void Projection::refactor() {
-  dynamics_.factorise();
-  soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
-  judge();
+void Projection::solve(double t, double* vdot) {
+  rows_.judge();  // of factors just made
+  const double* known = expected(t);
+  dynamics_.solve(drives_.u().data(), vdot, known);
+  // Where the last pivot is rounding, so is the direction along which to follow.
+  if (known != nullptr && rows_.below(lost_share)) std::copy_n(known, mechanism_.nv, vdot);
 }
-
-void Projection::judge() {
-  sound_ = !(dynamics_.pivot_ratio() < sound_share * soundest_);
-  dynamics_.set_weak_pivots(sound_ || rigorous_ ? 0 : unknown_weak * soundest_);
-}
-
-// Along weak directions what is left is small by itself, and leads back where the rows are sound again.
-double Projection::slack() const { return sound_ ? Formulation::slack() : 1e8; }
 
 // Weights by which the accelerations remembered from `first` on make the polynomial's value at t; returns the sum of
 // their absolute values.
@@ -172,7 +211,7 @@ double Projection::lagrange(double t, int first, double* weights) const {
 // The accelerations that those remembered lead to, by a polynomial in time through as many of the latest as do not
 // magnify their rounding too much; null: nothing is known.
 const double* Projection::expected(double t) {
-  if (sound_ || remembered_ == 0) return nullptr;
+  if (rows_.sound() || remembered_ == 0) return nullptr;
   double weights[memory];
   double fewer[memory] = {};
   int first = 0;
@@ -180,7 +219,7 @@ const double* Projection::expected(double t) {
   if (first + 1 < remembered_) lagrange(t, first + 1, fewer);
   double error = 0;
   double size = 0;
-  for (int k = 0; k < nv_; ++k) {
+  for (int k = 0; k < mechanism_.nv; ++k) {
     double sum = 0;
     double without = 0;
     for (int i = first; i < remembered_; ++i) {
@@ -192,8 +231,8 @@ const double* Projection::expected(double t) {
     size = std::max(size, std::abs(sum));
   }
   const bool told = first + 1 < remembered_;
-  if (!rigorous_) dynamics_.set_weak_pivots((told ? weak_share(error, size) : unknown_weak) * soundest_);
-  if (inputs_ != seen_) add_jump(t);
+  rows_.set_weak(told ? weak_share(error, size) : unknown_weak);
+  if (drives_.inputs() != seen_) add_jump(t);
   return expected_.data();
 }
 
@@ -202,22 +241,22 @@ const double* Projection::expected(double t) {
 void Projection::add_jump(double t) {
   seen_.go_to(t);
   dynamics_.solve(seen_.now().data(), before_.data());
-  dynamics_.solve(u_.data(), after_.data());
-  for (int k = 0; k < nv_; ++k) expected_[k] += after_[k] - before_[k];
+  dynamics_.solve(drives_.u().data(), after_.data());
+  for (int k = 0; k < mechanism_.nv; ++k) expected_[k] += after_[k] - before_[k];
 }
 
 // Where `dynamics` stands: at the state accepted at t.
 void Projection::remember(double t) {
-  go_to(t);
-  renew_factors();
-  if (!sound_) return;
-  if (inputs_ != seen_) {
+  drives_.go_to(t);
+  rows_.renew_factors();
+  if (!rows_.sound()) return;
+  if (drives_.inputs() != seen_) {
     remembered_ = 0;
     launched_ = false;
-    seen_ = inputs_;
+    seen_ = drives_.inputs();
   }
   if (remembered_ > 0 && t <= times_[remembered_ - 1]) return;
-  const double share = dynamics_.pivot_ratio() / soundest_;
+  const double share = rows_.share();
   // The last one gives way to a later one as long as it stands too near to the one before.
   const bool crowded = remembered_ > 1 && std::abs(share - shares_[remembered_ - 2]) < spacing;
   if (crowded) --remembered_;
@@ -229,7 +268,7 @@ void Projection::remember(double t) {
   }
   times_[remembered_] = t;
   shares_[remembered_] = share;
-  dynamics_.solve(u_.data(), accelerations_[remembered_].data());
+  dynamics_.solve(drives_.u().data(), accelerations_[remembered_].data());
   ++remembered_;
 }
 
@@ -238,14 +277,14 @@ bool Projection::correct(double* q, double* v) {
   dynamics_.normalise(q);
   dynamics_.set_position(q);
   for (int i = 0; i < corrections_; ++i) {
-    correction(dynamics_.Phi().data(), move_.data());
+    rows_.correct(dynamics_.Phi().data(), move_.data());
     dynamics_.displace(q, move_.data());
     dynamics_.set_position(q);
   }
   dynamics_.set_velocity(v);
   for (int i = 0; i < corrections_; ++i) {
-    correction(dynamics_.row_rates().data(), move_.data());
-    for (int k = 0; k < nv_; ++k) v[k] += move_[k];
+    rows_.correct(dynamics_.row_rates().data(), move_.data());
+    for (int k = 0; k < mechanism_.nv; ++k) v[k] += move_[k];
     dynamics_.set_velocity(v);
   }
   return std::ranges::all_of(dynamics_.row_rates(), [](double rate) { return std::isfinite(rate); });
@@ -255,55 +294,48 @@ bool Projection::correct(double* q, double* v) {
 // short lever it is what multistep methods meet as noise in their error estimates, magnified by differences of order
 // six. Where there is more than rounding, one more correction, with the factors at hand, takes it away.
 bool Projection::close(double* y) {
-  if (!close_position(y)) return false;
-  double* v = y + nq_;
-  const bool polishes = (polishing_ || !sound_) && factors_ && rows() > 0;
+  if (!rows_.close_position(y)) return false;
+  double* v = y + mechanism_.nq;
+  const bool polishes = (polishing_ || !rows_.sound()) && rows_.has_factors() && mechanism_.rows > 0;
   const auto left = [](const std::vector<double>& gaps) {
     double most = 0;
     for (const double gap : gaps) most = std::max(most, std::abs(gap));
     return most;
   };
   if (polishes && left(dynamics_.Phi()) > finest_) {
-    if (!sound_) renew_factors();
-    correction(dynamics_.Phi().data(), move_.data());
+    if (!rows_.sound()) rows_.renew_factors();
+    rows_.correct(dynamics_.Phi().data(), move_.data());
     dynamics_.displace(y, move_.data());
     dynamics_.set_position(y);
   }
-  if (!close_velocity(v)) return false;
+  if (!rows_.close_velocity(v)) return false;
   double speed = 1;
-  for (int k = 0; k < nv_; ++k) speed = std::max(speed, std::abs(v[k]));
+  for (int k = 0; k < mechanism_.nv; ++k) speed = std::max(speed, std::abs(v[k]));
   if (polishes && left(dynamics_.row_rates()) > finest_ * speed) {
-    correction(dynamics_.row_rates().data(), move_.data());
-    for (int k = 0; k < nv_; ++k) v[k] += move_[k];
+    rows_.correct(dynamics_.row_rates().data(), move_.data());
+    for (int k = 0; k < mechanism_.nv; ++k) v[k] += move_[k];
   }
   return true;
 }
 
 bool Projection::project(double t, double* y) {
-  go_to(t);
-  if (corrections_ > 0 && rows() > 0) return correct(y, y + nq_);
-  if (!sound_) judge();  // the last accelerations had a weak share of their own
+  drives_.go_to(t);
+  if (corrections_ > 0 && mechanism_.rows > 0) return correct(y, y + mechanism_.nq);
+  if (!rows_.sound()) rows_.judge();  // the last accelerations had a weak share of their own
   if (close(y)) return true;
-  if (sound_) return false;
-  // A long step may have left more along a weak direction than may stay.
-  rigorous_ = true;
-  refactor();
-  const bool closed = close_position(y) && close_velocity(y + nq_);
-  rigorous_ = false;
-  return closed;
+  return !rows_.sound() && rows_.close_rigorously(y, y + mechanism_.nq);
 }
 
 void Projection::accepted(double t, const double* y) {
   Formulation::accepted(t, y);
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
-  if (dynamics_.pivot_ratio() < near_share * soundest_) remember(t);
+  if (rows_.below(near_share)) remember(t);
 }
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_projection(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                             const FormulationOptions& options) {
-  return std::make_unique<Projection>(mechanism, dynamics, u, options);
+std::unique_ptr<Formulation> make_projection(const FormulationContext& context) {
+  return std::make_unique<Projection>(context);
 }
 
 }  // namespace gelenk

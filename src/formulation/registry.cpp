@@ -28,11 +28,10 @@ constexpr std::array<FormulationKind, 8> kinds = {{
 
 std::span<const FormulationKind> formulation_kinds() { return kinds; }
 
-std::unique_ptr<Formulation> make_formulation(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics,
-                                              Inputs& u, const FormulationOptions& options) {
+std::unique_ptr<Formulation> make_formulation(std::string_view name, const FormulationContext& context) {
   const auto found = std::ranges::find(kinds, name, &FormulationKind::name);
   if (found == kinds.end()) throw std::out_of_range("no formulation is called " + std::string(name));
-  return found->make(mechanism, dynamics, u, options);
+  return found->make(context);
 }
 
 }  // namespace gelenk

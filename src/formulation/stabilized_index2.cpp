@@ -11,23 +11,24 @@ namespace {
 
 class StabilizedIndex2 final : public WithMultipliers {
  public:
-  StabilizedIndex2(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-      : WithMultipliers("stabilized-index2", mechanism, dynamics, u), moved_(nv_), rate_(nq_) {}
+  explicit StabilizedIndex2(const FormulationContext& context)
+      : WithMultipliers("stabilized-index2", context), moved_(mechanism_.nv), rate_(mechanism_.nq) {}
 
-  int multipliers() const override { return 2 * rows(); }
+  int multipliers() const override { return 2 * mechanism_.rows; }
   int index(int i) const override { return i < size() ? 1 : 2; }
 
   bool residual(double t, const double* x, const double* xdot, double* out) override {
     Vector r(out, unknowns());
     if (!equations_of_motion(t, x, xdot, r)) return false;
-    if (rows() == 0) return r.allFinite();
-    moved_.noalias() = J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + rows(), rows());
+    if (mechanism_.rows == 0) return r.allFinite();
+    moved_.noalias() =
+        dynamics_.J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + mechanism_.rows, mechanism_.rows);
     dynamics_.rate(x, moved_.data(), rate_.data());
-    r.head(nq_) += rate_;
-    for (int k = 0; k < rows(); ++k) {
+    r.head(mechanism_.nq) += rate_;
+    for (int k = 0; k < mechanism_.rows; ++k) {
       r[size() + k] = dynamics_.row_rates()[k];
       // A row without position has no mu either.
-      r[size() + rows() + k] = holds_position(k) ? dynamics_.Phi()[k] : x[size() + rows() + k];
+      r[size() + mechanism_.rows + k] = holds_position(k) ? dynamics_.Phi()[k] : x[size() + mechanism_.rows + k];
     }
     return r.allFinite();
   }
@@ -37,14 +38,15 @@ class StabilizedIndex2 final : public WithMultipliers {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
     if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
-    if (rows() == 0) return true;
-    const auto q = Eigen::seqN(0, nq_);
-    F_x.block(0, size() + rows(), nq_, rows()).noalias() = slopes_.qdot_v * J().transpose();
+    if (mechanism_.rows == 0) return true;
+    const auto q = Eigen::seqN(0, mechanism_.nq);
+    F_x.block(0, size() + mechanism_.rows, mechanism_.nq, mechanism_.rows).noalias() =
+        slopes_.qdot_v * dynamics_.J().transpose();
     F_x(first(), q) = slopes_.rate_q;
-    F_x(first(), Eigen::seqN(nq_, nv_)) = J();
+    F_x(first(), Eigen::seqN(mechanism_.nq, mechanism_.nv)) = dynamics_.J();
     F_x(second(), q) = slopes_.Phi_q;
-    for (int k = 0; k < rows(); ++k) {
-      if (!holds_position(k)) F_x(size() + rows() + k, size() + rows() + k) = 1;
+    for (int k = 0; k < mechanism_.rows; ++k) {
+      if (!holds_position(k)) F_x(size() + mechanism_.rows + k, size() + mechanism_.rows + k) = 1;
     }
     return true;
   }
@@ -55,9 +57,8 @@ class StabilizedIndex2 final : public WithMultipliers {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_stabilized_index2(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                                    const FormulationOptions&) {
-  return std::make_unique<StabilizedIndex2>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_stabilized_index2(const FormulationContext& context) {
+  return std::make_unique<StabilizedIndex2>(context);
 }
 
 }  // namespace gelenk

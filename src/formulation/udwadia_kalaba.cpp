@@ -16,9 +16,8 @@ class UdwadiaKalaba final : public Formulation {
 
 }  // namespace
 
-std::unique_ptr<Formulation> make_udwadia_kalaba(const Mechanism& mechanism, Dynamics& dynamics, Inputs& u,
-                                                 const FormulationOptions&) {
-  return std::make_unique<UdwadiaKalaba>(mechanism, dynamics, u);
+std::unique_ptr<Formulation> make_udwadia_kalaba(const FormulationContext& context) {
+  return std::make_unique<UdwadiaKalaba>(context);
 }
 
 }  // namespace gelenk

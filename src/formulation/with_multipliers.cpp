@@ -11,19 +11,19 @@ constexpr double nearly_singular = 0.1;
 
 }  // namespace
 
-WithMultipliers::WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, Inputs& u)
-    : Formulation(mechanism, dynamics, u),
+WithMultipliers::WithMultipliers(std::string_view name, const FormulationContext& context)
+    : Formulation(context),
       name_(name),
-      position_rows_(mechanism.position_rows()),
-      M_(mechanism.nv, mechanism.nv),
-      f_(mechanism.nv) {}
+      position_rows_(mechanism_.position_rows()),
+      M_(mechanism_.nv, mechanism_.nv),
+      f_(mechanism_.nv) {}
 
 bool WithMultipliers::consistent(double t, double* x, double* xdot) {
   std::fill(x + size(), x + unknowns(), 0.0);
   std::fill(xdot + size(), xdot + unknowns(), 0.0);
-  if (!rhs(t, x, xdot) || dynamics_.rank() < rows()) return false;
+  if (!rhs(t, x, xdot) || dynamics_.rank() < mechanism_.rows) return false;
   soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
-  dynamics_.set_acceleration(xdot + nq_);
+  dynamics_.set_acceleration(xdot + mechanism_.nq);
   std::ranges::copy(dynamics_.lambda(), x + size());
   return true;
 }
@@ -33,9 +33,9 @@ std::string WithMultipliers::obstacle(const double* y) {
   if (std::string flat = Formulation::obstacle(y); !flat.empty()) return flat;
   dynamics_.factorise();
   const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
-  if (dynamics_.rank() < rows()) {
-    return "the loops have " + std::to_string(rows()) + " constraint rows of rank " + std::to_string(dynamics_.rank()) +
-           cure;
+  if (dynamics_.rank() < mechanism_.rows) {
+    return "the loops have " + std::to_string(mechanism_.rows) + " constraint rows of rank " +
+           std::to_string(dynamics_.rank()) + cure;
   }
   if (dynamics_.pivot_ratio() < nearly_singular * soundest_) {
     return "close to a singular position, where the loops' constraint rows lose rank" + cure;
@@ -50,39 +50,39 @@ void WithMultipliers::exchange(Record& record) {
 
 bool WithMultipliers::assemble(double t, const double* x) {
   if (!Eigen::Map<const Eigen::VectorXd>(x, unknowns()).allFinite()) return false;
-  go_to(t);
+  drives_.go_to(t);
   dynamics_.set_position(x);
-  dynamics_.set_velocity(x + nq_);
-  dynamics_.assemble(u_.data(), M_.data(), f_.data());
+  dynamics_.set_velocity(x + mechanism_.nq);
+  dynamics_.assemble(drives_.u().data(), M_.data(), f_.data());
   return f_.allFinite();
 }
 
 bool WithMultipliers::equations_of_motion(double t, const double* x, const double* xdot, Vector& r) {
   if (!assemble(t, x)) return false;
-  dynamics_.rate(x, x + nq_, r.data());
-  for (int i = 0; i < nq_; ++i) r[i] = xdot[i] - r[i];
-  const Eigen::Map<const Eigen::VectorXd> vdot(xdot + nq_, nv_);
-  const Eigen::Map<const Eigen::VectorXd> lambda(x + size(), rows());
-  auto balance = r.segment(nq_, nv_);
+  dynamics_.rate(x, x + mechanism_.nq, r.data());
+  for (int i = 0; i < mechanism_.nq; ++i) r[i] = xdot[i] - r[i];
+  const Eigen::Map<const Eigen::VectorXd> vdot(xdot + mechanism_.nq, mechanism_.nv);
+  const Eigen::Map<const Eigen::VectorXd> lambda(x + size(), mechanism_.rows);
+  auto balance = r.segment(mechanism_.nq, mechanism_.nv);
   balance = -f_;
   balance.noalias() += M_ * vdot;
-  if (rows() > 0) balance.noalias() += J().transpose() * lambda;
+  if (mechanism_.rows > 0) balance.noalias() += dynamics_.J().transpose() * lambda;
   return true;
 }
 
 bool WithMultipliers::slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
   count_jacobian();
   if (!assemble(t, x)) return false;
-  dynamics_.differentiate(u_.data(), inputs(), xdot + nq_, slopes_, x + size());
+  dynamics_.differentiate(drives_.u().data(), drives_.count(), xdot + mechanism_.nq, slopes_, x + size());
   F_x.setZero();
-  F_x.topLeftCorner(nq_, nq_) = -slopes_.qdot_q;
-  F_x.block(0, nq_, nq_, nv_) = -slopes_.qdot_v;
-  F_x.block(nq_, 0, nv_, nq_) = slopes_.r_q();
-  F_x.block(nq_, nq_, nv_, nv_) = slopes_.r_v();
-  if (rows() > 0) F_x.block(nq_, size(), nv_, rows()) = J().transpose();
+  F_x.topLeftCorner(mechanism_.nq, mechanism_.nq) = -slopes_.qdot_q;
+  F_x.block(0, mechanism_.nq, mechanism_.nq, mechanism_.nv) = -slopes_.qdot_v;
+  F_x.block(mechanism_.nq, 0, mechanism_.nv, mechanism_.nq) = slopes_.r_q();
+  F_x.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = slopes_.r_v();
+  if (mechanism_.rows > 0) F_x.block(mechanism_.nq, size(), mechanism_.nv, mechanism_.rows) = dynamics_.J().transpose();
   F_xdot.setZero();
-  F_xdot.topLeftCorner(nq_, nq_).setIdentity();
-  F_xdot.block(nq_, nq_, nv_, nv_) = M_;
+  F_xdot.topLeftCorner(mechanism_.nq, mechanism_.nq).setIdentity();
+  F_xdot.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = M_;
   return F_x.allFinite();
 }
 

@@ -18,19 +18,19 @@ class WithMultipliers : public Formulation {
   void exchange(Record& record) final;
 
  protected:
-  WithMultipliers(std::string_view name, const Mechanism& mechanism, Dynamics& dynamics, Inputs& u);
+  WithMultipliers(std::string_view name, const FormulationContext& context);
 
   using Vector = Eigen::Map<Eigen::VectorXd>;
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
 
-  // Writes into r: qdot - N v and M vdot + h + J^T lambda - tau. dynamics_ is then at x, J() included. False: x is not
-  // finite.
+  // Writes into r: qdot - N v and M vdot + h + J^T lambda - tau. dynamics_ is then at x, dynamics_.J() included. False:
+  // x is not finite.
   bool equations_of_motion(double t, const double* x, const double* xdot, Vector& r);
   // Their slopes into F_x and M into F_xdot, the rest zeros; leaves slopes_ at x. False: as above.
   bool slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
   // The first and the second `rows` unknowns after y, or equations after those of motion.
-  auto first() const { return Eigen::seqN(size(), rows()); }
-  auto second() const { return Eigen::seqN(size() + rows(), rows()); }
+  auto first() const { return Eigen::seqN(size(), mechanism_.rows); }
+  auto second() const { return Eigen::seqN(size() + mechanism_.rows, mechanism_.rows); }
   // Whether row k holds positions, not only their rates.
   bool holds_position(int k) const { return position_rows_[k]; }
 

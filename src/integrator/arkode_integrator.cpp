@@ -53,7 +53,7 @@ SUNErrCode combine_any(int count, sunrealtype* c, N_Vector* x, N_Vector out) {
 
 }  // namespace
 
-ArkodeIntegrator::ArkodeIntegrator(Equations& system) : SundialsIntegrator(system) {
+ArkodeIntegrator::ArkodeIntegrator(Equations& system) : SundialsIntegrator(system, false) {
   y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are made like y_
 }
 
@@ -64,7 +64,7 @@ ArkodeIntegrator::~ArkodeIntegrator() {
 void ArkodeIntegrator::own(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
   steppers_.emplace_back().memory = memory_;
-  ARKodeSetUserData(memory_, user_data());
+  ARKodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);
   ARKodeSetMaxNumSteps(memory_, -1);
@@ -160,9 +160,8 @@ double ArkodeIntegrator::reached() const {
   return t;
 }
 
-void ArkodeIntegrator::count() {
-  steps_ = 0;
-  rejected_ = 0;
+SundialsIntegrator::Counts ArkodeIntegrator::count() {
+  Counts all;
   for (const Stepper& stepper : steppers_) {
     long steps = 0;
     long attempts = 0;
@@ -170,11 +169,11 @@ void ArkodeIntegrator::count() {
     ARKodeGetNumSteps(stepper.memory, &steps);
     ARKodeGetNumStepAttempts(stepper.memory, &attempts);
     ARKodeGetNumErrTestFails(stepper.memory, &failures);
-    steps_ += steps;
-    rejected_ += std::max(failures, attempts - steps);
+    all.steps += steps;
+    all.rejected += std::max(failures, attempts - steps);
   }
-  add_kept_counts();
   step_at_end_ = current_step();
+  return all;
 }
 
 int ArkodeIntegrator::project(sunrealtype t, N_Vector y, void* self) {

@@ -18,7 +18,6 @@ class ArkodeIntegrator : public SundialsIntegrator {
   ~ArkodeIntegrator() override;
   bool will_have_past() const override { return false; }
   bool has_past() const override { return false; }
-  bool takes_differences() const override { return false; }
   void exchange(Record& record) override;
 
  protected:
@@ -50,7 +49,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   static double current_step(void* memory);
   Step make_step(double end) final;
   double reached() const final;
-  void count() final;
+  Counts count() final;
   static int project(sunrealtype t, N_Vector y, void* self);
 
   struct Stepper {

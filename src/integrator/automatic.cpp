@@ -46,12 +46,7 @@ class Counted final : public Equations {
   void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
   void accepted(double t, const double* y) override { counted_.accepted(t, y); }
   bool spent() const override { return counted_.spent(); }
-  int indicators() const override { return counted_.indicators(); }
-  void indicator_values(const double* y, double* g, double* gdot) override { counted_.indicator_values(y, g, gdot); }
-  void hold_mode(double t, const bool* positive) override { counted_.hold_mode(t, positive); }
-  double left_mode() const override { return counted_.left_mode(); }
-  void found_event(double t, int i, bool positive) override { counted_.found_event(t, i, positive); }
-  std::string too_many_events() const override { return counted_.too_many_events(); }
+  EventSource& modes() override { return counted_.modes(); }
   std::string obstacle(const double* y) override { return counted_.obstacle(y); }
 
  private:

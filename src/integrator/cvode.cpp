@@ -29,8 +29,8 @@ class Cvode : public SundialsIntegrator {
  protected:
   Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {  // of one step
     memory_ = sundials::made(CVodeCreate(method, context_));
-    CVodeInit(memory_, rhs, 0, y_.get());
-    CVodeSetUserData(memory_, user_data());
+    CVodeInit(memory_, sundials::rhs, 0, y_.get());
+    CVodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
     tolerance = std::max(least_tolerance, tolerance);
     CVodeSStolerances(memory_, tolerance, tolerance);
     CVodeSetMaxNumSteps(memory_, -1);
@@ -70,14 +70,14 @@ class Cvode : public SundialsIntegrator {
     return t;
   }
 
-  void count() final {
+  Counts count() final {
+    long steps = 0;
     long error_fails = 0;
     long solver_fails = 0;
-    CVodeGetNumSteps(memory_, &steps_);
+    CVodeGetNumSteps(memory_, &steps);
     CVodeGetNumErrTestFails(memory_, &error_fails);
     CVodeGetNumNonlinSolvConvFails(memory_, &solver_fails);
-    rejected_ = error_fails + solver_fails;
-    add_kept_counts();
+    return {steps, error_fails + solver_fails};
   }
 };
 
@@ -86,9 +86,9 @@ class Bdf final : public Cvode {
   Bdf(Equations& system, const IntegratorOptions& options)
       : Cvode(system, CV_BDF, bdf_tolerance(bdf_share, options.tolerance)),
         linear_(y_.get(), context_),
-        projected_(new_vector()) {
+        projected_(sundials::new_vector(system, context_)) {
     CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
-    CVodeSetJacFn(memory_, jacobian);
+    CVodeSetJacFn(memory_, sundials::jacobian);
     newton_ = sundials::NonlinearSolver(sundials::made(SUNNonlinSol_Newton(y_.get(), context_)));
     newton_solve_ = newton_->ops->solve;
     newton_->ops->solve = solve_and_project;

@@ -60,12 +60,12 @@ class Dirk final : public ArkodeIntegrator {
       : ArkodeIntegrator(system),
         linear_(y_.get(), context_),
         newton_(sundials::made(SUNNonlinSol_Newton(y_.get(), context_))),
-        damped_(new_vector()) {
+        damped_(sundials::new_vector(system, context_)) {
     give(y_.get(), this);
     y_->ops->nvclone = clone;
     y_->ops->nvwrmsnorm = [](N_Vector x, N_Vector weights) { return owner(x).norm(x, weights); };
     const double tolerance = std::max(least_tolerance, local_share * options.tolerance);
-    own(ARKStepCreate(nullptr, rhs, 0, y_.get(), context_), tolerance);
+    own(ARKStepCreate(nullptr, sundials::rhs, 0, y_.get(), context_), tolerance);
     // Order 5: a pair of order 4 (ESDIRK436L2SA) takes 1.6 times the evaluations at 1e-8, and where a fast oscillation
     // goes on undamped, so that errors of all steps add up, err ten times as much for them.
     ARKStepSetTableNum(memory_, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE);
@@ -76,7 +76,7 @@ class Dirk final : public ArkodeIntegrator {
     ARKodeSetMaxConvFails(memory_, most_error_fails);  // Newton's method meets the same jumps
     ARKodeSetNonlinConvCoef(memory_, std::max(newton_share, newton_rounding / tolerance));
     ARKodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
-    ARKodeSetJacFn(memory_, jacobian);
+    ARKodeSetJacFn(memory_, sundials::jacobian);
     // A stage's derivative from the equation that the stage solves. Evaluated once more, it would multiply what
     // Newton's method has left by the fastest rate (Hairer & Wanner 1996, sec. IV.8).
     ARKodeSetDeduceImplicitRhs(memory_, 1);
@@ -124,7 +124,7 @@ class Dirk final : public ArkodeIntegrator {
     return N_VWrmsNorm_Serial(damped_.get(), weights);
   }
 
-  void reinitialise(void* memory) override { ARKStepReInit(memory, nullptr, rhs, t_, y_.get()); }
+  void reinitialise(void* memory) override { ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get()); }
 
   sundials::DenseSolver linear_;
   sundials::NonlinearSolver newton_;

@@ -63,7 +63,8 @@ class Erk final : public ArkodeIntegrator {
   Erk(Equations& system, const IntegratorOptions& options)
       : ArkodeIntegrator(system), top_(top_rung(options.tolerance)), rung_(top_) {
     for (int i = 0; i <= top_; ++i) {
-      own(ERKStepCreate(rhs, 0, y_.get(), context_), std::max(least_tolerance, ladder[i].share * options.tolerance));
+      own(ERKStepCreate(sundials::rhs, 0, y_.get(), context_),
+          std::max(least_tolerance, ladder[i].share * options.tolerance));
       take_table(ladder[i].table);
       ARKodeSetSafetyFactor(memory_, safety);
       controllers_[i] = sundials::make_step_controller(context_);
@@ -73,7 +74,7 @@ class Erk final : public ArkodeIntegrator {
 
   void warm_up(double end, double* y) override {
     const double start = t_;
-    const std::vector<double> from(y, y + n_);
+    const std::vector<double> from(y, y + system_.size());
     for (int i = 0; i <= top_; ++i) {
       go(i, end - start);
       restart(start, from.data());
@@ -104,7 +105,7 @@ class Erk final : public ArkodeIntegrator {
     ERKStepSetTable(memory_, table.get());
   }
 
-  void reinitialise(void* memory) override { ERKStepReInit(memory, rhs, t_, y_.get()); }
+  void reinitialise(void* memory) override { ERKStepReInit(memory, sundials::rhs, t_, y_.get()); }
 
   double next_step(std::size_t stepper) const override {
     return sundials::next_step(controllers_[stepper], safety, growth(stepper));

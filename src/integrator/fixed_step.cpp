@@ -8,7 +8,7 @@
 namespace gelenk {
 
 FixedStep::FixedStep(Equations& system, const IntegratorOptions& options)
-    : system_(system), n_(system.size()), y_(n_), k_(n_), locator_(system, n_), step_(options.step) {}
+    : system_(system), n_(system.size()), y_(n_), k_(n_), locator_(system.modes(), n_), step_(options.step) {}
 
 void FixedStep::restart(double t, const double* y) {
   t_ = t;
@@ -50,7 +50,7 @@ void FixedStep::take_step(double t, double h, double end) {
 void FixedStep::step_by_events(double end) {
   while (t_ < end) {
     const Step step = locator_.step(*this, end);
-    if (step == Step::too_many_events) refuse(system_, t_, y_.data(), system_.too_many_events());
+    if (step == Step::too_many_events) refuse(system_, t_, y_.data(), system_.modes().too_many_events());
     if (step != Step::made) throw IntegrationError(fault_);
     system_.accepted(t_, y_.data());
     ++steps_;

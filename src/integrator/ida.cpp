@@ -45,10 +45,11 @@ class Ida final : public SundialsIntegrator {
  public:
   Ida(Equations& system, const IntegratorOptions& options)
       : SundialsIntegrator(system),
+        n_(system.size()),
         dae_(system.multipliers() > 0),
         tolerance_(dae_ ? std::max(least_dae_tolerance, dae_share * options.tolerance)
                         : std::max(least_tolerance, bdf_tolerance(local_share, options.tolerance))),
-        ydot_(new_vector()),
+        ydot_(sundials::new_vector(system, context_)),
         f_(system.unknowns()),
         by_rates_(f_.size() * f_.size()) {
     memory_ = sundials::made(IDACreate(context_));
@@ -218,16 +219,17 @@ class Ida final : public SundialsIntegrator {
     return flag;
   }
 
-  void count() override {
+  Counts count() override {
+    long steps = 0;
     long error_fails = 0;
     long solver_fails = 0;
-    IDAGetNumSteps(memory_, &steps_);
+    IDAGetNumSteps(memory_, &steps);
     IDAGetNumErrTestFails(memory_, &error_fails);
     IDAGetNumNonlinSolvConvFails(memory_, &solver_fails);
-    rejected_ = error_fails + solver_fails;
-    add_kept_counts();
+    return {steps, error_fails + solver_fails};
   }
 
+  int n_;  // of y; of a DAE the multipliers are behind it
   bool dae_;
   double tolerance_;
   double first_step_ = 0;  // s

@@ -36,7 +36,7 @@ class Started final : public Integrator {
         erk_(make_erk(system, options)),
         y_(system.size()),
         y_before_(y_),
-        g_(system.indicators()),
+        g_(system.modes().indicators()),
         gdot_(g_),
         positive_before_(std::make_unique<bool[]>(g_.size())),
         positive_(std::make_unique<bool[]>(g_.size())),
@@ -121,11 +121,11 @@ class Started final : public Integrator {
   // A step of the multistep method in the mode in which it begins; whether it has gone beyond the mode's end.
   bool step_in_mode(double end) {
     y_before_ = y_;
-    read_mode(system_, y_.data(), g_, gdot_, positive_before_.get());
-    const HeldMode held(system_, t_, positive_before_.get());
+    read_mode(system_.modes(), y_.data(), g_, gdot_, positive_before_.get());
+    const HeldMode held(system_.modes(), t_, positive_before_.get());
     t_ = multistep_->advance_some(end, y_.data(), 1);
-    read_mode(system_, y_.data(), g_, gdot_, positive_.get());
-    return system_.left_mode() < t_ ||
+    read_mode(system_.modes(), y_.data(), g_, gdot_, positive_.get());
+    return system_.modes().left_mode() < t_ ||
            !std::equal(positive_.get(), positive_.get() + g_.size(), positive_before_.get());
   }
 

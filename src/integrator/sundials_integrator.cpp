@@ -16,19 +16,21 @@ double tolerance_of_bdf(double share, double error) {
   return whole > 1e-4 ? whole : 1e-4 * std::pow(whole / 1e-4, 1 / 1.2);
 }
 
-SundialsIntegrator::SundialsIntegrator(Equations& system)
-    : system_(system), n_(system.size()), y_(new_vector()), locator_(system, system.size()) {}
-
-N_Vector SundialsIntegrator::new_vector() {
-  N_Vector v =
-      sundials::made(N_VNew_Serial(std::max(1, system_.unknowns()), context_));  // a scene may have nothing that moves
+N_Vector sundials::new_vector(const Equations& system, SUNContext context) {
+  N_Vector v = made(N_VNew_Serial(std::max(1, system.unknowns()), context));  // a scene may have nothing that moves
   N_VConst(0, v);
   return v;
 }
 
+SundialsIntegrator::SundialsIntegrator(Equations& system, bool takes_differences)
+    : system_(system),
+      y_(sundials::new_vector(system, context_)),
+      locator_(system.modes(), system.size()),
+      takes_differences_(takes_differences) {}
+
 void SundialsIntegrator::restart(double t, const double* y) {
   t_ = t;
-  std::copy(y, y + n_, sundials::data(y_.get()));
+  std::copy(y, y + system_.size(), sundials::data(y_.get()));
   fresh_ = true;
   locator_.restart();
 }
@@ -41,15 +43,7 @@ void SundialsIntegrator::exchange(Record& record) {
   fresh_ = true;
 }
 
-void SundialsIntegrator::keep_counts() {
-  kept_steps_ = steps_;
-  kept_rejected_ = rejected_;
-}
-
-void SundialsIntegrator::add_kept_counts() {
-  steps_ += kept_steps_;
-  rejected_ += kept_rejected_;
-}
+void SundialsIntegrator::keep_counts() { kept_ = {steps_, rejected_}; }
 
 double SundialsIntegrator::advance(double end, double* y) {
   patience_end_ = t_;  // no advance ends where it begins
@@ -57,7 +51,7 @@ double SundialsIntegrator::advance(double end, double* y) {
 }
 
 double SundialsIntegrator::advance_some(double end, double* y, long most) {
-  system_.polish(takes_differences());
+  system_.polish(takes_differences_);
   const double start = t_;
   if (end != patience_end_) {
     patience_ = Patience(start, end);
@@ -87,19 +81,21 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     }
     if (system_.spent()) break;
   }
-  count();
-  std::copy(sundials::data(y_.get()), sundials::data(y_.get()) + n_, y);
+  const Counts made = count();
+  steps_ = kept_.steps + made.steps;
+  rejected_ = kept_.rejected + made.rejected;
+  std::copy_n(sundials::data(y_.get()), system_.size(), y);
   return t_;
 }
 
-int SundialsIntegrator::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self) {
-  return static_cast<SundialsIntegrator*>(self)->system_.rhs(t, sundials::data(y), sundials::data(ydot)) ? 0 : 1;
+int sundials::rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* integrator) {
+  return static_cast<SundialsIntegrator*>(integrator)->system().rhs(t, data(y), data(ydot)) ? 0 : 1;
 }
 
-int SundialsIntegrator::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* self, N_Vector, N_Vector,
-                                 N_Vector) {
-  Equations& system = static_cast<SundialsIntegrator*>(self)->system_;
-  return system.jacobian(t, sundials::data(y), SUNDenseMatrix_Data(J)) ? 0 : 1;
+int sundials::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* integrator, N_Vector, N_Vector,
+                       N_Vector) {
+  Equations& system = static_cast<SundialsIntegrator*>(integrator)->system();
+  return system.jacobian(t, data(y), SUNDenseMatrix_Data(J)) ? 0 : 1;
 }
 
 void SundialsIntegrator::fail(Step step, double start) {
@@ -116,7 +112,7 @@ void SundialsIntegrator::fail(Step step, double start) {
       why = "the loops could not be closed again";
       break;
     case Step::too_many_events:
-      why = system_.too_many_events();
+      why = system_.modes().too_many_events();
       break;
     default:
       why = "the integrator stopped (" + context_.last_error() + ")";

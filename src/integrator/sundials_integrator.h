@@ -32,11 +32,9 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Equations& system() const { return system_; }
 
  protected:
-  explicit SundialsIntegrator(Equations& system);
-  N_Vector new_vector();  // unknowns() zeros
+  // takes_differences: of the states it has been through.
+  explicit SundialsIntegrator(Equations& system, bool takes_differences = true);
 
-  // Whether it takes differences of the states it has been through.
-  virtual bool takes_differences() const { return true; }
   // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
   virtual void prepare(double end) = 0;
   // One step; writes t_ and y_.
@@ -45,26 +43,19 @@ class SundialsIntegrator : public Integrator, private Stepping {
   virtual double reached() const = 0;
   // Takes up (t_, y_) if fresh_; steps stop at `end` from now on.
   virtual void begin(double end) { prepare(end); }
-  // Writes steps_ and rejected_.
-  virtual void count() = 0;
-
-  // For methods that forget their counts when they begin anew: call keep_counts() then, add_kept_counts() in count().
+  // Steps made and refused: all, or since keep_counts() by methods that forget them when they begin anew.
+  struct Counts {
+    long steps = 0, rejected = 0;
+  };
+  virtual Counts count() = 0;
   void keep_counts();
-  void add_kept_counts();
 
   // A step that meets a jump of the forces (a damped stop) shrinks until it is as short as the jump is small.
   static constexpr int most_error_fails = 40;
 
-  // What SUNDIALS hands back to the functions it calls: a SundialsIntegrator*.
-  void* user_data() { return this; }
-  // f(t, y) and exact df/dy, as ARKODE and CVODES call for them.
-  static int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* self);
-  static int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* self, N_Vector, N_Vector, N_Vector);
-
   sundials::Context context_;
   Equations& system_;
-  int n_;  // of y; of a DAE the multipliers are behind it in y_
-  sundials::Vector y_;
+  sundials::Vector y_;  // of a DAE the multipliers are behind y in it
   double t_ = 0;
   bool fresh_ = true;    // (t_, y_) is not where the last step ended
   bool jumped_ = false;  // the inputs are not those of the last step
@@ -78,11 +69,21 @@ class SundialsIntegrator : public Integrator, private Stepping {
   [[noreturn]] void fail(Step step, double start);
 
   Locator locator_;
+  bool takes_differences_;
   bool passes_events_ = false;
   Patience patience_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
-  long kept_steps_ = 0;
-  long kept_rejected_ = 0;
+  Counts kept_;
 };
+
+namespace sundials {
+
+// f(t, y) and exact df/dy, as ARKODE and CVODES call for them. integrator: a SundialsIntegrator*.
+int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* integrator);
+int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* integrator, N_Vector, N_Vector, N_Vector);
+// unknowns() zeros.
+N_Vector new_vector(const Equations& system, SUNContext context);
+
+}  // namespace sundials
 
 }  // namespace gelenk

@@ -37,8 +37,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
-      equations_(make_formulation(scene.solver.formulation, prepared_.mechanism, *dynamics_, u,
-                                  options_of(scene, prepared_.structure))),
+      equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_,
+                                                             options_of(scene, prepared_.structure)})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -46,11 +46,11 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       inputs_of_scene_(u.count()) {
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   backup_ = y_;
-  equations_->events().describe(event_texts(), scene.solver.max_events);
+  events_.describe(event_texts(), scene.solver.max_events);
   dynamics_->limit_rank(prepared_.structure.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
-  if (follows_) equations_->drives_at(time, followed_);
+  if (follows_) equations_->drives().targets_at(time, followed_);
   backup_followed_ = drives_ = followed_;  // steps ask nothing of the heap
 }
 
@@ -109,8 +109,8 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
   backup_time_ = time_;
   backup_followed_ = followed_;
   fresh_ = Outputs::Needs::state;
-  if (!goes_on) equations_->events().begin(time_);
-  equations_->events().begin_part();
+  if (!goes_on) events_.begin(time_);
+  events_.begin_part();
   if (integrator_) {
     if (follows_) meet_drives();
     if (inputs_jumped_) {
@@ -126,7 +126,7 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
     inputs_jumped_ = false;
     equations_->allow(most_evaluations);
     time_ = integrator_->advance(end, y_.data());
-    if (follows_) equations_->drives_at(time_, followed_);
+    if (follows_) equations_->drives().targets_at(time_, followed_);
     leg.evaluations = dynamics_->evaluations() - leg.evaluations;
     remember(leg, goes_on, time_ == end);
   } else {
@@ -170,7 +170,7 @@ void Island::arrive(const Way& way, double time) {
 // An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
 // metric, as an impact would.
 void Island::meet_drives() {
-  equations_->drives_at(time_, drives_);
+  equations_->drives().targets_at(time_, drives_);
   const auto same = [](double a, double b) { return std::abs(a - b) <= met * (1 + std::abs(a)); };
   if (std::ranges::equal(drives_, followed_, same)) return;
   followed_ = drives_;
@@ -184,9 +184,9 @@ void Island::roll_back() {
   y_ = backup_;
   time_ = backup_time_;
   followed_ = backup_followed_;
-  equations_->events().undo_part();
+  events_.undo_part();
   fresh_ = Outputs::Needs::state;
-  equations_->start(equations_->cut_coordinates(), time_, y_.data());
+  equations_->start(equations_->turns().coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());
   past_.clear();
 }
@@ -214,7 +214,7 @@ void Island::refresh(Outputs::Needs needs) {
   if (needs == Outputs::Needs::accelerations) {
     equations_->output_accelerations(time_, y_.data(), vdot_.data());
   } else {
-    equations_->go_to_outputs(time_);
+    equations_->drives().go_to_outputs(time_);
     dynamics_->set_position(q());
     dynamics_->set_velocity(v());
   }
@@ -224,13 +224,13 @@ void Island::refresh(Outputs::Needs needs) {
 }
 
 Reading Island::reading() const {
-  return {dynamics_->readings(), q(), v(), vdot_.data(), cut_coordinates().data(), equations_->cut_speeds().data()};
+  return {dynamics_->readings(), q(), v(), vdot_.data(), cut_coordinates().data(), equations_->turns().speeds().data()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
   std::vector<MotionLaw::Derivatives> out;
   for (std::size_t row = 0; row < mechanism().coordinate_rows.size(); ++row) {
-    out.push_back(equations_->target(static_cast<int>(row), time_));
+    out.push_back(equations_->drives().target(static_cast<int>(row), time_));
   }
   return out;
 }

@@ -58,7 +58,7 @@ class Island {
   void refresh(Outputs::Needs needs);
   Reading reading() const;
   // Coordinates of the cut joints, turns counted.
-  const std::vector<double>& cut_coordinates() const { return equations_->cut_coordinates(); }
+  const std::vector<double>& cut_coordinates() const { return equations_->turns().coordinates(); }
   const Mechanism& mechanism() const { return prepared_.mechanism; }
   const Loads& loads() const { return loads_; }
   const Structure& structure() const { return prepared_.structure; }
@@ -71,7 +71,7 @@ class Island {
   double finest_tolerance() const { return integrator_ ? integrator_->finest_tolerance() : 0; }
   long steps() const { return integrator_ ? integrator_->steps() : 0; }
   long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
-  const EventLog& events() const { return equations_->events(); }
+  const EventLog& events() const { return events_; }
   long event_count() const { return events().count(); }
   long singular_positions() const { return equations_->passages().count(); }
   long jacobians() const { return equations_->jacobians(); }
@@ -100,6 +100,7 @@ class Island {
   PreparedIsland prepared_;
   Loads loads_;
   std::unique_ptr<Dynamics> dynamics_;
+  EventLog events_;
   std::unique_ptr<Formulation> equations_;
   std::unique_ptr<Integrator> integrator_;  // none where nothing moves
   double time_;
@@ -107,7 +108,7 @@ class Island {
   double backup_time_;
   std::vector<double> backup_;
   bool follows_ = false;                                     // some row follows an input
-  std::vector<double> followed_, backup_followed_, drives_;  // what the rows were followed to (Formulation::drives_at)
+  std::vector<double> followed_, backup_followed_, drives_;  // what the rows were followed to (Drives::targets_at)
   Outputs::Needs fresh_ = Outputs::Needs::state;             // what dynamics_ holds for the present state and inputs
   bool inputs_jumped_ = false;
   Past past_;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formulation/modes.h"
+
+namespace gelenk {
+
+Modes::Modes(Dynamics& dynamics, int nq, EventLog& log)
+    : dynamics_(dynamics),
+      nq_(nq),
+      log_(log),
+      sides_(static_cast<std::size_t>(dynamics.branching().count())),
+      present_(sides_.size()) {}
+
+void Modes::indicator_values(const double* y, double* g, double* gdot) {
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  dynamics_.branching().indicators(g, gdot);
+}
+
+void Modes::hold_mode(double t, const bool* positive) {
+  held_ = positive != nullptr;
+  held_from_ = t;
+  left_mode_ = INFINITY;
+  if (held_) {
+    for (int& side : sides_) {
+      side = positive[0] ? 1 : positive[1] ? -1 : 0;
+      positive += 2;
+    }
+  }
+  dynamics_.branching().hold(held_ ? sides_.data() : nullptr);
+}
+
+void Modes::watch(double t, const double* v) {
+  if (!held_ || !(t > held_from_ && t < left_mode_)) return;
+  dynamics_.set_velocity(v);
+  dynamics_.branching().sides(present_.data());
+  if (present_ != sides_) left_mode_ = t;
+}
+
+}  // namespace gelenk
