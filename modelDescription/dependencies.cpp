@@ -9,6 +9,7 @@
 #include "joint/registry.h"
 #include "mechanism/sets.h"
 #include "scene/numbers.h"
+#include "simulation/start_report.h"
 
 namespace gelenk {
 namespace {
@@ -72,7 +73,7 @@ class Finder {
  public:
   Finder(const Simulation& simulation, const Catalogue& catalogue)
       : scene_(simulation.scene()),
-        reduced_(simulation.prepared().reduced),
+        reduced_(StartReport(simulation).prepared().reduced),
         signals_(simulation.outputs()),
         catalogue_(catalogue),
         numbers_(scene_),
@@ -106,7 +107,7 @@ class Finder {
       part.states.insert(state.variable);
     }
     for (std::size_t p = 0; p < parts_.size(); ++p) {
-      const Structure& structure = simulation.prepared().islands[p].structure;
+      const Structure& structure = StartReport(simulation).prepared().islands[p].structure;
       // By inputs that are motions whatever moves with them is determined at once.
       known_ =
           known_ && parts_[p].speeds == reduced_.islands[p].nv - structure.rank && !follows_input(reduced_.islands[p]);

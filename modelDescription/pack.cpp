@@ -20,6 +20,7 @@
 #include "modelDescription/zip.h"
 #include "scene_file/read.h"
 #include "simulation/simulation.h"
+#include "simulation/state_derivatives.h"
 
 namespace gelenk {
 namespace {
@@ -112,7 +113,7 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   Catalogue catalogue(carried);
   Simulation simulation(carried);
   simulation.assemble();
-  catalogue.declare_states(simulation.independent());
+  catalogue.declare_states(StateDerivatives(simulation).independent());
 
   const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
                        simulation.size().freedoms + simulation.size().free_coordinates};

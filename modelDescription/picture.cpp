@@ -8,6 +8,7 @@
 
 #include "joint/registry.h"
 #include "scene/numbers.h"
+#include "simulation/start_report.h"
 
 namespace gelenk {
 namespace {
@@ -49,7 +50,7 @@ struct View {
 View view_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   Vector3d up = scene.gravity.norm() > 0 ? Vector3d(-scene.gravity.normalized()) : Vector3d::UnitZ();
-  const auto& islands = simulation.prepared().reduced.islands;
+  const auto& islands = StartReport(simulation).prepared().reduced.islands;
   const bool planar = !islands.empty() && simulation.size().planar;
   Vector3d towards = planar ? Vector3d(islands.front().X_W0.R.col(2)) : Vector3d(0.5, -0.8, 0.45);
   if (std::abs(up.dot(towards.normalized())) > 0.99)

@@ -8,6 +8,8 @@
 
 #include "modelDescription/fingerprint.h"
 #include "scene_file/read.h"
+#include "simulation/start_report.h"
+#include "simulation/state_derivatives.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -34,7 +36,7 @@ const PlantModel::States& PlantModel::states() const {
   std::call_once(asked_, [this] {
     Simulation simulation(scene);
     simulation.assemble();
-    States found{catalogue, simulation.independent()};
+    States found{catalogue, StateDerivatives(simulation).independent()};
     found.catalogue.declare_states(found.independent);
     states_ = std::move(found);
   });
@@ -77,6 +79,14 @@ double Plant::wished_tolerance() const {
   const double own = scene_.experiment.tolerance;
   const bool other = own != model_->scene.experiment.tolerance;
   return other || (tolerance_confirmed_ && tolerance_ > own) ? 0 : tolerance_;
+}
+
+std::string Plant::assembly_report() const {
+  return simulation_ ? StartReport(*simulation_).assembly() : std::string();
+}
+
+std::vector<std::string> Plant::start_warnings() const {
+  return simulation_ ? StartReport(*simulation_).warnings() : std::vector<std::string>();
 }
 
 Simulation& Plant::simulation() {

@@ -85,10 +85,8 @@ class Plant {
   double time() const { return simulation_ ? simulation_->time() : start_; }
   long count(Diagnostic diagnostic);  // of one that counts
   std::vector<EventReport> events() const { return simulation_->events(); }
-  std::string assembly_report() const { return simulation_ ? simulation_->assembly_report() : std::string(); }
-  std::vector<std::string> start_warnings() const {
-    return simulation_ ? simulation_->start_warnings() : std::vector<std::string>();
-  }
+  std::string assembly_report() const;
+  std::vector<std::string> start_warnings() const;
 
  private:
   double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "modelDescription/capabilities.h"
+#include "simulation/state_derivatives.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -29,12 +30,13 @@ class Directions {
   Directions(const Catalogue& catalogue, Simulation& simulation)
       : catalogue_(catalogue),
         simulation_(simulation),
-        dx_(simulation.states().size(), 0.0),
+        derivatives_(simulation),
+        dx_(derivatives_.states().size(), 0.0),
         du_(simulation.inputs().size(), 0.0) {}
 
   void seed(unsigned reference, double value) {
     const Variable& known = variable(catalogue_, reference);
-    const int state = known.source == Source::output ? state_of(simulation_.states(), known.index) : -1;
+    const int state = known.source == Source::output ? state_of(derivatives_.states(), known.index) : -1;
     if (known.source != Source::input && state < 0) {
       throw UsageError("known: found " + known.name + ", expected an input or a state");
     }
@@ -51,13 +53,13 @@ class Directions {
     if (unknown.source == Source::output) return unknown.index;
     if (unknown.source == Source::rate && unknown.derivative_of >= 0) {
       const Variable& state = catalogue_.variables()[static_cast<std::size_t>(unknown.derivative_of)];
-      return static_cast<Eigen::Index>(simulation_.outputs().size()) + state_of(simulation_.states(), state.index);
+      return static_cast<Eigen::Index>(simulation_.outputs().size()) + state_of(derivatives_.states(), state.index);
     }
     throw UsageError("unknown: found " + unknown.name + ", expected an output or the derivative of a state");
   }
 
   void run(const std::vector<Eigen::Index>& rows, double* out) {
-    const Slope slope = simulation_.slope_along(dx_, du_);
+    const Slope slope = derivatives_.slope_along(dx_, du_);
     for (const Eigen::Index r : rows) {
       *out++ = r < slope.outputs.rows() ? slope.outputs(r, 0) : slope.rates(r - slope.outputs.rows(), 0);
     }
@@ -65,7 +67,8 @@ class Directions {
 
  private:
   const Catalogue& catalogue_;
-  Simulation& simulation_;
+  const Simulation& simulation_;
+  StateDerivatives derivatives_;
   std::vector<double> dx_, du_;
 };
 
@@ -74,7 +77,7 @@ class Directions {
 void directional_derivative(Plant& plant, References unknown, References known, const double* seed, double* out) {
   const PlantModel::States& declared = plant.model().states();
   Simulation& simulation = plant.simulation();
-  simulation.take_states(declared.independent);
+  StateDerivatives(simulation).take_states(declared.independent);
   Directions directions(declared.catalogue, simulation);
   std::vector<Eigen::Index> rows;
   for (const unsigned reference : unknown) rows.push_back(directions.row(reference));
@@ -93,7 +96,7 @@ void output_derivatives(Plant& plant, References outputs, const int* orders, dou
     }
     indices.push_back(v.index);
   }
-  const Eigen::MatrixX2d found = plant.simulation().output_derivatives();
+  const Eigen::MatrixX2d found = StateDerivatives(plant.simulation()).output_derivatives();
   for (std::size_t i = 0; i < indices.size(); ++i) out[i] = found(indices[i], orders[i] - 1);
 }
 

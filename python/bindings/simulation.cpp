@@ -14,6 +14,9 @@
 #include "bindings.h"
 #include "scene/wanted_outputs.h"
 #include "simulation/inspection.h"
+#include "simulation/probe.h"
+#include "simulation/start_report.h"
+#include "simulation/state_derivatives.h"
 
 namespace nb = nanobind;
 using gelenk::ModelSize;
@@ -83,15 +86,15 @@ Vector body_pose(Plant& plant, int body) {
 }
 
 Vector state_of(Plant& plant, int island) {
-  return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(s.state(island)); }));
+  return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(gelenk::Probe(s).state(island)); }));
 }
 
 // x and xdot at the present state, one after the other.
 Vector consistent_at(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::Equations& equations = s.equations(island);
+    gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.unknowns();
-    std::vector<double> out(s.state(island));
+    std::vector<double> out(gelenk::Probe(s).state(island));
     out.resize(2 * n);
     if (!equations.consistent(s.time(), out.data(), out.data() + n)) throw gelenk::UsageError("there are none");
     return out;
@@ -102,7 +105,7 @@ Vector consistent_at(Plant& plant, int island) {
 Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
                    bool slopes) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::Equations& equations = s.equations(island);
+    gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.unknowns();
     if (x.size() != n || xdot.size() != n) throw gelenk::UsageError(std::to_string(n) + " numbers are expected");
     std::vector<double> out(slopes ? 2 * n * n : n);
@@ -143,7 +146,7 @@ void restore(Plant& plant, const nb::bytes& saved) {
 // f(y), or df/dy column by column.
 Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
-    gelenk::Equations& equations = s.equations(island);
+    gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.size();
     if (y.size() != n) throw gelenk::UsageError("y: " + std::to_string(n) + " numbers are expected");
     std::vector<double> out(jacobian ? n * n : n);
@@ -160,12 +163,12 @@ Vector flat(const Eigen::MatrixXd& from) {
 }
 
 std::vector<Vector> linearize(Plant& plant) {
-  const gelenk::Linearization l = plant.with([](Simulation& s) { return s.linearize(); });
+  const gelenk::Linearization l = plant.with([](Simulation& s) { return gelenk::StateDerivatives(s).linearize(); });
   return {flat(l.A), flat(l.B), flat(l.C), flat(l.D), flat(l.xdot)};
 }
 
 std::vector<Vector> residual_slopes(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
-  gelenk::Slopes s = plant.with([&](Simulation& of) { return of.residual_slopes(island, x, by_duals); });
+  gelenk::Slopes s = plant.with([&](Simulation& of) { return gelenk::Probe(of).residual_slopes(island, x, by_duals); });
   std::vector<Vector> out;
   for (const Eigen::MatrixXd& part : {Eigen::MatrixXd(s.r), Eigen::MatrixXd(s.r_u), Eigen::MatrixXd(s.c),
                                       Eigen::MatrixXd(s.Phi_q), Eigen::MatrixXd(s.rate_q), s.qdot_q, s.qdot_v}) {
@@ -175,19 +178,20 @@ std::vector<Vector> residual_slopes(Plant& plant, int island, const std::vector<
 }
 
 std::vector<Vector> slope_along(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
-  const gelenk::Slope slope = plant.with([&](Simulation& s) { return s.slope_along(dx, du); });
+  const gelenk::Slope slope =
+      plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).slope_along(dx, du); });
   return {flat(slope.outputs), flat(slope.rates)};
 }
 
 Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const std::vector<double>& uddot) {
-  return flat(plant.with([&](Simulation& s) { return s.output_derivatives(udot, uddot); }));
+  return flat(plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
 }
 
 // Outputs of the states; of their derivatives, -1: no output.
 std::vector<std::vector<int>> states_of(Plant& plant) {
   return plant.with([](Simulation& s) {
     std::vector<std::vector<int>> out(2);
-    for (const gelenk::StateVariable& state : s.states()) {
+    for (const gelenk::StateVariable& state : gelenk::StateDerivatives(s).states()) {
       out[0].push_back(state.output);
       out[1].push_back(state.derivative);
     }
@@ -275,7 +279,7 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
             for (const auto* taken : {&coordinates, &speeds}) {
               for (const int i : *taken) check_index(i, p.fixed().outputs().size());
             }
-            p.with([&](Simulation& s) { s.take_states({coordinates, speeds}); });
+            p.with([&](Simulation& s) { gelenk::StateDerivatives(s).take_states({coordinates, speeds}); });
           },
           nb::arg("coordinates"), nb::arg("speeds"), "Derivatives are by these from now on.")
       .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
@@ -316,16 +320,20 @@ void bind_readings(nb::class_<Plant>& simulation) {
           },
           "Of the last step: time [s] and text.")
       .def_prop_ro("independent_coordinates",
-                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().coordinates; }); })
-      .def_prop_ro("independent_speeds",
-                   [](Plant& p) { return p.with([](Simulation& s) { return s.independent().speeds; }); });
+                   [](Plant& p) {
+                     return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).independent().coordinates; });
+                   })
+      .def_prop_ro("independent_speeds", [](Plant& p) {
+        return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).independent().speeds; });
+      });
 }
 
 // What was made of the scene.
 void bind_reports(nb::class_<Plant>& simulation) {
   simulation
       .def(
-          "evaluation_cost", [](Plant& p) { return p.with([](Simulation& s) { return s.evaluation_cost(); }); },
+          "evaluation_cost",
+          [](Plant& p) { return p.with([](Simulation& s) { return gelenk::Probe(s).evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
       .def(
           "inspect",
@@ -333,9 +341,12 @@ void bind_reports(nb::class_<Plant>& simulation) {
             return p.with([&](Simulation& s) { return gelenk::inspect(s, whole); });
           },
           nb::arg("whole"), "What the reductions did to the scene that it was made of. After initialize().")
-      .def("moved_frames", [](Plant& p) { return p.with([](Simulation& s) { return s.moved_frames(); }); })
-      .def("start_warnings", [](Plant& p) { return p.with([](Simulation& s) { return s.start_warnings(); }); })
-      .def("assembly_report", [](Plant& p) { return p.with([](Simulation& s) { return s.assembly_report(); }); });
+      .def("moved_frames",
+           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).moved_frames(); }); })
+      .def("start_warnings",
+           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).warnings(); }); })
+      .def("assembly_report",
+           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).assembly(); }); });
 }
 
 }  // namespace

@@ -19,6 +19,10 @@ double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * 
 constexpr int most_trials = 60;
 // Steps made shorter in search of a touch that begins and ends within one.
 constexpr int most_shortened = 20;
+// By how much an indicator may come nearer to zero than its cubic says, as a share of the way that it comes.
+constexpr double cubic_share = 0.05;
+// Of the step: nearer to its ends there is nothing more to be seen than there.
+constexpr double nearest_to_end = 1e-3;
 
 }  // namespace
 
@@ -78,8 +82,9 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   if (step != Step::made) return step;
   read_mode(source_, method.state(), g_, gdot_, positive_.get());
   for (int k = 0; k < most_shortened && !any_changed(); ++k) {
-    if (!has_left_mode(method.time())) return step;
-    step = step_from_start(method, source_.left_mode());
+    const double touch = has_left_mode(method.time()) ? source_.left_mode() : time_of_touch(method.time());
+    if (!(touch < method.time())) return step;
+    step = step_from_start(method, touch);
     if (step != Step::made) return step;
   }
   if (!any_changed()) return step;
@@ -145,24 +150,29 @@ Step Locator::arrive(Stepping& method) {
   return source_.too_many_events().empty() ? Step::made : Step::too_many_events;
 }
 
-// s: the zero of the cubic through an indicator's values and rates at the start and at t; of the straight line, where
-// rates are not known.
-double Locator::estimate(std::size_t i, double t) const {
+// Of an indicator in a step to t.
+Cubic Locator::cubic(std::size_t i, double t) const {
   const double h = t - start_t_;
-  const bool smooth = std::isfinite(start_gdot_[i]) && std::isfinite(gdot_[i]);
-  const auto value = [&](double s) {
-    const double r = 1 - s;
-    if (!smooth) return r * start_g_[i] + s * g_[i];
-    return r * r * (1 + 2 * s) * start_g_[i] + s * s * (3 - 2 * s) * g_[i] +
-           s * r * h * (r * start_gdot_[i] - s * gdot_[i]);
-  };
-  double low = 0;
-  double high = 1;
-  for (int k = 0; k < 50; ++k) {
-    const double middle = (low + high) / 2;
-    ((value(middle) < 0) == (start_g_[i] < 0) ? low : high) = middle;
+  return {start_g_[i], h * start_gdot_[i], g_[i], h * gdot_[i]};
+}
+
+// s
+double Locator::estimate(std::size_t i, double t) const { return start_t_ + cubic(i, t).zero() * (t - start_t_); }
+
+// s: where, in a step to t, an indicator may reach zero that has the same sign at both ends; infinite: nowhere.
+double Locator::time_of_touch(double t) const {
+  double first = INFINITY;
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    const bool approaches = start_positive_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
+    const Cubic course = cubic(i, t);
+    if (!approaches || !course.turns()) continue;
+    const double s = course.turning_point();
+    const double nearest = start_positive_[i] ? course.value(s) : -course.value(s);
+    const double way = std::max(std::abs(start_g_[i]), std::abs(g_[i])) - nearest;
+    if (nearest > cubic_share * way || s < nearest_to_end || s > 1 - nearest_to_end) continue;
+    first = std::min(first, start_t_ + s * (t - start_t_));
   }
-  return start_t_ + low * h;
+  return first;
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "event/cubic.h"
 #include "event/event_source.h"
 #include "math/record.h"
 
@@ -54,7 +55,9 @@ class Locator {
   void keep_high(const Stepping& method);
   bool changed(std::size_t i) const { return positive_[i] != start_positive_[i]; }
   bool any_changed() const;
+  Cubic cubic(std::size_t i, double t) const;
   double estimate(std::size_t i, double t) const;
+  double time_of_touch(double t) const;
   Step arrive(Stepping& method);
   void stop_at(double end, Stepping& method);
 

@@ -74,7 +74,6 @@ class Formulation : public Equations {
   virtual void exchange(Record& record);
 
   Drives& drives() { return drives_; }
-  const Drives& drives() const { return drives_; }
   const TurnCounter& turns() const { return turns_; }     // of the cut joints, at the state accepted last
   const Passages& passages() const { return passages_; }  // of singular positions since the start
   long jacobians() const { return jacobians_; }           // made since construction

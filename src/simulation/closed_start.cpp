@@ -8,6 +8,7 @@
 #include "assembly/closing.h"
 #include "scene/words.h"
 #include "simulation/simulation_impl.h"
+#include "simulation/start_report.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -122,23 +123,27 @@ void Simulation::Impl::prepare_or_advise(double tolerance) {
   }
 }
 
-std::vector<MovedFrame> Simulation::moved_frames() const {
-  std::vector<MovedFrame> out = impl_->moved;
-  for (MovedFrame& frame : out) frame.shift *= impl_->scene.units.size_of("m");
+std::vector<MovedFrame> StartReport::moved_frames() const {
+  std::vector<MovedFrame> out = impl_.moved;
+  for (MovedFrame& frame : out) frame.shift *= impl_.scene.units.size_of("m");
   return out;
 }
 
-Scene Simulation::adjusted_scene() const {
-  Scene out = impl_->given;
-  if (impl_->moved.empty()) return out;
-  const double length = impl_->scene.units.size_of("m");
+Scene StartReport::adjusted_scene() const {
+  Scene out = impl_.given;
+  if (impl_.moved.empty()) return out;
+  const double length = impl_.scene.units.size_of("m");
   for (std::size_t j = 0; j < out.joints.size(); ++j) {
     for (BodyFrame Joint::* half : {&Joint::parent, &Joint::child}) {
-      const Pose3& X = (impl_->scene.joints[j].*half).X_BF;
+      const Pose3& X = (impl_.scene.joints[j].*half).X_BF;
       (out.joints[j].*half).X_BF = {X.R, length * X.p};
     }
   }
   return out;
 }
+
+const std::string& StartReport::assembly() const { return impl_.prepared.report; }
+const std::vector<std::string>& StartReport::warnings() const { return impl_.prepared.warnings; }
+const PreparedScene& StartReport::prepared() const { return impl_.prepared; }
 
 }  // namespace gelenk

@@ -12,6 +12,7 @@
 #include "outputs/seen.h"
 #include "preparation/report.h"
 #include "scene/words.h"
+#include "simulation/start_report.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -41,7 +42,7 @@ std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_U
 // The scene at the start found, without the reductions that hide rows. What has no mass is given some: rows are
 // geometry, and in space such bodies may be free to turn about themselves.
 Scene in_space(Simulation& simulation) {
-  Scene scene = simulation.adjusted_scene();
+  Scene scene = StartReport(simulation).adjusted_scene();
   for (Body& body : scene.bodies) {
     if (body.mass > 0) continue;
     body.mass = 1;
@@ -299,8 +300,8 @@ ModelSize size_literally(Scene scene) {
 }  // namespace
 
 Inspection inspect(Simulation& simulation, const Scene& whole) {
-  const Scene scene = natural(simulation.adjusted_scene());
-  const ReducedScene& reduced = simulation.prepared().reduced;
+  const Scene scene = natural(StartReport(simulation).adjusted_scene());
+  const ReducedScene& reduced = StartReport(simulation).prepared().reduced;
   Inspection out;
   const ModelSize described = size_literally(scene);
   out.left_out = wanted_part(whole).told();
@@ -313,10 +314,10 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
   }
   for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
   compare_cuts(scene, described.rows, out);
-  out.moved_frames = simulation.moved_frames();
+  out.moved_frames = StartReport(simulation).moved_frames();
   tell_spinning(reduced, out);
   out.momentary_freedoms = out.reduced.freedoms;
-  for (const PreparedIsland& island : simulation.prepared().islands) {
+  for (const PreparedIsland& island : StartReport(simulation).prepared().islands) {
     out.momentary_freedoms += island.structure.rank - island.structure.rank_start;
   }
   if (described.rows > 0 && described.rows <= most_rows) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
 #include <utility>
 
@@ -11,13 +10,6 @@
 
 namespace gelenk {
 namespace {
-
-// s, of this thread.
-double cpu_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Relative to a motion and its rate [rad, m, 1/s], at least to 1: a master's rounding of what it leads to is no jump.
 constexpr double met = 1e-10;
@@ -120,7 +112,7 @@ double Island::advance(double end, long most_evaluations, bool goes_on) {
     if (will_have_past() && !has_past()) {
       past_.beginning.write_anew();
       exchange(past_.beginning);
-      past_.begin(steps());
+      past_.begin(integrator_->steps());
     }
     Leg leg{end, dynamics_->evaluations(), inputs_jumped_};
     inputs_jumped_ = false;
@@ -144,7 +136,8 @@ void Island::forget_past() {
 void Island::remember(const Leg& leg, bool goes_on, bool whole) {
   if (!has_past()) {
     past_.clear();
-  } else if (!past_.begun || !past_.add(leg, goes_on) || (whole && steps() - past_.steps > Past::most_steps)) {
+  } else if (!past_.begun || !past_.add(leg, goes_on) ||
+             (whole && integrator_->steps() - past_.steps > Past::most_steps)) {
     forget_past();
   }
 }
@@ -224,7 +217,12 @@ void Island::refresh(Outputs::Needs needs) {
 }
 
 Reading Island::reading() const {
-  return {dynamics_->readings(), q(), v(), vdot_.data(), cut_coordinates().data(), equations_->turns().speeds().data()};
+  return {dynamics_->readings(),
+          q(),
+          v(),
+          vdot_.data(),
+          equations_->turns().coordinates().data(),
+          equations_->turns().speeds().data()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
@@ -235,38 +233,13 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
   return out;
 }
 
-double Island::position_gap() const { return largest_in_si(dynamics_->Phi()); }
-double Island::velocity_gap() const { return largest_in_si(dynamics_->row_rates()); }
-
-double Island::largest_in_si(const std::vector<double>& rows) const {
-  double angle = 0;
-  double length = 0;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    double& most = dynamics_->row_is_angle(static_cast<int>(r)) ? angle : length;
-    most = std::max(most, std::abs(rows[r]));
-  }
-  return std::max(angle, scene_.units.length * length);
-}
-
-double Island::evaluation_cost(double budget) {
-  if (mechanism().nv == 0) return 0;
-  fresh_ = Outputs::Needs::state;
-  std::vector<double> ydot(y_.size());
-  // Elsewhere each time: what is known of where the equations stand is not computed again.
-  std::vector<double> beside = y_;
-  for (double& y : beside) y += 1e-9;
-  const auto time_of = [&](int calls) {
-    const double begin = cpu_time();
-    for (int i = 0; i < calls; ++i) equations_->rhs(time_, (i % 2 == 0 ? beside : y_).data(), ydot.data());
-    return (cpu_time() - begin) / calls;
-  };
-  const long before = dynamics_->evaluations();
-  // Twenty times a while, each long against the clock's grain and short against whatever interrupts.
-  double least = std::max(time_of(1), 1e-9);
-  const int calls = static_cast<int>(std::clamp(budget / 20 / least, 1.0, 1e5));
-  for (int i = 0; i < 20 && i * calls * least < budget; ++i) least = std::min(least, time_of(calls));
-  evaluations_before_ += dynamics_->evaluations() - before;
-  return least;
+RunCounts Island::counts() const {
+  return {.steps = integrator_ ? integrator_->steps() : 0,
+          .rejected_steps = integrator_ ? integrator_->rejected_steps() : 0,
+          .evaluations = evaluations(),
+          .jacobians = equations_->jacobians(),
+          .events = events_.count(),
+          .singular_positions = equations_->passages().count()};
 }
 
 }  // namespace gelenk

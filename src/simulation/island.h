@@ -16,6 +16,11 @@
 
 namespace gelenk {
 
+// Of a run, up to now.
+struct RunCounts {
+  long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
+};
+
 // Not movable: its parts refer to each other.
 class Island {
  public:
@@ -37,16 +42,13 @@ class Island {
   Way way() const { return {past_.legs, evaluations(), inputs_jumped_}; }
   void go_again(const Leg& leg);
   void arrive(const Way& way, double time);
-  bool may_have_past() const { return integrator_ && integrator_->may_have_past(); }
-  bool will_have_past() const { return integrator_ && integrator_->will_have_past(); }
-  bool has_past() const { return integrator_ && integrator_->has_past(); }
+  const Integrator* integrator() const { return integrator_.get(); }  // none where nothing moves
 
   double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
     fresh_ = Outputs::Needs::state;
   }
-  const std::vector<int>& inputs() const { return loads_.inputs; }
   // loads: of the same scene with other numbers; in exchange, those so far.
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
@@ -57,38 +59,26 @@ class Island {
   // Brings the equations up to what outputs need.
   void refresh(Outputs::Needs needs);
   Reading reading() const;
-  // Coordinates of the cut joints, turns counted.
-  const std::vector<double>& cut_coordinates() const { return equations_->turns().coordinates(); }
-  const Mechanism& mechanism() const { return prepared_.mechanism; }
+  const PreparedIsland& prepared() const { return prepared_; }
   const Loads& loads() const { return loads_; }
-  const Structure& structure() const { return prepared_.structure; }
   Dynamics& dynamics() { return *dynamics_; }
-  double position_gap() const;  // m or rad: largest |Phi|, after refresh
-  double velocity_gap() const;  // m/s or rad/s: largest |J v - b|, likewise
+  const Formulation& formulation() const { return *equations_; }
   // Of all coordinate rows, where it stands (Targets::derivatives).
   std::vector<MotionLaw::Derivatives> targets() const;
 
-  double finest_tolerance() const { return integrator_ ? integrator_->finest_tolerance() : 0; }
-  long steps() const { return integrator_ ? integrator_->steps() : 0; }
-  long rejected_steps() const { return integrator_ ? integrator_->rejected_steps() : 0; }
+  RunCounts counts() const;
   const EventLog& events() const { return events_; }
-  long event_count() const { return events().count(); }
-  long singular_positions() const { return equations_->passages().count(); }
-  long jacobians() const { return equations_->jacobians(); }
-  long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
-
-  // What the integrator sees, and where it stands; for checks. After a call of it, roll_back() is due.
-  Equations& equations() { return *equations_; }
-  const std::vector<double>& state() const { return y_; }
-
-  // s: CPU time of one evaluation of the equations of motion at the present state, least of several. budget [s]: what
-  // measuring may take, about.
-  double evaluation_cost(double budget);
 
  private:
+  friend class Probe;
+
+  bool may_have_past() const { return integrator_ && integrator_->may_have_past(); }
+  bool will_have_past() const { return integrator_ && integrator_->will_have_past(); }
+  bool has_past() const { return integrator_ && integrator_->has_past(); }
+  const Mechanism& mechanism() const { return prepared_.mechanism; }
+  long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
   std::vector<std::array<std::string, 2>> event_texts() const;
   void warm_up(double step);
-  double largest_in_si(const std::vector<double>& rows) const;
   void make_room(std::size_t words);
   void forget_past();
   void remember(const Leg& leg, bool goes_on, bool whole);

@@ -74,7 +74,7 @@ void InputLog::exchange(Record& record, std::size_t count) {
 // Behind the islands, which are written where their methods began anew. Nothing, where none has a history.
 void Simulation::Impl::exchange_past(Record& record) {
   const bool reading = record.reading();
-  if (reading ? record.ended() : std::ranges::none_of(islands, &Island::has_past)) return;
+  if (reading ? record.ended() : !any_integrator(islands, &Integrator::has_past)) return;
   std::vector<Way> ways(islands.size());
   std::size_t longest = 0;
   for (std::size_t i = 0; i < islands.size(); ++i) {

@@ -15,8 +15,9 @@ Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, co
     : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    tangents_.push_back(std::make_unique<Tangent>(island.mechanism(), island.loads(), island.structure(),
-                                                  independent[i], static_cast<int>(u.size())));
+    tangents_.push_back(std::make_unique<Tangent>(island.prepared().mechanism, island.loads(),
+                                                  island.prepared().structure, independent[i],
+                                                  static_cast<int>(u.size())));
   }
 }
 
@@ -34,8 +35,9 @@ int Sensitivity::component_of(const StateVariable& state) const {
 Tangent& Sensitivity::stand(int island) {
   at_ = island;
   const Island& from = *islands_[island];
-  const double* y = from.state().data();
-  tangents_[island]->stand(y, y + from.mechanism().nq, u_.data(), from.cut_coordinates().data(), from.targets());
+  const double* y = from.reading().q;
+  tangents_[island]->stand(y, y + from.prepared().mechanism.nq, u_.data(),
+                           from.formulation().turns().coordinates().data(), from.targets());
   return *tangents_[island];
 }
 
@@ -55,7 +57,7 @@ void Sensitivity::read(int i, Carried<T>& at, Take take) const {
 }
 
 void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
-  const Mechanism& mechanism = islands_[i]->mechanism();
+  const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Index n = directions.cols();
   MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
   MatrixXd dv = MatrixXd::Zero(mechanism.nv, n);
@@ -97,7 +99,7 @@ bool Sensitivity::reads(int i) const {
 }
 
 void Sensitivity::add_rates(int i, const MovedState& moved, Slope& out) const {
-  const Mechanism& mechanism = islands_[i]->mechanism();
+  const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Eigen::VectorXd y = tangents_[i]->point();
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const StateVariable& state = states_[s];
@@ -146,7 +148,7 @@ std::vector<int> Sensitivity::columns_of(int island) const {
   for (std::size_t s = 0; s < states_.size(); ++s) {
     if (place_of(states_[s]).island == island) out.push_back(static_cast<int>(s));
   }
-  for (const int input : islands_[island]->inputs()) out.push_back(static_cast<int>(states_.size()) + input);
+  for (const int input : islands_[island]->loads().inputs) out.push_back(static_cast<int>(states_.size()) + input);
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace gelenk {
 void Simulation::Impl::settle() {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    const Mechanism& mechanism = island.mechanism();
+    const Mechanism& mechanism = island.prepared().mechanism;
     const std::vector<MotionLaw::Derivatives> targets = island.targets();
     for (std::size_t row = 0; row < targets.size(); ++row) {
       if (targets[row][1] == 0) continue;
@@ -20,8 +20,8 @@ void Simulation::Impl::settle() {
     }
     Assembled& start = prepared.islands[i].start;
     try {
-      start.q = find_rest(mechanism, island.loads(), island.structure(), independent_by_island[i], start.q,
-                          island.cut_coordinates(), u.now(), targets)
+      start.q = find_rest(mechanism, island.loads(), island.prepared().structure, independent_by_island[i], start.q,
+                          island.formulation().turns().coordinates(), u.now(), targets)
                     .q;
     } catch (const NoEquilibrium& fault) {
       throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), fault));

@@ -40,10 +40,11 @@ void Simulation::Impl::make_islands() {
   size.rows = 0;
   for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
     islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
-    for (const int input : islands[i]->inputs()) island_of_input[input] = static_cast<int>(i);
-    size.rows += islands[i]->mechanism().rows;
-    size.rank += islands[i]->structure().rank;
-    size.free_coordinates += islands[i]->mechanism().nv - islands[i]->structure().position_rank;
+    for (const int input : islands[i]->loads().inputs) island_of_input[input] = static_cast<int>(i);
+    const PreparedIsland& of = islands[i]->prepared();
+    size.rows += of.mechanism.rows;
+    size.rank += of.structure.rank;
+    size.free_coordinates += of.mechanism.nv - of.structure.position_rank;
   }
   size.freedoms = size.speeds - size.rank;
   readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
@@ -87,7 +88,7 @@ void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
   const bool goes_on = cut_short && !u.moving() && log.ends_with(u);
-  if (!goes_on && std::ranges::any_of(islands, &Island::will_have_past)) log.add(u);
+  if (!goes_on && any_integrator(islands, &Integrator::will_have_past)) log.add(u);
   try {
     const double reached = advance_islands(end, goes_on, moved);
     time = reached;
@@ -116,6 +117,22 @@ Energy Simulation::Impl::energy() {
   return sum;
 }
 
+// m or rad, in SI, or their rates.
+double Simulation::Impl::largest_gap(const std::vector<double>& (Kinematics::*of)() const) {
+  double angle = 0;
+  double length = 0;
+  for (const auto& island : islands) {
+    island->refresh(Outputs::Needs::velocities);
+    const Kinematics& at = island->dynamics();
+    const std::vector<double>& rows = (at.*of)();
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      double& most = at.row_is_angle(static_cast<int>(r)) ? angle : length;
+      most = std::max(most, std::abs(rows[r]));
+    }
+  }
+  return std::max(angle, scene.units.length * length);
+}
+
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -142,10 +159,10 @@ void Simulation::initialize(double time, double tolerance) {
   double finest = 0;
   for (const auto& island : s.islands) {
     island->start_integrator(wanted);
-    finest = std::max(finest, island->finest_tolerance());
+    if (const Integrator* made = island->integrator()) finest = std::max(finest, made->finest_tolerance());
   }
   if (wanted < finest) s.prepared.warnings.push_back(describe_finest(s.scene.solver.integrator, wanted, finest));
-  if (std::ranges::any_of(s.islands, &Island::may_have_past)) s.log.make_room();
+  if (any_integrator(s.islands, &Integrator::may_have_past)) s.log.make_room();
   s.initialized = s.runs = true;
 }
 
@@ -177,24 +194,6 @@ const ModelSize& Simulation::size() const { return impl_->size; }
 const std::vector<Signal>& Simulation::inputs() const { return impl_->inputs; }
 const std::vector<Signal>& Simulation::outputs() const { return impl_->outputs; }
 const std::vector<Signal>& Simulation::diagnostics() const { return impl_->diagnostics; }
-std::string Simulation::assembly_report() const { return impl_->prepared.report; }
-const std::vector<std::string>& Simulation::start_warnings() const { return impl_->prepared.warnings; }
-const PreparedScene& Simulation::prepared() const { return impl_->prepared; }
-
-Equations& Simulation::equations(int island) {
-  if (!impl_->initialized) throw UsageError("equations before initialize()");
-  return impl_->islands.at(island)->equations();
-}
-
-const std::vector<double>& Simulation::state(int island) const { return impl_->islands.at(island)->state(); }
-
-double Simulation::evaluation_cost() {
-  if (!impl_->initialized) throw UsageError("a measurement before initialize()");
-  double sum = 0;
-  const double budget = std::max(4e-4, 0.02 / static_cast<double>(std::max<std::size_t>(1, impl_->islands.size())));
-  for (const auto& island : impl_->islands) sum += island->evaluation_cost(budget);
-  return sum;
-}
 
 void Simulation::set_input(int index, double value) {
   Impl& s = *impl_;
@@ -271,36 +270,28 @@ Pose3 Simulation::body_pose(int body) {
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("a diagnostic before initialize()");
-  const auto total = [&](long (Island::*count)() const) {
+  const auto total = [&](long RunCounts::* count) {
     long sum = 0;
-    for (const auto& island : s.islands) sum += ((*island).*count)();
+    for (const auto& island : s.islands) sum += island->counts().*count;
     return static_cast<double>(sum);
-  };
-  const auto largest = [&](double (Island::*gap)() const) {
-    double most = 0;
-    for (const auto& island : s.islands) {
-      island->refresh(Outputs::Needs::velocities);
-      most = std::max(most, ((*island).*gap)());
-    }
-    return most;
   };
   switch (static_cast<Diagnostic>(index)) {
     case Diagnostic::steps:
-      return total(&Island::steps);
+      return total(&RunCounts::steps);
     case Diagnostic::rejected_steps:
-      return total(&Island::rejected_steps);
+      return total(&RunCounts::rejected_steps);
     case Diagnostic::jacobians:
-      return total(&Island::jacobians);
+      return total(&RunCounts::jacobians);
     case Diagnostic::singular_positions:
-      return total(&Island::singular_positions);
+      return total(&RunCounts::singular_positions);
     case Diagnostic::events:
-      return total(&Island::event_count);
+      return total(&RunCounts::events);
     case Diagnostic::evaluations:
-      return total(&Island::evaluations);
+      return total(&RunCounts::evaluations);
     case Diagnostic::constraint_position:
-      return largest(&Island::position_gap);
+      return s.largest_gap(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:
-      return largest(&Island::velocity_gap);
+      return s.largest_gap(&Kinematics::row_rates);
     case Diagnostic::kinetic_energy:
       return s.diagnostic_size[index] * s.energy().kinetic;
     case Diagnostic::potential_energy:

@@ -112,57 +112,14 @@ class Simulation {
   // X_WB of a body of the scene, by its number: the pose of its frame in the world.
   Pose3 body_pose(int body);
 
-  // Indices into outputs(): of the joints' coordinates and speeds that make up a minimal, independent set of states at
-  // the start: size().freedoms speeds, as many coordinates and one more for each row that holds no position, and for
-  // each quaternion whose three turns are all independent. Known after initialize().
-  const IndependentOutputs& independent() const;
-
-  // The states that derivatives are taken by: these coordinates, then these speeds. Known after initialize().
-  const std::vector<StateVariable>& states() const;
-
-  // From now on derivatives are taken by these, as many as above. Throws UsageError for one that is none of the tree.
-  void take_states(const IndependentOutputs& independent);
-
-  // Exact derivatives at the present state and inputs, loops included; all throw NotDifferentiable where the states
-  // do not determine the mechanism. After initialize(). They change nothing, and allocate.
-  // - of all outputs and of the states' derivatives, by states and inputs;
-  Linearization linearize();
-  // - along the direction dx (as states()), du (as inputs());
-  Slope slope_along(const std::vector<double>& dx, const std::vector<double>& du);
-  // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
-  //   time derivatives; empty: those set for the step to come, or, where nothing was set since the last step, those
-  //   with which the inputs have arrived.
-  Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
-
-  // What assembly found, in words: the branch (start values of every joint) and what it changed.
-  std::string assembly_report() const;
-  // Joint frames that were moved so that loops with rounded numbers close; and the scene with these, in SI. Known after
-  // initialize().
-  std::vector<MovedFrame> moved_frames() const;
-  Scene adjusted_scene() const;
-  // What is doubtful about the start, a sentence each: singular configurations.
-  const std::vector<std::string>& start_warnings() const;
-
   // Of the last step_to(), in order of time: stops that were met or left, singular positions that were passed. Of one
   // with very many, the first of each part that is solved by itself.
   std::vector<EventReport> events() const;
-  // The scene as it is reduced and stands at its start. Known after initialize().
-  const PreparedScene& prepared() const;
-
-  // Equations of island i as its integrator sees them, and the state (q, v) at which it stands; for checks. Calls of
-  // the former leave outputs of this moment undefined.
-  Equations& equations(int island);
-  const std::vector<double>& state(int island) const;
-  // Derivatives of that island's residuals (dynamics/derivatives.h) at x = (q, v, vdot, lambda, what is not needed),
-  // under the present inputs, by recursion or by dual numbers; for checks. UsageError where x is too short.
-  Slopes residual_slopes(int island, const std::vector<double>& x, bool by_duals) const;
-
-  // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
-  double evaluation_cost();
 
  private:
-  template <class Ask>
-  auto differentiate(Ask ask);
+  friend class StateDerivatives;  // state_derivatives.h
+  friend class StartReport;       // start_report.h
+  friend class Probe;             // probe.h
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -2,6 +2,7 @@
 // What stands behind a Simulation; for simulation.cpp and simulation_derivatives.cpp alone.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,14 @@
 #include "simulation/simulation.h"
 
 namespace gelenk {
+
+// Whether the integrator of one of the islands says so.
+inline bool any_integrator(const std::vector<std::unique_ptr<Island>>& islands, bool (Integrator::*says)() const) {
+  return std::ranges::any_of(islands, [&](const auto& island) {
+    const Integrator* integrator = island->integrator();
+    return integrator != nullptr && (integrator->*says)();
+  });
+}
 
 struct Simulation::Impl {
   explicit Impl(const Scene& given)
@@ -84,6 +93,7 @@ struct Simulation::Impl {
   void go_again(const std::vector<Way>& ways);
   double advance_islands(double end, bool goes_on, std::size_t& moved);
   Energy energy();
+  double largest_gap(const std::vector<double>& (Kinematics::*of)() const);
   std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
   Independent independent_of(int island, const std::vector<bool>& coordinates, const std::vector<bool>& speeds) const;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The states of a simulation, and derivatives by them and by time.
+#include "simulation/state_derivatives.h"
+
 #include <algorithm>
 
 #include "analysis/independent_columns.h"
@@ -38,7 +39,7 @@ void Simulation::Impl::find_independent() {
   std::vector<std::vector<bool>> free_q;  // by island, speed
   std::vector<std::vector<bool>> free_v;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    const int nv = islands[i]->mechanism().nv;
+    const int nv = islands[i]->prepared().mechanism.nv;
     const auto wanted = preferred_speeds(scene, prepared.reduced, static_cast<int>(i));
     const Independent of = independent_of(static_cast<int>(i), wanted, wanted);
     free_q.push_back(flags(of.coordinates, nv));
@@ -68,8 +69,8 @@ void Simulation::Impl::find_independent() {
 Independent Simulation::Impl::independent_of(int island, const std::vector<bool>& coordinates,
                                              const std::vector<bool>& speeds) const {
   const Island& of = *islands[island];
-  const Mechanism& mechanism = of.mechanism();
-  const Structure& structure = of.structure();
+  const Mechanism& mechanism = of.prepared().mechanism;
+  const Structure& structure = of.prepared().structure;
   const auto dynamics = make_dynamics(mechanism, of.loads());  // the run's own stays as it is
   dynamics->limit_rank(structure.rank);
   // A singular start tells too little of what depends on what.
@@ -112,11 +113,11 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 
 }  // namespace
 
-const IndependentOutputs& Simulation::independent() const { return impl_->independent; }
-const std::vector<StateVariable>& Simulation::states() const { return impl_->states; }
+const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
+const std::vector<StateVariable>& StateDerivatives::states() const { return impl_.states; }
 
-void Simulation::take_states(const IndependentOutputs& independent) {
-  Impl& s = *impl_;
+void StateDerivatives::take_states(const IndependentOutputs& independent) {
+  Simulation::Impl& s = impl_;
   if (!s.initialized) throw UsageError("states before initialize()");
   if (s.independent == independent) return;
   for (const auto* outputs : {&independent.coordinates, &independent.speeds}) {
@@ -149,8 +150,8 @@ void Simulation::take_states(const IndependentOutputs& independent) {
 }
 
 template <class Ask>
-auto Simulation::differentiate(Ask ask) {
-  Impl& s = *impl_;
+auto StateDerivatives::differentiate(Ask ask) {
+  Simulation::Impl& s = impl_;
   if (!s.initialized) throw UsageError("a derivative before initialize()");
   if (!s.sensitivity) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
@@ -167,9 +168,9 @@ auto Simulation::differentiate(Ask ask) {
   }
 }
 
-Linearization Simulation::linearize() {
+Linearization StateDerivatives::linearize() {
   Linearization out = differentiate([](Sensitivity& s) { return s.linearize(); });
-  const Impl& s = *impl_;
+  const Simulation::Impl& s = impl_;
   if (s.scene.units.is_si()) return out;
   const Sizes x = s.sizes_of_states();
   const Sizes u = sizes(s.input_size);
@@ -182,10 +183,10 @@ Linearization Simulation::linearize() {
   return out;
 }
 
-Slope Simulation::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
-  check_size("dx", dx.size(), impl_->states.size());
-  check_size("du", du.size(), impl_->u.count());
-  const Impl& s = *impl_;
+Slope StateDerivatives::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
+  check_size("dx", dx.size(), impl_.states.size());
+  check_size("du", du.size(), impl_.u.count());
+  const Simulation::Impl& s = impl_;
   const auto natural = [](const std::vector<double>& si, const Sizes& of) {
     std::vector<double> out = si;
     for (std::size_t i = 0; i < out.size(); ++i) out[i] /= of[static_cast<Eigen::Index>(i)];
@@ -201,12 +202,13 @@ Slope Simulation::slope_along(const std::vector<double>& dx, const std::vector<d
   return out;
 }
 
-Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot, const std::vector<double>& uddot) {
-  const Inputs& u = impl_->u;
+Eigen::MatrixX2d StateDerivatives::output_derivatives(const std::vector<double>& udot,
+                                                      const std::vector<double>& uddot) {
+  const Inputs& u = impl_.u;
   const auto known = [&](const char* name, const std::vector<double>& given, int order) {
     if (!given.empty()) check_size(name, given.size(), u.count());
     std::vector<double> rates(given);
-    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] /= impl_->input_size[i];
+    for (std::size_t i = 0; i < rates.size(); ++i) rates[i] /= impl_.input_size[i];
     for (auto i = static_cast<int>(given.size()); i < static_cast<int>(u.count()); ++i) {
       rates.push_back(u.rate(i, order));
     }
@@ -215,25 +217,7 @@ Eigen::MatrixX2d Simulation::output_derivatives(const std::vector<double>& udot,
   const std::vector<double> first = known("udot", udot, 1);
   const std::vector<double> second = known("uddot", uddot, 2);
   const Eigen::MatrixX2d out = differentiate([&](Sensitivity& s) { return s.in_time(first, second); });
-  return sizes(impl_->output_size).asDiagonal() * out;
-}
-
-Slopes Simulation::residual_slopes(int island, const std::vector<double>& x, bool by_duals) const {
-  const Island& of = *impl_->islands.at(island);
-  const Mechanism& m = of.mechanism();
-  const std::size_t needed = m.nq + 2 * m.nv + m.rows;
-  if (x.size() < needed) check_size("x", x.size(), needed);
-  const double* const v = x.data() + m.nq;
-  const std::vector<double>& u = impl_->u.now();
-  const auto dynamics = make_dynamics(m, of.loads());  // the run's own stays as it is
-  dynamics->set_cut_reference(of.cut_coordinates().data());
-  dynamics->set_targets(with_two_derivatives(of.targets()).data());
-  dynamics->set_position(x.data());
-  dynamics->set_velocity(v);
-  Slopes out;
-  out.of_inputs = true;
-  dynamics->differentiate(u.data(), static_cast<int>(u.size()), v + m.nv, out, v + m.nv + m.nv, by_duals);
-  return out;
+  return sizes(impl_.output_size).asDiagonal() * out;
 }
 
 }  // namespace gelenk
