@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inputs as functions of time, the master's clock, records, brackets of a zero and passages, each alone."""
+"""Inputs as functions of time, the master's clock, records, brackets of a zero, cubics, stages and passages, each alone."""
 
 from __future__ import annotations
 
@@ -272,6 +272,72 @@ def test_a_zero_stays_in_its_bracket_until_it_is_found(units: Any, name: str, do
         trials += 1
     assert abs(bracket.low - zero) < 4 * nearest or abs(f(bracket.low)) < 1e-15
     assert trials <= {"line": 4, "cosine": 10, "jump": 50, "steep": 25, "flat": 70}[name]
+
+
+# --- cubics of a step ---
+
+
+def cubic_of(units: Any, c: list[float]) -> tuple[Any, Callable[[float], float]]:
+    """The cubic c0 + c1 s + c2 s^2 + c3 s^3 from its ends, and itself."""
+
+    def f(s: float) -> float:
+        return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+
+    return units.Cubic(f(0), c[1], f(1), c[1] + 2 * c[2] + 3 * c[3]), f
+
+
+def test_a_cubic_is_that_of_its_ends(units: Any) -> None:
+    rng = np.random.default_rng(7)
+    for c in rng.uniform(-1, 1, (50, 4)):
+        cubic, f = cubic_of(units, list(c))
+        for s in (0, 0.2, 0.5, 0.9, 1):
+            assert cubic.value(s) == pytest.approx(f(s), abs=1e-14)  # some roundings of numbers of size 1
+        if f(0) * f(1) < 0:
+            assert abs(f(cubic.zero())) < 1e-14
+        slopes = c[1], c[1] + 2 * c[2] + 3 * c[3]
+        assert cubic.turns() == (slopes[0] * slopes[1] < 0)
+        if cubic.turns():
+            s = cubic.turning_point()
+            assert abs(c[1] + s * (2 * c[2] + 3 * s * c[3])) < 1e-13
+
+
+def test_without_rates_a_cubic_is_the_line(units: Any) -> None:
+    line = units.Cubic(-1.0, math.nan, 3.0, 0.0)
+    assert line.zero() == pytest.approx(0.25, abs=1e-15)
+    assert line.value(0.5) == pytest.approx(1, abs=1e-15)
+    assert not line.turns()
+
+
+# --- stages of a state ---
+
+
+def test_what_was_computed_at_a_stage_is_out_of_date_when_that_is_realized_anew(units: Any) -> None:
+    position, velocity = units.Stage.position, units.Stage.velocity
+    stages, factors, bias = units.Stages(), units.Computed(position), units.Computed(velocity)
+    assert not stages.has(position) and not factors.holds(stages)
+    stages.realize(position)
+    factors.set(stages)
+    assert stages.has(position) and not stages.has(velocity)
+    assert factors.holds(stages) and not bias.holds(stages)
+    stages.realize(velocity)
+    bias.set(stages)
+    assert stages.has(position) and stages.has(velocity)
+    assert factors.holds(stages) and bias.holds(stages)
+    stages.realize(velocity)  # other speeds at the same position
+    assert factors.holds(stages) and not bias.holds(stages)
+    bias.set(stages)
+    stages.fall_back_to(position)
+    assert factors.holds(stages) and not bias.holds(stages) and not stages.has(velocity)
+    stages.realize(velocity)
+    assert not bias.holds(stages)
+    stages.realize(position)
+    assert not factors.holds(stages) and not bias.holds(stages) and not stages.has(velocity)
+    factors.set(stages)
+    factors.drop()
+    assert not factors.holds(stages)
+    factors.set(stages)
+    stages.clear()
+    assert not stages.has(position) and not factors.holds(stages)
 
 
 # --- passages ---

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Inputs as functions of time, the master's clock, records of a run, brackets of a zero, passages.
+// Inputs as functions of time, the master's clock, records of a run, brackets of a zero, cubics of a step, stages of
+// a state, passages.
 #include <array>
 #include <cstdint>
 
+#include "event/cubic.h"
 #include "event/passages.h"
 #include "fmu/clock.h"
 #include "formulation/inputs.h"
+#include "kinematics/stages.h"
 #include "math/bracket.h"
 #include "math/record.h"
 #include "units.h"
@@ -94,6 +97,33 @@ void bind_times(nb::module_& m) {
       .def("kept", &Bracket::kept)
       .def("next", &Bracket::next)
       .def("put", &Bracket::put);
+
+  using gelenk::Cubic;
+  nb::class_<Cubic>(m, "Cubic")
+      .def(nb::init<double, double, double, double>())
+      .def("value", &Cubic::value)
+      .def("zero", &Cubic::zero)
+      .def("turns", &Cubic::turns)
+      .def("turning_point", &Cubic::turning_point);
+
+  using gelenk::Computed;
+  using gelenk::Stage;
+  using gelenk::Stages;
+  nb::enum_<Stage>(m, "Stage")
+      .value("position", Stage::position)
+      .value("velocity", Stage::velocity)
+      .value("acceleration", Stage::acceleration);
+  nb::class_<Stages>(m, "Stages")
+      .def(nb::init<>())
+      .def("has", &Stages::has)
+      .def("realize", &Stages::realize)
+      .def("fall_back_to", &Stages::fall_back_to)
+      .def("clear", &Stages::clear);
+  nb::class_<Computed>(m, "Computed")
+      .def(nb::init<Stage>())
+      .def("holds", &Computed::holds)
+      .def("set", &Computed::set)
+      .def("drop", &Computed::drop);
 
   auto passages = nb::class_<Passages>(m, "Passages").def(nb::init<>());
   passages.def("seen", &Passages::seen).def("accepted", &Passages::accepted).def("restart", &Passages::restart);
