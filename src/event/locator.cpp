@@ -17,8 +17,11 @@ constexpr double nearest_share = 1e-13;
 double rounding(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
 // Of steps made again; halving alone takes 44.
 constexpr int most_trials = 60;
-// Steps made shorter in search of a touch that begins and ends within one.
+// Steps made shorter for loops to close at their end.
 constexpr int most_shortened = 20;
+// And in search of a touch that begins and ends within one. Some alarms are false: an implicit method asks for the
+// equations at iterates that its stages then leave. The step made in the end is short, and right.
+constexpr int most_alarms = 4;
 // By how much an indicator may come nearer to zero than its cubic says, as a share of the way that it comes.
 constexpr double cubic_share = 0.05;
 // Of the step: nearer to its ends there is nothing more to be seen than there.
@@ -81,7 +84,7 @@ Step Locator::step_in_mode(Stepping& method, double end) {
   }
   if (step != Step::made) return step;
   read_mode(source_, method.state(), g_, gdot_, positive_.get());
-  for (int k = 0; k < most_shortened && !any_changed(); ++k) {
+  for (int k = 0; k < most_alarms && !any_changed(); ++k) {
     const double touch = has_left_mode(method.time()) ? source_.left_mode() : time_of_touch(method.time());
     if (!(touch < method.time())) return step;
     step = step_from_start(method, touch);

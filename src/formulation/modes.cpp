@@ -8,7 +8,9 @@ Modes::Modes(Dynamics& dynamics, int nq, EventLog& log)
       nq_(nq),
       log_(log),
       sides_(static_cast<std::size_t>(dynamics.branching().count())),
-      present_(sides_.size()) {}
+      present_(sides_.size()),
+      g_(2 * sides_.size()),
+      gdot_(g_.size()) {}
 
 void Modes::indicator_values(const double* y, double* g, double* gdot) {
   dynamics_.set_position(y);
@@ -33,7 +35,17 @@ void Modes::watch(double t, const double* v) {
   if (!held_ || !(t > held_from_ && t < left_mode_)) return;
   dynamics_.set_velocity(v);
   dynamics_.branching().sides(present_.data());
-  if (present_ != sides_) left_mode_ = t;
+  if (present_ != sides_ && is_beyond()) left_mode_ = t;
+}
+
+// Just where the mode ends a state is of either: of its branch rounding decides.
+bool Modes::is_beyond() {
+  dynamics_.branching().indicators(g_.data(), gdot_.data());
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    const bool held = sides_[i / 2] == (i % 2 == 0 ? 1 : -1);
+    if (held ? g_[i] < 0 : g_[i] > 0) return true;
+  }
+  return false;
 }
 
 }  // namespace gelenk

@@ -29,10 +29,13 @@ class Modes final : public EventSource {
   void watch(double t, const double* v);
 
  private:
+  bool is_beyond();
+
   Dynamics& dynamics_;
   int nq_;
   EventLog& log_;
   std::vector<int> sides_, present_;  // branches that are held, and those of a state
+  std::vector<double> g_, gdot_;      // indicators
   bool held_ = false;                 // they are
   double held_from_ = 0;              // s
   double left_mode_ = INFINITY;       // s

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A parallelogram runs through its change point while its torque jumps: the jumps act there as elsewhere."""
+"""A parallelogram runs from beside its change point through it while its torque jumps: they act as elsewhere."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ LENGTH, GROUND = 0.3, 0.7  # m: of both cranks; of ground and coupler
 CRANK, COUPLER, ROCKER = 0.5, 1.1, 0.6  # kg
 # The coupler only translates, so the mechanism is one inertia about A [kg m2].
 INERTIA = (CRANK + ROCKER) * LENGTH**2 / 3 + COUPLER * LENGTH**2
-START, SPEED = -0.03, 3.0  # rad, rad/s: in line after 10 ms
-STEP, STEPS = 1e-5, 2000  # s: some hundred jumps while the position is singular to the integrator
+START, SPEED = -0.003, 3.0  # rad, rad/s: it begins beside the change point, and is in line after 1 ms
+STEP, STEPS = 1e-5, 400  # s: some hundred jumps while accelerations follow those of the branch
 TORQUE = 50.0  # N m: jumps of 380 rad/s2
 
 
@@ -55,6 +55,6 @@ def test_jumps_act_in_a_change_point(integrator: str, seed: int) -> None:
         phi += STEP * (w + STEP * acceleration / 2)
         w += STEP * acceleration
         worst = max(worst, abs(simulation.output("A.w") - w))
-    assert phi > 0.01  # it has come through
-    # rad/s: rounding magnified by the passage, 5e-9 at most; without the jumps 3e-3 and more
-    assert worst < 1e-7
+    assert phi > 0.005  # it has come through
+    # rad/s: rounding magnified by the passage, 1e-11 seen at most; without the jumps 2e-3 and more
+    assert worst < 1e-9
