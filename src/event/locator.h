@@ -4,11 +4,10 @@
 // the time of an event is as accurate as the method's steps are.
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "event/cubic.h"
 #include "event/event_source.h"
+#include "event/step_course.h"
 #include "math/record.h"
 
 namespace gelenk {
@@ -53,21 +52,16 @@ class Locator {
   bool has_left_mode(double end) const;
   void keep_start(const Stepping& method);
   void keep_high(const Stepping& method);
-  bool changed(std::size_t i) const { return positive_[i] != start_positive_[i]; }
-  bool any_changed() const;
-  Cubic cubic(std::size_t i, double t) const;
-  double estimate(std::size_t i, double t) const;
-  double time_of_touch(double t) const;
   Step arrive(Stepping& method);
   void stop_at(double end, Stepping& method);
 
   EventSource& source_;
   double stop_ = 0;        // s: where the method's steps stop
   double approached_ = 0;  // s: about where an event is, to which several steps are made
-  // At the start of a step, where the step made ended, and at the earliest end known to be beyond an event.
-  double start_t_ = 0, high_t_ = 0;
-  std::vector<double> start_y_, start_g_, start_gdot_, g_, gdot_, high_y_;
-  std::unique_ptr<bool[]> start_positive_, positive_;  // by indicator
+  StepCourse course_;
+  // The earliest end known to be beyond an event.
+  double high_t_ = 0;
+  std::vector<double> start_y_, high_y_;
 };
 
 }  // namespace gelenk

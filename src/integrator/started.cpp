@@ -5,6 +5,7 @@
 // which has no history to lose, and where jumps follow closely it makes them all. Where stability would bind these
 // steps, the multistep method meets the jump itself.
 #include "integrator/started.h"
+#include "event/step_course.h"
 
 #include <algorithm>
 #include <vector>
@@ -36,10 +37,7 @@ class Started final : public Integrator {
         erk_(make_erk(system, options)),
         y_(system.size()),
         y_before_(y_),
-        g_(system.modes().indicators()),
-        gdot_(g_),
-        positive_before_(std::make_unique<bool[]>(g_.size())),
-        positive_(std::make_unique<bool[]>(g_.size())),
+        course_(system.modes()),
         fastest_rate_(system) {}
 
   void restart(double t, const double* y) override {
@@ -121,12 +119,11 @@ class Started final : public Integrator {
   // A step of the multistep method in the mode in which it begins; whether it has gone beyond the mode's end.
   bool step_in_mode(double end) {
     y_before_ = y_;
-    read_mode(system_.modes(), y_.data(), g_, gdot_, positive_before_.get());
-    const HeldMode held(system_.modes(), t_, positive_before_.get());
+    course_.begin(t_, y_.data());
+    const HeldMode held(system_.modes(), t_, course_.mode());
     t_ = multistep_->advance_some(end, y_.data(), 1);
-    read_mode(system_.modes(), y_.data(), g_, gdot_, positive_.get());
-    return system_.modes().left_mode() < t_ ||
-           !std::equal(positive_.get(), positive_.get() + g_.size(), positive_before_.get());
+    course_.end(t_, y_.data());
+    return system_.modes().left_mode() < t_ || course_.any_changed() || course_.touch() < t_;
   }
 
   void start(double end) {
@@ -165,7 +162,7 @@ class Started final : public Integrator {
     if (starting_) begin_multistep();
     const double before = t_;
     // Where stability would bind erk's steps the multistep method goes back to events itself.
-    const bool passes_events = !g_.empty() && starts_.near();
+    const bool passes_events = course_.size() > 0 && starts_.near();
     multistep_->pass_events(passes_events);
     bool is_beyond = false;
     try {
@@ -214,8 +211,7 @@ class Started final : public Integrator {
   std::unique_ptr<Integrator> multistep_, erk_;
   double t_ = 0;
   std::vector<double> y_, y_before_;  // before the multistep method's last step
-  std::vector<double> g_, gdot_;
-  std::unique_ptr<bool[]> positive_before_, positive_;  // by indicator, likewise
+  StepCourse course_;
   bool jumped_ = false;
   bool starting_ = false;  // erk has made the last step
   long left_ = 0;          // of its steps, then

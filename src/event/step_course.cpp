@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "event/step_course.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+// By how much an indicator may come nearer to zero than its cubic says, as a share of the way that it comes.
+constexpr double cubic_share = 0.05;
+// Of the step: nearer to its ends there is nothing more to be seen than there.
+constexpr double nearest_to_end = 1e-3;
+
+}  // namespace
+
+StepCourse::StepCourse(EventSource& source) : source_(source) {
+  const auto n = static_cast<std::size_t>(source.indicators());
+  for (auto* values : {&start_g_, &start_gdot_, &g_, &gdot_}) values->resize(n);
+  before_ = std::make_unique<bool[]>(n);
+  after_ = std::make_unique<bool[]>(n);
+}
+
+void StepCourse::begin(double t, const double* y) {
+  start_t_ = t;
+  read_mode(source_, y, start_g_, start_gdot_, before_.get());
+}
+
+void StepCourse::end(double t, const double* y) {
+  t_ = t;
+  read_mode(source_, y, g_, gdot_, after_.get());
+}
+
+bool StepCourse::any_changed() const { return !std::equal(after_.get(), after_.get() + size(), before_.get()); }
+
+Cubic StepCourse::cubic(std::size_t i) const {
+  const double h = t_ - start_t_;
+  return {start_g_[i], h * start_gdot_[i], g_[i], h * gdot_[i]};
+}
+
+double StepCourse::zero(std::size_t i) const { return start_t_ + cubic(i).zero() * (t_ - start_t_); }
+
+double StepCourse::touch() const {
+  double first = INFINITY;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
+    const Cubic course = cubic(i);
+    if (!approaches || !course.turns()) continue;
+    const double s = course.turning_point();
+    const double nearest = before_[i] ? course.value(s) : -course.value(s);
+    const double way = std::max(std::abs(start_g_[i]), std::abs(g_[i])) - nearest;
+    if (nearest > cubic_share * way || s < nearest_to_end || s > 1 - nearest_to_end) continue;
+    first = std::min(first, start_t_ + s * (t_ - start_t_));
+  }
+  return first;
+}
+
+}  // namespace gelenk
