@@ -98,18 +98,12 @@ class AxisSearch {
       const auto joints = joints_of_.find(at);
       if (joints == joints_of_.end()) continue;
       for (const Joint* joint : joints->second) {
-        const bool from_parent = joint->parent.body == at;
-        const std::string& other = from_parent ? joint->child.body : joint->parent.body;
-        if (axes.contains(other) || !has_its_axes(*joint)) continue;
-        const AnyJoint kind = joint->is;
-        const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint->axes);
-        const Eigen::Matrix3d& here = (from_parent ? joint->parent : joint->child).X_BF.R;
-        const Eigen::Matrix3d& there = (from_parent ? joint->child : joint->parent).X_BF.R;
-        const Eigen::Vector3d along = (here * R_UC).transpose() * axes.at(at);  // in F as in M
-        const Turns turns = turns_of(kind);
-        if (turns == Turns::freely || (turns == Turns::about_z && along.head<2>().norm() > parallel)) continue;
+        const std::string& other = joint->parent.body == at ? joint->child.body : joint->parent.body;
+        if (axes.contains(other)) continue;
+        const std::optional<Eigen::Vector3d> across = axis_across(*joint, at, axes.at(at));
+        if (!across) continue;
         if (other == ground) return true;
-        axes.emplace(other, there * R_UC * along);
+        axes.emplace(other, *across);
         open.push_back(other);
       }
     }
@@ -117,6 +111,21 @@ class AxisSearch {
   }
 
  private:
+  // The axis, in the body on the other side of the joint; none: the joint lets it turn about others.
+  static std::optional<Eigen::Vector3d> axis_across(const Joint& joint, const std::string& from,
+                                                    const Eigen::Vector3d& axis) {
+    if (!has_its_axes(joint)) return {};
+    const bool from_parent = joint.parent.body == from;
+    const AnyJoint kind = joint.is;
+    const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint.axes);
+    const Eigen::Matrix3d& here = (from_parent ? joint.parent : joint.child).X_BF.R;
+    const Eigen::Matrix3d& there = (from_parent ? joint.child : joint.parent).X_BF.R;
+    const Eigen::Vector3d along = (here * R_UC).transpose() * axis;  // in F as in M
+    const Turns turns = turns_of(kind);
+    if (turns == Turns::freely || (turns == Turns::about_z && along.head<2>().norm() > parallel)) return {};
+    return there * R_UC * along;
+  }
+
   std::map<std::string, std::vector<const Joint*>> joints_of_;
 };
 

@@ -141,6 +141,22 @@ class GeneralizedAlpha final : public FixedStep {
     Eigen::Map<Vector>(x_.data() + nq_, nv_) = v + h * (v_fixed_ + s.speed * vdot);
   }
 
+  enum class Newton { solved, goes_on, stalls, fails };
+
+  // After a correction of this size, of which the one before, with the same matrix, had size_before; 0: there is none.
+  Newton judge(double size, double size_before, bool renewed) const {
+    if (!std::isfinite(size)) return Newton::fails;
+    if (size <= solved) return Newton::solved;
+    if (size_before == 0) return Newton::goes_on;
+    const double contraction = size / size_before;
+    if (contraction <= slow) return contraction / (1 - contraction) * size <= solved ? Newton::solved : Newton::goes_on;
+    if (size <= enough) return Newton::solved;
+    if (!renewed) return Newton::stalls;
+    // Of q only rounding may be left, which a short step magnifies.
+    if (m_ > 0 && moved_ <= solved) return Newton::solved;
+    return contraction > hopeless ? Newton::fails : Newton::goes_on;
+  }
+
   // Newton's method for vdot+ and the multipliers. Its matrix serves over many steps, as long as it contracts well.
   bool solve(double t, double h, const Shares& s) {
     bool renewed = false;
@@ -154,20 +170,11 @@ class GeneralizedAlpha final : public FixedStep {
         size_before = 0;
       }
       const double size = correct(h, s);
-      if (!std::isfinite(size)) return false;
-      if (size <= solved) return true;
-      const double contraction = size_before > 0 ? size / size_before : 0;
-      const bool first = size_before == 0;
+      const Newton newton = judge(size, size_before, renewed);
+      if (newton == Newton::solved) return true;
+      if (newton == Newton::fails) return false;
+      if (newton == Newton::stalls) matrix_made_for_ = 0;
       size_before = size;
-      if (first || contraction <= slow) {
-        if (contraction / (1 - contraction) * size <= solved && !first) return true;
-        continue;
-      }
-      if (size <= enough) return true;
-      // Of q only rounding may be left, which a short step magnifies.
-      if (renewed && m_ > 0 && moved_ <= solved) return true;
-      if (renewed && contraction > hopeless) return false;
-      if (!renewed) matrix_made_for_ = 0;
     }
     return false;
   }

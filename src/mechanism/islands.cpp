@@ -10,12 +10,24 @@
 namespace gelenk {
 namespace {
 
+// Of an element: the groups of bodies at its ports.
+template <class Any>
+std::vector<int> groups_at(const Element<Any>& element, const BodyNumbers& number, const std::vector<int>& group_of,
+                           const std::unordered_map<std::string_view, int>& moved) {
+  std::vector<int> out;
+  for (const BodyFrame& frame : element.frames) out.push_back(group_of[number(frame.body) + 1]);
+  for (const std::string& joint : element.joints) {
+    if (const auto found = moved.find(joint); found != moved.end()) out.push_back(found->second);
+  }
+  std::erase(out, 0);  // the ground couples nothing
+  return out;
+}
+
 Sets coupled(const Scene& scene, const Graph& graph) {
   Sets sets(graph.groups.size());
-  const auto couple = [&](int a, int b) {
-    if (a != 0 && b != 0) sets.join(a, b);  // the ground couples nothing
-  };
-  for (const Edge& edge : graph.edges) couple(edge.group_a, edge.group_b);
+  for (const Edge& edge : graph.edges) {
+    if (edge.group_a != 0 && edge.group_b != 0) sets.join(edge.group_a, edge.group_b);
+  }
   const BodyNumbers number(scene);
   std::vector<int> group_of(scene.bodies.size() + 1, 0);
   for (int g = 0; g < static_cast<int>(graph.groups.size()); ++g) {
@@ -28,15 +40,8 @@ Sets coupled(const Scene& scene, const Graph& graph) {
   // What is at the ports of one element belongs together.
   each_section(scene, [&](const Section&, const auto& elements) {
     for (const auto& element : elements) {
-      int first = 0;
-      const auto take = [&](int group) {
-        couple(first, group);
-        if (first == 0) first = group;
-      };
-      for (const BodyFrame& frame : element.frames) take(group_of[number(frame.body) + 1]);
-      for (const std::string& joint : element.joints) {
-        if (const auto found = moved.find(joint); found != moved.end()) take(found->second);
-      }
+      const std::vector<int> groups = groups_at(element, number, group_of, moved);
+      for (const int group : groups) sets.join(groups.front(), group);
     }
   });
   return sets;

@@ -163,30 +163,37 @@ struct Preparer {
     tell_assembly();
     const Scene near = found(with_rods);
     rods_stay_bodies.assign(scene.joints.size(), false);
-    std::vector<int> attempt(with_rods.size(), 0);
-    std::vector<std::exception_ptr> singular(with_rods.size());
+    std::vector<Attempt> attempts(with_rods.size());
     std::vector<int> same;  // of those that are done
     for (std::size_t i = 0; i < with_rods.size(); ++i) same.push_back(with_rods[i] ? anew : static_cast<int>(i));
-    for (bool done = false; !done;) {
+    do {
       for (std::size_t i = 0; i < same.size(); ++i) {
-        if (same[i] == anew) choose(reduced.islands[i], attempt[i], near);
+        if (same[i] == anew) choose(reduced.islands[i], attempts[i].number, near);
       }
       take_islands(reduce(scene, {}, rods_stay_bodies), same);
-      done = true;
-      for (std::size_t i = 0; i < same.size(); ++i) {
-        if (same[i] != anew) continue;
-        try {
-          rows_help = attempt[i] >= 2;
-          close(static_cast<int>(i));
-          same[i] = static_cast<int>(i);
-        } catch (const SceneError&) {
-          if (!singular[i]) singular[i] = std::current_exception();
-          if (++attempt[i] == 4) std::rethrow_exception(singular[i]);
-          done = false;
-        }
+      for (int i = 0; i < static_cast<int>(same.size()); ++i) {
+        if (same[i] == anew && closes(i, attempts[i])) same[i] = i;
       }
-    }
+    } while (std::ranges::find(same, anew) != same.end());
     rows_help = true;
+  }
+
+  struct Attempt {
+    int number = 0;
+    std::exception_ptr first_fault;
+  };
+
+  // Throws the first fault when the last attempt fails.
+  bool closes(int island, Attempt& attempt) {
+    try {
+      rows_help = attempt.number >= 2;
+      close(island);
+      return true;
+    } catch (const SceneError&) {
+      if (!attempt.first_fault) attempt.first_fault = std::current_exception();
+      if (++attempt.number == 4) std::rethrow_exception(attempt.first_fault);
+      return false;
+    }
   }
 
   // Every other attempt leaves the rods bodies: a neighbour may have had its inertia from beyond the rod.

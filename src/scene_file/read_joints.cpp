@@ -128,26 +128,35 @@ void read_group(const Json& value, const std::string& path, const JointForceKind
   reader.doubtful.insert(joint.name);
 }
 
+// The keys under which a file gives it.
+std::vector<std::string> keys_of(const JointForceKind& kind) {
+  if (!kind.group.empty()) return {std::string(kind.group)};
+  std::vector<std::string> out;
+  for (const Field& field : kind.fields) out.emplace_back(field.name);
+  return out;
+}
+
+// Of a joint along which there can be none.
+void refuse_forces(Fields& fields, const JointForceKind& kind, Reader& reader, const Joint& joint) {
+  for (const std::string& key : keys_of(kind)) {
+    const Json* value = fields.find(key);
+    if (value == nullptr) continue;
+    refuse(*value, fields.path(key), key, kind, kind_of(joint.is), reader.faults);
+    if (!kind.group.empty()) reader.doubtful.insert(joint.name);
+  }
+}
+
 void read_forces(Fields& fields, Reader& reader, Joint& joint) {
   const JointKind& of = kind_of(joint.is);
   joint.along.resize(static_cast<std::size_t>(of.nv));
   for (const JointForceKind& kind : joint_force_kinds()) {
-    std::vector<std::string> keys;
-    if (!kind.group.empty()) keys.emplace_back(kind.group);
-    for (const Field& field : kind.fields) {
-      if (kind.group.empty()) keys.emplace_back(field.name);
-    }
+    const std::string group(kind.group);
     if (!kind.fits(of)) {
-      for (const std::string& key : keys) {
-        if (const Json* value = fields.find(key)) {
-          refuse(*value, fields.path(key), key, kind, of, reader.faults);
-          if (!kind.group.empty()) reader.doubtful.insert(joint.name);
-        }
-      }
-    } else if (kind.group.empty()) {
+      refuse_forces(fields, kind, reader, joint);
+    } else if (group.empty()) {
       for (const Field& field : kind.fields) read_along(fields, kind, field, joint);
-    } else if (const Json* value = fields.find(keys[0])) {
-      read_group(*value, fields.path(keys[0]), kind, reader, joint);
+    } else if (const Json* value = fields.find(group)) {
+      read_group(*value, fields.path(group), kind, reader, joint);
     }
   }
 }

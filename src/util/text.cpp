@@ -124,25 +124,41 @@ std::string one_of(std::string_view found, const std::vector<std::string>& names
   return "one of " + list(names) + (names.size() > 4 || !ours.empty() ? hint : "");
 }
 
+namespace {
+
+// Signs of UTF-8 by their first byte (Unicode 15, table 3-7). The bounds of the second byte keep out longer ways of
+// writing a sign, surrogates, and what is beyond U+10FFFF.
+struct Utf8Range {
+  unsigned char first, last;
+  std::size_t more;  // bytes
+  unsigned char low, high;
+};
+constexpr Utf8Range utf8_ranges[] = {
+    {0x00, 0x7f, 0, 0, 0},       {0xc2, 0xdf, 1, 0x80, 0xbf}, {0xe0, 0xe0, 2, 0xa0, 0xbf},
+    {0xe1, 0xec, 2, 0x80, 0xbf}, {0xed, 0xed, 2, 0x80, 0x9f}, {0xee, 0xef, 2, 0x80, 0xbf},
+    {0xf0, 0xf0, 3, 0x90, 0xbf}, {0xf1, 0xf3, 3, 0x80, 0xbf}, {0xf4, 0xf4, 3, 0x80, 0x8f}};
+
+// Bytes of the sign with which the text begins; 0: it is none.
+std::size_t size_of_sign(std::string_view s) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
+  const auto* const found =
+      std::ranges::find_if(utf8_ranges, [&](const Utf8Range& r) { return r.first <= byte(0) && byte(0) <= r.last; });
+  if (found == std::end(utf8_ranges) || s.size() <= found->more) return 0;
+  if (found->more > 0 && (byte(1) < found->low || byte(1) > found->high)) return 0;
+  for (std::size_t k = 2; k <= found->more; ++k) {
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+  }
+  return found->more + 1;
+}
+
+}  // namespace
+
 std::size_t first_not_utf8(std::string_view s) {
-  const auto byte = [&](std::size_t i) { return i < s.size() ? static_cast<unsigned char>(s[i]) : 0U; };
-  for (std::size_t i = 0; i < s.size();) {
-    const unsigned lead = byte(i);
-    const std::size_t more = lead < 0x80   ? 0
-                             : lead < 0xc2 ? 4
-                             : lead < 0xe0 ? 1
-                             : lead < 0xf0 ? 2
-                             : lead < 0xf5 ? 3
-                                           : 4;
-    if (more == 4) return i;
-    // The second byte keeps out longer ways of writing a sign, surrogates, and what is beyond U+10FFFF.
-    const unsigned low = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
-    const unsigned high = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
-    if (more > 0 && (byte(i + 1) < low || byte(i + 1) > high)) return i;
-    for (std::size_t k = 2; k <= more; ++k) {
-      if ((byte(i + k) & 0xc0) != 0x80) return i;
-    }
-    i += more + 1;
+  std::size_t i = 0;
+  while (i < s.size()) {
+    const std::size_t size = size_of_sign(s.substr(i));
+    if (size == 0) return i;
+    i += size;
   }
   return std::string_view::npos;
 }
