@@ -69,7 +69,7 @@ class Branch:
             if start.get("fixed") is True:  # of what was given
                 start["fixed"] = [key for key in start if key not in ("fixed", "weight")]
             start.update(values)
-        return from_dict(data, changed.file, changed.report)
+        return changed._with_core(from_dict(data, changed.file)._core)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,6 +16,7 @@ import numpy as np
 from gelenk import _core
 from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
 from gelenk.model import foreign, yaml12
+from gelenk.model.given import Given
 from gelenk.model.places import Places
 from gelenk.model.values import Value, number, unknown
 
@@ -30,12 +30,12 @@ class Scene:
     def __init__(
         self,
         core: _core.Scene,
-        source: dict[str, Any] | None = None,
+        given: Given,
         report: Iterable[str] = (),
         places: Places | None = None,
     ) -> None:
         self._core = core
-        self._source = source
+        self._given = given
         self._places = places
         self._pruned: Scene | None = None
         #: What an import did not take over, in words; empty for scenes of Gelenk's own.
@@ -91,7 +91,7 @@ class Scene:
                 raise UsageError(unknown(name, "parameter", table))
             values.append((name, number(name, value, table[name].type, table[name].items)))
         with self.located():
-            changed = Scene(_core.with_parameters(self._core, values), None, self.report, self._places)
+            changed = self._with_core(_core.with_parameters(self._core, values))
         before = _core.find_doubts(self._core)
         _warn([doubt for doubt in _core.find_doubts(changed._core) if doubt not in before])
         return changed
@@ -118,17 +118,14 @@ class Scene:
         faults = [f"outputs: {fault}" for fault in _core.faults_of_outputs(self._core, names) if fault]
         if faults:
             raise UsageError("\n".join(faults))
-        source = None if self._source is None else {k: v for k, v in self._source.items() if k != "outputs"}
-        if source is not None and names:
-            source["outputs"] = names
-        return Scene(_core.with_outputs(self._core, names), source, self.report, self._places)
+        return self._with_core(_core.with_outputs(self._core, names))
 
     def pruned(self) -> Scene:
         """The scene without what no wanted output depends on."""
         if not self.outputs or self._core.is_wanted_part:
             return self
         if self._pruned is None:
-            self._pruned = Scene(_core.wanted_part(self._core), None, self.report, self._places)
+            self._pruned = self._with_core(_core.wanted_part(self._core))
         return self._pruned
 
     def inputs_beyond(self, known: Iterable[str]) -> list[str]:
@@ -144,8 +141,7 @@ class Scene:
         """What the wanted outputs depend on, as a scene of its own; it shows all outputs of that part."""
         if not self.outputs:
             return self
-        core = _core.with_outputs(_core.wanted_part(self._core), [])
-        return Scene(core, None, self.report, self._places)
+        return self._with_core(_core.with_outputs(_core.wanted_part(self._core), []))
 
     def without(self, reductions: Iterable[str]) -> Scene:
         """A copy in which these reductions are switched off; "all" stands for every one.
@@ -160,12 +156,16 @@ class Scene:
             raise UsageError("\n".join(faults))
         if not names:
             return self
-        data = copy.deepcopy(self.to_dict() if self._source is None else self._source)
         if "all" in names:
             names = list(_core.reduction_names)
+        data = self.to_dict()
         solver = data.setdefault("solver", {})
         solver["reductions"] = {**solver.get("reductions", {}), **dict.fromkeys(names, False)}
-        return _from_plain(data, self.file, self.report, self._places)[0]
+        return self._with_core(_read_plain(data, self.file)[0])
+
+    def _with_core(self, core: _core.Scene) -> Scene:
+        """What became of this scene, saved as what was given with the changes made since."""
+        return Scene(core, self._given, self.report, self._places)
 
     @contextmanager
     def located(self) -> Iterator[None]:
@@ -189,17 +189,17 @@ class Scene:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the scene to a .yaml, .yml or .json file: as it was given where it was not changed since.
 
+        In YAML, what was read from YAML keeps its comments and its layout.
+
         Raises:
             SceneError: the file's name has another ending.
         """
-        data = self.to_dict() if self._source is None else self._source
         target = Path(path)
         language = LANGUAGES.get(target.suffix.lower())
         if language is None:
             found = target.suffix or "none"
             raise SceneError(f"{target}: found the ending {found}, expected .yaml, .yml or .json")
-        text = yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
-        target.write_text(text, encoding="utf-8")
+        target.write_bytes(self._given.written(self._core, language).encode("utf-8"))
 
     def __repr__(self) -> str:
         data = self.to_dict()
@@ -261,14 +261,13 @@ def load(source: Source) -> Scene:
 
 def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = ()) -> Scene:
     """A scene from plain data; numpy numbers and arrays are taken, too. Raises SceneError."""
-    scene, doubts = _from_plain(data, file, report)
+    core, plain, doubts = _read_plain(data, file)
     _warn(doubts)
-    return scene
+    return Scene(core, Given(core, plain), report)
 
 
-def _from_plain(
-    data: Mapping[str, Any], file: str, report: Iterable[str], places: Places | None = None
-) -> tuple[Scene, list[str]]:
+def _read_plain(data: Mapping[str, Any], file: str) -> tuple[_core.Scene, dict[str, Any], list[str]]:
+    """The scene, the data without numpy's types, and what is hardly meant."""
     try:
         text = json.dumps(data, default=_plain)
     except ValueError:
@@ -276,7 +275,7 @@ def _from_plain(
     except TypeError as e:
         raise SceneError(f"{file or 'scene'}: {e}") from None
     core, doubts = _core.read_scene_and_doubts(text, file)
-    return Scene(core, json.loads(text), report, places), doubts
+    return core, json.loads(text), doubts
 
 
 def _read(text: str, language: str, file: str) -> Scene:
@@ -287,7 +286,8 @@ def _read(text: str, language: str, file: str) -> Scene:
     except SceneError as e:
         raise SceneError(places.located(e.lines)) from None
     _warn(places.located(doubts))
-    return Scene(core, json.loads(plain), (), places)
+    given = Given(core, json.loads(plain), text if language == "yaml" else None)
+    return Scene(core, given, (), places)
 
 
 def _warn(doubts: Iterable[str]) -> None:

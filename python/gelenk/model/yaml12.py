@@ -8,6 +8,7 @@ they are what they look like. A key given twice is passed on twice: the reader o
 from __future__ import annotations
 
 import json
+import math
 import re
 from typing import Any
 
@@ -65,6 +66,12 @@ def to_json(text: str, file: str) -> str:
 def dump(data: dict[str, Any]) -> str:
     """YAML text: short lists and mappings on one line, keys in their order."""
     return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=110))
+
+
+def inline(value: Any) -> str:
+    """YAML text of a value in one line, which stands in a block and between brackets alike."""
+    text = yaml.dump([value], Dumper=_Dumper, sort_keys=False, default_flow_style=True, width=math.inf)
+    return str(text).strip()[1:-1]
 
 
 def _at(file: str, mark: Any, what: str) -> str:
