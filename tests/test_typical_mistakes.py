@@ -160,6 +160,15 @@ def test_names_with_signs_in_them_are_found() -> None:
     assert "s.yaml:4: bodies.a.b: [1].mass: found 'x', expected a number in kg" in told("s.yaml", text)
 
 
+def test_a_name_that_is_too_long_is_found_among_others_that_begin_so() -> None:
+    bodies = "".join(f"  {name}: {{mass: 1}}\n" for name in ("x" * 20, "x" * 50, "x" * 201, "x" * 51))
+    text = f"gelenk: 1\nbodies:\n{bodies}joints:\n  A: {{type: weld, parent: ground, child: {'x' * 20}}}\n"
+    name = "x" * 20 + "..."
+    assert f"s.yaml:5: bodies.{name}: found a name of 201 characters, expected at most 200" in told(
+        "s.yaml", text
+    )
+
+
 @pytest.mark.parametrize("angle", ["6.283185307179586", "12.566", "31.41592653589793", "9", "1234.567891234"])
 def test_turns_are_not_taken_for_degrees(angle: str) -> None:
     assert told("s.yaml", SCENE.replace("phi: 0.5", f"phi: {angle}")) == []

@@ -72,11 +72,11 @@ class Places:
                 value = value.items[index]
                 line, at = value.line, entry.end()
                 continue
-            name = _first_name(rest, at + 1 if at else 0, value.fields)
-            if name is None or (at and rest[at] != "."):
+            first = _first_field(rest, at + 1 if at else 0, value.fields)
+            if first is None or (at and rest[at] != "."):
                 break
-            found = value.fields[name]
-            value, at = found.value, at + bool(at) + len(name)
+            found, at = first
+            value = found.value
             line = found.again if twice and rest.startswith(": found twice", at) else found.line
         return line
 
@@ -85,13 +85,20 @@ class Places:
         return _yaml_tree(self._text) if self._language == "yaml" else _json_tree(self._text)
 
 
-def _first_name(rest: str, at: int, fields: dict[str, _Field]) -> str | None:
-    """The longest name of a field that stands there. Names may hold dots, brackets and colons."""
-    name = None
-    for end in re.finditer(r"[.\[:]|$", rest[at : at + 500]):
-        if rest[at : at + end.start()] in fields:
-            name = rest[at : at + end.start()]
-    return name
+def _first_field(rest: str, at: int, fields: dict[str, _Field]) -> tuple[_Field, int] | None:
+    """The field with the longest name that stands there, and where that ends.
+
+    Names may hold dots, brackets and colons. Of one that is too long there is the beginning and `...`.
+    """
+    ends = [at + end.start() for end in re.finditer(r"[.\[:]|$", rest[at : at + 500])]
+    for end in reversed(ends):
+        if rest[at:end] in fields:
+            return fields[rest[at:end]], end
+        if rest[at:end].endswith("..."):
+            begun = [name for name in fields if name.startswith(rest[at : end - 3])]
+            if begun:
+                return fields[max(begun, key=len)], end
+    return None
 
 
 def _printable(name: str) -> str:
