@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from elements.laws import KINDS, Kind, dimension
@@ -33,53 +34,72 @@ def turns(joint: dict[str, Any]) -> list[bool]:
     return [unit.startswith("rad") for unit in JOINTS[joint["type"]]["v_units"]]
 
 
-def scaled(source: Scene, length: float, mass: float) -> Scene:
-    """The scene with all lengths times `length` and all masses times `mass`, gravity and loads to match."""
-    out = copy.deepcopy(source)
+@dataclass(frozen=True)
+class Factors:
+    """What lengths and masses are multiplied by; `times` and `times_fields` change an entry of a scene."""
 
-    def times(entry: Any, units: dict[str, str]) -> None:
+    length: float
+    mass: float
+
+    def times(self, entry: Any, units: dict[str, str]) -> None:
+        """What is told by these names, in these units; an entry may be a word in place of a mapping."""
         if isinstance(entry, dict):
             for key in set(units) & set(entry):
-                entry[key] = multiplied(entry[key], size(units[key], length, mass))
+                entry[key] = multiplied(entry[key], size(units[key], self.length, self.mass))
 
-    def times_fields(entry: dict[str, Any], fields: list[Kind], angle: bool) -> None:
+    def times_fields(self, entry: dict[str, Any], fields: list[Kind], angle: bool) -> None:
+        """What the registry lists; angle: the coordinate that the entry is about is one."""
         for field in fields:
             if field["name"] not in entry:
                 continue
             if field["type"] == "group":
-                times_fields(entry[field["name"]], field["fields"], angle)
+                self.times_fields(entry[field["name"]], field["fields"], angle)
             elif field["unit"]:
-                factor = size(field["unit"], length, mass, angle)
+                factor = size(field["unit"], self.length, self.mass, angle)
                 entry[field["name"]] = multiplied(entry[field["name"]], factor)
 
-    times(out, {"gravity": "m/s2"})
+
+def scaled(source: Scene, length: float, mass: float) -> Scene:
+    """The scene with all lengths times `length` and all masses times `mass`, gravity and loads to match."""
+    out = copy.deepcopy(source)
+    by = Factors(length, mass)
+    by.times(out, {"gravity": "m/s2"})
     for body in out["bodies"].values():
-        times(body, {"mass": "kg", "com": "m", "inertia": "kg.m2"})
+        by.times(body, {"mass": "kg", "com": "m", "inertia": "kg.m2"})
     for joint in out["joints"].values():
-        facts = JOINTS[joint["type"]]
-        for side in ("parent", "child"):
-            times(joint[side], {"position": "m"})
-        for of in "qv":
-            names = (name.split("[")[0] for name in facts[of])
-            times(joint.get("start", {}), dict(zip(names, facts[f"{of}_units"], strict=True)))
-        times_fields(joint, facts["fields"], angle=True)
-        for entry, field in along(joint):
-            values = entry[field["name"]]
-            each = values if isinstance(values, list) else [values]
-            found = [
-                x * size(field["unit"], length, mass, angle)
-                for x, angle in zip(each, turns(joint), strict=True)
-            ]
-            entry[field["name"]] = found if isinstance(values, list) else found[0]
+        scale_joint(joint, by)
     for section, kinds in SECTIONS.items():
         for element in out.get(section, {}).values():
-            kind = kinds[element.get("type", next(iter(kinds)))]
-            at = [element[p["name"]] for p in kind["ports"] if p["kind"] == "joint" and p["name"] in element]
-            times_fields(element, kind["fields"], turns(out["joints"][at[0]])[0] if at else True)
-            for port in kind["ports"]:
-                if port["kind"] != "joint":
-                    times(element.get(port["name"]) if port["name"] else element, {"position": "m"})
+            scale_element(element, kinds[element.get("type", next(iter(kinds)))], out["joints"], by)
     return out
+
+
+def scale_joint(joint: dict[str, Any], by: Factors) -> None:
+    """Its frames, its start, its own fields, and what it has along its coordinates."""
+    facts = JOINTS[joint["type"]]
+    for side in ("parent", "child"):
+        by.times(joint[side], {"position": "m"})
+    for of in "qv":
+        names = (name.split("[")[0] for name in facts[of])
+        by.times(joint.get("start", {}), dict(zip(names, facts[f"{of}_units"], strict=True)))
+    by.times_fields(joint, facts["fields"], angle=True)
+    for entry, field in along(joint):
+        values = entry[field["name"]]
+        each = values if isinstance(values, list) else [values]
+        found = [
+            x * size(field["unit"], by.length, by.mass, angle)
+            for x, angle in zip(each, turns(joint), strict=True)
+        ]
+        entry[field["name"]] = found if isinstance(values, list) else found[0]
+
+
+def scale_element(element: dict[str, Any], kind: Kind, joints: dict[str, Any], by: Factors) -> None:
+    """Its fields, by the coordinate of the joint that it is at, and the points where it takes hold."""
+    at = [element[p["name"]] for p in kind["ports"] if p["kind"] == "joint" and p["name"] in element]
+    by.times_fields(element, kind["fields"], turns(joints[at[0]])[0] if at else True)
+    for port in kind["ports"]:
+        if port["kind"] != "joint":
+            by.times(element.get(port["name"]) if port["name"] else element, {"position": "m"})
 
 
 def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind]]:

@@ -7,6 +7,7 @@ import copy
 import math
 import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -106,29 +107,36 @@ def blank(task: Task) -> Run:
     )
 
 
+def scene_of(task: Task) -> dict[str, Any]:
+    """The case's scene with the method for its solver; reductions stay as they are."""
+    data = copy.deepcopy(task.case.scene)
+    kept = {k: v for k, v in data.get("solver", {}).items() if k == "reductions"}
+    data["solver"] = {**kept, **task.method.solver(task.step)}
+    data["experiment"] = {"stop": task.case.stop, "step": task.case.step}
+    return data
+
+
 class Runner:
     """A task made ready: compiled once, run as often as asked."""
 
     def __init__(self, task: Task) -> None:
         """Raises SceneError: the scene does not go with the method."""
-        case = task.case
-        data = copy.deepcopy(case.scene)
-        kept = {k: v for k, v in data.get("solver", {}).items() if k == "reductions"}
-        data["solver"] = {**kept, **task.method.solver(task.step)}
-        data["experiment"] = {"stop": case.stop, "step": case.step}
         self._tolerance = task.tolerance or 1e-6
-        self._case = case
-        self.simulation = gelenk.Simulation(data)
+        self._case = task.case
+        self.simulation = gelenk.Simulation(scene_of(task))
         self._core = self.simulation._core
-        names = [s.name for s in self.simulation.inputs]
-        self._constants = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, int | float)]
-        self._waves = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Smooth)]
-        self._jumps = [(names.index(n), x) for n, x in case.inputs.items() if isinstance(x, Jumps)]
+        self._constants = self._inputs((int, float))
+        self._waves = self._inputs(Smooth)
+        self._jumps = self._inputs(Jumps)
         self.states = [i for i, s in enumerate(self.simulation._signals) if s.level in (0, 1)]
         self.names = [self.simulation._signals[i].name for i in self.states]
-        grid = case.grid
-        self._ends = grid[1:].tolist()
+        self._ends = task.case.grid[1:].tolist()
         self._values = [[x.at(k) for _, x in self._jumps] for k in range(len(self._ends))]
+
+    def _inputs[T](self, kind: type[T] | tuple[type[T], ...]) -> list[tuple[int, T]]:
+        """Those of the case that are given in this way, with their places among the plant's."""
+        places = {signal.name: k for k, signal in enumerate(self.simulation.inputs)}
+        return [(places[name], x) for name, x in self._case.inputs.items() if isinstance(x, kind)]
 
     def start(self) -> None:
         """At t = 0. Raises AssemblyError."""

@@ -72,25 +72,26 @@ def stability(
 ) -> Map:
     """Every method through every scene, or through those named."""
     tell = told or (lambda _words, _share: None)
-    chosen = names or (QUICK_CASES if settings.quick else None)
-    cases = [case for case in stability_cases() if chosen is None or case.name in chosen]
-    words = {case.name: reason for case in cases if (reason := unreadable(case))}
-    runnable = [case for case in cases if case.name not in words]
+    cases = cases_of(names or (QUICK_CASES if settings.quick else None))
+    reasons = {case.name: unreadable(case) for case in cases}
+    runnable = [case for case in cases if not reasons[case.name]]
     tell("references", 0.0)
     truth = references(runnable, settings.jobs, 5 * settings.limit, settings.quick)
     tasks = [task for case in runnable for task in tasks_of(case, methods, settings.tolerances)]
     runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: tell("runs", share))
     runs = [without_truth(run, truth.get(run.scene)) for run in runs]
+    words = {}
     for case in cases:
-        if case.name in words:
-            skipped = [blank(task) for task in tasks_of(case, methods, settings.tolerances)]
-            runs += [replace(run, outcome=SKIPPED, reason=words[case.name]) for run in skipped]
-            words[case.name] = f"not read by this version: {words[case.name]}"
-            continue
-        found = truth.get(case.name)
-        words[case.name] = found.words if isinstance(found, Reference) else (
-            "to be refused" if found is None else found.reason)  # fmt: skip
+        reason = reasons[case.name]
+        if reason:
+            runs += skipped(case, methods, settings.tolerances, reason)
+        words[case.name] = f"not read by this version: {reason}" if reason else words_on(truth.get(case.name))
     return Map(cases, list(methods), runs, words)
+
+
+def cases_of(names: Sequence[str] | None) -> list[Case]:
+    """Those of these names; None: all."""
+    return [case for case in stability_cases() if names is None or case.name in names]
 
 
 def tasks_of(case: Case, methods: Sequence[Method], tolerances: Sequence[float]) -> list[Task]:
@@ -102,6 +103,13 @@ def tasks_of(case: Case, methods: Sequence[Method], tolerances: Sequence[float])
     ]
 
 
+def skipped(case: Case, methods: Sequence[Method], tolerances: Sequence[float], reason: str) -> list[Run]:
+    """In the place of its runs."""
+    return [
+        replace(blank(task), outcome=SKIPPED, reason=reason) for task in tasks_of(case, methods, tolerances)
+    ]
+
+
 def unreadable(case: Case) -> str:
     """Why the scene cannot be read by this version; empty where it can."""
     try:
@@ -109,6 +117,13 @@ def unreadable(case: Case) -> str:
     except SceneError as e:
         return e.lines[0]
     return ""
+
+
+def words_on(found: Reference | Failure | None) -> str:
+    """What a case's runs are compared with."""
+    if found is None:
+        return "to be refused"
+    return found.words if isinstance(found, Reference) else found.reason
 
 
 def without_truth(run: Run, found: Reference | Failure | None) -> Run:

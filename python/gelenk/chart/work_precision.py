@@ -204,21 +204,30 @@ def regrets(runs: Sequence[Run], tolerances: Sequence[float] = REGRETTED) -> lis
         mine = [run for run in runs if run.scene == scene]
         for tolerance in tolerances:
             asked = [run for run in mine if math.isclose(run.tolerance, tolerance)]
-            auto = next((run for run in asked if run.method == "auto"), None)
-            if auto is None:
-                continue
-            good = [run for run in asked if run.outcome == Outcome.GOOD]
             fixed = [run for run in mine if run.asked is None and run.error <= allowed(tolerance)]
-            best = min(good, key=lambda run: run.cpu, default=None)
-            of_all = min(good + fixed, key=lambda run: run.cpu, default=None)
-            found.append(
-                Regret(
-                    scene, tolerance, auto.outcome, auto.cpu, auto.error,
-                    best.method if best else "none", best.cpu if best else math.nan,
-                    of_all.method if of_all else "none", of_all.cpu if of_all else math.nan,
-                )
-            )  # fmt: skip
+            auto = next((run for run in asked if run.method == "auto"), None)
+            if auto is not None:
+                found.append(_regret(auto, tolerance, asked, fixed))
     return found
+
+
+def _regret(auto: Run, tolerance: float, asked: Sequence[Run], fixed: Sequence[Run]) -> Regret:
+    good = [run for run in asked if run.outcome == Outcome.GOOD]
+    return Regret(
+        auto.scene,
+        tolerance,
+        auto.outcome,
+        auto.cpu,
+        auto.error,
+        *_cheapest(good),
+        *_cheapest([*good, *fixed]),
+    )
+
+
+def _cheapest(runs: Sequence[Run]) -> tuple[str, float]:
+    """Its method and CPU time [s]."""
+    best = min(runs, key=lambda run: run.cpu, default=None)
+    return (best.method, best.cpu) if best else ("none", math.nan)
 
 
 def observed_order(runs: Sequence[Run]) -> float:

@@ -10,10 +10,10 @@ from typing import Any
 from gelenk.equilibria.newton import Search
 from gelenk.equilibria.rest import Pose, Rest, pose_of
 from gelenk.equilibria.steady import advancing, change, constant_speeds, pushed, steady_given
-from gelenk.errors import EquilibriumError, UsageError
+from gelenk.errors import EquilibriumError
 from gelenk.linear.minimal import Minimal
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
-from gelenk.model.values import Value, number, unknown
+from gelenk.model.values import Value, check_names, number
 from gelenk.simulation.inputs import Inputs
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.run import open_plant
@@ -110,7 +110,7 @@ def equilibrium(
     point = OperatingPoint.given(source, at, input_values, parameters)
     plant = open_plant(point.source, ())
     try:
-        _check_inputs(solve_for, plant.inputs)
+        check_names(solve_for, plant.inputs, "input")
         wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
         settings = point.reach(plant).settings
         first, rest = _task(plant, settings, wanted, steady)
@@ -185,13 +185,6 @@ def _result(name: str, search: Search) -> Equilibrium:
         {n: found.units.get(n, "1") for n in (*found.outputs, *search.inputs)},
         advancing(search.pose),
     )  # fmt: skip
-
-
-def _check_inputs(wanted: Sequence[str], known: Sequence[str]) -> None:
-    faults = [unknown(name, "input", known) for name in wanted if name not in known]
-    faults += [f"{name}: asked for twice" for name in dict.fromkeys(wanted) if list(wanted).count(name) > 1]
-    if faults:
-        raise UsageError("\n".join(faults))
 
 
 def _sentence(search: Search, solve_for: Sequence[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from gelenk.linear.minimal import Array, Minimal, check_whole, chosen_states
 from gelenk.linear.model import LinearModel
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
 from gelenk.linear.state_basis import completed, felt, transformed
-from gelenk.model.values import Value, unknown
+from gelenk.model.values import Value, check_names
 from gelenk.simulation.derivatives import Derivatives
 from gelenk.simulation.inputs import Inputs
 from gelenk.simulation.run import expanded, open_plant
@@ -121,37 +122,46 @@ def _assembled(
     outputs: Names | None,
     states: Names | None,
 ) -> LinearModel:
-    chosen_inputs = _selected(inputs, found.inputs, "input")
-    named = None if outputs is None else expanded(outputs, found.outputs)
-    chosen_outputs = _selected(named, found.outputs, "output")
+    u = _selected(inputs, found.inputs, "input")
+    y = _selected(None if outputs is None else expanded(outputs, found.outputs), found.outputs, "output")
     minimal = Minimal(found.in_own_units())
     x = chosen_states(minimal, states)
     check_whole(minimal)
     whole = completed(minimal, x)
     by_x, C = transformed(minimal, whole, time)
-    rates = [minimal.rate(state) for state in x]
-    by_u = np.array([row for _, row, _ in rates]).reshape(len(x), len(found.inputs))
     if len(x) < len(whole):
         if outputs is None:
-            chosen_outputs = _determined(C, found.readings, chosen_outputs, len(x))
-        _check_closed(by_x, C[[found.readings.index(n) for n in chosen_outputs]], whole, x, chosen_outputs)
+            y = _determined(C, found.readings, y, len(x))
+        _check_closed(by_x, C[_places(y, found.readings)], whole, x, y)
         by_x, C = by_x[: len(x), : len(x)], C[:, : len(x)]
-    u = [found.inputs.index(n) for n in chosen_inputs]
-    y = [found.readings.index(n) for n in chosen_outputs]
-    signals = (*chosen_inputs, *chosen_outputs)
-    units = {n: found.units.get(n, "1") for n in signals} | {n: minimal.unit(n) for n in x}
-    sizes = [found.scales.sizes([units[n] for n in names]) for names in (x, chosen_inputs, chosen_outputs)]
-    x_size, u_size, y_size = sizes
-    rate_size = x_size / found.scales.time
-    return LinearModel(
-        name, time, tuple(x), chosen_inputs, chosen_outputs,
-        by_x * rate_size[:, None] / x_size, by_u[:, u] * rate_size[:, None] / u_size,
-        C[y] * y_size[:, None] / x_size, found.D[np.ix_(y, u)],
-        np.array([minimal.value(n) for n in x]) * x_size,
-        np.array([found.values[n] for n in chosen_inputs]),
-        np.array([found.values[n] for n in chosen_outputs]),
-        np.array([rate for _, _, rate in rates]) * rate_size, units, found.scales,
+    rates = [minimal.rate(state) for state in x]
+    by_u = np.array([row for _, row, _ in rates]).reshape(len(x), len(found.inputs))
+    columns, rows = _places(u, found.inputs), _places(y, found.readings)
+    units = {n: found.units.get(n, "1") for n in (*u, *y)} | {n: minimal.unit(n) for n in x}
+    values = minimal.of.values
+    return _in_si(LinearModel(
+        name, time, tuple(x), u, y, by_x, by_u[:, columns], C[rows], minimal.D[np.ix_(rows, columns)],
+        np.array([minimal.value(n) for n in x]), np.array([values[n] for n in u]),
+        np.array([values[n] for n in y]), np.array([rate for _, _, rate in rates]), units, found.scales,
+    ))  # fmt: skip
+
+
+def _in_si(model: LinearModel) -> LinearModel:
+    """The same, with its numbers in SI in the place of the mechanism's own units."""
+    x, u, y = (
+        model.scales.sizes([model.units[name] for name in names])
+        for names in (model.states, model.inputs, model.outputs)
+    )
+    rate = x / model.scales.time
+    return replace(
+        model, x0=model.x0 * x, u0=model.u0 * u, y0=model.y0 * y, rates=model.rates * rate,
+        A=model.A * rate[:, None] / x, B=model.B * rate[:, None] / u,
+        C=model.C * y[:, None] / x, D=model.D * y[:, None] / u,
     )  # fmt: skip
+
+
+def _places(names: Names, among: Names) -> list[int]:
+    return [among.index(name) for name in names]
 
 
 def _determined(C: Array, readings: Names, outputs: Names, kept: int) -> tuple[str, ...]:
@@ -175,8 +185,5 @@ def _selected(wanted: Names | None, known: Names, what: str) -> tuple[str, ...]:
         raise UsageError(f"{what}s: found values by name, expected names{values}")
     if isinstance(wanted, str):
         wanted = [wanted]
-    faults = [unknown(name, what, known) for name in wanted if name not in known]
-    faults += [f"{name}: asked for twice" for name in dict.fromkeys(wanted) if list(wanted).count(name) > 1]
-    if faults:
-        raise UsageError("\n".join(faults))
+    check_names(wanted, known, what)
     return tuple(wanted)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import GelenkError, UsageError
-from gelenk.model.values import elements, unknown
+from gelenk.model.values import check_names, elements, unknown
 from gelenk.simulation.derivatives import Derivatives
 
 Array = NDArray[np.float64]
@@ -138,10 +138,7 @@ def chosen_states(minimal: Minimal, wanted: Sequence[str] | None) -> list[str]:
     if wanted is None:
         return list(minimal.names)
     known = minimal.candidates
-    faults = [_no_state(name, known) for name in wanted if name not in known]
-    faults += [f"{name}: asked for twice" for name in dict.fromkeys(wanted) if list(wanted).count(name) > 1]
-    if faults:
-        raise UsageError("\n".join(faults))
+    check_names(wanted, known, "state", lambda name: _no_state(name, known))
     out = list(wanted)
     if all(minimal.is_coordinate(name) for name in wanted):
         out += [minimal.speed(name) for name in wanted]

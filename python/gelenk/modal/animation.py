@@ -83,13 +83,7 @@ def _size(lines: Sequence[Array]) -> float:
 
 def _parts(at: Posed) -> list[_Part]:
     """Bodies as lines between where joints and springs take hold; supports; springs."""
-    joints = [
-        (joint["parent"], joint["child"])
-        for name, joint in at.data["joints"].items()
-        if not {f"{name}.r[1]", f"{name}.Q[1]"} <= {*at.values}  # one that holds nothing
-    ]
-    forces = at.data.get("forces", {}).values()
-    springs = [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
+    joints, springs = _joints(at), _springs(at)
     bodies = at.data["bodies"]
     ends = [_point(end) for pair in (*joints, *springs) for end in pair]
     wheels = _wheels(at)
@@ -101,6 +95,21 @@ def _parts(at: Posed) -> list[_Part]:
         marks = [p for owner, p in ends if owner == name]
         out += _body(name, body, marks, alone=body["mass"] > heavy and name not in wheels)
     return out + [_wheel(row) for row in wheels.values()]
+
+
+def _joints(at: Posed) -> list[tuple[Any, Any]]:
+    """Their frames in both bodies; without those that hold nothing."""
+    return [
+        (joint["parent"], joint["child"])
+        for name, joint in at.data["joints"].items()
+        if not {f"{name}.r[1]", f"{name}.Q[1]"} <= {*at.values}
+    ]
+
+
+def _springs(at: Posed) -> list[tuple[Any, Any]]:
+    """And whatever else acts between two points."""
+    forces = at.data.get("forces", {}).values()
+    return [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
 
 
 def _body(name: str, body: Mapping[str, Any], marks: Sequence[Array], alone: bool) -> list[_Part]:

@@ -11,8 +11,6 @@ from gelenk import _core
 from gelenk.errors import SceneError
 from gelenk.model import yaml12, yaml_edits
 
-_MISSING = object()
-
 
 class Given:
     """The data of a scene as they were given, without defaults, and their text."""
@@ -57,18 +55,27 @@ def _changed(given: Any, before: Any, after: Any, beside: bool) -> Any:
     Both have all defaults; what is left out of the value and did not change stays out. beside: with what
     stands beside a change, too, where it was given in other words (`fixed: [w]`, of a start with w alone).
     """
-    if isinstance(before, dict) and isinstance(after, dict) and isinstance(given, dict):
-        out = {key: value for key, value in given.items() if key in after or key not in before}
-        changes = [key for key in after if repr(before.get(key, _MISSING)) != repr(after[key])]
-        for key in changes:
-            was = before.get(key, {} if isinstance(after[key], dict) else _MISSING)
-            out[key] = _changed(given.get(key, {}), was, after[key], beside)
-        if beside and not all(isinstance(after[key], dict) for key in changes):
-            plain = {key: after[key] for key in out if not isinstance(after.get(key, {}), dict)}
-            out |= {key: value for key, value in plain.items() if out[key] != value}
-        return out
-    if isinstance(before, list) and isinstance(after, list) and isinstance(given, list):
+    if repr(before) == repr(after):
+        return given
+    values = (given, before, after)
+    if all(isinstance(value, dict) for value in values):
+        return _changed_mapping(given, before, after, beside)
+    if all(isinstance(value, list) for value in values) and len(before) == len(after):
         n = len(given)  # products of inertia may be left out
-        if len(before) == len(after) and repr(before[n:]) == repr(after[n:]):
-            return [_changed(*values, beside) for values in zip(given, before, after, strict=False)]
-    return given if repr(before) == repr(after) else after
+        if repr(before[n:]) == repr(after[n:]):
+            return [_changed(*items, beside) for items in zip(given, before, after, strict=False)]
+    return after
+
+
+def _changed_mapping(
+    given: dict[str, Any], before: dict[str, Any], after: dict[str, Any], beside: bool
+) -> dict[str, Any]:
+    out = {key: value for key, value in given.items() if key in after or key not in before}
+    changes = {key: value for key, value in after.items() if repr(before.get(key)) != repr(value)}
+    for key, value in changes.items():
+        left_out: dict[str, Any] | None = {} if isinstance(value, dict) else None
+        out[key] = _changed(given.get(key, left_out), before.get(key, left_out), value, beside)
+    if beside and not all(isinstance(value, dict) for value in changes.values()):
+        told = {key: after[key] for key in out if not isinstance(after.get(key, {}), dict)}
+        out |= {key: value for key, value in told.items() if out[key] != value}
+    return out

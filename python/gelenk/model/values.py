@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from gelenk.errors import UsageError
 
@@ -23,6 +23,23 @@ def unknown(name: str, what: str, known: Iterable[str]) -> str:
     if len(names) <= 12:
         return f"{name}: no such {what}; there are {', '.join(names)}"
     return f"{name}: no such {what}; there are {', '.join(names[:10])} and {len(names) - 10} more"
+
+
+def check_names(
+    wanted: Sequence[str], known: Collection[str], what: str, missing: Callable[[str], str] | None = None
+) -> None:
+    """Each must be there, and asked for once.
+
+    missing: the sentence for one that is not there; None: that of `unknown`.
+
+    Raises:
+        UsageError: a line for each fault.
+    """
+    sentence = missing or (lambda name: unknown(name, what, known))
+    faults = [sentence(name) for name in wanted if name not in known]
+    faults += [f"{name}: asked for twice" for name in dict.fromkeys(wanted) if list(wanted).count(name) > 1]
+    if faults:
+        raise UsageError("\n".join(faults))
 
 
 def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> float:

@@ -10,7 +10,7 @@ import warnings
 import xml.etree.ElementTree as ET
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import c_double, c_int, c_uint
 from pathlib import Path
@@ -171,12 +171,7 @@ class FmuPlant(Plant):
             raise UsageError(f"{self._file}: found no directional derivatives in this FMU, expected them")
         declared = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
         states = [name for name in self._variables if name in declared]  # in their order
-        inputs, outputs = (
-            [name for name in names if self._variables[name].type == "Real"]
-            for names in (self.inputs, self.outputs)
-        )
-        told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
-        rates = {of: name for name, of in told.items() if of is not None and of in self._variables}
+        inputs, outputs = self._real(self.inputs), self._real(self.outputs)
         unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
         inner = [name for name in states if name not in unknowns]  # states that are no outputs
         names = [*inputs, *unknowns, *inner]
@@ -189,8 +184,16 @@ class FmuPlant(Plant):
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
             dict(zip(names, map(float, values), strict=True)),
-            rates | declared, self.units, *self._annotated(),
+            self._rates_told(outputs) | declared, self.units, *self._annotated(),
         )  # fmt: skip
+
+    def _real(self, names: Iterable[str]) -> list[str]:
+        return [name for name in names if self._variables[name].type == "Real"]
+
+    def _rates_told(self, outputs: Iterable[str]) -> dict[str, str]:
+        """By the outputs whose derivatives they are, as descriptions tell."""
+        told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
+        return {of: name for name, of in told.items() if of is not None and of in self._variables}
 
     def _annotated(self) -> tuple[int | None, Scales]:
         """How many states the mechanism has, None where the FMU does not tell; and its scales."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gelenk import _core
 from gelenk.errors import StepError, UsageError
 from gelenk.model.scene import Scene, load
-from gelenk.model.values import Value, unknown
+from gelenk.model.values import Value, check_names, unknown
 from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.result import Result
@@ -204,10 +204,7 @@ def expanded(outputs: Sequence[str], known: Sequence[str]) -> list[str]:
 
 def _selected(plant: Plant, outputs: Sequence[str] | None) -> list[str]:
     names = list(plant.outputs) if outputs is None else expanded(outputs, [*plant.outputs])
-    faults = [unknown(name, "output", plant.units) for name in names if name not in plant.units]
-    faults += [f"{name}: asked for twice" for name in dict.fromkeys(names) if names.count(name) > 1]
-    if faults:
-        raise UsageError("\n".join(faults))
+    check_names(names, plant.units, "output")
     return names
 
 
