@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Touches that begin and end within a step: an oscillator that only just meets a stop, against its closed form."""
+"""Touches that begin and end within a step: an oscillator that just meets a stop, against its closed form."""
 
 from __future__ import annotations
 
@@ -54,10 +54,13 @@ def test_grazing_touches_are_found(integrator: str, depth: float, tolerance: flo
     bound = AMPLITUDE * (1 - depth)
     expected = times_of_contact(bound)
     found = gelenk.simulate(
-        oscillator(bound, integrator=integrator), stop=expected[-1] + 1, step=expected[-1] + 1, tolerance=tolerance
+        oscillator(bound, integrator=integrator),
+        stop=expected[-1] + 1,
+        step=expected[-1] + 1,
+        tolerance=tolerance,
     )
     assert [text.split()[1] for _, text in found.events] == ["meets", "leaves"] * SWINGS
-    # s: the touch is at a speed of sqrt(2 depth) of the highest, so errors of position shift it by as much more.
+    # s: it touches at sqrt(2 depth) of the highest speed, and errors of position shift it by as much more.
     limit = 30 * tolerance / (SLOW * math.sqrt(2 * depth))
     assert np.abs(np.array([t for t, _ in found.events]) - expected).max() < limit
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 EPS = float(np.finfo(float).eps)
 # Central differences with h = eps^(1/3) err by h^2 (third derivatives, up to some units here) and eps/h:
-# both eps^(2/3) = 4e-11; ten times that is the bound, per unit of scale (EXAMPLES, section 5).
+# both eps^(2/3) = 4e-11; ten times that is the bound, per unit of scale.
 STEP = EPS ** (1 / 3)
 QUOTIENT = 10 * EPS ** (2 / 3)
 # A chain of some ten products and sums of numbers of the scale: 50 eps.

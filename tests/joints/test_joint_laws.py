@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Laws that every kind of joint obeys, in every algebra it lives in (EXAMPLES, section 4).
+"""Laws that every kind of joint obeys, in every algebra it lives in.
 
 Sources: Featherstone 2008, chapters 2 to 4 (motion spaces, virtual work); the conventions are
 those of src/joint/base.h and rows.h.
@@ -198,7 +198,7 @@ def test_planar_algebra_agrees_with_space(case: Case) -> None:
 
 
 def test_no_coordinate_is_left_out_of_its_velocity() -> None:
-    """The registry's sizes fit its names, and every kind of issue 2 is there."""
+    """The registry's sizes fit its names, and every kind that scenes may name is there."""
     kinds = {kind["name"]: kind for kind in laws.kinds()}
     assert set(kinds) >= {
         "revolute",

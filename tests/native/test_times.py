@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inputs as functions of time, the master's clock, records, brackets of a zero, cubics, stages and passages, each alone."""
+"""Inputs as functions of time, the clock, records, brackets, cubics, stages and passages, each alone."""
 
 from __future__ import annotations
 
@@ -314,30 +314,41 @@ def test_without_rates_a_cubic_is_the_line(units: Any) -> None:
 def test_what_was_computed_at_a_stage_is_out_of_date_when_that_is_realized_anew(units: Any) -> None:
     position, velocity = units.Stage.position, units.Stage.velocity
     stages, factors, bias = units.Stages(), units.Computed(position), units.Computed(velocity)
-    assert not stages.has(position) and not factors.holds(stages)
+    assert not stages.has(position)
+    assert not factors.holds(stages)
     stages.realize(position)
     factors.set(stages)
-    assert stages.has(position) and not stages.has(velocity)
-    assert factors.holds(stages) and not bias.holds(stages)
+    assert stages.has(position)
+    assert not stages.has(velocity)
+    assert factors.holds(stages)
+    assert not bias.holds(stages)
     stages.realize(velocity)
     bias.set(stages)
-    assert stages.has(position) and stages.has(velocity)
-    assert factors.holds(stages) and bias.holds(stages)
+    assert stages.has(position)
+    assert stages.has(velocity)
+    assert factors.holds(stages)
+    assert bias.holds(stages)
     stages.realize(velocity)  # other speeds at the same position
-    assert factors.holds(stages) and not bias.holds(stages)
+    assert factors.holds(stages)
+    assert not bias.holds(stages)
     bias.set(stages)
     stages.fall_back_to(position)
-    assert factors.holds(stages) and not bias.holds(stages) and not stages.has(velocity)
+    assert factors.holds(stages)
+    assert not bias.holds(stages)
+    assert not stages.has(velocity)
     stages.realize(velocity)
     assert not bias.holds(stages)
     stages.realize(position)
-    assert not factors.holds(stages) and not bias.holds(stages) and not stages.has(velocity)
+    assert not factors.holds(stages)
+    assert not bias.holds(stages)
+    assert not stages.has(velocity)
     factors.set(stages)
     factors.drop()
     assert not factors.holds(stages)
     factors.set(stages)
     stages.clear()
-    assert not stages.has(position) and not factors.holds(stages)
+    assert not stages.has(position)
+    assert not factors.holds(stages)
 
 
 # --- passages ---

@@ -271,4 +271,5 @@ def test_controller_at_the_handlebar_keeps_the_slow_bicycle_up(tmp_path: Path) -
     late = (found["time"] > 1.5) & (found["time"] < 3.5)
     own = (x @ np.linalg.inv(shapes)[slowest])[late]
     seen = np.log(np.vdot(own[:-1], own[1:]) / np.vdot(own[:-1], own[:-1])) / step
-    assert abs(seen - np.log(values[slowest]) / step) < 0.05 * abs(seen)  # the 5 %
+    # A mode read off two points of a decay.
+    assert abs(seen - np.log(values[slowest]) / step) < 0.05 * abs(seen)

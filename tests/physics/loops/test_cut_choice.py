@@ -37,7 +37,7 @@ def assert_moves_alike(found: gelenk.Simulation, expected: gelenk.Simulation, st
         for signal in expected.outputs:
             value = expected.output(signal.name)
             bound = 1e-9 * max(1.0, abs(value))
-            assert_close(f"{signal.name} at {t} s", found.output(signal.name), value, bound, "issue 3")
+            assert_close(f"{signal.name} at {t} s", found.output(signal.name), value, bound, "one motion")
 
 
 def test_unlucky_order_of_a_spatial_loop_costs_a_row_and_a_quaternion() -> None:
@@ -67,7 +67,7 @@ def test_platform_on_balls_is_cut_at_all_balls_but_one() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_stewart_platform_has_one_quaternion_in_any_order(seed: int) -> None:
-    """Six legs of universal joint, slide and ball joint: quaternions only where needed, once (issue 3)."""
+    """Six legs of universal joint, slide and ball joint: quaternions only where needed, once."""
     ready = gelenk.load(scene_files.SCENES / "stewart.yaml").to_dict()
     plain, shuffled = started(ready), started(reordered(ready, seed))
     for plant in (plain, shuffled):
@@ -159,4 +159,4 @@ def test_slider_crank_moves_alike_on_other_joints(name: str, off: tuple[str, ...
             # cylindrical joints call the hinge's acceleration wd
             same = output.replace(".a", ".wd") if output == "main.a" and "main" in kinds else output
             bound = 1e-9 * max(1.0, abs(value))
-            assert_close(f"{output} at {t} s", other.output(same), value, bound, "issue 3")
+            assert_close(f"{output} at {t} s", other.output(same), value, bound, "one motion")

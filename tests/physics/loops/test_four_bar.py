@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The four-bar of issue 2: crank 0.5 m, coupler 1.75 m, rocker 1.5 m, ground 2 m, uniform rods of 2 kg/m,
+"""A four-bar: crank 0.5 m, coupler 1.75 m, rocker 1.5 m, ground 2 m, uniform rods of 2 kg/m,
 3 N m on the crank, crank damping 0.1 N m s/rad, 5 s. Truth: its one-coordinate equation of motion
 (one_freedom.py), integrated by SciPy's DOP853 at 1e-12.
 """
@@ -118,7 +118,7 @@ def test_halving_the_tolerance_exponent_pays(integrator: str) -> None:
 
 
 def test_fixed_step_runge_kutta_is_of_fourth_order() -> None:
-    """error(h) / error(h/2) = 2^4 within 10 % (EXAMPLES, section 5) over 0.5 s of smooth motion."""
+    """error(h) / error(h/2) = 2^4 within 10 % over 0.5 s of smooth motion."""
     times = np.array([0, 0.5])
     motion = OneFreedom(LINKS.geometry(), GRAVITIES["hanging"], lambda _t, _phi, w: 3 - 0.1 * w)
     truth = motion.motion(START, 0, times, rtol=1e-13)[0][-1]

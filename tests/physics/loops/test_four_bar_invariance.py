@@ -14,8 +14,8 @@ from models.running import Recording, assert_close, assert_same, run
 from scipy.spatial.transform import Rotation
 
 TIMES = np.linspace(0, 5, 51)
-BOUND = 1e-9  # issue 2
-WHY = "issue 2: same joint states within 1e-9"
+BOUND = 1e-9  # a thousand times the tolerance of the runs, see below
+WHY = "the same motion, described in another way"
 START = 1.1  # rad
 TOLERANCE = 1e-12  # two runs differ by their integration errors: some 100 times this in 5 s
 

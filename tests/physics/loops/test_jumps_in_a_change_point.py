@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A parallelogram runs from beside its change point through it while its torque jumps: they act as elsewhere."""
+"""A parallelogram runs through its change point while its torque jumps: the jumps act there as elsewhere."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def test_four_bar_moves_alike_with_more_rows(off: list[str], rows: int, planar: 
     assert len(report.redundant_rows) == 3
     expected, found = end_of(source), end_of(source, *off)
     for name, value in expected.items():
-        assert_close(name, found[name], value, 1e-9 * max(1.0, abs(value)), "issue 3")
+        assert_close(name, found[name], value, 1e-9 * max(1.0, abs(value)), "one motion")
 
 
 def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
@@ -107,7 +107,7 @@ def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
     for off in ([], ["redundant_rows"]):
         found = end_of(source, *off)
         for name in (f"{j}.{level}" for j in "ABD" for level in ("phi", "w", "a")):
-            assert_close(name, found[name], plain[name], 1e-9 * max(1.0, abs(plain[name])), "issue 3")
+            assert_close(name, found[name], plain[name], 1e-9 * max(1.0, abs(plain[name])), "one motion")
 
 
 # --- loops whose rows repeat others with changing factors ---

@@ -39,7 +39,7 @@ def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> 
     times = np.linspace(0, stop, round(100 * stop) + 1)
     found = run(windows(n, 0.0, 1.0), times, tolerance=tolerance, integrator="erk")
     expected = tip(falling(n, 0.0, 1.0, times))
-    assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "issue 4's bound, at any tolerance")
+    assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "of a window, at any tolerance")
 
 
 @pytest.mark.parametrize("integrator", ["erk", "ida"])

@@ -87,7 +87,7 @@ def test_answers_are_the_same_without(name: str, off: str) -> None:
     assert found.keys() == expected.keys()
     for output, value in expected.items():
         scale = max(1.0, float(np.abs(value).max()))
-        assert_close(output, found[output], value, 1e-9 * scale, "issue 3, relative to the largest value")
+        assert_close(output, found[output], value, 1e-9 * scale, "one motion")
 
 
 def test_only_reactions_told_to_be_undetermined_change() -> None:
@@ -109,7 +109,7 @@ def test_only_reactions_told_to_be_undetermined_change() -> None:
         values.append({s.name: plant.output(s.name) for s in plant.outputs})
     for name, value in values[0].items():
         if name not in open_ones:
-            assert_close(name, values[1][name], value, 1e-9 * max(1, abs(value)), "issue 3")
+            assert_close(name, values[1][name], value, 1e-9 * max(1, abs(value)), "one motion")
     assert all(abs(values[0][name] - values[1][name]) > 1e-3 for name in open_ones)  # N, N m
 
 

@@ -126,10 +126,10 @@ def squeezed(request: pytest.FixtureRequest) -> Recording:
 
 
 def test_end_positions_are_the_published_ones(squeezed: Recording) -> None:
-    """Issue 2: to 1e-7, here relative to each angle; 0.04 rad of gamma to 4e-9 rad."""
+    """To 1e-7, relative to each angle; 0.04 rad of gamma to 4e-9 rad."""
     for name, angle in HINGES.items():
         end = END[angle]
-        assert_close(f"{angle} ({name}.phi)", squeezed[f"{name}.phi"][-1], end, 1e-7 * abs(end), "issue 2")
+        assert_close(f"{angle} ({name}.phi)", squeezed[f"{name}.phi"][-1], end, 1e-7 * abs(end), "published")
 
 
 def test_end_speeds_are_the_published_ones(squeezed: Recording) -> None:

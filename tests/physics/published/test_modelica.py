@@ -67,7 +67,7 @@ def link(end: tuple[float, float]) -> Link:
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_planar_four_bar_follows_its_one_coordinate_solution(integrator: str) -> None:
-    """As issue 2 asks of its own four-bar, 1e-7 rad; the ground line leans, the crank turns over."""
+    """Within 1e-7 rad; the ground line leans, the crank turns over."""
     times = np.linspace(0, 5, 101)
     lean = float(np.arctan2(1, -0.15))
     bars = FourBar(link((0.4, 0)), link((0.1, 1.1)), link((0.65, 0.1)), float(np.hypot(0.15, 1)), branch=-1)

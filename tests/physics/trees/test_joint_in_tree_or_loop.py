@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same joint in the tree, and closing a loop: same motion, same reactions (EXAMPLES, section 4).
+"""The same joint in the tree, and closing a loop: same motion, same reactions.
 
 An arm turns on a pin; the joint under test holds a body to the arm. In the second scene the body also hangs
 on a gantry to the ground: three sliders and three hinges through massless parts, which forbid nothing and

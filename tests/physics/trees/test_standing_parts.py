@@ -98,7 +98,7 @@ def test_rods_that_can_spin_are_not_dropped() -> None:
         assert (plant.size.bodies, plant.size.freedoms) == (3, 3)
         plant.step_to(0.5)
     assert_close("spin", plants[0].output("foot2.w[1]"), 4.0, 1e-9, "its axis is one of symmetry")
-    assert_alike(all_of(plants[0]), all_of(plants[1]), 1e-9, "issue 3")
+    assert_alike(all_of(plants[0]), all_of(plants[1]), 1e-9, "one motion")
 
 
 def test_truss_whose_reaction_is_read_is_computed() -> None:
@@ -138,7 +138,7 @@ def test_mechanism_on_a_truss_moves_as_on_the_ground(off: tuple[str, ...]) -> No
     for plant in (on_truss, on_ground):
         plant.set_input("arm.tau", 0.2)
         plant.step_to(1.0)
-    assert_alike(all_of(on_truss), all_of(on_ground), 1e-9, "issue 3")
+    assert_alike(all_of(on_truss), all_of(on_ground), 1e-9, "one motion")
     assert_close("L.phi", on_truss.output("L.phi"), PHI_LEFT, 1e-11, "closure")
 
 
@@ -163,7 +163,7 @@ def test_joints_inside_a_rigid_part_stand_still_though_it_moves() -> None:
     assert_close("pin.a", plant.output("pin.a"), torque / 1.5, 1e-11, "by hand")
     for each in (plant, computed):
         each.step_to(1.0)
-    assert_alike(all_of(plant), all_of(computed), 1e-9, "issue 3")
+    assert_alike(all_of(plant), all_of(computed), 1e-9, "one motion")
     assert_close("BC.phi", plant.output("BC.phi"), 2 * math.pi / 3, 1e-12, "closure")
 
 
