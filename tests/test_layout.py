@@ -50,7 +50,6 @@ OWNERS = {
     "bindings": re.compile(r"(nanobind/|Python\.h)"),
 }
 
-MAX_LINES = 400
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 
@@ -364,14 +363,6 @@ def own_files() -> Iterator[Path]:
     for folder in ("python", "tests", "benchmarks", "cmake"):
         yield from sorted((ROOT / folder).rglob("*.py"))
     yield from sorted((ROOT / "cmake").glob("*.cmake"))
-
-
-def test_files_are_short() -> None:
-    lengths = {
-        str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines())
-        for path in own_files()
-    }
-    assert {name: lines for name, lines in lengths.items() if lines > MAX_LINES} == {}
 
 
 def test_every_file_names_its_licence() -> None:
