@@ -340,14 +340,7 @@ struct Preparer {
         JointStart& wish = at.joints[j].start;
         wish.q = coordinates_of(wished, out.reduced, j, start.q, *dynamics[i]);
         wish.q_given.assign(wish.q.size(), true);
-        const JointPlace& place = out.reduced.joints[j];
-        double of_cut[max_cut_nv];
-        const double* v = start.v.data() + place.iv;
-        if (place.role != JointPlace::Role::tree) {
-          dynamics[i]->readings().cut_speeds(place.index, of_cut);
-          v = of_cut + place.iv - out.reduced.islands[i].cuts[place.index].iv;
-        }
-        for (std::size_t k = 0; k < wish.v.size(); ++k) wish.v[k] = place.v_sign[k] * v[k];
+        wish.v = velocities_of(out.reduced, j, start.v, *dynamics[i]);
         wish.v_given.assign(wish.v.size(), true);
       }
     }

@@ -116,4 +116,18 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
   return out;
 }
 
+std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const std::vector<double>& v,
+                                  const Dynamics& dynamics) {
+  const JointPlace& place = reduced.joints[joint];
+  double of_cut[max_cut_nv];
+  const double* of_joint = v.data() + place.iv;
+  if (place.role != JointPlace::Role::tree) {
+    dynamics.readings().cut_speeds(place.index, of_cut);
+    of_joint = of_cut + place.iv - reduced.islands[place.island].cuts[place.index].iv;
+  }
+  std::vector<double> out(place.v_sign.size());
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = place.v_sign[k] * of_joint[k];
+  return out;
+}
+
 }  // namespace gelenk

@@ -23,4 +23,8 @@ std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduc
 std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduced, int joint,
                                    const std::vector<double>& q, const Dynamics& dynamics);
 
+// The same of its speeds at v, where `dynamics` moves so.
+std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const std::vector<double>& v,
+                                  const Dynamics& dynamics);
+
 }  // namespace gelenk
