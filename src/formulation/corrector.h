@@ -21,6 +21,8 @@ class Corrector {
 
   // Its factors at the position of `dynamics`; what else is solved with afterwards keeps to these.
   void renew_factors();
+  // Other factors have been made at the position of `dynamics`, not by it.
+  virtual void meet_factors() {}
   // They are made anew when next needed.
   void forget_factors() { has_factors_ = false; }
   bool has_factors() const { return has_factors_; }

@@ -131,6 +131,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   drives_.go_to_outputs(t);
   dynamics_.set_position(y);
   dynamics_.factorise();
+  corrector().meet_factors();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
 }

@@ -31,8 +31,7 @@ void Modes::hold_mode(double t, const bool* positive) {
   dynamics_.branching().hold(held_ ? sides_.data() : nullptr);
 }
 
-void Modes::watch(double t, const double* v) {
-  if (!held_ || !(t > held_from_ && t < left_mode_)) return;
+void Modes::look(double t, const double* v) {
   dynamics_.set_velocity(v);
   dynamics_.branching().sides(present_.data());
   if (present_ != sides_ && is_beyond()) left_mode_ = t;

@@ -26,9 +26,12 @@ class Modes final : public EventSource {
   std::string too_many_events() const override { return log_.too_many(); }
 
   // Of an evaluation at t with speeds v, where `dynamics` stands: whether it is outside the mode.
-  void watch(double t, const double* v);
+  void watch(double t, const double* v) {
+    if (held_ && t > held_from_ && t < left_mode_) look(t, v);
+  }
 
  private:
+  void look(double t, const double* v);
   bool is_beyond();
 
   Dynamics& dynamics_;

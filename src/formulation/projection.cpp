@@ -62,6 +62,7 @@ class WeakRowCorrector final : public Corrector {
     sound_ = !below(sound_share);
     set_weak(sound_ ? 0 : unknown_weak);
   }
+  void meet_factors() override { judge(); }
   void set_weak(double share) {
     if (!rigorous_ || share == 0) dynamics_.set_weak_pivots(share * soundest_);
   }
@@ -187,7 +188,6 @@ void Projection::exchange(Record& record) {
 }
 
 void Projection::solve(double t, double* vdot) {
-  rows_.judge();  // of factors just made
   const double* known = expected(t);
   dynamics_.solve(drives_.u().data(), vdot, known);
   // Where the last pivot is rounding, so is the direction along which to follow.
