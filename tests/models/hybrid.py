@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -131,8 +132,11 @@ class Chain:
         vdot[free] = np.linalg.solve(M[np.ix_(free, free)], -h[free] - M[free, self.driven] * driven)
         return vdot, float(M[self.driven] @ vdot + h[self.driven])
 
-    def motion(self, law: Law, times: Array) -> dict[str, Array]:
-        """Coordinates, speeds, accelerations and the force at the times, by their outputs' names."""
+    def motion(self, law: Law, times: Array, kinks: Sequence[float] = ()) -> dict[str, Array]:
+        """Coordinates, speeds, accelerations and the force at the times, by their outputs' names.
+
+        kinks: times at which the law is not smooth; no step of the integration goes across one.
+        """
         free = [k for k in range(self.n) if k != self.driven]
 
         def place(t: float, x: Array) -> tuple[Array, Array, float]:
@@ -147,12 +151,20 @@ class Chain:
             vdot, _ = self.acceleration(q, v, a)
             return np.concatenate([v[free], vdot[free]])
 
-        start = np.zeros(2 * len(free))
-        start[len(free) - 1] = self.angle
-        found = solve_ivp(rates, (times[0], times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-13)
-        assert found.success
+        x = np.zeros(2 * len(free))
+        x[len(free) - 1] = self.angle
+        inner = [k for k in kinks if times[0] < k < times[-1]]
+        states = [x]  # at the times
+        for begin, end in pairwise([times[0], *inner, times[-1]]):
+            within = times[(times > begin) & (times <= end)]
+            found = solve_ivp(
+                rates, (begin, end), x, "DOP853", np.unique([*within, end]), rtol=1e-12, atol=1e-13
+            )
+            assert found.success
+            x = found.y[:, -1]
+            states += list(found.y.T[: len(within)])
         rows = []
-        for t, x in zip(times, found.y.T, strict=True):
+        for t, x in zip(times, states, strict=True):
             q, v, a = place(float(t), x)
             vdot, force = self.acceleration(q, v, a)
             rows.append([*q, *v, *vdot, force])
