@@ -168,7 +168,7 @@ win64: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset win64 -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 	  -DSUNDIALS_DIR=$(WIN64)/install/lib/cmake/sundials
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset win64 -j $(JOBS)
-	install -D build/win64/runtime/win64/gelenk_fmu.dll \
+	install -D build/win64/runtime/win64/gelenk_fmu.dll.gz \
 	  "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export._place(export.RUNTIMES["win64"]))')"
 
 format: $(VENV)/tools.stamp

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# SUNDIALS, Eigen, nlohmann-json, FMI headers, yaml-cpp: from Python wheels where an interpreter has them,
+# SUNDIALS, Eigen, nlohmann-json, FMI headers, yaml-cpp, zlib: from Python wheels where an interpreter has them,
 # else from the system. A <Package>_DIR given by the user wins over both.
 
 # The interpreter that is asked: -DPython_EXECUTABLE, an active virtualenv, or whatever is on PATH.
@@ -100,8 +100,22 @@ if(GELENK_WITH_YAML)  # AUTO counts as true
   endif()
 endif()
 
+# gelenk-export packs with it; without, it stores.
+set(GELENK_ZLIB OFF)
+gelenk_wheel_dir(ZLIB_DIR "${wheel_zlib}")
+find_package(ZLIB QUIET CONFIG COMPONENTS static)
+if(TARGET ZLIB::ZLIBSTATIC)
+  set(GELENK_ZLIB ZLIB::ZLIBSTATIC -no-pie)  # the wheel's archive depends on its position
+else()
+  find_package(ZLIB QUIET MODULE)
+  if(ZLIB_FOUND)
+    set(GELENK_ZLIB ZLIB::ZLIB)
+  endif()
+endif()
+
 message(STATUS "Eigen ${Eigen3_VERSION}: ${Eigen3_DIR}")
 message(STATUS "SUNDIALS ${SUNDIALS_VERSION}: ${SUNDIALS_DIR}")
 message(STATUS "nlohmann-json: ${wheel_json}")
 message(STATUS "FMI headers: ${fmi_headers}")
 message(STATUS "YAML in gelenk-export: ${GELENK_YAML} ${yaml-cpp_DIR}")
+message(STATUS "zlib in gelenk-export: ${GELENK_ZLIB} ${ZLIB_DIR}")

@@ -48,3 +48,6 @@ endif()
 set_target_properties(gelenk_fmu PROPERTIES
   PREFIX "" SUFFIX ${runtime_suffix} LINK_DEPENDS ${exports_map}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/runtime/${runtime_platform})
+# Nearly all of an FMU, and the same in all of them: compressed once.
+add_custom_command(TARGET gelenk_fmu POST_BUILD
+  COMMAND ${CMAKE_COMMAND} -DFILE=$<TARGET_FILE:gelenk_fmu> -P ${CMAKE_CURRENT_LIST_DIR}/GelenkGzip.cmake VERBATIM)

@@ -15,9 +15,14 @@ if(TARGET gelenk-export AND TARGET gelenk_fmu)
     set_target_properties(gelenk-export PROPERTIES
       INSTALL_RPATH $ORIGIN/${up}/${CMAKE_INSTALL_LIBDIR}/gelenk)
   endif()
+  if(TARGET ZLIB::ZLIBSTATIC)
+    install(FILES licenses/export-tool/zlib.txt DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk COMPONENT native)
+  endif()
   install(TARGETS gelenk-export gelenk_fmu EXPORT gelenk
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT native
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/linux64 COMPONENT native)
+  install(FILES $<TARGET_FILE:gelenk_fmu>.gz DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/linux64
+    COMPONENT native)
   install(EXPORT gelenk NAMESPACE gelenk:: FILE gelenkTargets.cmake DESTINATION ${package_dir} COMPONENT native)
   install(FILES ${GELENK_LICENSES} DESTINATION ${licenses_dir} COMPONENT native)
   install(DIRECTORY licenses/win64 DESTINATION ${licenses_dir} COMPONENT native)

@@ -57,6 +57,10 @@ if(EXISTS ${export_source})
     target_compile_definitions(gelenk-export PRIVATE GELENK_WITH_YAML)
     target_link_libraries(gelenk-export PRIVATE gelenk_json ${GELENK_YAML_TARGET})
   endif()
+  if(GELENK_ZLIB)
+    target_compile_definitions(gelenk-export PRIVATE GELENK_WITH_ZLIB)
+    target_link_libraries(gelenk-export PRIVATE ${GELENK_ZLIB})
+  endif()
 endif()
 
 # The JSON Schema of scene files, written from the joint registry at build time.

@@ -30,11 +30,15 @@ def main() -> None:
     sundials = file_of("sundials4py", "lib64/cmake/sundials") or file_of("sundials4py", "lib/cmake/sundials")
     eigen = file_of("cmeel-eigen", "cmeel.prefix/share/eigen3/cmake")
     yaml = file_of("cmeel-yaml-cpp", "cmeel.prefix/lib/cmake/yaml-cpp")
+    zlib = file_of("cmeel-zlib", "cmeel.prefix/lib64/cmake/zlib") or file_of(
+        "cmeel-zlib", "cmeel.prefix/lib/cmake/zlib"
+    )
     json, fmpy, nanobind = folder_of("nlohmann_json"), folder_of("fmpy"), folder_of("nanobind")
     found = {
         "sundials": sundials,
         "eigen": eigen,
         "yaml": yaml,
+        "zlib": zlib,
         "json": json / "include" if json else None,
         "fmi": fmpy / "c-code" if fmpy else None,
         "nanobind": nanobind / "cmake" if nanobind else None,

@@ -37,16 +37,26 @@ std::string read_file(const fs::path& path, const std::string& what) {
 }
 
 struct Binary {
+  fs::path file;
+  bool gzip;
   std::string platform, ending, content;
 };
 
 Binary binary_of(const fs::path& runtime) {
-  const std::string ending = runtime.extension().string();
+  const bool gzip = runtime.extension() == ".gz";
+  const std::string ending = (gzip ? runtime.stem() : runtime).extension().string();
   if (ending != ".so" && ending != ".dll") {
     throw ExportError(runtime.string() + ": the FMU runtime: found the ending '" + ending +
-                      "', expected .so (linux64) or .dll (win64)");
+                      "', expected .so (linux64) or .dll (win64), and .gz after it where it is compressed");
   }
-  return {ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
+  return {runtime, gzip, ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
+}
+
+void add_binary(Zip& zip, const Binary& binary, const std::string& model_identifier) {
+  const std::string name = "binaries/" + binary.platform + "/" + model_identifier + binary.ending;
+  if (!binary.gzip) return zip.add(name, binary.content, true);
+  if (zip.add_gzip(name, binary.content, true)) return;
+  throw ExportError(binary.file.string() + ": the FMU runtime: found no plain gzip file, expected one by its name");
 }
 
 // Names of the files in a directory, sorted: directory order differs between machines. Not of those in folders below:
@@ -104,7 +114,7 @@ class DraftFile {
 }  // namespace
 
 void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const fs::path& out,
-                const fs::path& licenses) {
+                const fs::path& licenses, const Compress& compress) {
   std::vector<Binary> binaries;
   for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
   const WantedPart part = wanted_part(scene);
@@ -118,13 +128,11 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
                        simulation.size().freedoms + simulation.size().free_coordinates};
   const Picture picture = draw(simulation);
-  Zip zip;
+  Zip zip(compress);
   zip.add("modelDescription.xml",
           write_model_description(carried, catalogue, dependencies_of(simulation, catalogue), facts));
-  zip.add("model.png", write_png(picture));
-  for (const Binary& binary : binaries) {
-    zip.add("binaries/" + binary.platform + "/" + facts.model_identifier + binary.ending, binary.content, true);
-  }
+  if (compress) zip.add("model.png", write_png(picture, compress));
+  for (const Binary& binary : binaries) add_binary(zip, binary, facts.model_identifier);
   zip.add("resources/scene.json", json);
   zip.add("documentation/index.html", write_documentation(simulation, catalogue, picture, part.told()));
   if (!licenses.empty()) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "modelDescription/zip.h"
 #include "scene/scene.h"
 
 namespace gelenk {
@@ -17,11 +18,13 @@ class ExportError : public std::runtime_error {
 };
 
 // Writes the FMU to `out`, as a whole or not at all; the same arguments give the same bytes.
-//   runtimes  libraries with the FMI functions, whose endings tell the platform: .so linux64, .dll win64
+//   runtimes  libraries with the FMI functions, whose endings tell the platform: .so linux64, .dll win64. They are
+//             nearly all of an FMU, so they may come compressed once for all: .so.gz, .dll.gz are taken over
 //   licenses  directory whose files go into documentation/licenses, and those of its directory named as a platform of
 //             the FMU's; empty: none
+//   compress  for all the rest; empty: it is stored as it is, and there is no model.png, which would be as large again
 // Throws ExportError, SceneError, and AssemblyError when the start values cannot be assembled.
 void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
-                const std::filesystem::path& out, const std::filesystem::path& licenses = {});
+                const std::filesystem::path& out, const std::filesystem::path& licenses, const Compress& compress);
 
 }  // namespace gelenk

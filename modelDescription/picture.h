@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "modelDescription/zip.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -41,6 +42,6 @@ Picture draw(Simulation& simulation);
 std::string write_svg(const Picture& picture);
 
 // Without the labels.
-std::string write_png(const Picture& picture);
+std::string write_png(const Picture& picture, const Compress& compress);
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drawing into pixels, and PNG (ISO/IEC 15948) around DEFLATE (RFC 1951) with fixed codes.
+// Drawing into pixels, and PNG (ISO/IEC 15948).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "modelDescription/picture.h"
-#include "modelDescription/zip.h"
 
 namespace gelenk {
 namespace {
@@ -113,76 +112,6 @@ class Canvas {
   std::vector<std::uint8_t> pixels_;
 };
 
-// One block of DEFLATE with fixed codes that looks for repetitions at two distances only: of the pixel before and of
-// the row above. Drawings are made of these.
-class Deflate {
- public:
-  Deflate(std::string_view data, std::size_t row) : data_(data) {
-    bits(0b011, 3);  // the last block, fixed codes
-    for (std::size_t at = 0; at < data.size();) {
-      const std::size_t beside = repeated(at, 3);
-      const std::size_t above = repeated(at, row);
-      const std::size_t length = std::max(beside, above);
-      if (length < 3) {
-        literal(static_cast<unsigned char>(data[at++]));
-        continue;
-      }
-      put_length(static_cast<unsigned>(length));
-      put_distance(static_cast<unsigned>(above >= beside ? row : 3));
-      at += length;
-    }
-    code(0, 7);  // end of block
-    if (used_ > 0) out_ += static_cast<char>(byte_);
-  }
-  std::string take() { return std::move(out_); }
-
- private:
-  std::size_t repeated(std::size_t at, std::size_t distance) const {
-    if (at < distance) return 0;
-    std::size_t n = 0;
-    while (n < 258 && at + n < data_.size() && data_[at + n] == data_[at + n - distance]) ++n;
-    return n;
-  }
-
-  // From the lowest bit on.
-  void bits(unsigned value, int count) {
-    for (int i = 0; i < count; ++i) {
-      byte_ |= ((value >> i) & 1U) << used_;
-      if (++used_ < 8) continue;
-      out_ += static_cast<char>(byte_);
-      byte_ = 0;
-      used_ = 0;
-    }
-  }
-  // Huffman codes go from the highest bit on.
-  void code(unsigned value, int count) {
-    for (int i = count - 1; i >= 0; --i) bits(value >> i, 1);
-  }
-  void literal(unsigned value) { value < 144 ? code(48 + value, 8) : code(256 + value, 9); }
-
-  // RFC 1951, 3.2.5: codes 257 to 285; from 265 on, four to each further bit.
-  void put_length(unsigned length) {
-    if (length == 258) return code(0b11000101, 8);
-    unsigned extra = 0;
-    while (length - 3 >= 8U << extra) ++extra;
-    const unsigned symbol = 257 + 4 * extra + ((length - 3) >> extra);
-    symbol < 280 ? code(symbol - 256, 7) : code(192 + symbol - 280, 8);
-    bits((length - 3) & ((1U << extra) - 1), static_cast<int>(extra));
-  }
-  // Likewise; two codes to each further bit.
-  void put_distance(unsigned distance) {
-    unsigned extra = 0;
-    while (distance - 1 >= 4U << extra) ++extra;
-    code(2 * extra + ((distance - 1) >> extra), 5);
-    bits((distance - 1) & ((1U << extra) - 1), static_cast<int>(extra));
-  }
-
-  std::string_view data_;
-  std::string out_;
-  unsigned byte_ = 0;
-  int used_ = 0;
-};
-
 std::string big_endian(std::uint32_t value) {
   std::string out;
   for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>((value >> shift) & 255U);
@@ -194,29 +123,15 @@ std::string chunk(std::string_view type, std::string_view content) {
   return big_endian(static_cast<std::uint32_t>(content.size())) + body + big_endian(crc32(body));
 }
 
-// RFC 1950.
-std::uint32_t adler32(std::string_view data) {
-  std::uint32_t a = 1;
-  std::uint32_t b = 0;
-  for (const char c : data) {
-    a = (a + static_cast<unsigned char>(c)) % 65521;
-    b = (b + a) % 65521;
-  }
-  return (b << 16U) | a;
-}
-
 }  // namespace
 
-std::string write_png(const Picture& picture) {
+std::string write_png(const Picture& picture, const Compress& compress) {
   using namespace std::string_view_literals;
-  const std::string rows = Canvas(picture).rows();
   const std::string header = big_endian(static_cast<std::uint32_t>(picture.width)) +
                              big_endian(static_cast<std::uint32_t>(picture.height)) +
                              std::string("\x08\x02\x00\x00\x00"sv);  // 8 bits each of red, green and blue
-  const std::string packed = std::string("\x78\x01"sv) +
-                             Deflate(rows, static_cast<std::size_t>(3 * picture.width + 1)).take() +
-                             big_endian(adler32(rows));
-  return std::string("\x89PNG\r\n\x1a\n"sv) + chunk("IHDR", header) + chunk("IDAT", packed) + chunk("IEND", {});
+  return std::string("\x89PNG\r\n\x1a\n"sv) + chunk("IHDR", header) + chunk("IDAT", compress(Canvas(picture).rows())) +
+         chunk("IEND", {});
 }
 
 }  // namespace gelenk

@@ -9,6 +9,12 @@
 #include <string_view>
 #include <vector>
 
+#ifdef GELENK_WITH_ZLIB
+#include <zlib.h>
+
+#include <new>
+#endif
+
 #include "check/doubts.h"
 #include "modelDescription/pack.h"
 #include "scene_file/read.h"
@@ -23,7 +29,7 @@ constexpr const char* usage =
 #endif
     "\n"
     "  OUT.fmu  the FMU to write\n"
-    "  FILE     the library with the FMI functions that comes with Gelenk; one for each platform\n"
+    "  FILE     the library with the FMI functions that comes with Gelenk, or its .gz; one for each platform\n"
     "  DIR      directory with the licences to pack\n";
 
 struct Options {
@@ -58,6 +64,21 @@ gelenk::Scene read_scene(const std::string& path, std::vector<std::string>& doub
   return gelenk::read_scene_json(text, path, doubts);
 }
 
+#ifdef GELENK_WITH_ZLIB
+std::string zlib_stream(std::string_view bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  const auto* from = reinterpret_cast<const Bytef*>(bytes.data());
+  if (compress(reinterpret_cast<Bytef*>(out.data()), &size, from, static_cast<uLong>(bytes.size())) != Z_OK) {
+    throw std::bad_alloc();
+  }
+  out.resize(size);
+  return out;
+}
+#else
+const gelenk::Compress zlib_stream;
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -70,7 +91,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> doubts;
     const gelenk::Scene scene = read_scene(options.files[0], doubts);
     for (const std::string& doubt : doubts) std::cerr << doubt << '\n';
-    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses);
+    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, zlib_stream);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -10,12 +10,32 @@
 
 namespace nb = nanobind;
 
+namespace {
+
+// compress: zlib.compress, or None.
+void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem::path>& runtimes,
+                   const std::filesystem::path& out, const std::filesystem::path& licenses,
+                   const nb::object& compress) {
+  gelenk::Compress call;
+  if (!compress.is_none()) {
+    call = [&compress](std::string_view bytes) {
+      const nb::gil_scoped_acquire held;
+      const auto stream = nb::cast<nb::bytes>(compress(nb::bytes(bytes.data(), bytes.size())));
+      return std::string(stream.c_str(), stream.size());
+    };
+  }
+  const nb::gil_scoped_release released;
+  gelenk::export_fmu(scene, runtimes, out, licenses, call);
+}
+
+}  // namespace
+
 void gelenk::bind_fmu(nb::module_& m) {
   m.def(
-      "export_fmu", &gelenk::export_fmu, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-      nb::call_guard<nb::gil_scoped_release>(),
-      "Write the FMU: scene, runtime libraries and the files of the folder licenses. Raises ExportError, SceneError,\n"
-      "AssemblyError.");
+      "export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
+      nb::arg("compress").none(),
+      "Write the FMU: scene, runtime libraries and the files of the folder licenses, all made smaller by compress, as\n"
+      "zlib.compress does. Raises ExportError, SceneError, AssemblyError.");
   m.def("file_stem", &gelenk::file_stem, nb::arg("name"),
         "The name, or the nearest one that is a file's on Linux, macOS and Windows.");
   m.def("is_device_name", &gelenk::is_device_name, nb::arg("name"), "Whether Windows keeps the name for a device.");

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Types of the compiled module."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -228,7 +228,13 @@ def list_assemblies(
     scene: Scene, bodies: Sequence[str], most_starts: int, seed: int
 ) -> list[tuple[AssemblyPart, list[str], list[str]]]: ...
 def with_parameters(scene: Scene, settings: Sequence[tuple[str, float]]) -> Scene: ...
-def export_fmu(scene: Scene, runtimes: list[Path], out: Path, licenses: Path) -> None: ...
+def export_fmu(
+    scene: Scene,
+    runtimes: list[Path],
+    out: Path,
+    licenses: Path,
+    compress: Callable[[bytes], bytes] | None,
+) -> None: ...
 def file_stem(name: str) -> str: ...
 def is_device_name(name: str) -> bool: ...
 

@@ -9,8 +9,9 @@ work=$(realpath "$2")
 cmake --install "$build" --prefix "$work/prefix" --component native >/dev/null
 cmake -S "$(dirname "${BASH_SOURCE[0]}")" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/build"
+python -m zipfile --test "$work/build/Pendulum.fmu"
 files=$(python -m zipfile --list "$work/build/Pendulum.fmu")
-for file in modelDescription.xml binaries/linux64/Pendulum.so resources/scene.json documentation/licenses/Eigen.txt; do
+for file in modelDescription.xml model.png binaries/linux64/Pendulum.so resources/scene.json documentation/licenses/Eigen.txt; do
   grep -q "^$file " <<<"$files" || { echo "Pendulum.fmu lacks $file; it holds:"; echo "$files"; exit 1; }
 done
 echo "find_package(gelenk), gelenk_add_fmu(Pendulum): Pendulum.fmu is complete"

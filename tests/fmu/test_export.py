@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import math
 import struct
@@ -18,6 +19,8 @@ import scene_files
 from numpy.typing import NDArray
 
 import gelenk
+from gelenk import _core
+from gelenk.io import export
 
 from .plants import crank_rocker, gyroscope
 
@@ -49,6 +52,70 @@ def test_the_fmu_holds_scene_page_licences_and_library(tmp_path: Path) -> None:
     for name in ("push.f[1]", "S.Q[4]", "tie.stiffness", "solver.steps"):
         assert f"<td>{name}</td>" in page
     assert pixels(picture).shape == (360, 480, 3)
+
+
+def test_what_can_be_smaller_is_deflated(tmp_path: Path) -> None:
+    with zipfile.ZipFile(gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")) as archive:
+        members = archive.infolist()
+    assert all(m.compress_size <= m.file_size for m in members)
+    assert {m.compress_type for m in members if m.filename != "model.png"} == {zipfile.ZIP_DEFLATED}
+    assert sum(m.compress_size for m in members) < 0.5 * sum(m.file_size for m in members)
+
+
+def stored_member(archive: zipfile.ZipFile, name: str) -> bytes:
+    assert archive.getinfo(name).compress_type == zipfile.ZIP_STORED
+    return archive.read(name)
+
+
+def test_a_library_compressed_by_others_is_taken(tmp_path: Path) -> None:
+    """With the file's name in its head, as the program gzip leaves it there."""
+    library, fmu = tmp_path / "other.so.gz", tmp_path / "x.fmu"
+    with library.open("wb") as file, gzip.GzipFile("named.so", "wb", fileobj=file) as compressing:
+        compressing.write(b"library" * 9)
+    _core.export_fmu(gelenk.load(crank_rocker())._core, [library], fmu, export.licenses(), None)
+    with zipfile.ZipFile(fmu) as archive:
+        assert archive.read("binaries/linux64/FourBar.so") == b"library" * 9
+
+
+def test_without_a_compressor_members_are_stored(tmp_path: Path) -> None:
+    """But for a library that comes compressed. The picture, 500 kB of pixels, is left out."""
+    small, large = tmp_path / "small.fmu", tmp_path / "large.fmu"
+    library = tmp_path / "library.so"
+    library.write_bytes(gzip.decompress(export.runtime_library().read_bytes()))
+    scene = gelenk.load(crank_rocker())._core
+    _core.export_fmu(scene, [export.runtime_library()], small, export.licenses(), None)
+    _core.export_fmu(scene, [library], large, export.licenses(), None)
+    usual = gelenk.export_fmu(crank_rocker(), tmp_path / "usual.fmu")
+    with zipfile.ZipFile(small) as a, zipfile.ZipFile(large) as b, zipfile.ZipFile(usual) as c:
+        assert a.namelist() == b.namelist() == [name for name in c.namelist() if name != "model.png"]
+        binary = "binaries/linux64/FourBar.so"
+        assert a.getinfo(binary).compress_type == zipfile.ZIP_DEFLATED
+        assert all(stored_member(b, name) == c.read(name) for name in b.namelist())
+        assert all(stored_member(a, name) == c.read(name) for name in a.namelist() if name != binary)
+    run, same = (gelenk.simulate(fmu, stop=0.1, step=0.01) for fmu in (large, usual))
+    assert all(np.array_equal(run[name], same[name]) for name in same.names)
+
+
+NAMED = b"\x1f\x8b\x08\x08" + bytes(6)
+NO_LIBRARIES = {
+    "nothing": b"",
+    "not compressed": b"\x7fELF" + bytes(60),
+    "cut off": gzip.compress(b"library")[:18],
+    "a name without end": NAMED + b"library" * 9,
+    "a checksum of the head": b"\x1f\x8b\x08\x02" + gzip.compress(b"library")[4:],
+}
+
+
+@pytest.mark.parametrize("content", NO_LIBRARIES.values(), ids=NO_LIBRARIES)
+def test_a_library_that_is_no_gzip_file_is_refused(content: bytes, tmp_path: Path) -> None:
+    library = tmp_path / "gelenk_fmu.so.gz"
+    library.write_bytes(content)
+    scene = gelenk.load(crank_rocker())._core
+    with pytest.raises(
+        gelenk.ExportError, match=r"gelenk_fmu\.so\.gz: the FMU runtime: found no plain gzip file"
+    ):
+        _core.export_fmu(scene, [library], tmp_path / "x.fmu", export.licenses(), zlib.compress)
+    assert not (tmp_path / "x.fmu").exists()
 
 
 def pixels(png: bytes) -> NDArray[np.uint8]:

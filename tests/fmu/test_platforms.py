@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gzip
 import zipfile
 from pathlib import Path
 
@@ -22,17 +23,17 @@ def binaries(fmu: Path) -> dict[str, bytes]:
 @pytest.fixture
 def dll(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """In the place of the library for Windows; not there yet."""
-    place = tmp_path / "place" / "gelenk_fmu.dll"
+    place = tmp_path / "place" / "gelenk_fmu.dll.gz"
     place.parent.mkdir()
     monkeypatch.setitem(export.RUNTIMES, "win64", str(place))
     return place
 
 
 def test_an_fmu_holds_a_library_for_each_platform(dll: Path, four_bar: gelenk.Scene, tmp_path: Path) -> None:
-    dll.write_bytes(b"MZ")
+    dll.write_bytes(gzip.compress(b"MZ"))
     fmu = gelenk.export_fmu(four_bar, tmp_path / "x.fmu", ["win64", "linux64"])
     assert binaries(fmu) == {
-        "binaries/linux64/FourBar.so": export.runtime_library().read_bytes(),
+        "binaries/linux64/FourBar.so": gzip.decompress(export.runtime_library().read_bytes()),
         "binaries/win64/FourBar.dll": b"MZ",
     }
     licence = "documentation/licenses/MinGW-w64.txt"
@@ -76,7 +77,7 @@ def test_the_command_packs_what_there_is_and_tells_what_there_is_not(
     run = CliRunner().invoke(app, [*call, "linux64,solaris"])
     assert run.exit_code == 1
     assert run.stderr == "platforms: found 'solaris', expected linux64 or win64\n"
-    dll.write_bytes(b"MZ")
+    dll.write_bytes(gzip.compress(b"MZ"))
     run = CliRunner().invoke(app, [*call, "linux64, win64"])
     assert (run.exit_code, run.stderr) == (0, "")
     assert len(binaries(fmu)) == 2

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from os import PathLike
@@ -12,7 +13,7 @@ from gelenk import _core
 from gelenk.errors import ExportError
 from gelenk.model.scene import Source, load
 
-RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so", "win64": "runtime/win64/gelenk_fmu.dll"}
+RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so.gz", "win64": "runtime/win64/gelenk_fmu.dll.gz"}
 
 
 def export_fmu(
@@ -52,7 +53,7 @@ def export_fmu(
     if outputs is not None:
         loaded = loaded.with_outputs(outputs)
     with loaded.located():
-        _core.export_fmu(loaded._core, runtimes, target, licenses())
+        _core.export_fmu(loaded._core, runtimes, target, licenses(), zlib.compress)
     return target
 
 
@@ -91,7 +92,7 @@ def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:
 
 
 def runtime_library(platform: str = "linux64") -> Path:
-    """The library that an FMU carries for a platform (x86-64)."""
+    """The library that an FMU carries for a platform (x86-64), as a gzip file."""
     return _part(RUNTIMES[platform])
 
 
