@@ -50,9 +50,6 @@ function(gelenk_harden)
   endforeach()
 endfunction()
 
-if(WIN32)
-  target_compile_definitions(gelenk_flags INTERFACE _USE_MATH_DEFINES)  # M_PI
-endif()
 if(GELENK_COVERAGE)
   target_compile_options(gelenk_flags INTERFACE --coverage -fprofile-update=atomic)
   target_link_options(gelenk_flags INTERFACE --coverage)

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include "runs.h"
@@ -50,7 +51,7 @@ struct Drive {
     double scale = body.amplitude;
     for (int order = 1; order <= 5; ++order) {
       scale *= body.omega;
-      const double phase = body.omega * t + body.phase + order * M_PI / 2;
+      const double phase = body.omega * t + body.phase + order * std::numbers::pi / 2;
       simulation.set_input_derivative(input, order, scale * std::sin(phase));
     }
   }

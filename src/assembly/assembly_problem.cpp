@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gelenk {
 namespace {
@@ -216,7 +217,7 @@ void AssemblyProblem::unwind(std::vector<double>& q) const {
       const int k = link.iv + i;
       if (tree_.q_fixed[k] || !turns_[k]) continue;
       double& angle = q[link.iq + i];
-      angle -= 2 * M_PI * std::round((angle - tree_.q[link.iq + i]) / (2 * M_PI));
+      angle -= 2 * std::numbers::pi * std::round((angle - tree_.q[link.iq + i]) / (2 * std::numbers::pi));
     }
   }
 }
@@ -228,7 +229,8 @@ std::vector<double> AssemblyProblem::scattered(std::mt19937& random) const {
   for (const Link& link : mechanism_.links) {
     const int plain = link.nq > link.nv ? link.nq - 4 : link.nq;
     for (int i = 0; i < plain; ++i) {
-      if (!tree_.q_fixed[link.iv + i]) q[link.iq + i] = within(random) * (tree_.turns[link.iv + i] ? M_PI : span_);
+      if (!tree_.q_fixed[link.iv + i])
+        q[link.iq + i] = within(random) * (tree_.turns[link.iv + i] ? std::numbers::pi : span_);
     }
     if (plain == link.nq || tree_.q_fixed[link.iv + plain]) continue;
     Eigen::Map<Eigen::Vector4d> Q(q.data() + link.iq + plain);
@@ -247,7 +249,7 @@ double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<do
     if (link.parent < 0) continue;
     difference(link.nq, link.nv, a.data() + link.iq, b.data() + link.iq, d);
     for (int i = 0; i < link.nv; ++i) {
-      out = std::max(out, std::abs(turns_[link.iv + i] ? std::remainder(d[i], 2 * M_PI) : d[i]));
+      out = std::max(out, std::abs(turns_[link.iv + i] ? std::remainder(d[i], 2 * std::numbers::pi) : d[i]));
     }
   }
   return out;
@@ -279,7 +281,7 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
     difference(cut.nq, cut.nv, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
     for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) {
       // A cut joint's angle is known within a turn.
-      if (cut.turns[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * M_PI);
+      if (cut.turns[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * std::numbers::pi);
     }
   }
   return d;

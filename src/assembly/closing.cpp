@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace gelenk {
@@ -205,7 +206,7 @@ std::vector<double> shaken(const AssemblyProblem& problem, const std::vector<dou
   if (attempt == 0) return q;
   std::mt19937 random(static_cast<unsigned>(attempt));
   // At first small, for guesses that stand on a dead point; in the end anywhere.
-  const double reach = std::min(M_PI, 0.05 * std::pow(1.35, attempt));
+  const double reach = std::min(std::numbers::pi, 0.05 * std::pow(1.35, attempt));
   std::uniform_real_distribution<double> shake(-reach, reach);
   const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
   VectorXd step(n);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 
 #include "assembly/closing.h"
@@ -101,7 +102,7 @@ struct Searcher {
     dynamics.cut_coordinates(static_cast<int>(cut - mechanism.cuts.begin()), found);
     const double x = found[value.q - cut->iq];
     if (!cut->turns[value.q - cut->iq]) return x;
-    return x + 2 * M_PI * std::round((cuts.q[value.q] - x) / (2 * M_PI));
+    return x + 2 * std::numbers::pi * std::round((cuts.q[value.q] - x) / (2 * std::numbers::pi));
   }
 };
 

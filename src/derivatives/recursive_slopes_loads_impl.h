@@ -7,6 +7,8 @@
 // and sigma_t sigma_m P_m . D^T S_t more; by speeds sigma_t sigma_m S_m . D^T S_t.
 #pragma once
 
+#include <numbers>
+
 #include "derivatives/recursive_slopes_joints_impl.h"
 #include "kinematics/force_ports.h"
 #include "kinematics/load_kernels_impl.h"
@@ -288,8 +290,8 @@ typename RecursiveSlopes<A>::Dually::Force RecursiveSlopes<A>::cut_force(int c, 
     for (int i = 0; i < cut.nq; ++i) q[i] = Dual(at.cut_reference[cut.iq + i]);
     joint.template coordinates<D>(X, q);
     for (int i = 0; i < cut.nq; ++i) {
-      const double turns = (at.cut_reference[cut.iq + i] - q[i].value()) / (2 * M_PI);
-      if (cut.turns[i]) q[i] += Dual(2 * M_PI * std::round(turns));
+      const double turns = (at.cut_reference[cut.iq + i] - q[i].value()) / (2 * std::numbers::pi);
+      if (cut.turns[i]) q[i] += Dual(2 * std::numbers::pi * std::round(turns));
     }
     joint.template speeds<D>(q, turn.to_child(V), v);
     const int* sides = at.cut_sides;

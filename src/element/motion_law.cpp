@@ -4,6 +4,7 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace gelenk {
@@ -76,7 +77,7 @@ void MotionLaw::add_polynomial(double t, Derivatives& out) const {
 }
 
 void MotionLaw::add_sine(double t, Derivatives& out) const {
-  const double omega = 2 * M_PI * sine_->frequency;
+  const double omega = 2 * std::numbers::pi * sine_->frequency;
   const double sine = std::sin(omega * t + sine_->phase);
   const double cosine = std::cos(omega * t + sine_->phase);
   const double around[] = {sine, cosine, -sine, -cosine, sine};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gelenk {
 namespace {
@@ -50,7 +51,7 @@ void TurnCounter::count(double t, const double* y) {
       double& q = q_[cut.iq + i];
       if (cut.turns[i]) {
         const double expected = q + h * mean_speed(cut, v_last_[cut.iv + i], v_[cut.iv + i]);
-        found[i] += 2 * M_PI * std::round((expected - found[i]) / (2 * M_PI));
+        found[i] += 2 * std::numbers::pi * std::round((expected - found[i]) / (2 * std::numbers::pi));
       }
       q = found[i];
     }

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "math/dual.h"
 #include "math/series.h"
+#include "util/unreachable.h"
 
 namespace gelenk {
 namespace {
@@ -32,7 +34,7 @@ decltype(auto) visit_end(const Rod::End& end, Function&& function) {
         if constexpr (A::planar == (std::decay_t<decltype(joint)>::planar == PlanarRole::normal)) {
           return function(joint);
         } else {
-          __builtin_unreachable();  // make_rod() sees to it
+          unreachable();  // make_rod() sees to it
         }
       },
       end);
@@ -96,7 +98,7 @@ void aim(const Universal& joint, bool rod_in_M, const Vector3<T>& d_M, const Vec
   const int about_neighbour = rod_in_M ? 0 : 1;
   T across[2];
   solution(-kept, across);
-  const double turned = std::remainder(value_of(across[about_neighbour]) - last[about_neighbour], 2 * M_PI);
+  const double turned = std::remainder(value_of(across[about_neighbour]) - last[about_neighbour], 2 * std::numbers::pi);
   if (std::abs(turned) < straight) {
     std::copy_n(across, 2, q);
   } else {

@@ -7,6 +7,8 @@
 // Phi is the position error whose rate is w . V_FM where Phi = 0.
 #pragma once
 
+#include <numbers>
+
 #include "math/planar.h"
 #include "math/spatial.h"
 
@@ -81,7 +83,7 @@ int parallel_z(const Pose<A>& X_FM, Row<A>* out) {
     }
     // s = 0 upright: sin(x)/x = 1. s = 0 upside down: any axis will do.
     const T k = s > T(0) ? T(atan2(s, z.z()) / s) : T(1);
-    out[0].Phi = s > T(0) || z.z() > T(0) ? T(-k * z.y()) : T(M_PI);
+    out[0].Phi = s > T(0) || z.z() > T(0) ? T(-k * z.y()) : T(std::numbers::pi);
     out[1].Phi = k * z.x();
     return 2;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "joint/base.h"
 #include "math/dual.h"
@@ -85,7 +86,8 @@ struct Screw : PlainJoint<1>, AlongZ {
     using T = typename A::Scalar;
     const T within_a_turn = angle_z<A>(X_FM);
     return within_a_turn +
-           T(2 * M_PI * std::round((value_of(X_FM.p.z()) / pitch - value_of(within_a_turn)) / (2 * M_PI)));
+           T(2 * std::numbers::pi *
+             std::round((value_of(X_FM.p.z()) / pitch - value_of(within_a_turn)) / (2 * std::numbers::pi)));
   }
 };
 

@@ -4,6 +4,7 @@
 #include "kinematics/load_kernels.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "kinematics/visit.h"
 #include "math/dual.h"
@@ -143,7 +144,8 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
   for (int i = 0; i < cut.nq; ++i) q[i] = T(reference[i]);
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
   for (int i = 0; i < cut.nq; ++i) {
-    if (cut.turns[i]) q[i] += T(2 * M_PI * std::round((reference[i] - value_of(q[i])) / (2 * M_PI)));
+    if (cut.turns[i])
+      q[i] += T(2 * std::numbers::pi * std::round((reference[i] - value_of(q[i])) / (2 * std::numbers::pi)));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "joint/registry.h"
+#include "util/unreachable.h"
 
 namespace gelenk {
 
@@ -18,7 +19,7 @@ decltype(auto) visit_joint(const Variant& joint, Function&& function) {
         if constexpr (lives_in<A, std::decay_t<decltype(j)>>) {
           return function(j);
         } else {
-          __builtin_unreachable();  // compile() makes planar mechanisms of planar joints only
+          unreachable();  // compile() makes planar mechanisms of planar joints only
         }
       },
       joint);

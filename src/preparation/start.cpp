@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <unordered_set>
 
@@ -111,7 +112,7 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
     out[i] = place.q_sign[i] * found[place.iq - cut.iq + i];
     if (kind.q[i].unit != "rad") continue;
     const double wanted = start.q_given[i] ? start.q[i] : 0;
-    out[i] += 2 * M_PI * std::round((wanted - out[i]) / (2 * M_PI));
+    out[i] += 2 * std::numbers::pi * std::round((wanted - out[i]) / (2 * std::numbers::pi));
   }
   return out;
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+import uuid
 import zipfile
 from collections.abc import Callable, Sequence
 from ctypes import c_int
@@ -163,6 +164,23 @@ def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
     changed = gelenk.export_fmu(other, tmp_path / "c.fmu")
     guid = fmpy.read_model_description(str(changed)).guid
     assert guid != fmpy.read_model_description(str(tmp_path / "a.fmu")).guid
+
+
+def fnv_1a(content: bytes) -> int:
+    """Of 128 bits, as Fowler, Noll and Vo give it."""
+    found = 0x6C62272E07BB014262B821756295C58D
+    for byte in content:
+        found = (found ^ byte) * (2**88 + 0x13B) % 2**128
+    return found
+
+
+def test_the_guid_is_a_sum_of_version_and_scene(tmp_path: Path) -> None:
+    assert fnv_1a(b"a") == 0xD228CB696F1A8CAF78912B704E4A8964  # a test vector of theirs
+    fmu = gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")
+    with zipfile.ZipFile(fmu) as archive:
+        scene = archive.read("resources/scene.json")
+    guid = fmpy.read_model_description(str(fmu)).guid
+    assert guid == str(uuid.UUID(int=fnv_1a(gelenk.__version__.encode() + b"\n" + scene)))
 
 
 def test_reals_have_types_with_quantities(description: Any) -> None:
