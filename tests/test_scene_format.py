@@ -158,3 +158,20 @@ def test_no_mutilated_scene_does_more_than_be_refused() -> None:
     for scene in taken:
         written = _core.write_scene_json(scene)
         assert _core.write_scene_json(_core.read_scene_json(written, "scene.json")) == written
+
+
+NULS = {
+    "1\0": "1:2: found '\\x00', expected end of input",
+    '{"gelenk": 1}\0 {': "1:14: found '\\x00', expected end of input",
+    '{"gelenk":\n \0 1}': "2:2: found '\\x00', expected well-formed JSON",
+    '{"gelenk": 1, \0"name": ""}': "1:15: found '\\x00', expected a name in double quotes",
+    '{"gelenk": 1, "a\0b": 1}': "1:17: found '\\x00', expected a name in double quotes",
+}
+
+
+@pytest.mark.parametrize("text", NULS)
+def test_a_nul_does_not_end_a_text(text: str) -> None:
+    """Nor hide what stands behind it."""
+    with pytest.raises(gelenk.SceneError) as told:
+        _core.read_scene_json(text, "s.json")
+    assert str(told.value) == f"s.json:{NULS[text]}"

@@ -18,6 +18,9 @@ namespace {
 // Many writers of JSON put NaN and Infinity, which the JSON library takes for a mistake of syntax. They
 // are told with their path, as other bad numbers are: before reading, each becomes a string of the same
 // length (columns stay right) that no one writes, and a number again in the tree.
+//
+// A NUL between values ends the text for the JSON library, whatever stands behind it. Another control character is the
+// mistake of syntax that it is.
 struct NotFinite {
   std::string_view word, stand_in;
   double value;
@@ -36,6 +39,8 @@ std::string with_stand_ins(std::string_view text) {
       ++i;
     } else if (out[i] == '"') {
       in_string = !in_string;
+    } else if (!in_string && out[i] == '\0') {
+      out[i] = '\x01';
     } else if (!in_string) {
       for (const NotFinite& n : not_finite) {
         if (text.substr(i, n.word.size()) != n.word) continue;
@@ -208,7 +213,7 @@ void check_size(std::size_t bytes, const std::string& file) {
 Json parse_json(std::string_view text, const std::string& file, Faults& faults) {
   check_size(text.size(), file);
   const std::string source = with_stand_ins(text);
-  TreeBuilder builder(source, file, faults);
+  TreeBuilder builder(text, file, faults);
   Json::sax_parse(source, &builder);
   return builder.take();
 }
