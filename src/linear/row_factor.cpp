@@ -49,12 +49,6 @@ RowFactor::RowFactor(int speeds, int rows)
       e_(std::max(speeds, rows)),
       f_(std::max(speeds, rows)) {}
 
-double RowFactor::operations(int speeds, int rows) {
-  double sum = 0;
-  for (int k = 0; k < std::min(speeds, rows); ++k) sum += 6.0 * (rows - k) * (speeds - k);
-  return sum;
-}
-
 void RowFactor::factorise(int max_rank) {
   factorise_rows(std::min({max_rank, n_, m_}));
   if (rank_ < m_) factorise_redundant();

@@ -20,8 +20,6 @@ class RowFactor {
   static constexpr double rank_threshold = 1e-12;
 
   RowFactor(int speeds, int rows);
-  // Multiplications and additions of factorise(), about.
-  static double operations(int speeds, int rows);
 
   // Column r of Y (whitened row r), to be filled before factorise().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }

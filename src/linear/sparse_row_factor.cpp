@@ -105,15 +105,6 @@ void SparseRowFactor::find_pattern(const std::vector<std::vector<int>>& touched)
   scale_.resize(m);
 }
 
-double SparseRowFactor::operations() const {
-  double sum = 0;
-  for (const Column& c : columns_) {
-    sum += 4.0 * c.rows;
-    for (int i = c.first_above; i < c.first_above + c.above; ++i) sum += 4.0 * columns_[above_[i]].rows;
-  }
-  return sum;
-}
-
 void SparseRowFactor::reflect(const Column& c, double scale, double* x) const {
   const int* row = rows_.data() + c.first_row;
   const double* u = u_.data() + c.first_row;

@@ -16,8 +16,6 @@ class SparseRowFactor {
 
   // Whether each row has a speed to be met by; false: of no use.
   bool possible() const { return possible_; }
-  // Multiplications and additions of factorise(), about.
-  double operations() const;
 
   // Rows that touch the same speeds, in the order in which they are taken.
   using Block = std::vector<int>;

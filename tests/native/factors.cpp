@@ -60,7 +60,6 @@ void bind_factors(nb::module_& m) {
 
   auto sparse = nb::class_<SparseRowFactor>(m, "SparseRowFactor").def(nb::init<int, std::vector<std::vector<int>>>());
   sparse.def_prop_ro("possible", &SparseRowFactor::possible)
-      .def_prop_ro("operations", &SparseRowFactor::operations)
       .def("factorise", [](SparseRowFactor& f, const Table& columns) {
         f.begin();
         return std::ranges::all_of(f.blocks(), [&](const SparseRowFactor::Block& block) {
