@@ -16,7 +16,7 @@ list(FILTER small INCLUDE REGEX
   "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|mechanism)/[^/]*$|/derivatives/(extended|extended_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|structure)|kinematics/model|outputs/(outputs_extended|seen)|simulation/(assemblies|closed_start|events|inspection|parameters|past|settle|state_derivatives|probe))\\.cpp$")
+  "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|structure)|kinematics/(loads|model)|outputs/(outputs_extended|seen)|simulation/(assemblies|closed_start|events|inspection|parameters|past|sensitivity|set_up|settle|state_derivatives|probe))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")

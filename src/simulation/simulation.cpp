@@ -4,52 +4,14 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "integrator/integrator.h"
 #include "preparation/report.h"
-#include "scene/settable.h"
 #include "simulation/parameters.h"
 #include "util/text.h"
 
 namespace gelenk {
-
-ModelSize size_of(const ReducedScene& reduced) {
-  ModelSize size;
-  for (const Mechanism& mechanism : reduced.islands) {
-    size.bodies += static_cast<int>(mechanism.links.size()) - 1;
-    size.coordinates += mechanism.nq;
-    size.speeds += mechanism.nv;
-    size.rows += mechanism.rows;
-    size.planar_islands += mechanism.planar ? 1 : 0;
-  }
-  size.islands = static_cast<int>(reduced.islands.size());
-  size.planar = size.planar_islands == size.islands;
-  return size;
-}
-
-void Simulation::Impl::make_islands() {
-  size = size_of(prepared.reduced);
-  load_maker.emplace(scene, prepared.reduced);
-  std::vector<Loads> loads;
-  for (std::vector<Loads>* of : {&loads, &other_loads}) load_maker->fill(*of);
-  sensitivity.reset();
-  islands.clear();
-  island_of_input.assign(u.count(), -1);
-  size.rows = 0;
-  for (std::size_t i = 0; i < prepared.islands.size(); ++i) {
-    islands.push_back(std::make_unique<Island>(scene, prepared.islands[i], std::move(loads[i]), u, time));
-    for (const int input : islands[i]->loads().inputs) island_of_input[input] = static_cast<int>(i);
-    const PreparedIsland& of = islands[i]->prepared();
-    size.rows += of.mechanism.rows;
-    size.rank += of.structure.rank;
-    size.free_coordinates += of.mechanism.nv - of.structure.position_rank;
-  }
-  size.freedoms = size.speeds - size.rank;
-  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
-  still_energy = standing_energy(scene, prepared.reduced);
-}
 
 int Simulation::Impl::known_input(int index) const {
   if (index < 0 || index >= static_cast<int>(inputs.size())) {
@@ -133,39 +95,6 @@ double Simulation::Impl::largest_gap(const std::vector<double>& (Kinematics::*of
   return std::max(angle, scene.units.length * length);
 }
 
-Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
-Simulation::~Simulation() = default;
-Simulation::Simulation(Simulation&&) noexcept = default;
-Simulation& Simulation::operator=(Simulation&&) noexcept = default;
-
-void Simulation::assemble(double time) {
-  Impl& s = *impl_;
-  if (!std::isfinite(time)) throw UsageError("the start time is not a finite number");
-  s.time = time;
-  s.u.start(time);
-  s.initialized = s.runs = false;
-  s.prepare_start();
-  s.make_islands();
-  s.find_independent();
-  if (s.scene.solver.start == "equilibrium") s.settle();
-  s.initialized = true;
-}
-
-void Simulation::initialize(double time, double tolerance) {
-  assemble(time);
-  Impl& s = *impl_;
-  s.initialized = false;
-  const double wanted = tolerance > 0 ? tolerance : s.scene.experiment.tolerance;
-  double finest = 0;
-  for (const auto& island : s.islands) {
-    island->start_integrator(wanted);
-    if (const Integrator* made = island->integrator()) finest = std::max(finest, made->finest_tolerance());
-  }
-  if (wanted < finest) s.prepared.warnings.push_back(describe_finest(s.scene.solver.integrator, wanted, finest));
-  if (any_integrator(s.islands, &Integrator::may_have_past)) s.log.make_room();
-  s.initialized = s.runs = true;
-}
-
 void Simulation::step_to(double end) {
   Impl& s = *impl_;
   if (!s.runs) throw UsageError("a step before initialize()");
@@ -212,22 +141,6 @@ void Simulation::set_input_derivative(int index, int order, double value) {
   if (!fault.empty()) throw UsageError(impl_->inputs.at(index).name + ": " + fault);
   const int known = impl_->known_input(index);
   impl_->u.set_derivative(known, order, value / impl_->input_size[known]);
-}
-
-void Simulation::tune(const Scene& scene) {
-  Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("tuning before initialize()");
-  take_tunables(s.given, scene);
-  if (s.scene.units.is_si()) {
-    take_tunables(s.scene, scene);
-  } else {
-    s.tuned = s.given;
-    convert(s.tuned, s.scene.units);
-    take_tunables(s.scene, s.tuned);
-  }
-  s.load_maker->fill(s.other_loads);
-  for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->swap_loads(s.other_loads[i]);
-  s.still_energy = standing_energy(s.scene, s.prepared.reduced);
 }
 
 double Simulation::input(int index) const {
