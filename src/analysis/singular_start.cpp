@@ -8,6 +8,7 @@
 
 #include "assembly/assembly_problem.h"
 #include "assembly/closing.h"
+#include "linear/descent.h"
 #include "linear/weak_rows.h"
 
 namespace gelenk {
@@ -24,8 +25,6 @@ constexpr double weak = 2e-5;       // of the largest singular value of J, likew
 constexpr double left_open = 1e-7;  // rad or m: of the position, by rounding of the closed loop
 constexpr double met = 1e-10;       // |l^T gamma| over length |v|^2
 constexpr int most_searches = 12;   // from velocities at random
-
-double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
 // l^T gamma(v) over the velocities that J v = b and the fixed ones leave: v = v0 + W a.
 class BranchSearch {

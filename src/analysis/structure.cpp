@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "assembly/row_space.h"
+#include "assembly/closing.h"
 
 namespace gelenk {
 namespace {
@@ -23,16 +23,14 @@ constexpr double same_row = 1e-8;
 constexpr double no_motion = 1e-8;
 constexpr std::size_t enough_positions = 4;
 constexpr double least_size = 1e-3;  // m: scenes are solved in units near their size
-constexpr double closed = 1e-12;     // m or rad
 // A smallest pivot below this share of the largest may be that of a position beside a singular one.
 constexpr double doubtful = 1e-2;
 constexpr double reach = 0.3;   // rad: from one position to the next
 constexpr double small = 1e-3;  // rad: loops curve by less than some hundredths of it, but next to singular positions
 constexpr double astray = 0.1;  // of a small step
 // Of the largest pivot: where rows are nowhere independent by more, and somewhere not at all, they are so by what
-// closing to 1e-12 leaves of coordinates in singular positions, its root.
+// closing leaves of coordinates in singular positions, its root.
 constexpr double barely = 1e-5;
-constexpr double damping = 1e-10;  // of the closing steps, in the rows' mean square
 
 // Entries up to `nothing` are rounding.
 int rank_of(const SparseMatrix& J, double nothing) {
@@ -102,7 +100,7 @@ class Explorer {
       std::vector<double> moved = q_;
       const VectorXd dv = step * motion;
       dynamics_.displace(moved.data(), dv.data());
-      if (!close(moved) || distance(moved) < step / 5) continue;
+      if (!close_rows(mechanism_, dynamics_, moved) || distance(moved) < step / 5) continue;
       before_ = std::move(q_);
       q_ = std::move(moved);
       return true;
@@ -150,26 +148,7 @@ class Explorer {
     const VectorXd dv = small * motion;
     dynamics_.displace(ahead.data(), dv.data());
     std::vector<double> there = ahead;
-    return close(there) && distance(there, ahead) < astray * small;
-  }
-
-  // Levenberg-Marquardt steps, which ask for no rank: off the loops rows that repeat others look independent, and at
-  // a singular start rows that are independent do not.
-  bool close(std::vector<double>& q) {
-    for (int i = 0; i < 60; ++i) {
-      stand(q, mechanism_.rows);
-      const VectorXd Phi = Eigen::Map<const VectorXd>(dynamics_.Phi().data(), mechanism_.rows);
-      const double gap = Phi.lpNorm<Eigen::Infinity>();
-      if (!std::isfinite(gap)) return false;
-      if (gap < closed) return true;
-      const SparseMatrix J = dynamics_.sparse_J();
-      const SparseMatrix A = J * J.transpose();
-      VectorXd dv = -J.transpose() * solve_definite(plus_diagonal(A, damping * A.diagonal().mean()), Phi);
-      const double size = dv.lpNorm<Eigen::Infinity>();
-      if (size > reach) dv *= reach / size;
-      dynamics_.displace(q.data(), dv.data());
-    }
-    return false;
+    return close_rows(mechanism_, dynamics_, there) && distance(there, ahead) < astray * small;
   }
 
   const Mechanism& mechanism_;

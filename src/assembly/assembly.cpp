@@ -9,6 +9,7 @@
 #include "assembly/assembly_problem.h"
 #include "assembly/closing.h"
 #include "assembly/conflict.h"
+#include "linear/descent.h"
 
 namespace gelenk {
 namespace {
@@ -32,8 +33,6 @@ constexpr double bent =
     1e-6;  // of weights: bending of the distance where one place is the nearest among its neighbours
 // Of mechanisms with more speeds fewer assemblies are looked at: each takes long.
 constexpr int many_speeds = 30;
-
-double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
 // The widest gap, where the loops are: m, rad and the joint.
 void find_gap(const Mechanism& mechanism, const Dynamics& dynamics, double& gap, double& turn, int& worst) {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "linear/descent.h"
+
 namespace gelenk {
 namespace {
 
@@ -14,17 +16,19 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Level = AssemblyProblem::Level;
 
-constexpr double closed = 1e-13;        // relative to the mechanism's length: some hundreds of roundings
 constexpr double rounding = 2e-16;      // relative to the mechanism's length
 constexpr double longest_step = 0.4;    // rad or m: farther than this the linearised loops say little
 constexpr double difference = 1e-5;     // of second derivatives: as much lost by rounding as by its length
 constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
 
-double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
-
-VectorXd limited(const VectorXd& step) {
-  const double size = largest(step);
-  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
+// The shortest steps that take residuals of the rows G away.
+auto shortest_steps(SparseMatrix G) {
+  const double scale = G.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, G.rows()));
+  return [G = std::move(G), scale](const VectorXd& r, double damping) -> VectorXd {
+    if (damping == 0 || G.cols() == 0) return -RowSpace(G).shortest(r);
+    const SparseMatrix normal = G * G.transpose();
+    return -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), r);
+  };
 }
 
 // Half the squared distance along the loops closed at q.
@@ -105,73 +109,57 @@ VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold) {
 }
 
 double close_gaps(AssemblyProblem& problem, std::vector<double>& q) {
-  VectorXd g = problem.gap(q);
-  double damping = 0;
-  for (int i = 0; i < 200 && largest(g) > rounding * problem.length(); ++i) {
-    // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
-    // further as long as that makes progress; there Newton's method quarters the gap at each step.
-    const double least_progress = largest(g) > closed * problem.length() ? 1e-6 : 0.5;
-    const SparseMatrix G = problem.gap_jacobian(q);
-    if (G.cols() == 0) break;  // everything is fixed
-    const double scale = G.squaredNorm() / std::max<Eigen::Index>(1, G.rows());
-    bool better = false;
-    for (int k = 0; k < 12 && !better; ++k) {
-      VectorXd step;
-      if (damping == 0) {
-        step = -RowSpace(G).shortest(g);
-      } else {
-        const SparseMatrix normal = G * G.transpose();
-        step = -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), g);
-      }
-      std::vector<double> next = problem.displaced(q, limited(step));
-      const VectorXd g_next = problem.gap(next);
-      better = g_next.norm() < g.norm() * (1 - least_progress);
-      if (better) {
-        q = std::move(next);
-        g = g_next;
-        damping = damping < 1e-5 ? 0 : damping / 10;
-      } else if (least_progress < 0.5) {
-        damping = std::max(1e-4, damping * 8);
-      } else {
-        break;
-      }
-    }
-    if (!better) break;
-  }
-  return largest(g);
+  // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
+  // further as long as that makes progress; there Newton's method quarters the gap at each step.
+  const Descent how{.tolerance = closure_tolerance * problem.length(),
+                    .rounding = rounding * problem.length(),
+                    .longest_step = longest_step,
+                    .most_steps = 200};
+  return largest(descend(
+      q, how, [&](const auto& at) { return problem.gap(at); },
+      [&](const auto& at) { return shortest_steps(problem.gap_jacobian(at)); },
+      [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); }));
+}
+
+bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<double>& q) {
+  double length = 1;
+  for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
+  const Descent how{.tolerance = closure_tolerance * length,
+                    .least_damping = 1e-10,  // pivots below its root are those of rows that repeat others
+                    .longest_step = longest_step,
+                    .most_steps = 60};
+  const auto residual = [&](const auto& at) {
+    dynamics.set_position(at.data());
+    return VectorXd(Eigen::Map<const VectorXd>(dynamics.Phi().data(), mechanism.rows));
+  };
+  const auto linearised = [&](const auto& at) {
+    dynamics.set_position(at.data());
+    return shortest_steps(dynamics.sparse_J());
+  };
+  const auto displaced = [&](auto at, const VectorXd& step) {
+    dynamics.displace(at.data(), step.data());
+    return at;
+  };
+  return largest(descend(q, how, residual, linearised, displaced)) <= how.tolerance;
 }
 
 void pull(AssemblyProblem& problem, std::vector<double>& q) {
-  const auto residual = [&](const std::vector<double>& at) {
+  const auto residual = [&](const auto& at) {
     const VectorXd g = problem.gap(at);
     const VectorXd d = problem.distance(at);
     return VectorXd((VectorXd(g.size() + d.size()) << g, d).finished());
   };
-  VectorXd r = residual(q);
-  double damping = 1e-4;
-  for (int i = 0; i < 40; ++i) {
-    const SparseMatrix G = problem.gap_jacobian(q);
-    const SparseMatrix T = problem.distance_jacobian(q);
-    if (G.cols() == 0) return;
-    const SparseMatrix loops = G.transpose() * G;
-    const SparseMatrix wishes = T.transpose() * T;
-    const SparseMatrix normal = plus_diagonal(loops + wishes, damping);
-    const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
-    const VectorXd step = limited(-solve_definite(normal, downhill));
-    std::vector<double> next = problem.displaced(q, step);
-    const VectorXd r_next = residual(next);
-    if (r_next.norm() < r.norm()) {
-      const bool done = r.norm() - r_next.norm() < 1e-4 * r.norm();
-      q = std::move(next);
-      r = r_next;
-      damping = std::max(1e-9, damping / 10);
-      if (done) return;
-    } else if (damping > 1e6) {
-      return;
-    } else {
-      damping *= 10;
-    }
-  }
+  const auto linearised = [&](const auto& at) {
+    return [G = problem.gap_jacobian(at), T = problem.distance_jacobian(at)](const VectorXd& r, double damping) {
+      const SparseMatrix normal = G.transpose() * G + SparseMatrix(T.transpose() * T);
+      const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
+      return VectorXd(-solve_definite(plus_diagonal(normal, damping), downhill));
+    };
+  };
+  // A rough way: to within what the last steps take away, and by coordinates that neither loops nor wishes tell of no
+  // farther than need be.
+  descend(q, {.least_progress = 1e-4, .least_damping = 1e-4, .longest_step = longest_step, .most_steps = 40}, residual,
+          linearised, [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); });
 }
 
 void come_near(AssemblyProblem& problem, std::vector<double>& q) {
@@ -180,7 +168,7 @@ void come_near(AssemblyProblem& problem, std::vector<double>& q) {
     const double cost = at.d.squaredNorm();
     const bool newton = i >= 2 && at.loops.freedoms() <= most_bent;
     const VectorXd step = newton ? newton_step(problem, q, at) : nearest(at.loops, at.T, at.d);
-    if (!nearer(problem, q, at, limited(step), newton)) return;
+    if (!nearer(problem, q, at, limited(step, longest_step), newton)) return;
     if (!newton && at.loops.freedoms() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
     if (largest(at.gradient) < 1e-15 * problem.length()) return;
   }

@@ -9,10 +9,14 @@
 
 namespace gelenk {
 
-inline constexpr double assembled_gap = 1e-9;  // m or rad: what the user is promised
+inline constexpr double assembled_gap = 1e-9;       // m or rad: what the user is promised
+inline constexpr double closure_tolerance = 1e-13;  // of the mechanism's length: some hundreds of roundings
 
-// Closes the loops from q by Levenberg-Marquardt steps; returns the largest gap left.
+// Closes the loops from q by Levenberg-Marquardt steps, fixed values kept; returns the largest gap left.
 double close_gaps(AssemblyProblem& problem, std::vector<double>& q);
+// Closes all rows from q, whatever is wished; false where that fails. Asks for no rank: off the loops rows that repeat
+// others look independent, and at a singular start rows that are independent do not. Leaves `dynamics` anywhere.
+bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<double>& q);
 
 // From q to where gaps and weighted distances together are small: wishes of cut joints pull the tree before it closes.
 void pull(AssemblyProblem& problem, std::vector<double>& q);

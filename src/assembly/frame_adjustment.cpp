@@ -9,6 +9,7 @@
 
 #include "assembly/loop_positions.h"
 #include "assembly/parallel_axes.h"
+#include "linear/descent.h"
 
 namespace gelenk {
 namespace {
@@ -42,8 +43,6 @@ constexpr int most_steps = 20;
 constexpr double unknown_per_misfit = 30;
 constexpr double unknown = 1e-9;
 constexpr int attempts = 9;  // starts from which to close the loops
-
-double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
 // Gauss-Newton steps for the frames of a mechanism and positions of it, J's rank given.
 class Fit {

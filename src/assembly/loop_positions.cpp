@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linear/descent.h"
+
 namespace gelenk {
 namespace {
 
@@ -15,19 +17,11 @@ using Eigen::VectorXd;
 constexpr double longest_step = 0.3;  // rad or m, of one closing step: beyond, the linearised loops say little
 constexpr double stride = 0.4;        // rad or m, from one position to the next: so that they differ much
 constexpr double stayed = 0.05;       // rad or m: a walk that gets no farther has met an end
-constexpr double least_progress = 1e-3;
 // Of the largest singular value: at regular positions of mechanisms with all kinds of proportions it is 1e-3 and more.
 constexpr double least_pivot = 1e-4;
 constexpr double beside_singular = 1e-3;  // likewise: positions beside singular ones have smaller ones
 // Between the last singular value that counts and the first that does not.
 constexpr double certain = 10;
-
-double largest(const VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
-
-VectorXd limited(const VectorXd& step) {
-  const double size = largest(step);
-  return size > longest_step ? VectorXd(step * (longest_step / size)) : step;
-}
 
 }  // namespace
 
@@ -48,27 +42,18 @@ VectorXd Decomposition::solve(const VectorXd& b, Index rank, double damping) con
 }
 
 LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
-  LoopGeometry::Equations here = loops_.equations(q);
-  double damping = 0;
-  for (int i = 0; i < 80; ++i) {
-    const Decomposition J(here.J);
-    if (J.sigma.size() == 0 || J.sigma[0] == 0) break;
-    bool better = false;
-    for (int k = 0; k < 8 && !better; ++k) {
-      std::vector<double> next = loops_.displaced(q, limited(-J.solve(here.Phi, rank_, damping)));
-      LoopGeometry::Equations there = loops_.equations(next);
-      better = there.Phi.norm() < here.Phi.norm() * (1 - least_progress);
-      if (better) {
-        q = std::move(next);
-        here = std::move(there);
-      } else {
-        damping = std::max(1e-4 * J.sigma[0] * J.sigma[0], 8 * damping);
-      }
-    }
-    if (!better) break;
-    damping = damping > 1e-8 * J.sigma[0] * J.sigma[0] ? damping / 10 : 0;
-  }
-  return {std::move(q), largest(here.Phi), Decomposition(here.J).sigma};
+  const auto linearised = [&](const auto& at) {
+    return [J = Decomposition(loops_.equations(at).J), this](const VectorXd& Phi, double damping) -> VectorXd {
+      if (J.sigma.size() == 0 || J.sigma[0] == 0) return {};
+      return -J.solve(Phi, rank_, damping * J.sigma[0] * J.sigma[0]);
+    };
+  };
+  // The equations contradict each other: the least gap is no zero, and is there when it falls no more.
+  const VectorXd left = descend(
+      q, {.least_progress = 1e-3, .longest_step = longest_step, .most_steps = 80},
+      [&](const auto& at) { return loops_.equations(at).Phi; }, linearised,
+      [&](const auto& at, const VectorXd& step) { return loops_.displaced(at, step); });
+  return {q, largest(left), Decomposition(loops_.equations(q).J).sigma};
 }
 
 bool LoopPositions::is_regular(const Position& position) const {
