@@ -275,6 +275,34 @@ void list_needed(const Mechanism& mechanism, const std::vector<bool>& needed, St
   out.needed_rows += static_cast<int>(mechanism.coordinate_rows.size());
 }
 
+// What the positions have shown.
+struct Seen {
+  std::vector<SparseMatrix> rows;  // J at each position of the highest rank
+  bool less_elsewhere = false;     // at some the rank was lower
+};
+
+// Goes on from the start, where it has begun, and sees so many positions, if it can.
+void explore(Explorer& explorer, Dynamics& dynamics, const std::vector<double>& way, std::size_t positions,
+             Standing& standing, Seen& seen, Structure& out) {
+  for (std::size_t i = 0; i < 2 * positions && seen.rows.size() <= positions; ++i) {
+    // First the way it will go: of the branches that meet in a singular start, this is the one that counts.
+    const bool moved = i == 0 && !way.empty() ? explorer.move_along(unit(way)) : explorer.move(out.rank);
+    if (!moved) continue;
+    const int rank = explorer.rank_here();
+    if (rank < out.rank) {
+      seen.less_elsewhere = true;
+      explorer.back();  // into a singular position, from where other branches lead
+      continue;
+    }
+    explorer.stand(explorer.position(), rank);
+    out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
+    out.rank = rank;
+    out.idle_q = explorer.position();
+    seen.rows.push_back(dynamics.sparse_J());
+    standing.see(dynamics, explorer.free_motion());
+  }
+}
+
 }  // namespace
 
 Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
@@ -287,44 +315,26 @@ Structure structure_of(const Mechanism& mechanism, Dynamics& dynamics, const std
   out.soundest = dynamics.pivot_ratio();
   standing.see(dynamics, explorer.free_motion());
   const bool deficient = out.rank < mechanism.rows;
-  std::vector<SparseMatrix> seen = {dynamics.sparse_J()};
-  bool less_elsewhere = false;
+  Seen seen{.rows = {dynamics.sparse_J()}};
   if (deficient || ((standing.any() || out.soundest < doubtful) && mechanism.rows > 0)) {
-    const std::size_t positions = mechanism.rows <= 100 ? 10 : 4;
-    for (std::size_t i = 0; i < 2 * positions && seen.size() <= positions; ++i) {
-      // First the way it will go: of the branches that meet in a singular start, this is the one that counts.
-      const bool moved = i == 0 && !way.empty() ? explorer.move_along(unit(way)) : explorer.move(out.rank);
-      if (!moved) continue;
-      const int rank = explorer.rank_here();
-      if (rank < out.rank) {
-        less_elsewhere = true;
-        explorer.back();  // into a singular position, from where other branches lead
-        continue;
-      }
-      explorer.stand(explorer.position(), rank);
-      out.soundest = rank > out.rank ? dynamics.pivot_ratio() : std::max(out.soundest, dynamics.pivot_ratio());
-      out.rank = rank;
-      out.idle_q = explorer.position();
-      seen.push_back(dynamics.sparse_J());
-      standing.see(dynamics, explorer.free_motion());
-    }
+    explore(explorer, dynamics, way, mechanism.rows <= 100 ? 10 : 4, standing, seen, out);
   }
-  const bool stuck = seen.size() == 1 && out.rank < mechanism.nv;
+  const bool stuck = seen.rows.size() == 1 && out.rank < mechanism.nv;
   out.stuck = stuck && deficient;
-  const bool by_rounding = out.soundest < barely && (stuck || deficient || less_elsewhere);
+  const bool by_rounding = out.soundest < barely && (stuck || deficient || seen.less_elsewhere);
   // No sound position is known.
   if ((stuck && deficient) || by_rounding || explorer.is_rigid_at_second_order(out.rank)) out.soundest = INFINITY;
-  out.position_rank = position_rank_of(mechanism, seen, out.rank, explorer.nothing());
+  out.position_rank = position_rank_of(mechanism, seen.rows, out.rank, explorer.nothing());
   std::vector<bool> needed(mechanism.rows, true);
   // What holds everywhere can be told only where several positions were seen, or where there is but one.
-  const bool explored = out.rank == mechanism.nv || seen.size() >= enough_positions;
+  const bool explored = out.rank == mechanism.nv || seen.rows.size() >= enough_positions;
   // In a singular start branches meet, and what stands on the one that was explored may move on another.
   if (!(out.rank_start == mechanism.nv || (explored && out.rank_start == out.rank))) standing.none();
   if (out.rank < mechanism.rows) {
-    out.idle = left_null_space(seen.back(), explorer.nothing());
-    if (seen.size() == 1) out.idle_q = q;
+    out.idle = left_null_space(seen.rows.back(), explorer.nothing());
+    if (seen.rows.size() == 1) out.idle_q = q;
   }
-  if (out.rank < mechanism.rows && explored) needed = needed_rows(mechanism, seen, out.rank, explorer.nothing());
+  if (out.rank < mechanism.rows && explored) needed = needed_rows(mechanism, seen.rows, out.rank, explorer.nothing());
   list_needed(mechanism, needed, out);
   explorer.stand(q, out.rank);
   return out;
