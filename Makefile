@@ -19,6 +19,7 @@
 # make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
 # make smoke    a minute of fuzzing, where clang is, and the native units under AddressSanitizer and UBSan
 # make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
+# make states   write the fuzzers' seeds of FMU states anew, where what a state holds has changed
 # make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
 # make clean    remove what was built
 # A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
@@ -42,9 +43,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states win64 clean
 help:
-	@sed -n '2,24s/^# //p' Makefile
+	@sed -n '2,25s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -154,6 +155,9 @@ fuzz: $(VENV)/tools.stamp
 	  $$fuzzer -max_total_time=$(SECONDS_EACH) -timeout=10 -max_len=8192 -dict=tests/fuzz/scene.dict \
 	    -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name tests/fuzz/corpus/$$name; \
 	done
+
+states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PYTHONPATH=tests $(BIN)/python -m fuzz.states
 
 # The library goes into the package in .venv, where `gelenk export --platforms linux64,win64` finds it.
 WIN64 := $(abspath build/sundials-win64)
