@@ -52,7 +52,8 @@ class BranchSearch {
   bool holds(const VectorXd& a) { return largest(excess(a)) <= met * scale_; }
   Index freedoms() const { return W_.cols(); }
 
-  // Newton's method with steps of least length: excess() is quadratic, so its central differences are exact.
+  // Newton's method with steps of least length: excess() is quadratic, so its central differences are exact. Steps are
+  // neither shortened nor damped: a root that is far away is as good, and a search that strays is given up for another.
   bool search(VectorXd& a) {
     for (int i = 0; i < 60; ++i) {
       const VectorXd F = excess(a);

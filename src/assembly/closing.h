@@ -21,8 +21,9 @@ bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<doub
 // From q to where gaps and weighted distances together are small: wishes of cut joints pull the tree before it closes.
 void pull(AssemblyProblem& problem, std::vector<double>& q);
 
-// Moves along the closed loops to where the weighted distance is least: Gauss-Newton, then Newton with the curvature
-// of the loops, which settles the last digits however far away the wishes are. (Nocedal & Wright, ch. 10 and 18.)
+// Moves along the closed loops to where the weighted distance is least (each trial is closed again, and judged by the
+// distance, so this is no descend()): Gauss-Newton, then Newton with the curvature of the loops, which settles the last
+// digits however far away the wishes are. (Nocedal & Wright, ch. 10 and 18.)
 void come_near(AssemblyProblem& problem, std::vector<double>& q);
 
 // What remains free at q where the loops are closed, and how the weighted distance behaves along it.

@@ -44,7 +44,9 @@ constexpr double unknown_per_misfit = 30;
 constexpr double unknown = 1e-9;
 constexpr int attempts = 9;  // starts from which to close the loops
 
-// Gauss-Newton steps for the frames of a mechanism and positions of it, J's rank given.
+// Gauss-Newton steps for the frames of a mechanism and positions of it, J's rank given. Whole ones, none of them judged
+// by its residuals: positions that close roughly and frames that hardly move are near enough, and where steps do not
+// converge the rank is not that of the exact mechanism, which damping would hide.
 class Fit {
  public:
   Fit(LoopGeometry& loops, Index rank, const std::vector<bool>& held_axes) : loops_(loops), rank_(rank) {
