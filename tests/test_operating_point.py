@@ -110,3 +110,13 @@ def test_a_time_of_zero_is_the_start(five_bar: Path) -> None:
     at_zero, at_start = (linear_model(gelenk.OperatingPoint(five_bar, at=at)) for at in (0.0, None))
     assert np.array_equal(at_zero.A, at_start.A)
     assert np.array_equal(at_zero.y0, at_start.y0)
+
+
+def test_values_that_are_told_are_attained_where_a_scene_begins_at_rest(root: Path) -> None:
+    """They say where the point is; parameters say only from where its rest is looked for."""
+    source = gelenk.load(root / "scenes" / "double_pendulum.yaml").to_dict()
+    source["solver"] = {**source.get("solver", {}), "start": "equilibrium"}
+    told = linear_model(source, at={"shoulder.phi": 0.5, "elbow.phi": 0.2})
+    assert dict(zip(told.outputs, told.y0, strict=True))["shoulder.phi"] == 0.5
+    found = linear_model(source, parameters={"shoulder.phi_start": 0.5})
+    assert np.abs(found.rates).max() < 1e-8

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/equilibrium.h"
 #include "bindings.h"
 #include "scene/wanted_outputs.h"
 #include "simulation/inspection.h"
@@ -352,6 +353,8 @@ void bind_reports(nb::class_<Plant>& simulation) {
 }  // namespace
 
 void gelenk::bind_simulation(nb::module_& m) {
+  m.attr("standing_rate") = gelenk::standing_rate;
+  m.attr("standing_rounding") = gelenk::standing_rounding;
   bind_signal(m);
   bind_size(m);
   nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");

@@ -247,5 +247,7 @@ fmu_logger: int
 
 diagnostic_names: list[str]
 reduction_names: list[str]
+standing_rate: float
+standing_rounding: float
 elements: Any
 joints: Any

@@ -145,4 +145,17 @@ std::vector<int> independent_columns(const SparseMatrix<double>& J, int rank, co
   return elimination.independent();
 }
 
+Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const Structure& structure,
+                           const std::vector<bool>& coordinates, const std::vector<bool>& speeds) {
+  Independent out;
+  out.speeds = independent_columns(dynamics.sparse_J(), structure.rank, speeds);
+  out.coordinates = out.speeds;
+  if (structure.position_rank == structure.rank && coordinates == speeds) return out;
+  // Where a speed is independent its coordinate can be, too.
+  std::vector<bool> prefer = coordinates;
+  for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
+  out.coordinates = independent_columns(position_rows(mechanism, dynamics.sparse_J()), structure.position_rank, prefer);
+  return out;
+}
+
 }  // namespace gelenk

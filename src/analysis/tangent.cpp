@@ -32,6 +32,19 @@ std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivative
   return out;
 }
 
+MatrixXd displacements(const Mechanism& mechanism, const double* q, const MatrixXd& dq) {
+  MatrixXd z = MatrixXd::Zero(mechanism.nv, dq.cols());
+  for (Index k = 0; k < dq.cols(); ++k) {
+    for (const Link& link : mechanism.links) {
+      if (link.nv == 0 || dq.col(k).segment(link.iq, link.nq).isZero(0)) continue;
+      std::visit(
+          [&](const auto& joint) { joint.unrate(q + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv); },
+          link.joint);
+    }
+  }
+  return z;
+}
+
 Tangent::Tangent(const Mechanism& mechanism, const Loads& loads, const Structure& structure,
                  const Independent& independent, int inputs)
     : mechanism_(mechanism),
@@ -163,17 +176,7 @@ void Tangent::move_targets(const MatrixXd& du) {
 // The independent coordinates moved by dq, and the others as the rows want.
 MatrixXd Tangent::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
   const Index n = dq.cols();
-  MatrixXd z = MatrixXd::Zero(mechanism_.nv, n);  // speeds times time
-  for (Index k = 0; k < n; ++k) {
-    for (const Link& link : mechanism_.links) {
-      if (link.nv == 0 || dq.col(k).segment(link.iq, link.nq).isZero(0)) continue;
-      std::visit(
-          [&](const auto& joint) {
-            joint.unrate(q_.data() + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv);
-          },
-          link.joint);
-    }
-  }
+  MatrixXd z = displacements(mechanism_, q_.data(), dq);
   for (const int k : of_positions_.dependent) z.row(k).setZero();
   if (mechanism_.rows > 0) {
     MatrixXd residuals = J_ * z;  // less what the rows' targets move

@@ -39,6 +39,9 @@ class Undetermined : public std::runtime_error {
 // As Dynamics::set_targets takes them.
 std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivatives>& targets);
 
+// Changes of coordinates, the columns of dq, as displacements along the speeds (speeds times time).
+Eigen::MatrixXd displacements(const Mechanism& mechanism, const double* q, const Eigen::MatrixXd& dq);
+
 // State, inputs and solution as numbers T, and the equations that stand there.
 template <class T>
 struct Carried {

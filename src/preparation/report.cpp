@@ -226,20 +226,21 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
          text::rounded(open, 1) + " of their size";
 }
 
-std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault) {
+std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, int speed,
+                            double acceleration) {
   std::string what = "a joint";
   std::string unit;
   for (const int j : reduced.islands[island].joints) {
     const JointPlace& place = reduced.joints[j];
     const JointKind& kind = *find_joint_kind(scene.joints[j].type);
-    if (place.role != JointPlace::Role::tree || fault.speed < place.iv || fault.speed >= place.iv + kind.nv) continue;
-    const Quantity& a = kind.a[fault.speed - place.iv];
+    if (place.role != JointPlace::Role::tree || speed < place.iv || speed >= place.iv + kind.nv) continue;
+    const Quantity& a = kind.a[speed - place.iv];
     what = scene.joints[j].name + "." + std::string(a.name);
     unit = a.unit;
   }
   return prefix(scene) +
          "solver.start: found no equilibrium from the start values under the inputs at the start: " + what + " = " +
-         text::rounded(in_si(scene, std::abs(fault.acceleration), unit)) + " " + unit +
+         text::rounded(in_si(scene, std::abs(acceleration), unit)) + " " + unit +
          " is the largest acceleration that remains; expected start values nearer to one, or as_given";
 }
 

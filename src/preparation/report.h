@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/equilibrium.h"
 #include "analysis/singular_start.h"
+#include "analysis/tangent.h"
 #include "assembly/assembly.h"
 #include "event/event_log.h"
 
@@ -27,13 +27,14 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
 // Joints of the scene around the loop that a cut closes, ascending.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
-// A link that moves without inertia.
 // No rest was found from the start values: the acceleration that stays at best.
-std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, const NoEquilibrium& fault);
+std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, int speed,
+                            double acceleration);
 // A rest is asked for while a motion goes on.
 std::string describe_moving_drive(const Scene& scene, int constraint);
 
 std::string describe_undefined_rows(const Scene& scene, const Cut& cut);
+// A link that moves without inertia.
 std::string describe_massless(const Scene& scene, const std::string& link);
 
 // The same of a link that had inertia at the start; t [s]: of the last good state.

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A start at rest instead of the start values.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "analysis/equilibrium.h"
 #include "preparation/report.h"
+#include "scene/natural_time.h"
 #include "simulation/simulation_impl.h"
 
 namespace gelenk {
@@ -20,11 +23,20 @@ void Simulation::Impl::settle() {
     }
     Assembled& start = prepared.islands[i].start;
     try {
-      start.q = find_rest(mechanism, island.loads(), island.prepared().structure, independent_by_island[i], start.q,
-                          island.formulation().turns().coordinates(), u.now(), targets)
-                    .q;
+      Rest rest = find_rest({.mechanism = mechanism,
+                             .loads = island.loads(),
+                             .structure = island.prepared().structure,
+                             .u = u.now(),
+                             .targets = targets,
+                             .time = natural_time(given, scene.units)},
+                            start.q, island.formulation().turns().coordinates());
+      start.q = std::move(rest.q);
+      prepared.islands[i].cut_start = std::move(rest.cut_q);
     } catch (const NoEquilibrium& fault) {
-      throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), fault));
+      const std::vector<int>& speeds = independent_by_island[i].speeds;
+      const auto size = [&](int k) { return std::abs(fault.left[k]); };
+      const int worst = *std::ranges::max_element(speeds, {}, size);
+      throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), worst, fault.left[worst]));
     } catch (const Undetermined& fault) {
       throw AssemblyError(describe_undetermined(scene, fault, time, names_of_coordinates(static_cast<int>(i))));
     }

@@ -77,16 +77,7 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
   const bool singular = structure.rank_start < structure.rank && !structure.idle_q.empty();
   dynamics->set_position((singular ? structure.idle_q : prepared.islands[island].start.q).data());
   dynamics->factorise();
-  Independent out;
-  out.speeds = independent_columns(dynamics->sparse_J(), structure.rank, speeds);
-  out.coordinates = out.speeds;
-  if (structure.position_rank == structure.rank && coordinates == speeds) return out;
-  // Where a speed is independent its coordinate can be, too.
-  std::vector<bool> prefer = coordinates;
-  for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
-  out.coordinates =
-      independent_columns(position_rows(mechanism, dynamics->sparse_J()), structure.position_rank, prefer);
-  return out;
+  return independent_at(mechanism, *dynamics, structure, coordinates, speeds);
 }
 
 Eigen::VectorXd Simulation::Impl::sizes_of_states() const {

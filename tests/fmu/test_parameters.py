@@ -171,10 +171,6 @@ def cannot_act(source: dict[str, Any], name: str) -> bool:
 HELD = {"balancing_robot": ("lift", "roll"), "bicycle": ("height", "pitch")}
 
 
-# Where solver.start changes nothing, as the start is a rest: without weight and springs any is.
-NO_OTHER_REST = ("five_bar",)
-
-
 @pytest.mark.parametrize("file", scene_files.good(), ids=lambda file: file.stem)
 def test_each_parameter_of_each_scene_acts(file: Path, tmp_path: Path) -> None:
     source = offering_all(gelenk.load(file).to_dict())
@@ -187,8 +183,6 @@ def test_each_parameter_of_each_scene_acts(file: Path, tmp_path: Path) -> None:
         silent = [name for name in silent if not seen.acts(name)]
     held = HELD.get(file.stem, ())
     expected = [name for name in plain.parameters if cannot_act(source, name)]
-    if file.stem in NO_OTHER_REST:
-        expected.append("solver.start")
     assert sorted(n for n in silent if n.split(".")[0] not in held) == sorted(expected)
 
 

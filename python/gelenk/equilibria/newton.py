@@ -15,9 +15,12 @@ from gelenk.linear.model import standing
 Array = NDArray[np.float64]
 
 MOST_STEPS = 200
+MOST_IN_VAIN = 5  # steps by which those to come do not become shorter by this factor
+PROGRESS = 0.9
 MOST_FALLS = 100  # steps downhill, where Newton's lead nowhere
 SHORTEST = 1 / 64  # of a step, before it is given up
-SINGULAR = 1e-10  # singular values below this part of the largest are rounding: directions that nothing holds
+# Singular values up to this, or this part of the largest, are rounding: of directions that nothing holds.
+SINGULAR = 1e-10
 SETTLED = (
     1e-9  # rad, part of the mechanism's length or of an input: the error after such a step is its square
 )
@@ -53,13 +56,23 @@ class Search:
     def run(self) -> None:
         """Goes on until the pose settles, or the steps are used up."""
         self._approach()
+        least, in_vain = np.inf, 0  # of Newton's steps since the last fall; steps since then
         while self.steps < MOST_STEPS and not self.settled:
             dq, du = self._newton(self.pose.accelerations, self._gap())
-            if self._size(dq, du) < SETTLED:
+            size = self._size(dq, du)
+            if size < SETTLED:
                 self._try(dq, du, 1.0)
                 self.settled = self._stands() or not self._fall()
-            elif not self._shortened(dq, du) and not self._fall():
+                continue
+            # Shortened steps go on to and fro where A is singular between two poses.
+            nearer = size < PROGRESS * least
+            in_vain = 0 if nearer else in_vain + 1
+            least = size if nearer else least
+            if in_vain < MOST_IN_VAIN and self._shortened(dq, du):
+                continue
+            if not self._fall():
                 return
+            least = np.inf
         if self._names:
             self._least_inputs()
 
@@ -69,7 +82,7 @@ class Search:
         share = 0.0
         while share < 1:
             dq = self._particular(self._gap())
-            share = self.rest.share(self.pose, dq)
+            share = self.rest.share(self.rest.turns(self.pose, dq))
             starts = self.rest.starts(self.pose, share * dq)
             for name in held:
                 start, end = self.pose.found.values[name], self.rest.hold[name]
@@ -105,7 +118,9 @@ class Search:
         held = self._particular(gap)
         N = self._free_directions()
         J = np.hstack([self.pose.A @ N, self.pose.B[:, self._free]])
-        found = np.linalg.lstsq(J, -(accelerations + self.pose.A @ held), rcond=SINGULAR)[0]
+        stiffest = float(np.linalg.norm(J, 2)) if J.size else 0.0
+        found = np.linalg.pinv(J, SINGULAR * max(1.0, 1 / max(stiffest, SINGULAR)))
+        found = found @ -(accelerations + self.pose.A @ held)
         return held + N @ found[: N.shape[1]], found[N.shape[1] :]
 
     def _size(self, dq: Array, du: Array) -> float:
@@ -114,7 +129,7 @@ class Search:
 
     def _shortened(self, dq: Array, du: Array) -> bool:
         size = self._size(dq, du)
-        share = self.rest.share(self.pose, dq)
+        share = self.rest.share(self.rest.turns(self.pose, dq))
         least = SHORTEST * share
         while share >= least:
             there = self._try(dq, du, share, keep=False)
@@ -172,18 +187,19 @@ class Search:
         N = self._free_speeds()
         if not N.shape[1]:
             return False
+        again = self._falls > 0  # from where Newton's steps have led up once more: down to the bottom
         moved = False
         while self._falls < MOST_FALLS:
             ways = self.pose.ways @ N
             A, a = N.T @ self.pose.A @ ways, N.T @ self.pose.accelerations
             steepest = float(np.linalg.eigvals(A).real.max())
             size = float(np.abs(a).max())
-            stable = steepest < -SINGULAR * float(np.abs(A).max())
-            if size <= standing(A, np.ones(len(A))).max() or (stable and moved):
+            stable = steepest < -SINGULAR * max(1.0, float(np.abs(A).max()))
+            if size <= standing(A, np.ones(len(A))).max() or (stable and moved and not again):
                 return moved
             dq = ways @ np.linalg.solve((2 * max(steepest, 0.0) + size) * np.eye(len(A)) - A, a)
             self._falls += 1
-            share = self.rest.share(self.pose, dq)
+            share = self.rest.share(self.rest.turns(self.pose, dq))
             before = self.pose.largest()
             if self._try(dq, np.zeros(len(self._names)), share) is None:
                 return moved

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
-from gelenk.errors import UsageError
+from gelenk.errors import AssemblyError, UsageError
 from gelenk.linear.minimal import Minimal, check_whole
 from gelenk.linear.model import standing
+from gelenk.linear.operating_point import START
 from gelenk.model.rotation import turned
 from gelenk.model.values import Value, start_parameter, unknown
 from gelenk.simulation.derivatives import Derivatives
@@ -27,8 +29,8 @@ class Pose:
     """A plant at a point: accelerations a that have to vanish, and what they change by, da = A dx + B du.
 
     All in the mechanism's own units, `found` among it, so that bounds and least squares are. At rest, x are
-    the independent coordinates; in steady motion these and the independent speeds, of which there may be
-    fewer.
+    those coordinates that tell the others best there: the acceleration of one that stands at its dead centre
+    would vanish, whatever the others do. In steady motion x are the independent coordinates and speeds.
 
     Attributes:
         found: all derivatives here.
@@ -38,6 +40,8 @@ class Pose:
         accelerations: theirs, shape (conditions,).
         A: shape (conditions, unknowns).
         B: shape (conditions, inputs).
+        basis: what the states of `minimal` change by with x, shape (states, unknowns).
+        ways: at rest, how x goes with the speeds of the conditions, dx/dt = ways v; empty in motion.
     """
 
     found: Derivatives
@@ -47,11 +51,12 @@ class Pose:
     accelerations: Array
     A: Array
     B: Array
+    basis: Array
+    ways: Array
 
     def slopes(self, names: Sequence[str]) -> Array:
         """Of readings or rotation coordinates, by the unknowns, shape (names, unknowns)."""
-        n = len(self.unknowns)
-        return np.array([self.minimal.row(name)[:n] for name in names]).reshape(len(names), n)
+        return _rows(self.minimal, names) @ self.basis
 
     def accelerations_of(self, speeds: Sequence[str]) -> Array:
         """Of other speeds than those of the conditions here."""
@@ -64,17 +69,23 @@ class Pose:
 
     @property
     def residual(self) -> float:
-        """The largest acceleration in SI units."""
-        sizes = [self.found.size(self.found.rates[name]) for name in self.conditions]
-        return float(np.abs(self.accelerations * sizes).max(initial=0.0))
+        """The largest acceleration of those that are told, in SI units."""
+        return max((abs(self.in_si(name, a)) for name, a in self._told.items()), default=0.0)
 
     def largest(self) -> tuple[str, float, str]:
-        """The largest acceleration: what it is called, itself, its unit in SI."""
-        if not len(self.accelerations):
+        """The largest of these: what it is called, itself, its unit in SI."""
+        told = self._told
+        if not told:
             return "", 0.0, ""
-        i = int(np.abs(self.accelerations).argmax())
-        name = self.found.rates[self.conditions[i]]
-        return name, float(self.accelerations[i]), self.found.units.get(name, "1")
+        name = max(told, key=lambda name: abs(told[name]))
+        return name, told[name], self.found.units.get(name, "1")
+
+    @property
+    def _told(self) -> dict[str, float]:
+        """Accelerations by name: of the plant's own independent speeds, or of those to be steady."""
+        own = [name for name in self.minimal.names if not self.minimal.is_coordinate(name)]
+        speeds = own if len(self.ways) else self.conditions
+        return {self.found.rates[name]: self.minimal.rate(name)[2] for name in speeds}
 
     def in_si(self, name: str, value: float) -> float:
         """What an input or a reading is called to users."""
@@ -87,12 +98,9 @@ class Pose:
             [1.0 if self.minimal.is_coordinate(n) else 1 + abs(self.minimal.value(n)) for n in self.unknowns]
         )
 
-    @property
-    def ways(self) -> Array:
-        """How the coordinates go with the independent speeds: dq/dt = ways v, shape (coordinates, speeds)."""
-        names = self.minimal.names
-        n = sum(map(self.minimal.is_coordinate, names))
-        return np.array([self.minimal.rate(q)[0][n:] for q in names[:n]]).reshape(n, len(names) - n)
+
+def _rows(minimal: Minimal, names: Sequence[str]) -> Array:
+    return np.array([minimal.row(name) for name in names]).reshape(len(names), len(minimal.names))
 
 
 def pose_of(found: Derivatives, conditions: Sequence[str] | None = None) -> Pose:
@@ -100,16 +108,28 @@ def pose_of(found: Derivatives, conditions: Sequence[str] | None = None) -> Pose
     found = found.in_own_units()
     minimal = Minimal(found)
     check_whole(minimal)
-    n = len(minimal.names)
+    unknowns, ways = minimal.names, np.empty((0, 0))
+    basis = np.eye(len(unknowns))
     if conditions is None:
-        conditions = [name for name in minimal.names if not minimal.is_coordinate(name)]
-        n -= len(conditions)
+        n = sum(map(minimal.is_coordinate, minimal.names))
+        known = [name for name in minimal.candidates if minimal.is_coordinate(name)]
+        unknowns, by_coordinates = _telling(minimal, known, slice(n))
+        conditions, by_speeds = _telling(minimal, [minimal.speed(name) for name in known], slice(n, None))
+        basis = np.vstack([by_coordinates, np.zeros((len(minimal.names) - n, n))])
+        ways = np.array([minimal.rate(q)[0][n:] for q in unknowns]).reshape(n, len(by_speeds)) @ by_speeds
     rates = [minimal.rate(name) for name in conditions]
-    A = np.array([by_x[:n] for by_x, _, _ in rates]).reshape(len(rates), n)
+    A = np.array([by_x for by_x, _, _ in rates]).reshape(len(rates), len(basis)) @ basis
     B = np.array([by_u for _, by_u, _ in rates]).reshape(len(rates), len(found.inputs))
-    return Pose(
-        found, minimal, minimal.names[:n], tuple(conditions), np.array([a for _, _, a in rates]), A, B
-    )
+    accelerations = np.array([a for _, _, a in rates])
+    return Pose(found, minimal, tuple(unknowns), tuple(conditions), accelerations, A, B, basis, ways)
+
+
+def _telling(minimal: Minimal, known: Sequence[str], states: slice) -> tuple[tuple[str, ...], Array]:
+    """As many of these names as there are such states, which tell the others best, and the states by them."""
+    rows = _rows(minimal, known)[:, states]
+    order = qr(rows.T, mode="r", pivoting=True)[1][: rows.shape[1]] if rows.size else []
+    chosen = sorted(map(int, order))
+    return tuple(known[i] for i in chosen), np.linalg.inv(rows[chosen])
 
 
 class Rest:
@@ -142,6 +162,8 @@ class Rest:
             name: False for name in plant.parameters if name.endswith(".fixed") and self._owned(name)
         }
         self._settings = {**settings, **flags}
+        self._settings.pop(START, None)
+        self._can_settle = START in known
 
     def _owned(self, flag: str) -> list[str]:
         joint = flag.removesuffix("fixed")
@@ -180,10 +202,34 @@ class Rest:
                 out[name] = 0.0  # a speed
         return out
 
+    def settled(self, pose: Pose, begin: Mapping[str, Value] | None, inputs: Mapping[str, float]) -> Pose:
+        """Where the plant's own search ends: what is found is what a run would begin with.
+
+        The pose itself where the plant has no search, finds nothing, or where something is to be held.
+
+        Args:
+            pose: from which it begins.
+            begin: parameters that put a plant there, if they are known.
+            inputs: in own units.
+        """
+        if not self._can_settle or self.hold or self.conditions is not None:
+            return pose
+        try:
+            if begin is None:
+                begin = self.settings(self.starts(pose, np.zeros(len(pose.unknowns))))
+            return self._put(begin, inputs, "equilibrium")
+        except AssemblyError:
+            return pose
+
     def put(self, starts: Mapping[str, float], inputs: Mapping[str, float]) -> Pose:
         """Raises AssemblyError, or UsageError at a singular position."""
+        return self._put(self.settings(starts), inputs)
+
+    def _put(
+        self, settings: Mapping[str, Value], inputs: Mapping[str, float], start: str = "as_given"
+    ) -> Pose:
         self._plant.reset()
-        self._plant.set_parameters(self.settings(starts))
+        self._plant.set_parameters({**settings, **({START: start} if self._can_settle else {})})
         self._plant.start(None, self.in_si(inputs))
         return pose_of(self._plant.derivatives(()), self.conditions)
 
@@ -198,10 +244,15 @@ class Rest:
         """Of inputs and outputs."""
         return {name: value * self._size(name) for name, value in values.items()}
 
-    def share(self, pose: Pose, step: Array) -> float:
-        """The part of a step that turns no joint by more than is good."""
+    def turns(self, pose: Pose, step: Array) -> Array:
+        """By what a step turns the joints [rad]."""
         angles = [n for n in pose.minimal.candidates if pose.minimal.unit(n) == "rad"]
-        turn = float(np.abs(pose.slopes(angles) @ step).max(initial=0.0))
+        out: Array = pose.slopes(angles) @ step
+        return out
+
+    def share(self, turns: Array) -> float:
+        """The part of a step that turns no joint by more than is good."""
+        turn = float(np.abs(turns).max(initial=0.0))
         return min(1.0, FULL_ANGLE / turn) if turn else 1.0
 
 

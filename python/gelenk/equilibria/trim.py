@@ -30,7 +30,7 @@ class Equilibrium:
         values: of all outputs there.
         inputs: of all inputs, those that were solved for among them.
         residual: the largest acceleration that remains, in SI units.
-        iterations: steps that were taken.
+        iterations: steps of Newton's method that were taken, beside those of the plant's own search.
         at: the point for `gelenk.linearize(source, at=...)`: start values, parameters, inputs.
         units: of outputs and inputs.
         advancing: coordinates that go on in a steady motion, and their speeds; empty at rest.
@@ -78,7 +78,8 @@ def equilibrium(
     """Where a scene or an FMU stands still or moves steadily, or the inputs that hold it there.
 
     Newton's method with exact derivatives on the independent coordinates, from a first pose on, by the
-    branch in which the loops are closed there. Whether what is found is stable is not asked.
+    branch in which the loops are closed there. Whether what is found is stable is not asked. Where nothing
+    is held, to be found or steady, it is where a run with `solver.start: equilibrium` begins.
 
     Args:
         source: a .fmu file, or whatever `gelenk.load` takes; or an operating point, in which the arguments of
@@ -116,6 +117,8 @@ def equilibrium(
         first, rest = _task(plant, settings, wanted, steady)
         rest.check_hold(first)
         values = {name: first.found.values[name] for name in first.found.inputs}
+        if not solve_for:
+            first = rest.settled(first, None if point.time else settings, values)
         search = Search(rest, first, values, solve_for)
         search.run()
         if not search.pose.stands or not search.kept():

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk import _core
 from gelenk.errors import UsageError
 from gelenk.model.scales import Scales
 
@@ -20,10 +21,8 @@ type Array = NDArray[np.float64]
 
 COORDINATES = ("rad", "m")
 
-STANDS = 1e-8  # a state's rate in own units, above which the point is told to be no equilibrium
-ROUNDED = (
-    1e-13  # of the terms a rate is the sum of: what closing loops leaves of coordinates, 1e-14, times ten
-)
+STANDS = _core.standing_rate  # of a state in own units: above it the point is told to be no equilibrium
+ROUNDED = _core.standing_rounding  # of the terms a rate is the sum of
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ from gelenk.simulation.inputs import Inputs, Signal, functions_and_constants, is
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.run import configure, grid
 
+START = "solver.start"  # the parameter of ours that says what a run begins with
+
 type Mechanism = Scene | str | PathLike[str] | Mapping[str, Any]
 type At = float | Mapping[str, Value] | None
 
@@ -126,6 +128,10 @@ class OperatingPoint:
                     exact[name] = number(name, value, "real")
         if faults:
             raise UsageError("\n".join(faults))
+        starts = {start_parameter(name) for name in plant.readings}
+        told = [name for name in settings if name in starts and name not in (self.parameters or {})]
+        if told and START in plant.parameters:
+            settings.setdefault(START, "as_given")  # else the plant might look for another start from there
         return settings, exact
 
 
