@@ -2,7 +2,7 @@
 // Levenberg-Marquardt: residuals made to vanish, or as small as can be, by steps on whatever the unknowns live on
 // (Nocedal & Wright 2006, ch. 10). Undamped, a step is Newton's; the more it is damped, the shorter it is and the
 // nearer to steepest descent. All loops are closed by it but those of a run, which stand so near that Newton's steps in
-// the mass metric, by factors that are there already, need no damping (formulation/formulation.cpp).
+// the mass metric, by factors that are there already, need no damping (formulation/corrector.cpp).
 #pragma once
 
 #include <Eigen/Core>
