@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -116,7 +117,8 @@ class Finder {
   // Newton's step or a part of it.
   bool shortened(Place& here, const VectorXd& dx) {
     double part = bearable(turns(here, here.by_coordinates * dx));
-    for (const double least = shortest * part; part >= least; part /= 2) {
+    const double least = shortest * part;
+    while (part >= least) {
       const auto enough = [&](const Place& there) {
         return largest(newton(here, there.vdot(here.speeds))) <= (1 - part / 4) * largest(dx);
       };
@@ -124,6 +126,7 @@ class Finder {
         here = std::move(*there);
         return true;
       }
+      part /= 2;
     }
     return false;
   }
@@ -216,8 +219,8 @@ class Finder {
     std::copy_n(cut_q.data() + cut.iq, cut.nq, found);
     dynamics_->cut_coordinates(c, found);
     for (int i = 0; i < cut.nq; ++i) {
-      double& q = cut_q[static_cast<std::size_t>(cut.iq + i)];
-      q = cut.turns[static_cast<std::size_t>(i)] ? q + std::remainder(found[i] - q, 2 * M_PI) : found[i];
+      double& q = cut_q[cut.iq + i];
+      q = cut.turns[static_cast<std::size_t>(i)] ? q + std::remainder(found[i] - q, 2 * std::numbers::pi) : found[i];
     }
   }
 

@@ -22,9 +22,9 @@ constexpr double difference = 1e-5;     // of second derivatives: as much lost b
 constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
 
 // The shortest steps that take residuals of the rows G away.
-auto shortest_steps(SparseMatrix G) {
+auto shortest_steps(const SparseMatrix& G) {
   const double scale = G.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, G.rows()));
-  return [G = std::move(G), scale](const VectorXd& r, double damping) -> VectorXd {
+  return [G, scale](const VectorXd& r, double damping) -> VectorXd {
     if (damping == 0 || G.cols() == 0) return -RowSpace(G).shortest(r);
     const SparseMatrix normal = G * G.transpose();
     return -G.transpose() * solve_definite(plus_diagonal(normal, damping * scale), r);
