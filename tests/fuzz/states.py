@@ -105,7 +105,7 @@ class Host:
         """Words of a state further on, under another input."""
         self.go_home()
         assert self.slave.set_real(drive__tau=-3.0) == OK
-        for k in range(6, 60):
+        for k in range(6, 30):
             assert self.slave.step(k * STEP, STEP) == OK, self.slave.said
         return serialized(self.slave, get_state(self.slave))[HEAD:-WORD]
 
@@ -113,19 +113,20 @@ class Host:
 def forged(words: bytes, later: bytes, rng: random.Random) -> dict[str, bytes]:
     """States by what is wrong with them; whole and later are right."""
     count = len(words) // WORD
+    numbers = struct.unpack(f"<{count}q", words)
 
-    def replaced(places: list[int]) -> bytes:
-        out = bytearray(words)
-        for k in places:
-            out[k * WORD : (k + 1) * WORD] = rng.choice(SPECIAL)
-        return bytes(out)
+    def replaced(k: int, word: bytes) -> bytes:
+        return words[: k * WORD] + word + words[(k + 1) * WORD :]
 
-    cut = rng.randrange(count) * WORD
-    split = rng.randrange(count) * WORD
+    cut, split = (WORD * rng.randrange(count) for _ in range(2))
     out = {"whole": words, "later": later, "cut": words[:cut], "longer": words + bytes(WORD)}
     out["mixed"] = later[:split] + words[split:]
-    for k in rng.sample(range(count), 9):
-        out[f"word-{k}"] = replaced([k])
+    for k in rng.sample(range(count), 5):
+        out[f"word-{k}"] = replaced(k, rng.choice(SPECIAL))
+    # Choices and counts, of which much depends.
+    small = [k for k in range(count) if 0 <= numbers[k] < 64]
+    for k in rng.sample(small, 10):
+        out[f"choice-{k}"] = replaced(k, struct.pack("<q", (numbers[k] + rng.randint(1, 7)) % 8))
     return out
 
 
