@@ -76,7 +76,7 @@ std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const c
   }
   std::vector<std::uint64_t> words(head.words);
   if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof head, length);
-  return std::make_unique<SavedState>(Record(std::move(words)), false);
+  return std::make_unique<SavedState>(SavedState{Record(std::move(words)), false});
 }
 
 }  // namespace gelenk

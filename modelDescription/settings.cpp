@@ -2,7 +2,6 @@
 #include "modelDescription/settings.h"
 
 #include <array>
-#include <ranges>
 
 namespace gelenk {
 namespace {
@@ -23,9 +22,9 @@ std::uint64_t pack(const JointStart& start) {
 
 void unpack(std::uint64_t bits, JointStart& start) {
   const auto all = flags(start);
-  for (std::vector<bool>* of : std::views::reverse(all)) {
-    for (std::size_t i = of->size(); i > 0; --i) {
-      (*of)[i - 1] = (bits & 1U) != 0;
+  for (auto of = all.rbegin(); of != all.rend(); ++of) {
+    for (std::size_t i = (*of)->size(); i > 0; --i) {
+      (**of)[i - 1] = (bits & 1U) != 0;
       bits >>= 1U;
     }
   }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <ranges>
 
 #include "kinematics/kernels.h"
 #include "kinematics/turning.h"
@@ -46,7 +45,7 @@ typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws
     X = X * ws.X_PL[i].inverse();
   }
   X_FL += cut.path_b.size();
-  for (const int i : std::views::reverse(cut.path_b)) *--X_FL = X = X * ws.X_PL[i];
+  for (auto i = cut.path_b.rbegin(); i != cut.path_b.rend(); ++i) *--X_FL = X = X * ws.X_PL[*i];
   return X * cut.X_BM;
 }
 

@@ -2,7 +2,6 @@
 #include "linear/sparse_factor.h"
 
 #include <cmath>
-#include <ranges>
 
 #include "linear/columns.h"
 
@@ -66,7 +65,7 @@ void SparseFactor::solve_transposed(double* x) const {
 }
 
 void SparseFactor::solve_transposed(double* x, const std::vector<int>& speeds) const {
-  for (const int i : std::views::reverse(speeds)) carry_inwards(i, x);
+  for (auto i = speeds.rbegin(); i != speeds.rend(); ++i) carry_inwards(*i, x);
 }
 
 void SparseFactor::solve(double* x) const {

@@ -2,7 +2,6 @@
 // From a graph to links in depth-first order, cuts, and the places of the scene's bodies and joints.
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 
 #include "mechanism/graph.h"
 
@@ -55,9 +54,9 @@ struct Maker {
   // Depth first, siblings in the tree's order.
   void add_links(const std::vector<int>& tree) {
     std::vector<std::vector<int>> tree_edges(graph.groups.size());  // by group, reversed: a stack takes the last first
-    for (const int e : std::ranges::reverse_view(tree)) {
-      tree_edges[graph.edges[e].group_a].push_back(e);
-      tree_edges[graph.edges[e].group_b].push_back(e);
+    for (auto e = tree.rbegin(); e != tree.rend(); ++e) {
+      tree_edges[graph.edges[*e].group_a].push_back(*e);
+      tree_edges[graph.edges[*e].group_b].push_back(*e);
     }
     std::vector<std::pair<int, int>> open;  // edge, inner group
     const auto open_group = [&](int group) {

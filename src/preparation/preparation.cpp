@@ -60,7 +60,7 @@ struct Preparer {
   // Goes on with other islands. same: by island, the one so far that it is, which keeps all it has, or `anew`; empty:
   // all are.
   void take_islands(ReducedScene made, const std::vector<int>& same = {}) {
-    former.push_back(std::make_unique<Stage>(std::move(out.reduced), std::move(loads)));
+    former.push_back(std::make_unique<Stage>(Stage{std::move(out.reduced), std::move(loads)}));
     std::vector<PreparedIsland> islands = std::exchange(out.islands, {});
     std::vector<std::unique_ptr<Dynamics>> kept = std::exchange(dynamics, {});
     out.reduced = std::move(made);
