@@ -143,7 +143,7 @@ def test_tables_are_splines_through_their_points(repeats: bool) -> None:
     found = run(chain.scene({"table": table}), times, 1e-10)
     for k, name in enumerate(("J.phi", "J.w", "J.a")):
         assert_close(name, found[name], [law(float(t))[k] for t in times], 1e-11, "of 20, rounding")
-    kinks = np.concatenate([KNOTS[:-1] + n * KNOTS[-1] for n in range(-1, 4)]) if repeats else KNOTS
+    kinks = [t + n * KNOTS[-1] for n in range(-1, 4) for t in KNOTS[:-1]] if repeats else KNOTS.tolist()
     compare(found, chain.motion(law, times, kinks), BOUND, "see above")
 
 
