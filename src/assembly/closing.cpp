@@ -23,7 +23,7 @@ constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives
 
 // The shortest steps that take residuals of the rows G away.
 auto shortest_steps(const SparseMatrix& G) {
-  const double scale = G.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, G.rows()));
+  const double scale = G.nonZeros() > 0 ? G.squaredNorm() / static_cast<double>(G.rows()) : 0;
   return [G, scale](const VectorXd& r, double damping) -> VectorXd {
     if (damping == 0 || G.cols() == 0) return -RowSpace(G).shortest(r);
     const SparseMatrix normal = G * G.transpose();
@@ -150,10 +150,12 @@ void pull(AssemblyProblem& problem, std::vector<double>& q) {
     return VectorXd((VectorXd(g.size() + d.size()) << g, d).finished());
   };
   const auto linearised = [&](const auto& at) {
-    return [G = problem.gap_jacobian(at), T = problem.distance_jacobian(at)](const VectorXd& r, double damping) {
+    return [G = problem.gap_jacobian(at), T = problem.distance_jacobian(at)](const VectorXd& r,
+                                                                             double damping) -> VectorXd {
+      if (G.cols() == 0) return {};
       const SparseMatrix normal = G.transpose() * G + SparseMatrix(T.transpose() * T);
       const VectorXd downhill = G.transpose() * r.head(G.rows()) + T.transpose() * r.tail(T.rows());
-      return VectorXd(-solve_definite(plus_diagonal(normal, damping), downhill));
+      return -solve_definite(plus_diagonal(normal, damping), downhill);
     };
   };
   // A rough way: to within what the last steps take away, and by coordinates that neither loops nor wishes tell of no
