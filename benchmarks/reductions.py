@@ -137,10 +137,10 @@ def sizes(name: str, report: Inspection) -> str:
     keys = ("bodies", "coordinates", "rows", "algebra", "islands")
     cells = [change(data["described"][key], data["reduced"][key]) for key in keys]
     counted = data["mobility"]["counted"]
-    freedoms = (
-        str(report.freedoms) if counted == report.freedoms else f"{report.freedoms} (counted {counted})"
+    degrees_of_freedom = (
+        str(report.degrees_of_freedom) if counted == report.degrees_of_freedom else f"{report.degrees_of_freedom} (counted {counted})"
     )
-    return "| " + " | ".join([name, *cells, freedoms]) + " |"
+    return "| " + " | ".join([name, *cells, degrees_of_freedom]) + " |"
 
 
 def costs(name: str, scene: gelenk.Scene, report: Inspection) -> str:

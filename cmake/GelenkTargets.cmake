@@ -4,7 +4,8 @@ set(rooms util field math joint element scene check scene_file mechanism linear 
   preparation outputs simulation)
 list(TRANSFORM rooms PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
 list(TRANSFORM rooms APPEND /*.cpp OUTPUT_VARIABLE patterns)
-file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp)
+file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/fmu/runtime/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/*.cpp)
 set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene_file/yaml.cpp)
 set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
 list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
@@ -13,10 +14,10 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # through, when a master asks for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|mechanism)/[^/]*$|/derivatives/(extended|extended_kernels)\\.cpp$")
+  "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|structure)|kinematics/(loads|model)|outputs/(outputs_extended|seen)|simulation/(assemblies|closed_start|events|inspection|parameters|past|sensitivity|set_up|settle|state_derivatives|probe))\\.cpp$")
+  "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|mobility)|kinematics/(loads|model)|outputs/(outputs_dual|port_readings)|simulation/(assemblies|assembled_start|events|inspection|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
@@ -47,7 +48,7 @@ endif()
 
 include(GelenkFmu)
 
-set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/export_main.cpp)
+set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/tool/export_main.cpp)
 if(EXISTS ${export_source})
   add_executable(gelenk-export ${export_source})
   add_executable(gelenk::gelenk-export ALIAS gelenk-export)
@@ -64,7 +65,7 @@ if(EXISTS ${export_source})
 endif()
 
 # The JSON Schema of scene files, written from the joint registry at build time.
-set(schema_source ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/tool/schema_main.cpp)
+set(schema_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/tool/schema_main.cpp)
 set(GELENK_SCHEMA ${PROJECT_BINARY_DIR}/schema/scene.schema.json)
 add_executable(gelenk-schema ${schema_source})
 target_link_libraries(gelenk-schema PRIVATE gelenk_flags gelenk_core)

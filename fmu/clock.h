@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -40,7 +40,7 @@ class Clock {
     return origin_ + count_ * size_;
   }
 
-  void exchange(Record& record) { record.exchange(origin_, size_, count_, end_); }
+  void serialize(Archive& archive) { archive.serialize(origin_, size_, count_, end_); }
 
   // The master's time at the end of the last step.
   double end() const { return end_; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Derivatives of outputs and states, by states and inputs and by time.
-#include "modelDescription/plant_derivatives.h"
+#include "fmu/runtime/plant_derivatives.h"
 
-#include "fmu/edge.h"
+#include "fmu/api_call.h"
 
 namespace gelenk {
 namespace {

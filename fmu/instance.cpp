@@ -115,7 +115,7 @@ void Instance::step(double current, double h) {
 
 SavedState* Instance::save() {
   auto state = std::make_unique<SavedState>();
-  write(state->record);
+  write(state->archive);
   return adopt(std::move(state));
 }
 
@@ -132,11 +132,11 @@ SavedState* Instance::find(fmi2FMUstate state) const {
 
 void Instance::restore(SavedState& state) {
   if (mode_ == Mode::error) plant_ = Plant(model_);  // nothing of it can be relied on
-  if (state.own) return read(state.record);
-  Record before;
+  if (state.own) return read(state.archive);
+  Archive before;
   write(before);
   try {
-    read(state.record);
+    read(state.archive);
   } catch (...) {
     read(before);
     throw;
@@ -144,24 +144,24 @@ void Instance::restore(SavedState& state) {
   state.own = true;
 }
 
-void Instance::write(Record& record) {
-  record.write_anew();
-  exchange(record);
+void Instance::write(Archive& archive) {
+  archive.write_anew();
+  serialize(archive);
 }
 
-void Instance::read(Record& record) {
-  record.read_anew();
-  exchange(record);
-  record.finish();
+void Instance::read(Archive& archive) {
+  archive.read_anew();
+  serialize(archive);
+  archive.finish();
 }
 
-void Instance::exchange(Record& record) {
+void Instance::serialize(Archive& archive) {
   constexpr int last = std::countr_zero(static_cast<unsigned>(Mode::terminated));
   int bit = std::countr_zero(static_cast<unsigned>(mode_));
-  record.within(bit, 0, last);
-  record.exchange(stuck_, stop_);
-  clock_.exchange(record);
-  plant_.exchange(record);
+  archive.within(bit, 0, last);
+  archive.serialize(stuck_, stop_);
+  clock_.serialize(archive);
+  plant_.serialize(archive);
   mode_ = static_cast<Mode>(1U << static_cast<unsigned>(bit));
 }
 

@@ -10,8 +10,8 @@
 
 #include "fmu/clock.h"
 #include "fmu/log.h"
+#include "fmu/runtime/plant.h"
 #include "fmu/saved_state.h"
-#include "modelDescription/plant.h"
 
 namespace gelenk {
 
@@ -53,18 +53,18 @@ class Instance {
 
   // FMU states belong to the instance that made them, and are gone with it.
   SavedState* save();
-  void save(SavedState& over) { write(over.record); }
+  void save(SavedState& over) { write(over.archive); }
   // Null: this is none of this instance's.
   SavedState* find(fmi2FMUstate state) const;
-  // Throws what Plant::exchange throws, and stays as it was.
+  // Throws what Plant::serialize throws, and stays as it was.
   void restore(SavedState& state);
   SavedState* adopt(std::unique_ptr<SavedState> state);
   void free(SavedState* state) { states_.erase(state); }
 
  private:
-  void write(Record& record);
-  void read(Record& record);
-  void exchange(Record& record);
+  void write(Archive& archive);
+  void read(Archive& archive);
+  void serialize(Archive& archive);
   void left_at_plant_time(bool stuck);
   void enter(Mode mode);
 

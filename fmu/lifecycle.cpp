@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "fmu/edge.h"
+#include "fmu/api_call.h"
 #include "fmu/uri.h"
 
 namespace gelenk {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Functions of FMI 2.0 that belong to model exchange.
-#include "fmu/edge.h"
+// Functions of FMI 2.0 that belong to model serialize.
+#include "fmu/api_call.h"
 
 namespace gelenk {
 namespace {

@@ -38,11 +38,11 @@ constexpr std::size_t frame = sizeof(Head) + sizeof(std::uint64_t);  // head and
 }  // namespace
 
 std::size_t serialized_size(const SavedState& state) {
-  return frame + state.record.words().size() * sizeof(std::uint64_t);
+  return frame + state.archive.words().size() * sizeof(std::uint64_t);
 }
 
 void serialize(const SavedState& state, std::string_view guid, std::span<char> bytes) {
-  const std::vector<std::uint64_t>& words = state.record.words();
+  const std::vector<std::uint64_t>& words = state.archive.words();
   const Head head = head_of(guid, words.size());
   const std::size_t length = words.size() * sizeof(std::uint64_t);
   std::memcpy(bytes.data(), &head, sizeof head);
@@ -76,7 +76,7 @@ std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const c
   }
   std::vector<std::uint64_t> words(head.words);
   if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof head, length);
-  return std::make_unique<SavedState>(SavedState{Record(std::move(words)), false});
+  return std::make_unique<SavedState>(SavedState{Archive(std::move(words)), false});
 }
 
 }  // namespace gelenk

@@ -6,12 +6,12 @@
 #include <span>
 #include <string_view>
 
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
 struct SavedState {
-  Record record;
+  Archive archive;
   bool own = true;  // this instance wrote it, or has gone on from it once; otherwise it came from outside
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // FMU states: taken, gone back to, given away as bytes.
-#include "fmu/edge.h"
+#include "fmu/api_call.h"
 
 namespace gelenk {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stepping, and what became of the last step.
-#include "fmu/edge.h"
+#include "fmu/api_call.h"
 
 namespace gelenk {
 namespace {
@@ -9,8 +9,8 @@ constexpr unsigned stepped = between_steps | Mode::terminated;
 
 // Tells a fact after a step; kinds this FMU has nothing to tell of are discarded, as the standard asks.
 template <class T, class Value>
-fmi2Status tell(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2StatusKind known, T* value,
-                Value&& fact) noexcept {
+fmi2Status get_status(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2StatusKind known, T* value,
+                      Value&& fact) noexcept {
   return call(c, function, stepped, [&](Instance& instance) {
     if (value == nullptr) return refuse(instance, function, "value: found nothing, expected where to write it");
     if (number_of(kind) != number_of(known))
@@ -53,8 +53,8 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2Sta
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real* value) {
-  return gelenk::tell(c, "fmi2GetRealStatus", kind, fmi2LastSuccessfulTime, value,
-                      [](Instance& instance) { return instance.plant().time(); });
+  return gelenk::get_status(c, "fmi2GetRealStatus", kind, fmi2LastSuccessfulTime, value,
+                            [](Instance& instance) { return instance.plant().time(); });
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2Integer* /*value*/) {
@@ -65,8 +65,8 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, 
 // for ever. One that sets other inputs may go on from the last successful time all the same. A step cut short is no
 // reason to end: there is a way on, and each call goes part of it.
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean* value) {
-  return gelenk::tell(c, "fmi2GetBooleanStatus", kind, fmi2Terminated, value,
-                      [](Instance& instance) { return instance.stuck() ? fmi2True : fmi2False; });
+  return gelenk::get_status(c, "fmi2GetBooleanStatus", kind, fmi2Terminated, value,
+                            [](Instance& instance) { return instance.stuck() ? fmi2True : fmi2False; });
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2String* /*value*/) {

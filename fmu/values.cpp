@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "fmu/edge.h"
+#include "fmu/api_call.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -23,7 +23,7 @@ const char* fmi_name(ParameterType type) {
 }
 
 // Everything that reading and setting have in common to refuse; an empty text when there is nothing.
-std::string fault(const Catalogue& catalogue, ParameterType type, const fmi2ValueReference* references, size_t count,
+std::string fault(const Catalog& catalog, ParameterType type, const fmi2ValueReference* references, size_t count,
                   const void* values) {
   if (count == 0) return {};
   if (references == nullptr || values == nullptr) {
@@ -31,10 +31,10 @@ std::string fault(const Catalogue& catalogue, ParameterType type, const fmi2Valu
            std::to_string(count) + " of them";
   }
   for (size_t i = 0; i < count; ++i) {
-    const Variable* v = catalogue.find(references[i]);
+    const Variable* v = catalog.find(references[i]);
     if (v == nullptr) {
       return "value reference: found " + std::to_string(references[i]) + ", expected less than " +
-             std::to_string(catalogue.variables().size());
+             std::to_string(catalog.variables().size());
     }
     if (v->type != type && !(type == ParameterType::integer && v->type == ParameterType::enumeration))
       return v->name + " is of type " + fmi_name(v->type);
@@ -47,10 +47,10 @@ fmi2Status get(fmi2Component c, const char* function, ParameterType type, const 
                size_t count, T* values) noexcept {
   return call(c, function, assembled | Mode::instantiated, [&](Instance& instance) {
     Plant& plant = instance.plant();
-    const std::string why = fault(plant.catalogue(), type, references, count, values);
+    const std::string why = fault(plant.catalog(), type, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
     for (size_t i = 0; i < count; ++i) {
-      const Variable& v = plant.catalogue().variables()[references[i]];
+      const Variable& v = plant.catalog().variables()[references[i]];
       const bool set_by_master = v.source == Source::input || v.source == Source::parameter;
       if (instance.mode() == Mode::instantiated && !set_by_master) {
         return refuse(instance, function, v.name + " can be read from fmi2EnterInitializationMode on");
@@ -67,11 +67,11 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
                size_t count, const T* values) noexcept {
   return call(c, function, before_steps | between_steps, [&](Instance& instance) {
     Plant& plant = instance.plant();
-    const std::string why = fault(plant.catalogue(), type, references, count, values);
+    const std::string why = fault(plant.catalog(), type, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
     const bool running = (between_steps & static_cast<unsigned>(instance.mode())) != 0;
     for (size_t i = 0; i < count; ++i) {
-      const Variable& v = plant.catalogue().variables()[references[i]];
+      const Variable& v = plant.catalog().variables()[references[i]];
       if (running && v.variability == Variability::fixed) {
         return refuse(instance, function,
                       v.name + " is a fixed parameter: it can be set until fmi2ExitInitializationMode");
@@ -91,7 +91,7 @@ fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2Valu
                            const fmi2Integer* orders, const fmi2Real* values) noexcept {
   return call(c, function, before_steps | between_steps, [&](Instance& instance) {
     Plant& plant = instance.plant();
-    const std::string why = fault(plant.catalogue(), ParameterType::real, references, count, values);
+    const std::string why = fault(plant.catalog(), ParameterType::real, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
     if (count > 0 && orders == nullptr) {
       return refuse(instance, function, "orders: found nothing, expected " + std::to_string(count) + " of them");

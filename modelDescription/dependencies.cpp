@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "joint/registry.h"
-#include "mechanism/sets.h"
+#include "mechanism/disjoint_sets.h"
 #include "scene/numbers.h"
 #include "simulation/start_report.h"
 
@@ -47,7 +47,7 @@ std::vector<int> moving_bodies(const Scene& scene, const Numbers& numbers, const
 // By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
 // once by these, by others of the part only through springs, so through states.
 std::vector<int> clusters_of(const Scene& scene, const Numbers& numbers) {
-  Sets sets(scene.bodies.size());
+  DisjointSets sets(scene.bodies.size());
   for (const Joint& joint : scene.joints) {
     const int parent = numbers.body(joint.parent.body);
     const int child = numbers.body(joint.child.body);
@@ -71,11 +71,11 @@ bool geometry_may_change(const Scene& scene) {
 
 class Finder {
  public:
-  Finder(const Simulation& simulation, const Catalogue& catalogue)
+  Finder(const Simulation& simulation, const Catalog& catalog)
       : scene_(simulation.scene()),
         reduced_(StartReport(simulation).prepared().reduced),
         signals_(simulation.outputs()),
-        catalogue_(catalogue),
+        catalog_(catalog),
         numbers_(scene_),
         parts_(reduced_.islands.size()),
         cluster_(clusters_of(scene_, numbers_)),
@@ -85,10 +85,10 @@ class Finder {
   }
 
   std::vector<Knowns> run() {
-    std::vector<Knowns> out(catalogue_.variables().size(), nothing_);
+    std::vector<Knowns> out(catalog_.variables().size(), nothing_);
     for (std::size_t i = 0; i < out.size(); ++i) {
-      const Variable& v = catalogue_.variables()[i];
-      if (v.source == Source::rate) out[i] = of_rate(catalogue_.rates()[static_cast<std::size_t>(v.index)]);
+      const Variable& v = catalog_.variables()[i];
+      if (v.source == Source::rate) out[i] = of_rate(catalog_.rates()[static_cast<std::size_t>(v.index)]);
       if (v.source != Source::output) continue;
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
       out[i] = signal.joint >= 0 ? of_joint(signal, static_cast<int>(i)) : of_element(signal);
@@ -98,8 +98,8 @@ class Finder {
 
  private:
   void collect_states(const Simulation& simulation) {
-    for (const State& state : catalogue_.states()) {
-      const Variable& v = catalogue_.variables()[static_cast<std::size_t>(state.variable)];
+    for (const State& state : catalog_.states()) {
+      const Variable& v = catalog_.variables()[static_cast<std::size_t>(state.variable)];
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
       Part& part = parts_[static_cast<std::size_t>(reduced_.joints[static_cast<std::size_t>(signal.joint)].island)];
       if (signal.level == 0) part.positions.insert(state.variable);
@@ -107,10 +107,10 @@ class Finder {
       part.states.insert(state.variable);
     }
     for (std::size_t p = 0; p < parts_.size(); ++p) {
-      const Structure& structure = StartReport(simulation).prepared().islands[p].structure;
+      const MobilityAnalysis& mobility = StartReport(simulation).prepared().islands[p].mobility;
       // By inputs that are motions whatever moves with them is determined at once.
       known_ =
-          known_ && parts_[p].speeds == reduced_.islands[p].nv - structure.rank && !follows_input(reduced_.islands[p]);
+          known_ && parts_[p].speeds == reduced_.islands[p].nv - mobility.rank && !follows_input(reduced_.islands[p]);
       whole_.positions.insert(parts_[p].positions.begin(), parts_[p].positions.end());
       whole_.states.insert(parts_[p].states.begin(), parts_[p].states.end());
     }
@@ -226,7 +226,7 @@ class Finder {
   const Scene& scene_;
   const ReducedScene& reduced_;
   const std::vector<Signal>& signals_;
-  const Catalogue& catalogue_;
+  const Catalog& catalog_;
   Numbers numbers_;
   std::vector<Part> parts_;
   std::vector<int> cluster_;                                       // by body
@@ -241,13 +241,13 @@ class Finder {
 
 }  // namespace
 
-std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalogue& catalogue) {
-  return Finder(simulation, catalogue).run();
+std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalog& catalog) {
+  return Finder(simulation, catalog).run();
 }
 
-std::vector<Knowns> initial_dependencies_of(const Catalogue& catalogue, const std::vector<Knowns>& dependencies) {
+std::vector<Knowns> initial_dependencies_of(const Catalog& catalog, const std::vector<Knowns>& dependencies) {
   std::set<int> parameters;
-  const auto& variables = catalogue.variables();
+  const auto& variables = catalog.variables();
   for (std::size_t i = 0; i < variables.size(); ++i) {
     const bool of_methods = variables[i].name.starts_with("solver.") && variables[i].name != "solver.start";
     if (variables[i].source == Source::parameter && !of_methods) parameters.insert(static_cast<int>(i));

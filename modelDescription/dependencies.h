@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "modelDescription/catalogue.h"
+#include "modelDescription/catalog.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -18,10 +18,10 @@ using Knowns = std::shared_ptr<const std::vector<int>>;
 // the structure: by parts without coupling, and by level (coordinates, speeds, accelerations), so a value listed may
 // happen not to act, and one that is not listed cannot.
 // simulation: assembled; the catalogue's states are declared.
-std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalogue& catalogue);
+std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalog& catalog);
 
 // The same for values at the start: on inputs and parameters. What an output is computed with (solver.*) does not
 // act on it there.
-std::vector<Knowns> initial_dependencies_of(const Catalogue& catalogue, const std::vector<Knowns>& dependencies);
+std::vector<Knowns> initial_dependencies_of(const Catalog& catalog, const std::vector<Knowns>& dependencies);
 
 }  // namespace gelenk

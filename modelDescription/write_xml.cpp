@@ -91,9 +91,9 @@ void write_unit(Writer& w, const std::string& unit) {
   w.close(2, "Unit");
 }
 
-void write_units(Writer& w, const Catalogue& catalogue) {
+void write_units(Writer& w, const Catalog& catalog) {
   std::set<std::string> used;
-  for (const Variable& v : catalogue.variables()) {
+  for (const Variable& v : catalog.variables()) {
     if (!v.unit.empty() && !v.hidden) used.insert(v.unit);
   }
   w.open(1, "UnitDefinitions").inside();
@@ -101,10 +101,10 @@ void write_units(Writer& w, const Catalogue& catalogue) {
   w.close(1, "UnitDefinitions");
 }
 
-void write_types(Writer& w, const Catalogue& catalogue) {
+void write_types(Writer& w, const Catalog& catalog) {
   std::set<std::string> written;
   w.open(1, "TypeDefinitions").inside();
-  for (const Variable& v : catalogue.variables()) {
+  for (const Variable& v : catalog.variables()) {
     if (v.hidden || v.type != ParameterType::real || v.type_name.empty() || !written.insert(v.type_name).second)
       continue;
     w.open(2, "SimpleType").attribute("name", v.type_name).inside();
@@ -117,11 +117,11 @@ void write_types(Writer& w, const Catalogue& catalogue) {
 }
 
 // The words behind the numbers of choices, for programs; for people they stand in the descriptions.
-void write_choices(Writer& w, const Catalogue& catalogue) {
-  for (const Variable& v : catalogue.variables()) {
+void write_choices(Writer& w, const Catalog& catalog) {
+  for (const Variable& v : catalog.variables()) {
     if (v.type != ParameterType::enumeration) continue;
     w.open(4, "Choice").attribute("variable", v.name).inside();
-    const Parameter& choice = catalogue.parameters()[static_cast<std::size_t>(v.index)];
+    const Parameter& choice = catalog.parameters()[static_cast<std::size_t>(v.index)];
     for (std::size_t i = 0; i < choice.items.size(); ++i) {
       w.open(5, "Item").attribute("name", choice.items[i]).attribute("value", static_cast<int>(i) + 1);
       w.attribute("description", choice.item_summaries[i]).end();
@@ -131,14 +131,14 @@ void write_choices(Writer& w, const Catalogue& catalogue) {
 }
 
 // FMI's schema lets a tool have one element here.
-void write_annotations(Writer& w, const Scene& scene, const Catalogue& catalogue, const FmuFacts& facts) {
+void write_annotations(Writer& w, const Scene& scene, const Catalog& catalog, const FmuFacts& facts) {
   w.open(1, "VendorAnnotations").inside();
   w.open(2, "Tool").attribute("name", "Gelenk").inside();
   w.open(3, "Model").inside();
   const UnitSystem units = natural_units(scene);
   w.open(4, "Order").attribute("states", facts.order).attribute("length", units.length);
   w.attribute("mass", units.mass).attribute("time", natural_time(scene, units)).end();
-  write_choices(w, catalogue);
+  write_choices(w, catalog);
   w.close(3, "Model");
   w.close(2, "Tool");
   w.close(1, "VendorAnnotations");
@@ -155,10 +155,10 @@ void write_log_categories(Writer& w) {
 // By variable: its place in the description, from 1, as FMI counts; 0: hidden.
 using PlacesInFile = std::vector<int>;
 
-PlacesInFile places_in_file(const Catalogue& catalogue) {
+PlacesInFile places_in_file(const Catalog& catalog) {
   PlacesInFile out;
   int next = 1;
-  for (const Variable& v : catalogue.variables()) out.push_back(v.hidden ? 0 : next++);
+  for (const Variable& v : catalog.variables()) out.push_back(v.hidden ? 0 : next++);
   return out;
 }
 
@@ -233,17 +233,17 @@ void write_unknowns(Writer& w, std::string_view element, const std::set<int>& in
   w.close(2, element);
 }
 
-void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Knowns>& dependencies,
+void write_structure(Writer& w, const Catalog& catalog, const std::vector<Knowns>& dependencies,
                      const PlacesInFile& places) {
   std::set<int> outputs;
-  std::size_t knowns = catalogue.states().size();
-  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
-    if (catalogue.variables()[i].causality == Causality::output) outputs.insert(static_cast<int>(i));
-    knowns += catalogue.variables()[i].causality == Causality::input ? 1 : 0;
+  std::size_t knowns = catalog.states().size();
+  for (std::size_t i = 0; i < catalog.variables().size(); ++i) {
+    if (catalog.variables()[i].causality == Causality::output) outputs.insert(static_cast<int>(i));
+    knowns += catalog.variables()[i].causality == Causality::input ? 1 : 0;
   }
   std::set<int> derivatives;
   std::set<int> initial = outputs;
-  for (const State& state : catalogue.states()) {
+  for (const State& state : catalog.states()) {
     derivatives.insert(state.derivative);
     initial.insert({state.variable, state.derivative});
   }
@@ -251,7 +251,7 @@ void write_structure(Writer& w, const Catalogue& catalogue, const std::vector<Kn
   write_unknowns(w, "Outputs", outputs, dependencies, knowns, places);
   write_unknowns(w, "Derivatives", derivatives, dependencies, knowns, places);
   // Of the parameters almost all act on everything, so these lists would only be long.
-  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalogue, dependencies), few + 1, places);
+  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalog, dependencies), few + 1, places);
   w.close(1, "ModelStructure");
 }
 
@@ -280,8 +280,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
-                                    const std::vector<Knowns>& dependencies, const FmuFacts& facts) {
+std::string write_model_description(const Scene& scene, const Catalog& catalog, const std::vector<Knowns>& dependencies,
+                                    const FmuFacts& facts) {
   Writer w;
   w.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
   w.open(0, "fmiModelDescription").attribute("fmiVersion", "2.0").attribute("modelName", scene.name);
@@ -289,19 +289,19 @@ std::string write_model_description(const Scene& scene, const Catalogue& catalog
   w.attribute("generationTool", "Gelenk " + std::string(gelenk_version()));
   w.attribute("variableNamingConvention", "structured").attribute("numberOfEventIndicators", 0).inside();
   write_capabilities(w, facts);
-  write_units(w, catalogue);
-  write_types(w, catalogue);
+  write_units(w, catalog);
+  write_types(w, catalog);
   write_log_categories(w);
   w.open(1, "DefaultExperiment").attribute("startTime", 0).attribute("stopTime", scene.experiment.stop);
   w.attribute("tolerance", scene.experiment.tolerance).attribute("stepSize", scene.experiment.step).end();
-  write_annotations(w, scene, catalogue, facts);
+  write_annotations(w, scene, catalog, facts);
   w.open(1, "ModelVariables").inside();
-  const PlacesInFile places = places_in_file(catalogue);
-  for (std::size_t i = 0; i < catalogue.variables().size(); ++i) {
-    if (!catalogue.variables()[i].hidden) write_variable(w, catalogue.variables()[i], i, places);
+  const PlacesInFile places = places_in_file(catalog);
+  for (std::size_t i = 0; i < catalog.variables().size(); ++i) {
+    if (!catalog.variables()[i].hidden) write_variable(w, catalog.variables()[i], i, places);
   }
   w.close(1, "ModelVariables");
-  write_structure(w, catalogue, dependencies, places);
+  write_structure(w, catalog, dependencies, places);
   w.close(0, "fmiModelDescription");
   return w.take();
 }

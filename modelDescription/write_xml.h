@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "modelDescription/catalogue.h"
+#include "modelDescription/catalog.h"
 #include "modelDescription/dependencies.h"
 
 namespace gelenk {
@@ -19,8 +19,8 @@ struct FmuFacts {
 };
 
 // dependencies: by variable, as dependencies_of() tells them.
-std::string write_model_description(const Scene& scene, const Catalogue& catalogue,
-                                    const std::vector<Knowns>& dependencies, const FmuFacts& facts);
+std::string write_model_description(const Scene& scene, const Catalog& catalog, const std::vector<Knowns>& dependencies,
+                                    const FmuFacts& facts);
 
 // The text with the characters that XML and HTML keep for themselves written out; control characters are dropped.
 std::string escaped(std::string_view text);

@@ -155,7 +155,7 @@ def test_simulation_by_hand_shows_signals_and_health(four_bar: gelenk.Scene) -> 
     assert [s.name for s in plant.outputs][:3] == ["A.phi", "A.w", "A.a"]
     plant.initialize()
     assert plant.time == 0
-    assert plant.size.freedoms == 1
+    assert plant.size.degrees_of_freedom == 1
     assert plant.size.planar
     assert len(plant.independent_coordinates) == 1
     assert "loops closed at A.phi = 1.5708 rad" in plant.assembly_report()

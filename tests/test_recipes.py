@@ -40,8 +40,8 @@ NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (
     "kinematics/load_kernels.cpp",
-    "derivatives/extended_kernels.cpp",
-    "derivatives/recursive_slopes.cpp",
+    "derivatives/residual_kernels.cpp",
+    "derivatives/recursive.cpp",
     "outputs/outputs.cpp",
 )
 FIRST = (

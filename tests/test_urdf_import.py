@@ -115,8 +115,8 @@ def test_root_is_welded_or_floats() -> None:
     floating = gelenk.Simulation(gelenk.import_urdf(robot_file("ur5"), floating=True))
     for plant in (welded, floating):
         plant.initialize()
-    assert welded.size.freedoms == 6
-    assert floating.size.freedoms == 12
+    assert welded.size.degrees_of_freedom == 6
+    assert floating.size.degrees_of_freedom == 12
 
 
 def test_every_kind_of_joint_has_its_counterpart(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@
 //   constraint rows   positions, and set_velocity: velocities, rates of the rows and their velocity products
 //   inverse dynamics  constraint rows, and set_acceleration: accelerations and the wrench of every joint
 //   mass matrix       constraint rows, and assemble: M (full), J, tau - h
-//   factorise         positions, and M, J and their factors
+//   factorize         positions, and M, J and their factors
 //   forward dynamics  one evaluation of ydot = f(t, y), all islands, as an integrator calls it
 //   derivatives       df/dy, exact
 //   projection        back onto the constraints from beside them
@@ -78,12 +78,12 @@ struct State {
 void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& loads, int rank, State& state,
                       const std::vector<double>& u) {
   const auto dynamics = gelenk::make_dynamics(mechanism, loads);
-  dynamics->limit_rank(rank);
+  dynamics->set_max_rank(rank);
   const auto nv = static_cast<std::size_t>(mechanism.nv);
   const double* v = state.start.data() + mechanism.nq;
   std::vector<double> vdot(nv), f(nv);
   dynamics->set_position(state.next());
-  dynamics->factorise();
+  dynamics->factorize();
   dynamics->set_velocity(v);
   dynamics->solve(u.data(), vdot.data());
   measure("positions", [&] { dynamics->set_position(state.next()); });
@@ -98,7 +98,7 @@ void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& l
   });
   measure("factorise", [&] {
     dynamics->set_position(state.next());
-    dynamics->factorise();
+    dynamics->factorize();
   });
   std::vector<double> M(nv * nv);
   measure("mass matrix", [&] {
@@ -155,7 +155,7 @@ void measure_step(gelenk::Scene scene, const std::string& method) {
   }
 }
 
-// Methods that factorise a full matrix of all speeds are not asked of the largest scenes.
+// Methods that factorize a full matrix of all speeds are not asked of the largest scenes.
 constexpr int implicit_at_most = 64;
 
 gelenk::Scene scene_of(const char* file) {

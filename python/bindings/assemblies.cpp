@@ -56,7 +56,7 @@ void gelenk::bind_assemblies(nb::module_& m) {
   nb::class_<Assembly>(m, "Assembly", "One way to put a part of a mechanism together.")
       .def_prop_ro("values", &values, "Of all coordinates of the part.")
       .def_ro("distance", &Assembly::distance)
-      .def_ro("freedoms", &Assembly::freedoms)
+      .def_ro("degrees_of_freedom", &Assembly::degrees_of_freedom)
       .def_ro("hits", &Assembly::hits)
       .def_ro("chosen", &Assembly::chosen)
       .def_ro("flat", &Assembly::flat);

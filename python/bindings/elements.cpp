@@ -52,18 +52,18 @@ void check(const Vector& values, Eigen::Index size, const char* name) {
     throw std::invalid_argument(std::string(name) + " must have length " + std::to_string(size));
 }
 
-nb::dict shown(const PortSlopes& slopes) {
+nb::dict shown(const PortJacobians& jacobians) {
   nb::dict out;
-  out["f_p"] = slopes.f_p;
-  out["f_a"] = slopes.f_a;
-  out["n_p"] = slopes.n_p;
-  out["n_a"] = slopes.n_a;
-  out["f_v"] = slopes.f_v;
-  out["f_w"] = slopes.f_w;
-  out["n_v"] = slopes.n_v;
-  out["n_w"] = slopes.n_w;
-  out["of_points"] = slopes.of_points;
-  out["damped"] = slopes.damped;
+  out["f_p"] = jacobians.f_p;
+  out["f_a"] = jacobians.f_a;
+  out["n_p"] = jacobians.n_p;
+  out["n_a"] = jacobians.n_a;
+  out["f_v"] = jacobians.f_v;
+  out["f_w"] = jacobians.f_w;
+  out["n_v"] = jacobians.n_v;
+  out["n_w"] = jacobians.n_w;
+  out["of_points"] = jacobians.of_points;
+  out["damped"] = jacobians.damped;
   return out;
 }
 
@@ -143,23 +143,23 @@ class ForceAnywhere {
   // Whether its numbers fit each other.
   bool is_sound() const { return !fault_of(force_, {}); }
   // None where the element has none of its own.
-  nb::object slopes(const Poses& poses, const Velocities& velocities, const Vector& u,
+  nb::object jacobians(const Poses& poses, const Velocities& velocities, const Vector& u,
                     const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
-      if constexpr (requires { force.slopes(here.ports.data(), u.data()); }) {
-        return shown(force.slopes(here.ports.data(), u.data()));
+      if constexpr (requires { force.jacobians(here.ports.data(), u.data()); }) {
+        return shown(force.jacobians(here.ports.data(), u.data()));
       }
       return nb::none();
     });
   }
-  nb::dict slopes_by_duals(const Poses& poses, const Velocities& velocities, const Vector& u,
-                           const Eigen::Matrix3d& R_0W) const {
+  nb::dict derivatives_by_duals(const Poses& poses, const Velocities& velocities, const Vector& u,
+                                const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) {
-      const auto moved = detail::still_ports(here.ports, here.loads);
+      const auto moved = detail::immobile_ports(here.ports, here.loads);
       Spatial::Motion U = here.V.back();
       if (moved.size() > 1) U = U - here.V.front();
       const Eigen::Vector3d v = detail::velocity(U, here.X.back().p);
-      return shown(detail::slopes_by_duals(force, moved, u.data(), U.w, v));
+      return shown(detail::derivatives_by_duals(force, moved, u.data(), U.w, v));
     });
   }
 
@@ -217,26 +217,26 @@ class AlongOne {
         },
         force_);
   }
-  nb::object slopes(double q, double v) const {
+  nb::object jacobians(double q, double v) const {
     return std::visit(
         [&](const auto& force) -> nb::object {
-          if constexpr (requires { force.slopes(q, v); }) {
-            const auto slopes = force.slopes(q, v);
-            return nb::cast(std::vector<double>(slopes.begin(), slopes.end()));
+          if constexpr (requires { force.jacobians(q, v); }) {
+            const auto jacobians = force.jacobians(q, v);
+            return nb::cast(std::vector<double>(jacobians.begin(), jacobians.end()));
           }
           return nb::none();
         },
         force_);
   }
   // By q, v and the inputs.
-  std::vector<double> slopes_by_duals(double q, double v, const Vector& u) const {
+  std::vector<double> derivatives_by_duals(double q, double v, const Vector& u) const {
     return std::visit(
         [&]<class F>(const F& force) {
           const int n = count_of(own_inputs(force));
           check(u, n, "inputs");
           AlongCoordinate<F> placed;
           placed.element = force;
-          const Dual::Directions found = gelenk::slopes_by_duals(placed, &q, &v, u.data(), n);
+          const Dual::Directions found = gelenk::derivatives_by_duals(placed, &q, &v, u.data(), n);
           return std::vector<double>(found.data(), found.data() + 2 + n);
         },
         force_);
@@ -265,9 +265,9 @@ void bind_elements(nb::module_& module) {
       .def_prop_ro("is_sound", &ForceAnywhere::is_sound)
       .def("energy", &ForceAnywhere::energy, nb::arg("poses"))
       .def("undefined", &ForceAnywhere::undefined, nb::arg("poses"))
-      .def("slopes", &ForceAnywhere::slopes, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"),
+      .def("jacobians", &ForceAnywhere::jacobians, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"),
            nb::arg("R_0W"))
-      .def("slopes_by_duals", &ForceAnywhere::slopes_by_duals, nb::arg("poses"), nb::arg("velocities"),
+      .def("derivatives_by_duals", &ForceAnywhere::derivatives_by_duals, nb::arg("poses"), nb::arg("velocities"),
            nb::arg("inputs"), nb::arg("R_0W"));
   nb::class_<AlongOne>(m, "Along", "What acts along a coordinate, with numbers by the names of its fields.")
       .def(nb::init<const std::string&, const ElementNumbers&>(), nb::arg("kind"), nb::arg("numbers"))
@@ -276,8 +276,8 @@ void bind_elements(nb::module_& module) {
       .def("effort", &AlongOne::effort, nb::arg("q"), nb::arg("v"), nb::arg("inputs"))
       .def_prop_ro("is_sound", &AlongOne::is_sound)
       .def("energy", &AlongOne::energy, nb::arg("q"))
-      .def("slopes", &AlongOne::slopes, nb::arg("q"), nb::arg("v"))
-      .def("slopes_by_duals", &AlongOne::slopes_by_duals, nb::arg("q"), nb::arg("v"), nb::arg("inputs"));
+      .def("jacobians", &AlongOne::jacobians, nb::arg("q"), nb::arg("v"))
+      .def("derivatives_by_duals", &AlongOne::derivatives_by_duals, nb::arg("q"), nb::arg("v"), nb::arg("inputs"));
 }
 
 }  // namespace gelenk

@@ -3,7 +3,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
-#include "modelDescription/pack.h"
+#include "fmu/export/pack.h"
 #include "simulation/simulation.h"
 
 namespace nb = nanobind;

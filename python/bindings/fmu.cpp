@@ -5,8 +5,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
-#include "modelDescription/file_name.h"
-#include "modelDescription/pack.h"
+#include "fmu/export/file_name.h"
+#include "fmu/export/pack.h"
 
 namespace nb = nanobind;
 

@@ -33,8 +33,8 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("reductions", &Inspection::reductions)
       .def_ro("redundant_rows", &Inspection::redundant_rows)
       .def_ro("undetermined_reactions", &Inspection::undetermined_reactions)
-      .def_ro("counted_freedoms", &Inspection::counted_freedoms)
-      .def_ro("momentary_freedoms", &Inspection::momentary_freedoms)
+      .def_ro("counted_degrees_of_freedom", &Inspection::counted_degrees_of_freedom)
+      .def_ro("initial_degrees_of_freedom", &Inspection::initial_degrees_of_freedom)
       .def_ro("moved_frames", &Inspection::moved_frames)
       .def_ro("mobility", &Inspection::mobility)
       .def_ro("left_out", &Inspection::left_out, "What no wanted output depends on, as a sentence; empty: nothing.");

@@ -78,22 +78,22 @@ class JointInAlgebra {
     });
     return v;
   }
-  Vector rate(const Vector& q, const Vector& v) const {
+  Vector qdot_from_v(const Vector& q, const Vector& v) const {
     check(q, v);
     Vector qdot(nq());
-    std::visit([&](const auto& j) { j.rate(q.data(), v.data(), qdot.data()); }, joint_);
+    std::visit([&](const auto& j) { j.qdot_from_v(q.data(), v.data(), qdot.data()); }, joint_);
     return qdot;
   }
-  Vector unrate(const Vector& q, const Vector& qdot) const {
+  Vector v_from_qdot(const Vector& q, const Vector& qdot) const {
     check(q, nq(), "q");
     check(qdot, nq(), "qdot");
     Vector v(nv());
-    std::visit([&](const auto& j) { j.unrate(q.data(), qdot.data(), v.data()); }, joint_);
+    std::visit([&](const auto& j) { j.v_from_qdot(q.data(), qdot.data(), v.data()); }, joint_);
     return v;
   }
-  Vector normalise(Vector q) const {
+  Vector normalize(Vector q) const {
     check(q, nq(), "q");
-    std::visit([&](const auto& j) { j.normalise(q.data()); }, joint_);
+    std::visit([&](const auto& j) { j.normalize(q.data()); }, joint_);
     return q;
   }
   Vector coordinates(const Eigen::Matrix4d& X, Vector q) const {
@@ -203,9 +203,9 @@ void bind_joints(nb::module_& module) {
       .def("bias", &JointInAlgebra::bias, nb::arg("q"), nb::arg("v"))
       .def("project", &JointInAlgebra::project, nb::arg("q"), nb::arg("F"))
       .def("speeds", &JointInAlgebra::speeds, nb::arg("q"), nb::arg("V"))
-      .def("rate", &JointInAlgebra::rate, nb::arg("q"), nb::arg("v"))
-      .def("unrate", &JointInAlgebra::unrate, nb::arg("q"), nb::arg("qdot"))
-      .def("normalise", &JointInAlgebra::normalise, nb::arg("q"))
+      .def("qdot_from_v", &JointInAlgebra::qdot_from_v, nb::arg("q"), nb::arg("v"))
+      .def("v_from_qdot", &JointInAlgebra::v_from_qdot, nb::arg("q"), nb::arg("qdot"))
+      .def("normalise", &JointInAlgebra::normalize, nb::arg("q"))
       .def("coordinates", &JointInAlgebra::coordinates, nb::arg("X_FM"), nb::arg("q"))
       .def("rows", &JointInAlgebra::rows, nb::arg("X_FM"))
       .def("rows_bias", &JointInAlgebra::rows_bias, nb::arg("X_FM"), nb::arg("V"))

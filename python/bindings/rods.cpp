@@ -53,8 +53,8 @@ class RodInAlgebra {
   Vector6 bias(const Vector& q, const Vector& v) const {
     return in_algebra([&]<class A> { return shown(rod_.bias<A>(q.data(), v.data())); });
   }
-  Vector6 effort(const Vector& q, const Vector& tau) const {
-    return in_algebra([&]<class A> { return shown(rod_.effort<A>(q.data(), tau.data())); });
+  Vector6 wrench_from_tau(const Vector& q, const Vector& tau) const {
+    return in_algebra([&]<class A> { return shown(rod_.wrench_from_tau<A>(q.data(), tau.data())); });
   }
   Vector speeds(const Vector& q, const Vector6& V) const {
     Vector v(rod_.nv());
@@ -75,7 +75,7 @@ class RodInAlgebra {
   Vector coordinate_rates(const Eigen::Matrix4d& X, const Eigen::Matrix4d& Xdot, const Vector& q) const {
     const auto carried = [&](int i, int j) {
       Dual x = X(i, j);
-      x.slope()[0] = Xdot(i, j);
+      x.derivatives()[0] = Xdot(i, j);
       return x;
     };
     std::vector<Dual> found(q.begin(), q.end());
@@ -90,7 +90,7 @@ class RodInAlgebra {
       rod_.coordinates<SpatialAlgebra<Dual>>(pose, found.data());
     }
     Vector out(q.size());
-    for (Eigen::Index i = 0; i < q.size(); ++i) out[i] = found[static_cast<std::size_t>(i)].slope()[0];
+    for (Eigen::Index i = 0; i < q.size(); ++i) out[i] = found[static_cast<std::size_t>(i)].derivatives()[0];
     return out;
   }
   std::pair<Vector6, double> row(const Eigen::Matrix4d& X) const {
@@ -130,7 +130,7 @@ void bind_rods(nb::module_& joints) {
       .def("V_FM", &RodInAlgebra::V_FM, nb::arg("q"), nb::arg("v"))
       .def("rod_velocity", &RodInAlgebra::rod_velocity, nb::arg("q"), nb::arg("v"))
       .def("bias", &RodInAlgebra::bias, nb::arg("q"), nb::arg("v"))
-      .def("effort", &RodInAlgebra::effort, nb::arg("q"), nb::arg("tau"))
+      .def("wrench_from_tau", &RodInAlgebra::wrench_from_tau, nb::arg("q"), nb::arg("tau"))
       .def("speeds", &RodInAlgebra::speeds, nb::arg("q"), nb::arg("V"))
       .def("coordinates", &RodInAlgebra::coordinates, nb::arg("X_FM"), nb::arg("q"))
       .def("coordinate_rates", &RodInAlgebra::coordinate_rates, nb::arg("X_FM"), nb::arg("rate"), nb::arg("q"))

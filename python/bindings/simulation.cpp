@@ -110,18 +110,18 @@ Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const
     const std::size_t n = equations.unknowns();
     if (x.size() != n || xdot.size() != n) throw gelenk::UsageError(std::to_string(n) + " numbers are expected");
     std::vector<double> out(slopes ? 2 * n * n : n);
-    const bool found = slopes
-                           ? equations.residual_slopes(s.time(), x.data(), xdot.data(), out.data(), out.data() + n * n)
-                           : equations.residual(s.time(), x.data(), xdot.data(), out.data());
+    const bool found =
+        slopes ? equations.residual_jacobians(s.time(), x.data(), xdot.data(), out.data(), out.data() + n * n)
+               : equations.residual(s.time(), x.data(), xdot.data(), out.data());
     if (!found) throw gelenk::UsageError("x: the equations are not finite there");
     return out;
   }));
 }
 
 nb::bytes save(Plant& plant) {
-  gelenk::Record record;
-  plant.with([&](Simulation& s) { s.exchange(record); });
-  return nb::bytes(record.words().data(), record.words().size() * sizeof(std::uint64_t));
+  gelenk::Archive archive;
+  plant.with([&](Simulation& s) { s.serialize(archive); });
+  return nb::bytes(archive.words().data(), archive.words().size() * sizeof(std::uint64_t));
 }
 
 // As it was where the record is refused.
@@ -129,23 +129,23 @@ void restore(Plant& plant, const nb::bytes& saved) {
   if (saved.size() % sizeof(std::uint64_t) != 0) throw gelenk::UsageError("saved: it is not of this plant, or damaged");
   std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
   std::memcpy(words.data(), saved.data(), words.size() * sizeof(std::uint64_t));
-  gelenk::Record record(std::move(words));
-  gelenk::Record before;
+  gelenk::Archive archive(std::move(words));
+  gelenk::Archive before;
   plant.with([&](Simulation& s) {
-    s.exchange(before);
+    s.serialize(before);
     try {
-      s.exchange(record);
-      record.finish();
+      s.serialize(archive);
+      archive.finish();
     } catch (const std::invalid_argument& error) {
       before.read_anew();
-      s.exchange(before);
+      s.serialize(before);
       throw gelenk::UsageError(std::string("saved: ") + error.what());
     }
   });
 }
 
 // f(y), or df/dy column by column.
-Vector slopes_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
+Vector derivatives_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.size();
@@ -168,8 +168,9 @@ std::vector<Vector> linearize(Plant& plant) {
   return {flat(l.A), flat(l.B), flat(l.C), flat(l.D), flat(l.xdot)};
 }
 
-std::vector<Vector> residual_slopes(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
-  gelenk::Slopes s = plant.with([&](Simulation& of) { return gelenk::Probe(of).residual_slopes(island, x, by_duals); });
+std::vector<Vector> residual_jacobians(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
+  gelenk::Jacobians s =
+      plant.with([&](Simulation& of) { return gelenk::Probe(of).residual_jacobians(island, x, by_duals); });
   std::vector<Vector> out;
   for (const Eigen::MatrixXd& part : {Eigen::MatrixXd(s.r), Eigen::MatrixXd(s.r_u), Eigen::MatrixXd(s.c),
                                       Eigen::MatrixXd(s.Phi_q), Eigen::MatrixXd(s.rate_q), s.qdot_q, s.qdot_v}) {
@@ -178,9 +179,9 @@ std::vector<Vector> residual_slopes(Plant& plant, int island, const std::vector<
   return out;
 }
 
-std::vector<Vector> slope_along(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
-  const gelenk::Slope slope =
-      plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).slope_along(dx, du); });
+std::vector<Vector> directional_derivative(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
+  const gelenk::DirectionalDerivative slope =
+      plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).directional_derivative(dx, du); });
   return {flat(slope.outputs), flat(slope.rates)};
 }
 
@@ -218,7 +219,7 @@ void bind_size(nb::module_& m) {
       .def_ro("speeds", &ModelSize::speeds)
       .def_ro("rows", &ModelSize::rows, "Constraint rows of the loops.")
       .def_ro("rank", &ModelSize::rank, "Rank of these rows.")
-      .def_ro("freedoms", &ModelSize::freedoms)
+      .def_ro("degrees_of_freedom", &ModelSize::degrees_of_freedom)
       .def_ro("free_coordinates", &ModelSize::free_coordinates,
               "Independent coordinates: as many as freedoms, more where wheels roll.")
       .def_ro("islands", &ModelSize::islands, "Parts without coupling, solved apart.")
@@ -261,9 +262,9 @@ void bind_inputs(nb::class_<Plant>& simulation) {
 
 void bind_checks(nb::class_<Plant>& simulation) {
   simulation.def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
-      .def("_slopes", slopes_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
+      .def("_state_jacobian", derivatives_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
            "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
-      .def("_residual_slopes", residual_slopes, nb::arg("island"), nb::arg("x"), nb::arg("by_duals"),
+      .def("_residual_jacobians", residual_jacobians, nb::arg("island"), nb::arg("x"), nb::arg("by_duals"),
            "Derivatives of its residuals at x = (q, v, vdot, lambda): r, r_u, c, Phi_q, rate_q, qdot_q, qdot_v; for "
            "checks.")
       .def("_consistent", consistent_at, nb::arg("island"),
@@ -284,7 +285,8 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
           },
           nb::arg("coordinates"), nb::arg("speeds"), "Derivatives are by these from now on.")
       .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
-      .def("_slope_along", slope_along, nb::arg("dx"), nb::arg("du"), "What outputs and states' derivatives differ by.")
+      .def("_directional_derivative", directional_derivative, nb::arg("dx"), nb::arg("du"),
+           "What outputs and states' derivatives differ by.")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
            "First, then second time derivatives of all outputs; [] where inputs are constant.");
 }
@@ -353,8 +355,8 @@ void bind_reports(nb::class_<Plant>& simulation) {
 }  // namespace
 
 void gelenk::bind_simulation(nb::module_& m) {
-  m.attr("standing_rate") = gelenk::standing_rate;
-  m.attr("standing_rounding") = gelenk::standing_rounding;
+  m.attr("equilibrium_rate_tolerance") = gelenk::equilibrium_rate_tolerance;
+  m.attr("equilibrium_rounding_tolerance") = gelenk::equilibrium_rounding_tolerance;
   bind_signal(m);
   bind_size(m);
   nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");

@@ -11,11 +11,11 @@
 namespace gelenk {
 
 template <class Numbers>
-Eigen::VectorXd slope(const Numbers& from, int k) {
+Eigen::VectorXd derivatives_along(const Numbers& from, int k) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(from.size()));
   for (std::size_t i = 0; i < from.size(); ++i) {
     if constexpr (std::is_same_v<typename Numbers::value_type, Dual>) {
-      out[static_cast<Eigen::Index>(i)] = from[i].slope()[k];
+      out[static_cast<Eigen::Index>(i)] = from[i].derivatives()[k];
     } else {
       out[static_cast<Eigen::Index>(i)] = from[i][k];
     }
@@ -25,14 +25,14 @@ Eigen::VectorXd slope(const Numbers& from, int k) {
 
 inline Eigen::MatrixXd slopes(const std::vector<Dual>& from, Eigen::Index n) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(from.size()), n);
-  for (Eigen::Index k = 0; k < n; ++k) out.col(k) = slope(from, static_cast<int>(k));
+  for (Eigen::Index k = 0; k < n; ++k) out.col(k) = derivatives_along(from, static_cast<int>(k));
   return out;
 }
 
 inline void set_slopes(const Eigen::MatrixXd& from, std::vector<Dual>& to) {
   for (Eigen::Index i = 0; i < from.rows(); ++i) {
-    to[i].slope().setZero();
-    for (Eigen::Index k = 0; k < from.cols(); ++k) to[i].slope()[k] = from(i, k);
+    to[i].derivatives().setZero();
+    for (Eigen::Index k = 0; k < from.cols(); ++k) to[i].derivatives()[k] = from(i, k);
   }
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "analysis/independent_columns.h"
-#include "assembly/closing.h"
+#include "assembly/loop_closure.h"
 #include "linear/descent.h"
 
 namespace gelenk {
@@ -56,7 +56,7 @@ struct Place {
 
 bool stands(const Place& at) {
   const VectorXd terms = at.A.cwiseAbs().rowwise().sum();
-  return (at.a.array().abs() <= standing_rate + standing_rounding * terms.array()).all();
+  return (at.a.array().abs() <= equilibrium_rate_tolerance + equilibrium_rounding_tolerance * terms.array()).all();
 }
 
 class Finder {
@@ -67,7 +67,7 @@ class Finder {
         dynamics_(make_dynamics(of.mechanism, of.loads)),
         still_(mechanism_.nv, 0.0),
         square_(of.time * of.time) {
-    dynamics_->limit_rank(of.structure.rank);
+    dynamics_->set_max_rank(of.mobility.rank);
     dynamics_->set_targets(with_two_derivatives(of.targets).data());
   }
 
@@ -76,8 +76,8 @@ class Finder {
     stand(here);
     try {
       differentiate(here);
-    } catch (const Undetermined&) {
-      if (largest(here.vdot) > standing_rate) throw;
+    } catch (const NotDifferentiablePoint&) {
+      if (largest(here.vdot) > equilibrium_rate_tolerance) throw;
       return {std::move(here.q), std::move(here.cut_q)};
     }
     bool settled = here.a.size() == 0;
@@ -190,7 +190,7 @@ class Finder {
       stand(there);
       if (!enough(there)) return {};
       differentiate(there);
-    } catch (const Undetermined&) {
+    } catch (const NotDifferentiablePoint&) {
       return {};
     } catch (const SingularMass&) {
       return {};
@@ -204,7 +204,7 @@ class Finder {
   void stand(Place& at) {
     dynamics_->set_cut_reference(at.cut_q.data());
     dynamics_->set_position(at.q.data());
-    dynamics_->factorise();
+    dynamics_->factorize();
     dynamics_->set_velocity(still_.data());
     at.vdot.resize(mechanism_.nv);
     dynamics_->solve(of_.u.data(), at.vdot.data());
@@ -228,19 +228,19 @@ class Finder {
   void differentiate(Place& at) {
     const int nv = mechanism_.nv;
     const std::vector<bool> any(static_cast<std::size_t>(nv), false);
-    const Independent by = independent_at(mechanism_, *dynamics_, of_.structure, any, any);
-    Tangent tangent(mechanism_, of_.loads, of_.structure, by, static_cast<int>(of_.u.size()));
-    tangent.stand(at.q.data(), still_.data(), of_.u.data(), at.cut_q.data(), of_.targets);
+    const Independent by = independent_at(mechanism_, *dynamics_, of_.mobility, any, any);
+    ConstrainedSensitivity tangent(mechanism_, of_.loads, of_.mobility, by, static_cast<int>(of_.u.size()));
+    tangent.set_point(at.q.data(), still_.data(), of_.u.data(), at.cut_q.data(), of_.targets);
     const auto n = static_cast<Index>(by.coordinates.size());
     const auto m = static_cast<Index>(by.speeds.size());
     MatrixXd dq = MatrixXd::Zero(mechanism_.nq, n + m);
     MatrixXd dv = MatrixXd::Zero(nv, n + m);
     for (Index k = 0; k < n; ++k) {
       const VectorXd z = VectorXd::Unit(nv, by.coordinates[static_cast<std::size_t>(k)]);
-      dynamics_->rate(at.q.data(), z.data(), dq.col(k).data());
+      dynamics_->qdot_from_v(at.q.data(), z.data(), dq.col(k).data());
     }
     for (Index k = 0; k < m; ++k) dv(by.speeds[static_cast<std::size_t>(k)], n + k) = 1;
-    const MatrixXd moved = tangent.move_state(dq, dv, MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m)).y;
+    const MatrixXd moved = tangent.state_derivative(dq, dv, MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m)).y;
     at.speeds = by.speeds;
     at.a = at.vdot(by.speeds);
     at.A = square_ * moved.bottomRows(nv)(by.speeds, Eigen::seqN(0, n));

@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/tangent.h"
+#include "analysis/constrained_sensitivity.h"
 
 namespace gelenk {
 
 // What stands still: accelerations, in the mechanism's own lengths and time, up to this and to what rounding of the
 // coordinates leaves of them, in parts of the terms that they are sums of. Of searches here and in Python, and of what
 // gelenk.linearize calls no equilibrium.
-inline constexpr double standing_rate = 1e-8;
-inline constexpr double standing_rounding = 1e-13;  // ten times what closing loops leaves of coordinates
+inline constexpr double equilibrium_rate_tolerance = 1e-8;
+inline constexpr double equilibrium_rounding_tolerance = 1e-13;  // ten times what closing loops leaves of coordinates
 
 // None was found.
 class NoEquilibrium : public std::runtime_error {
@@ -27,7 +27,7 @@ class NoEquilibrium : public std::runtime_error {
 struct AtRest {
   const Mechanism& mechanism;
   const Loads& loads;
-  const Structure& structure;
+  const MobilityAnalysis& mobility;
   const std::vector<double>& u;                        // all inputs
   const std::vector<MotionLaw::Derivatives>& targets;  // of the coordinate rows
   double time = 1;                                     // s: the mechanism's own, for bounds

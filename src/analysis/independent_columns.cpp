@@ -145,16 +145,16 @@ std::vector<int> independent_columns(const SparseMatrix<double>& J, int rank, co
   return elimination.independent();
 }
 
-Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const Structure& structure,
+Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
                            const std::vector<bool>& coordinates, const std::vector<bool>& speeds) {
   Independent out;
-  out.speeds = independent_columns(dynamics.sparse_J(), structure.rank, speeds);
+  out.speeds = independent_columns(dynamics.sparse_J(), mobility.rank, speeds);
   out.coordinates = out.speeds;
-  if (structure.position_rank == structure.rank && coordinates == speeds) return out;
+  if (mobility.position_rank == mobility.rank && coordinates == speeds) return out;
   // Where a speed is independent its coordinate can be, too.
   std::vector<bool> prefer = coordinates;
   for (const int k : out.speeds) prefer[k] = prefer[k] || coordinates == speeds;
-  out.coordinates = independent_columns(position_rows(mechanism, dynamics.sparse_J()), structure.position_rank, prefer);
+  out.coordinates = independent_columns(position_rows(mechanism, dynamics.sparse_J()), mobility.position_rank, prefer);
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "analysis/structure.h"
+#include "analysis/mobility.h"
 
 namespace gelenk {
 
@@ -13,7 +13,7 @@ namespace gelenk {
 std::vector<int> independent_columns(const Eigen::SparseMatrix<double>& J, int rank, const std::vector<bool>& prefer);
 
 // Where `dynamics` stands; wanted among them where that is possible, by speed.
-Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const Structure& structure,
+Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
                            const std::vector<bool>& coordinates, const std::vector<bool>& speeds);
 
 }  // namespace gelenk

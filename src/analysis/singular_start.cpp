@@ -7,7 +7,7 @@
 #include <random>
 
 #include "assembly/assembly_problem.h"
-#include "assembly/closing.h"
+#include "assembly/loop_closure.h"
 #include "linear/descent.h"
 #include "linear/weak_rows.h"
 
@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 // Below this share the condition on the velocities, which errs by the share, knows them better than J v = b, which errs
 // by 2e-16 / share^2.
-constexpr double singular_share = 5e-6;
+constexpr double singular_fraction = 5e-6;
 constexpr double weak = 2e-5;       // of the largest singular value of J, likewise
 constexpr double left_open = 1e-7;  // rad or m: of the position, by rounding of the closed loop
 constexpr double met = 1e-10;       // |l^T gamma| over length |v|^2
@@ -50,7 +50,7 @@ class BranchSearch {
   }
 
   bool holds(const VectorXd& a) { return largest(excess(a)) <= met * scale_; }
-  Index freedoms() const { return W_.cols(); }
+  Index degrees_of_freedom() const { return W_.cols(); }
 
   // Newton's method with steps of least length: excess() is quadratic, so its central differences are exact. Steps are
   // neither shortened nor damped: a root that is far away is as good, and a search that strays is given up for another.
@@ -58,12 +58,12 @@ class BranchSearch {
     for (int i = 0; i < 60; ++i) {
       const VectorXd F = excess(a);
       if (largest(F) <= met * scale_) return true;
-      MatrixXd slope(F.size(), a.size());
+      MatrixXd jacobian(F.size(), a.size());
       for (Index k = 0; k < a.size(); ++k) {
         const VectorXd e = speed_ * VectorXd::Unit(a.size(), k);
-        slope.col(k) = (excess(a + e) - excess(a - e)) / (2 * speed_);
+        jacobian.col(k) = (excess(a + e) - excess(a - e)) / (2 * speed_);
       }
-      const VectorXd step = slope.completeOrthogonalDecomposition().solve(F);
+      const VectorXd step = jacobian.completeOrthogonalDecomposition().solve(F);
       if (!step.allFinite() || largest(step) > 1e3 * speed_) return false;
       a -= step;
     }
@@ -72,12 +72,12 @@ class BranchSearch {
 
   // The nearest to v0 of those found from several velocities; false: none.
   bool nearest(VectorXd& found) {
-    if (freedoms() == 0) return holds(found);
+    if (degrees_of_freedom() == 0) return holds(found);
     std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
     std::normal_distribution<double> normal;
     double least = INFINITY;
     for (int i = 0; i < most_searches; ++i) {
-      VectorXd a = VectorXd::Zero(freedoms());
+      VectorXd a = VectorXd::Zero(degrees_of_freedom());
       if (i > 0) {
         for (double& x : a) x = 2 * speed_ * normal(random);
       }
@@ -128,22 +128,23 @@ int weakest_row(const MatrixXd& J, int rank) {
 
 }  // namespace
 
-SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, const Structure& structure,
-                            const Wishes& tree, const Wishes& cuts, Assembled& start) {
+SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
+                            const InitialGuess& tree, const InitialGuess& cuts, Assembled& start) {
   SingularStart out;
-  if (mechanism.rows == 0 || structure.rank == 0) return out;
+  if (mechanism.rows == 0 || mobility.rank == 0) return out;
   out.moves = std::ranges::any_of(start.v, [](double x) { return x != 0; });
-  dynamics.limit_rank(structure.rank);
+  dynamics.set_max_rank(mobility.rank);
   dynamics.set_position(start.q.data());
-  dynamics.factorise();
-  const bool full = dynamics.rank() == structure.rank;
-  out.share = full && structure.soundest > 0 ? dynamics.pivot_ratio() / structure.soundest : (full ? 1 : 0);
-  if (out.share > doubtful_share) return out;
-  out.row = weakest_row(dynamics.J(), structure.rank);
-  if (out.share > singular_share || !out.moves) return out;
+  dynamics.factorize();
+  const bool full = dynamics.rank() == mobility.rank;
+  out.share =
+      full && mobility.best_pivot_ratio > 0 ? dynamics.pivot_ratio() / mobility.best_pivot_ratio : (full ? 1 : 0);
+  if (out.share > doubtful_fraction) return out;
+  out.row = weakest_row(dynamics.J(), mobility.rank);
+  if (out.share > singular_fraction || !out.moves) return out;
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   BranchSearch search(mechanism, dynamics, problem, start.q, start.v);
-  VectorXd a = VectorXd::Zero(search.freedoms());
+  VectorXd a = VectorXd::Zero(search.degrees_of_freedom());
   out.on_branch = search.nearest(a);
   if (out.on_branch) start.v = search.velocity(a);
   return out;

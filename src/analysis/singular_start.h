@@ -2,7 +2,7 @@
 // Starts in or beside a singular configuration (a change point, a dead centre), where branches of motion meet.
 #pragma once
 
-#include "analysis/structure.h"
+#include "analysis/mobility.h"
 #include "assembly/assembly.h"
 
 namespace gelenk {
@@ -16,13 +16,13 @@ struct SingularStart {
 
 // Shares below which the start is worth a warning: rounding of 2e-16 in closed loops leaves 2e-16 / share^2 of the
 // velocities open.
-inline constexpr double doubtful_share = 1e-4;
+inline constexpr double doubtful_fraction = 1e-4;
 
 // Examines the start at which `start` stands. In a singular configuration J v = b holds for more velocities than the
 // mechanism can go on with: those of its branches have accelerations, J vdot = gamma(v), so that l^T gamma(v) = 0 for
 // every l with l^T J = 0. There start.v becomes the nearest such velocity, fixed ones kept; elsewhere it stays.
 // Leaves `dynamics` at start.q.
-SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, const Structure& structure,
-                            const Wishes& tree, const Wishes& cuts, Assembled& start);
+SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
+                            const InitialGuess& tree, const InitialGuess& cuts, Assembled& start);
 
 }  // namespace gelenk

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "assembly/assembly_problem.h"
-#include "assembly/closing.h"
 #include "assembly/conflict.h"
+#include "assembly/loop_closure.h"
 #include "linear/descent.h"
 
 namespace gelenk {
@@ -63,12 +63,12 @@ void find_gap(const Mechanism& mechanism, const Dynamics& dynamics, double& gap,
 }
 
 std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
-                                const Wishes& tree, const Wishes& cuts, int& tries) {
+                                const InitialGuess& tree, const InitialGuess& cuts, int& tries) {
   std::vector<double> best;
   double smallest = INFINITY;
   for (tries = 1; tries <= most_attempts; ++tries) {
-    std::vector<double> q = shaken(problem, tree.q, tries - 1);
-    const double gap = close_gaps(problem, q);
+    std::vector<double> q = perturbed(problem, tree.q, tries - 1);
+    const double gap = close_loops(problem, q);
     if (gap <= assembled_gap) {
       problem.unwind(q);
       return q;
@@ -89,15 +89,15 @@ std::vector<double> close_loops(const Mechanism& mechanism, Dynamics& dynamics, 
 
 // Whether no neighbours are as near to the wishes.
 bool stands_alone(AssemblyProblem& problem, const std::vector<double>& q) {
-  const Bottom bottom = bottom_at(problem, q);
-  return bottom.freedoms == 0 || bottom.least_bending > bent;
+  const LocalMinimum minimum = local_minimum_at(problem, q);
+  return minimum.degrees_of_freedom == 0 || minimum.least_curvature > bent;
 }
 
 // The loops are closed from where the tree is wished to be. Where that leaves a guess behind, one at a cut joint for
 // instance, a loop may have closed the other way than was meant: others are looked for, beside the wishes and then
 // anywhere, until many searches have found nothing nearer. The nearest is taken, which does not depend on what is cut.
 // Returns another that is as near; empty: there is none.
-std::vector<double> heed_guesses(AssemblyProblem& problem, const Wishes& tree, std::vector<double>& q) {
+std::vector<double> heed_guesses(AssemblyProblem& problem, const InitialGuess& tree, std::vector<double>& q) {
   constexpr std::array beside = {0, 8, 10, 12, 14, 16, 18, 20};
   std::mt19937 random(1);  // NOLINT(bugprone-random-generator-seed): the same scene gives the same start
   std::vector<double> equal;
@@ -105,11 +105,11 @@ std::vector<double> heed_guesses(AssemblyProblem& problem, const Wishes& tree, s
   const int patience = static_cast<int>(tree.v.size()) <= many_speeds ? 50 : static_cast<int>(beside.size());
   for (int i = 0, in_vain = 0; in_vain < patience && problem.moved(q) > met; ++i, ++in_vain) {
     const auto k = static_cast<std::size_t>(i);
-    std::vector<double> other = k < beside.size() ? shaken(problem, tree.q, beside[k]) : problem.scattered(random);
-    if (k < beside.size()) pull(problem, other);  // often to one place, wherever it starts
-    if (close_gaps(problem, other) > assembled_gap) continue;
+    std::vector<double> other = k < beside.size() ? perturbed(problem, tree.q, beside[k]) : problem.scattered(random);
+    if (k < beside.size()) relax(problem, other);  // often to one place, wherever it starts
+    if (close_loops(problem, other) > assembled_gap) continue;
     problem.unwind(other);
-    come_near(problem, other);
+    minimize_distance(problem, other);
     const double distance = problem.distance(other).squaredNorm();
     if (std::abs(distance - least) <= nearer * least) {
       if (problem.apart(other, q) > elsewhere && stands_alone(problem, other)) equal = std::move(other);
@@ -125,8 +125,8 @@ std::vector<double> heed_guesses(AssemblyProblem& problem, const Wishes& tree, s
 }
 
 // The wishes with all that the user gave kept exactly.
-Wishes all_given_fixed(const Wishes& wishes) {
-  Wishes out = wishes;
+InitialGuess all_given_fixed(const InitialGuess& guesses) {
+  InitialGuess out = guesses;
   for (std::size_t k = 0; k < out.q_fixed.size(); ++k) {
     if (out.q_given[k]) out.q_fixed[k] = true;
   }
@@ -134,8 +134,8 @@ Wishes all_given_fixed(const Wishes& wishes) {
 }
 
 // The wishes with those that nobody asked for made so weak that they move nothing that was given.
-Wishes given_first(const Wishes& wishes) {
-  Wishes out = wishes;
+InitialGuess given_first(const InitialGuess& guesses) {
+  InitialGuess out = guesses;
   for (std::size_t k = 0; k < out.q_weight.size(); ++k) {
     if (!out.q_given[k]) out.q_weight[k] *= weaker;
   }
@@ -144,32 +144,33 @@ Wishes given_first(const Wishes& wishes) {
 
 // Start values that close the loops as they are given stay as they are: only coordinates that nobody gave are looked
 // for. False: they do not close.
-bool closes_as_given(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
+bool closes_as_given(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts,
                      std::vector<double>& q) {
-  const Wishes fixed_tree = all_given_fixed(tree);
-  const Wishes fixed_cuts = all_given_fixed(cuts);
+  const InitialGuess fixed_tree = all_given_fixed(tree);
+  const InitialGuess fixed_cuts = all_given_fixed(cuts);
   AssemblyProblem problem(mechanism, dynamics, fixed_tree, fixed_cuts);
   std::vector<double> found = tree.q;
   const double rounding = as_given * static_cast<double>(mechanism.links.size()) * problem.length();
-  if (!(close_gaps(problem, found) <= rounding)) return false;
+  if (!(close_loops(problem, found) <= rounding)) return false;
   problem.unwind(found);
-  come_near(problem, found);
+  minimize_distance(problem, found);
   q = std::move(found);
   return true;
 }
 
 // As near to what was given as can be. What nobody gave has helped to find a way so far; that has moved what was
 // given by about its weight.
-void settle_on_given(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
+void settle_on_given(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts,
                      std::vector<double>& q) {
-  const Wishes first_tree = given_first(tree);
-  const Wishes first_cuts = given_first(cuts);
+  const InitialGuess first_tree = given_first(tree);
+  const InitialGuess first_cuts = given_first(cuts);
   AssemblyProblem problem(mechanism, dynamics, first_tree, first_cuts);
-  come_near(problem, q);
+  minimize_distance(problem, q);
 }
 
 std::vector<double> consistent_speeds(const Mechanism& mechanism, Dynamics& dynamics, AssemblyProblem& problem,
-                                      const Wishes& tree, const Wishes& cuts, const std::vector<double>& q) {
+                                      const InitialGuess& tree, const InitialGuess& cuts,
+                                      const std::vector<double>& q) {
   AssemblyProblem::Speeds s = problem.speeds(q);
   const auto& free = problem.free(AssemblyProblem::Level::velocity);
   const auto n = static_cast<Eigen::Index>(free.size());
@@ -192,7 +193,7 @@ std::vector<double> consistent_speeds(const Mechanism& mechanism, Dynamics& dyna
 
 }  // namespace
 
-Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts) {
+Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts) {
   Assembled out;
   if (mechanism.rows == 0 && mechanism.cuts.empty()) {
     out.q = tree.q;
@@ -202,7 +203,7 @@ Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes&
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   if (!closes_as_given(mechanism, dynamics, tree, cuts, out.q)) {
     out.q = close_loops(mechanism, dynamics, problem, tree, cuts, out.tries);
-    come_near(problem, out.q);
+    minimize_distance(problem, out.q);
     out.equal_q = heed_guesses(problem, tree, out.q);
     settle_on_given(mechanism, dynamics, tree, cuts, out.q);
   }

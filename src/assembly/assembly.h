@@ -11,9 +11,9 @@
 
 namespace gelenk {
 
-// Wishes for one list of coordinates and speeds, in the mechanism's signs: the tree's, or the cut joints'.
+// InitialGuess for one list of coordinates and speeds, in the mechanism's signs: the tree's, or the cut joints'.
 // Flags and weights go by speed: a quaternion is fixed as a whole.
-struct Wishes {
+struct InitialGuess {
   std::vector<double> q, v;
   std::vector<bool> q_fixed, v_fixed;      // keep exactly
   std::vector<double> q_weight, v_weight;  // of the squared distance to be made small; 0: no wish
@@ -29,7 +29,7 @@ struct Assembled {
   double gap = 0;               // m or rad: the largest left where positions are held, of lengths near 1
 };
 
-// A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of Wishes.
+// A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of InitialGuess.
 struct FixedValue {
   bool cut = false;  // in the cut joints' lists
   int first = 0, count = 1;
@@ -62,6 +62,6 @@ class CannotAssemble : public std::runtime_error {
 // Smallest weighted change of the wishes, fixed ones kept, damped and step-limited (Levenberg-Marquardt to close the
 // loops, Gauss-Newton along them to come near; Nocedal & Wright, ch. 10 and 18).
 // Throws CannotAssemble with the smallest gap reached for positions, or what remains of a speed.
-Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
+Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
 
 }  // namespace gelenk

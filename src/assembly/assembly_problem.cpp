@@ -30,11 +30,11 @@ void difference(int nq, int nv, const double* q, const double* q0, double* out) 
   for (int i = 0; i < 3; ++i) out[plain + i] = turn[i];
 }
 
-double largest_given(const Wishes& wishes, const VectorXd& offset) {
+double largest_given(const InitialGuess& guesses, const VectorXd& offset) {
   double out = 0;
   for (Eigen::Index k = 0; k < offset.size(); ++k) {
     const auto i = static_cast<std::size_t>(k);
-    if (wishes.q_given[i] && !wishes.q_fixed[i]) out = std::max(out, std::abs(offset[k]));
+    if (guesses.q_given[i] && !guesses.q_fixed[i]) out = std::max(out, std::abs(offset[k]));
   }
   return out;
 }
@@ -89,7 +89,8 @@ void append(VectorXd& top, const VectorXd& all, const std::vector<bool>& chosen)
 
 }  // namespace
 
-AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts)
+AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                                 const InitialGuess& cuts)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       tree_(tree),
@@ -105,7 +106,7 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
     }
   }
   cuts_fixed_ = any(cuts.q_fixed);
-  cut_wishes_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  cut_guesses_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
   const std::vector<bool> holds = mechanism.position_rows();
   for (int r = 0; r < mechanism.rows; ++r) {
     if (holds[r]) position_rows_.push_back(r);
@@ -151,9 +152,9 @@ SparseMatrix AssemblyProblem::gap_jacobian(const std::vector<double>& q) {
 
 VectorXd AssemblyProblem::distance(const std::vector<double>& q) {
   const VectorXd tree = tree_offset(q);
-  VectorXd d(mechanism_.nv + (cut_wishes_ ? mechanism_.cut_nv : 0));
+  VectorXd d(mechanism_.nv + (cut_guesses_ ? mechanism_.cut_nv : 0));
   for (int k = 0; k < mechanism_.nv; ++k) d[k] = std::sqrt(tree_.q_weight[k]) * tree[k];
-  if (!cut_wishes_) return d;
+  if (!cut_guesses_) return d;
   const VectorXd cut = cut_offset(q);
   for (int k = 0; k < mechanism_.cut_nv; ++k) d[mechanism_.nv + k] = std::sqrt(cuts_.q_weight[k]) * cut[k];
   return d;
@@ -163,7 +164,7 @@ SparseMatrix AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
   Entries entries;
   for (int k = 0; k < mechanism_.nv; ++k) entries.emplace_back(k, k, std::sqrt(tree_.q_weight[k]));
   int rows = mechanism_.nv;
-  if (cut_wishes_) rows = add_rows(entries, rows, cut_columns(q), roots(cuts_.q_weight), false);
+  if (cut_guesses_) rows = add_rows(entries, rows, cut_columns(q), roots(cuts_.q_weight), false);
   return matrix(entries, rows, mechanism_.nv, free_q_);
 }
 
@@ -189,7 +190,7 @@ AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
   dynamics_.set_velocity(fixed.data());
   const std::vector<double>& rates = dynamics_.row_rates();
   out.g0 = Eigen::Map<const VectorXd>(rates.data(), static_cast<Eigen::Index>(rates.size()));
-  if (cut_wishes_) {
+  if (cut_guesses_) {
     const SparseMatrix C = cut_columns(q);
     const VectorXd offset = C * fixed - Eigen::Map<const VectorXd>(cuts_.v.data(), mechanism_.cut_nv);
     rows = add_rows(G, rows, C, as_factors(cuts_.v_fixed), true);
@@ -257,7 +258,7 @@ double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<do
 
 double AssemblyProblem::moved(const std::vector<double>& q) {
   const double in_tree = largest_given(tree_, tree_offset(q));
-  return cut_wishes_ ? std::max(in_tree, largest_given(cuts_, cut_offset(q))) : in_tree;
+  return cut_guesses_ ? std::max(in_tree, largest_given(cuts_, cut_offset(q))) : in_tree;
 }
 
 VectorXd AssemblyProblem::tree_offset(const std::vector<double>& q) const {

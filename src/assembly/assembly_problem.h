@@ -13,7 +13,7 @@ namespace gelenk {
 
 class AssemblyProblem {
  public:
-  AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts);
+  AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
 
   // Columns of the Jacobians below: the speeds whose coordinates (speeds) are not fixed.
   enum class Level { position, velocity };
@@ -59,12 +59,12 @@ class AssemblyProblem {
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
-  const Wishes& tree_;
-  const Wishes& cuts_;
+  const InitialGuess& tree_;
+  const InitialGuess& cuts_;
   std::vector<int> free_q_, free_v_;
-  std::vector<bool> turns_;         // Wishes::turns of the tree, but for angles that coordinate rows hold
+  std::vector<bool> turns_;         // InitialGuess::turns of the tree, but for angles that coordinate rows hold
   std::vector<int> position_rows_;  // rows that have a position level
-  bool cuts_fixed_ = false, cut_wishes_ = false;
+  bool cuts_fixed_ = false, cut_guesses_ = false;
   double length_ = 1;
   double span_ = 0;  // [m] of the largest link
   // By cut, the tree speeds that move it; and speeds by groups, no two of which move the same cut.

@@ -6,7 +6,7 @@
 #include <random>
 #include <tuple>
 
-#include "assembly/closing.h"
+#include "assembly/loop_closure.h"
 
 namespace gelenk {
 namespace {
@@ -27,12 +27,12 @@ class Collector {
   // True if that is a new one. chosen: stays, whatever it is.
   bool add(const std::vector<double>& q, bool chosen) {
     Branch branch{.q = q, .distance = problem_.distance(q).norm(), .hits = 1, .chosen = chosen};
-    const Bottom bottom = bottom_at(problem_, q);
-    branch.freedoms = static_cast<int>(bottom.freedoms);
-    branch.flat = bottom.freedoms > 0 && std::abs(bottom.least_bending) < bent;
+    const LocalMinimum minimum = local_minimum_at(problem_, q);
+    branch.degrees_of_freedom = static_cast<int>(minimum.degrees_of_freedom);
+    branch.flat = minimum.degrees_of_freedom > 0 && std::abs(minimum.least_curvature) < bent;
     // How far Newton's method sees the bottom from here.
-    const bool at_bottom = branch.flat || bottom.freedoms == 0 ||
-                           (bottom.least_bending > 0 && bottom.slope / bottom.least_bending < one_place / 10);
+    const bool at_bottom = branch.flat || minimum.degrees_of_freedom == 0 ||
+                           (minimum.least_curvature > 0 && minimum.gradient / minimum.least_curvature < one_place / 10);
     if (!chosen && !at_bottom) return false;
     branch.poses = poses_at(q);
     const auto known = std::ranges::find_if(found_, [&](const Branch& other) { return same(other, branch); });
@@ -80,25 +80,25 @@ class Collector {
 
 }  // namespace
 
-Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                       const Search& search) {
+Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                       const InitialGuess& cuts, const Search& search) {
   Branches out;
   const Assembled own = assemble(mechanism, dynamics, tree, cuts);
   AssemblyProblem problem(mechanism, dynamics, tree, cuts);
   Collector collector(problem, dynamics, search.links);
   // What nobody gave has less weight at the end of assemble() than in this search.
   std::vector<double> nearest = own.q;
-  come_near(problem, nearest);
+  minimize_distance(problem, nearest);
   collector.add(nearest, true);
   std::mt19937 random(search.seed);
   int nothing_new = 0;
   while (out.starts < search.most_starts && !out.settled) {
     ++out.starts;
     std::vector<double> q = problem.scattered(random);
-    if (close_gaps(problem, q) > assembled_gap) continue;
+    if (close_loops(problem, q) > assembled_gap) continue;
     ++out.closed;
     problem.unwind(q);
-    come_near(problem, q);
+    minimize_distance(problem, q);
     problem.unwind(q);
     nothing_new = collector.add(q, false) ? 0 : nothing_new + 1;
     out.settled = nothing_new >= patience(collector.size());

@@ -12,7 +12,7 @@ struct Branch {
   std::vector<double> q;       // of the tree
   std::vector<Pose3> poses{};  // of the links of Search, in the root frame
   double distance = 0;         // root of the weighted squared distance from the wishes, those not given included
-  int freedoms = 0;            // that the fixed values leave
+  int degrees_of_freedom = 0;  // that the fixed values leave
   int hits = 0;                // searches that ended here
   bool chosen = false;         // where assemble() leads
   bool flat = false;           // one of many, connected, at the same distance: the wishes do not tell them apart
@@ -35,7 +35,7 @@ struct Branches {
 // distance from the wishes is least among their neighbours. Searched from many starts, the same ones each time, until
 // it is unlikely that another will be found, or most_starts are made: a branch that few starts lead to can be missed.
 // Throws CannotAssemble as assemble() does.
-Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                       const Search& search);
+Branches find_branches(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                       const InitialGuess& cuts, const Search& search);
 
 }  // namespace gelenk

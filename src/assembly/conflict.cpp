@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "assembly/closing.h"
+#include "assembly/loop_closure.h"
 
 namespace gelenk {
 namespace {
@@ -19,17 +19,18 @@ using Eigen::VectorXd;
 constexpr std::size_t most_searched = 40;  // fixed coordinates among which a contradiction is looked for
 
 // The fixed coordinates of joints with nq coordinates from iq on and nv speeds from iv on.
-void list_fixed(const Wishes& wishes, bool cut, int iq, int nq, int iv, int nv, std::vector<FixedValue>& out) {
+void list_fixed(const InitialGuess& guesses, bool cut, int iq, int nq, int iv, int nv, std::vector<FixedValue>& out) {
   const int plain = nq > nv ? nq - 4 : nq;  // the rest is a quaternion
   for (int i = 0; i < std::min(plain, nv); ++i) {
-    if (wishes.q_fixed[iv + i]) out.push_back({.cut = cut, .first = iv + i, .count = 1, .q = iq + i});
+    if (guesses.q_fixed[iv + i]) out.push_back({.cut = cut, .first = iv + i, .count = 1, .q = iq + i});
   }
-  if (nq > nv && wishes.q_fixed[iv + plain]) {
+  if (nq > nv && guesses.q_fixed[iv + plain]) {
     out.push_back({.cut = cut, .first = iv + plain, .count = 3, .q = iq + plain});
   }
 }
 
-std::vector<FixedValue> fixed_positions(const Mechanism& mechanism, const Wishes& tree, const Wishes& cuts) {
+std::vector<FixedValue> fixed_positions(const Mechanism& mechanism, const InitialGuess& tree,
+                                        const InitialGuess& cuts) {
   std::vector<FixedValue> out;
   for (const Link& link : mechanism.links) {
     if (link.parent >= 0) list_fixed(tree, false, link.iq, link.nq, link.iv, link.nv, out);
@@ -62,10 +63,10 @@ void reduce_to_core(std::vector<FixedValue>& values,
 struct Searcher {
   const Mechanism& mechanism;
   Dynamics& dynamics;
-  const Wishes& tree;
-  const Wishes& cuts;
+  const InitialGuess& tree;
+  const InitialGuess& cuts;
   const std::vector<double>& q;
-  Wishes some_tree{}, some_cuts{};  // in which not all is fixed
+  InitialGuess some_tree{}, some_cuts{};  // in which not all is fixed
 
   void fix(const std::vector<FixedValue>& values) {
     some_tree = tree;
@@ -83,10 +84,10 @@ struct Searcher {
     fix(values);
     AssemblyProblem problem(mechanism, dynamics, some_tree, some_cuts);
     for (const int attempt : {0, -1, 4, 8, 12, 16, 20, 24}) {
-      std::vector<double> at = attempt < 0 ? q : shaken(problem, tree.q, attempt);
-      if (close_gaps(problem, at) > assembled_gap) continue;
+      std::vector<double> at = attempt < 0 ? q : perturbed(problem, tree.q, attempt);
+      if (close_loops(problem, at) > assembled_gap) continue;
       problem.unwind(at);
-      come_near(problem, at);
+      minimize_distance(problem, at);
       return at;
     }
     return std::nullopt;
@@ -108,8 +109,8 @@ struct Searcher {
 
 }  // namespace
 
-Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                               const std::vector<double>& q) {
+Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                               const InitialGuess& cuts, const std::vector<double>& q) {
   const std::vector<FixedValue> all = fixed_positions(mechanism, tree, cuts);
   Searcher searcher{.mechanism = mechanism, .dynamics = dynamics, .tree = tree, .cuts = cuts, .q = q};
   Conflict out;
@@ -135,8 +136,8 @@ Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, c
   return out;
 }
 
-Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const Wishes& tree, const Wishes& cuts,
-                            const std::vector<double>& q, double tolerance, double singular) {
+Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                            const InitialGuess& cuts, const std::vector<double>& q, double tolerance, double singular) {
   std::vector<FixedValue> values;
   for (const bool cut : {false, true}) {
     const std::vector<bool>& flags = (cut ? cuts : tree).v_fixed;
@@ -145,10 +146,10 @@ Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, cons
     }
   }
   // With nothing fixed and all weights 1 the rows of T are the speeds themselves, d0 what they fall short by at rest.
-  Wishes plain[] = {tree, cuts};
-  for (Wishes& wishes : plain) {
-    wishes.v_fixed.assign(wishes.v_fixed.size(), false);
-    wishes.v_weight.assign(wishes.v_weight.size(), 1);
+  InitialGuess plain[] = {tree, cuts};
+  for (InitialGuess& guesses : plain) {
+    guesses.v_fixed.assign(guesses.v_fixed.size(), false);
+    guesses.v_weight.assign(guesses.v_weight.size(), 1);
   }
   AssemblyProblem problem(mechanism, dynamics, plain[0], plain[1]);
   const AssemblyProblem::Speeds s = problem.speeds(q);

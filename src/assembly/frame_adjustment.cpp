@@ -138,7 +138,7 @@ class Adjuster {
     for (int i = 0; i < most_ranks && rank <= full; ++i, ++rank) {
       if (rank == given_.rows()) {  // nothing is redundant
         FrameAdjustment out;
-        out.freedoms = static_cast<int>(given_.speeds() - rank);
+        out.degrees_of_freedom = static_cast<int>(given_.speeds() - rank);
         return out;
       }
       for (const bool parallel : {true, false}) {
@@ -181,7 +181,7 @@ class Adjuster {
     Coordinates positions = near.walk(first, wanted, 1);
     if (positions.size() < std::min(wanted, least_positions)) return out;
     for (const std::vector<double>& q : positions) out.gap = std::max(out.gap, largest(given_.equations(q).Phi));
-    out.freedoms = static_cast<int>(given_.speeds() - rank);
+    out.degrees_of_freedom = static_cast<int>(given_.speeds() - rank);
     if (out.gap <= exact * given_.size()) {
       out.outcome = Outcome::as_given;
       return out;

@@ -37,7 +37,7 @@ struct FrameAdjustment {
   Outcome outcome = Outcome::as_given;
   std::vector<FrameMove> moves;  // also of too_far
   double gap = 0;                // m, rad: the largest of the mechanism as given, at the positions looked at
-  int freedoms = 0;              // of the loops, adjusted
+  int degrees_of_freedom = 0;    // of the loops, adjusted
   double most() const;           // the largest turn or shift
 };
 

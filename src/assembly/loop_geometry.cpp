@@ -166,9 +166,9 @@ std::vector<double> LoopGeometry::displaced(std::vector<double> q, const VectorX
     double* q_i = q.data() + link.iq;
     std::visit(
         [&](const auto& joint) {
-          joint.rate(q_i, dv.data() + link.iv, dq);
+          joint.qdot_from_v(q_i, dv.data() + link.iv, dq);
           for (int k = 0; k < link.nq; ++k) q_i[k] += dq[k];
-          joint.normalise(q_i);
+          joint.normalize(q_i);
         },
         link.joint);
   }

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double longest_step = 0.3;  // rad or m, of one closing step: beyond, the linearised loops say little
+constexpr double longest_step = 0.3;  // rad or m, of one closing step: beyond, the linearized loops say little
 constexpr double stride = 0.4;        // rad or m, from one position to the next: so that they differ much
 constexpr double stayed = 0.05;       // rad or m: a walk that gets no farther has met an end
 // Of the largest singular value: at regular positions of mechanisms with all kinds of proportions it is 1e-3 and more.
@@ -42,7 +42,7 @@ VectorXd Decomposition::solve(const VectorXd& b, Index rank, double damping) con
 }
 
 LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
-  const auto linearised = [&](const auto& at) {
+  const auto linearized = [&](const auto& at) {
     return [J = Decomposition(loops_.equations(at).J), this](const VectorXd& Phi, double damping) -> VectorXd {
       if (J.sigma.size() == 0 || J.sigma[0] == 0) return {};
       return -J.solve(Phi, rank_, damping * J.sigma[0] * J.sigma[0]);
@@ -51,7 +51,7 @@ LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
   // The equations contradict each other: the least gap is no zero, and is there when it falls no more.
   const VectorXd left = descend(
       q, {.least_progress = 1e-3, .longest_step = longest_step, .most_steps = 80},
-      [&](const auto& at) { return loops_.equations(at).Phi; }, linearised,
+      [&](const auto& at) { return loops_.equations(at).Phi; }, linearized,
       [&](const auto& at, const VectorXd& step) { return loops_.displaced(at, step); });
   return {q, largest(left), Decomposition(loops_.equations(q).J).sigma};
 }

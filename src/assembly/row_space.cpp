@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 constexpr Index most_dense = 300;
 constexpr Index widest_basis = 64;     // columns of a basis that is worth its price where the rows are sparse
 constexpr double least_pivot = 1e-9;   // of the largest, in a basis
-constexpr double regularised = 1e-12;  // of the largest entry, where no basis is worth its price
+constexpr double regularized = 1e-12;  // of the largest entry, where no basis is worth its price
 
 bool is_large(const SparseMatrix& G) { return G.cols() > most_dense; }
 
@@ -43,9 +43,9 @@ Index RowSpace::rank() const {
   return G_.cols() - basis().cols();
 }
 
-bool RowSpace::has_basis() const { return !is_large(G_) || freedoms() <= widest_basis; }
+bool RowSpace::has_basis() const { return !is_large(G_) || degrees_of_freedom() <= widest_basis; }
 
-VectorXd RowSpace::shortest(const VectorXd& b) const {
+VectorXd RowSpace::min_norm(const VectorXd& b) const {
   if (G_.rows() == 0 || G_.cols() == 0) return VectorXd::Zero(G_.cols());
   if (!sparse_) {
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(G_.rows(), G_.cols());
@@ -84,7 +84,7 @@ const MatrixXd& RowSpace::basis() const {
 
 MatrixXd RowSpace::sparse_basis() const {
   const Index r = sparse_->rank();
-  MatrixXd out = MatrixXd::Zero(G_.cols(), freedoms());
+  MatrixXd out = MatrixXd::Zero(G_.cols(), degrees_of_freedom());
   for (Index k = 0; k < out.cols(); ++k) {
     const VectorXd e = VectorXd::Unit(G_.cols(), r + k);
     const VectorXd column = sparse_->matrixQ() * e;
@@ -99,7 +99,7 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
     if (Z.cols() == 0) return VectorXd::Zero(T.cols());
     return -(Z * MatrixXd(T * Z).completeOrthogonalDecomposition().solve(d));
   }
-  // [T^T T, G^T; G, 0] with a little on the diagonal, which makes it definite enough to be factorised in any order.
+  // [T^T T, G^T; G, 0] with a little on the diagonal, which makes it definite enough to be factorized in any order.
   const SparseMatrix& G = rows.rows();
   const Index n = G.cols();
   const Index m = G.rows();
@@ -110,13 +110,13 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
   std::vector<Eigen::Triplet<double>> entries;
   for (Index k = 0; k < n; ++k) {
     for (SparseMatrix::InnerIterator at(H, k); at; ++at) entries.emplace_back(at.row(), k, at.value());
-    entries.emplace_back(k, k, regularised * 1e3 * size);
+    entries.emplace_back(k, k, regularized * 1e3 * size);
     for (SparseMatrix::InnerIterator at(G, k); at; ++at) {
       entries.emplace_back(n + at.row(), k, at.value());
       entries.emplace_back(k, n + at.row(), at.value());
     }
   }
-  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularised * row_size / size);
+  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularized * row_size / size);
   SparseMatrix K(n + m, n + m);
   K.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<SparseMatrix> factor(K);

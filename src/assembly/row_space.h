@@ -20,14 +20,14 @@ class RowSpace {
   explicit RowSpace(const SparseMatrix& G, double threshold = 0);
 
   // The shortest x with G x = b, as well as can be.
-  Eigen::VectorXd shortest(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd min_norm(const Eigen::VectorXd& b) const;
   // l with G^T l = b, as well as can be.
   Eigen::VectorXd multipliers(const Eigen::VectorXd& b) const;
   // What of x the rows leave free.
   Eigen::VectorXd free_part(const Eigen::VectorXd& x) const;
   // An orthonormal basis of the x that the rows forbid nothing of, n x freedoms().
   const Eigen::MatrixXd& basis() const;
-  Eigen::Index freedoms() const { return G_.cols() - rank(); }
+  Eigen::Index degrees_of_freedom() const { return G_.cols() - rank(); }
   Eigen::Index rank() const;
   // Whether a basis is small enough to be worked with.
   bool has_basis() const;

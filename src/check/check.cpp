@@ -46,7 +46,7 @@ void check_partners(const Solver& solver, Faults& faults) {
              text::one_of({}, allowed, "words") + ", or another formulation");
 }
 
-void check_count(int count, Counted range, const char* path, Faults& faults) {
+void check_count(int count, IntRange range, const char* path, Faults& faults) {
   if (count >= range.least && count <= range.most) return;
   faults.add(path, std::to_string(count),
              "a whole number from " + std::to_string(range.least) + " to " + std::to_string(range.most));

@@ -54,9 +54,9 @@ void check_axes(const Joint& joint, const JointKind& kind, const std::string& pa
 }
 
 // Bodies hanging together, as a forest whose roots stand for the sets.
-class Sets {
+class DisjointSets {
  public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
   std::size_t root(std::size_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -105,7 +105,7 @@ void check_connection(const Scene& scene, Faults& faults) {
   if (scene.joints.empty()) return;  // told already
   std::map<std::string, std::size_t> index = {{ground, 0}};
   for (const Body& body : scene.bodies) index.try_emplace(body.name, index.size());
-  Sets sets(index.size());
+  DisjointSets sets(index.size());
   for (const Joint& joint : scene.joints) {
     const auto parent = index.find(joint.parent.body);
     const auto child = index.find(joint.child.body);

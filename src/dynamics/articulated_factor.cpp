@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dynamics/articulated_factor.h"
 
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 
 namespace gelenk {
 
 template <class A>
-int ArticulatedFactor<A>::factorise(const std::vector<double>& added) {
+int ArticulatedFactor<A>::factorize(const std::vector<double>& added) {
   const int n = static_cast<int>(model_.links.size());
   for (int i = 1; i < n; ++i) G_[i] = typename A::ArticulatedInertia(model_.links[i].G);
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
-      U_[k] = kernels::times<A>(link.turns, G_[i], ws_.S[k]);
-      const double D = kernels::along<A>(link.turns, ws_.S[k], U_[k]) + added[k];
+      U_[k] = kernels::times<A>(link.is_revolute_about_z, G_[i], ws_.S[k]);
+      const double D = kernels::along<A>(link.is_revolute_about_z, ws_.S[k], U_[k]) + added[k];
       if (D <= 0) return k;  // what is no number shows in the accelerations
       root_[k] = 1 / std::sqrt(D);
       inverse_[k] = 1 / D;
@@ -31,7 +31,7 @@ void ArticulatedFactor<A>::solve_transposed(double* x) const {
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model_.links[i];
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
-      const double left = x[k] - kernels::along<A>(link.turns, ws_.S[k], p_[i]);
+      const double left = x[k] - kernels::along<A>(link.is_revolute_about_z, ws_.S[k], p_[i]);
       p_[i] += (left * inverse_[k]) * U_[k];
       x[k] = left * root_[k];
     }
@@ -47,7 +47,7 @@ void ArticulatedFactor<A>::solve(double* x) const {
     Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       x[k] = x[k] * root_[k] - A::dot(a, U_[k]) * inverse_[k];
-      kernels::add_motion<A>(link.turns, x[k], ws_.S[k], a);
+      kernels::add_motion<A>(link.is_revolute_about_z, x[k], ws_.S[k], a);
     }
     a_[i] = a;
   }
@@ -81,7 +81,7 @@ void ArticulatedFactor<A>::multiply(const double* x, double* y) const {
     Motion a = ws_.X_PL[i].to_child(a_[link.parent]);
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       y[k] = (x[k] + A::dot(a, U_[k]) * inverse_[k]) / root_[k];
-      kernels::add_motion<A>(link.turns, x[k], ws_.S[k], a);
+      kernels::add_motion<A>(link.is_revolute_about_z, x[k], ws_.S[k], a);
     }
     a_[i] = a;
   }

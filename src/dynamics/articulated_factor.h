@@ -27,7 +27,7 @@ class ArticulatedFactor {
         column_(model.nv) {}
 
   // added: to the diagonal of M, by speed. Returns -1, or the speed at which M has no inertia.
-  int factorise(const std::vector<double>& added);
+  int factorize(const std::vector<double>& added);
 
   double pivot(int speed) const { return 1 / inverse_[speed]; }  // L_kk^2: what inertia is left there
 

@@ -6,11 +6,12 @@
 #include <limits>
 #include <numeric>
 
-#include "derivatives/recursive_slopes.h"
+#include "derivatives/forward_ad.h"
+#include "derivatives/recursive.h"
 #include "dynamics/mass_factor.h"
-#include "dynamics/whitened_rows.h"
+#include "dynamics/mass_weighted_jacobian.h"
+#include "kinematics/coordinate_derivatives.h"
 #include "kinematics/coordinate_rows.h"
-#include "kinematics/coordinate_slopes.h"
 #include "kinematics/kernels.h"
 #include "kinematics/load_kernels.h"
 #include "kinematics/output_kernels.h"
@@ -69,13 +70,13 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         everything_(everything),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        all_plain_(std::ranges::all_of(model_.links, [](const auto& link) { return link.plain || link.nv == 0; })),
+        all_plain_(std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
         M_(model_, ws_, loads.added_inertia),
         Y_(M_, ws_.J, model_.nv),
         max_rank_(model_.rows),
         w_(model_.nv),
-        expected_(model_.nv),
-        nothing_(model_.nv),
+        extrapolated_(model_.nv),
+        zero_(model_.nv),
         tau_(model_.nv),
         shifted_(model_.rows) {}
 
@@ -95,14 +96,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     std::copy_n(targets, targets_.size(), targets_.begin());
   }
 
-  void factorise() override {
+  void factorize() override {
     const bool as_before = same(loads_.added_inertia.data(), added_);
     if (factors_.holds(stages_) && as_before) return;
     factors_.drop();
     if (!as_before) added_ = loads_.added_inertia;
     if (model_.rows > 0) fill_jacobian();
-    if (const int k = M_.factorise(); k >= 0) throw_singular(k);
-    if (model_.rows > 0) Y_.factorise(max_rank_);
+    if (const int k = M_.factorize(); k >= 0) throw_singular(k);
+    if (model_.rows > 0) Y_.factorize(max_rank_);
     factors_.set(stages_);
   }
 
@@ -122,16 +123,16 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     stages_.realize(Stage::velocity);
   }
 
-  void set_weak_pivots(double ratio) override { Y_.set_weak(ratio); }
+  void set_singular_threshold(double ratio) override { Y_.set_weak(ratio); }
 
-  void solve(const double* u, double* vdot, const double* expected) override {
+  void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
     if (model_.rows > 0) M_.add_rows(row_target(), w_.data());
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) {
-      if (expected != nullptr) M_.multiply(expected, expected_.data());
-      follows_ = expected != nullptr;
-      Y_.constrain(w_.data(), row_target(), follows_ ? expected_.data() : nullptr);
+      if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
+      regularized_ = extrapolated != nullptr;
+      Y_.solve_constrained(w_.data(), row_target(), regularized_ ? extrapolated_.data() : nullptr);
     }
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
@@ -141,7 +142,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     energy_ = this->energy();
   }
 
-  void set_row_shift(const double* shift) override { row_shift_ = shift; }
+  void set_constraint_bias(const double* shift) override { row_shift_ = shift; }
 
   void assemble(const double* u, double* M, double* f) override {
     factors_.drop();
@@ -158,14 +159,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     stages_.fall_back_to(Stage::position);  // the cuts' biases are overwritten
   }
 
-  void rate(const double* q, const double* v, double* qdot) const override {
+  void qdot_from_v(const double* q, const double* v, double* qdot) const override {
     if (all_plain_) {
       std::copy_n(v, model_.nv, qdot);
       return;
     }
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
-      visit_joint<A>(link.joint, [&](const auto& joint) { joint.rate(q + link.iq, v + link.iv, qdot + link.iq); });
+      visit_joint<A>(link.joint, [&](const auto& joint) { joint.qdot_from_v(q + link.iq, v + link.iv, qdot + link.iq); });
     }
   }
 
@@ -179,29 +180,30 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       const auto& link = model_.links[i];
       double* q_i = q + link.iq;
       visit_joint<A>(link.joint, [&](const auto& joint) {
-        joint.rate(q_i, dv + link.iv, dq);
+        joint.qdot_from_v(q_i, dv + link.iv, dq);
         for (int k = 0; k < link.nq; ++k) q_i[k] += dq[k];
-        joint.normalise(q_i);
+        joint.normalize(q_i);
       });
     }
   }
 
-  void normalise(double* q) const override {
+  void normalize(double* q) const override {
     if (all_plain_) return;
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       if (link.nq == link.nv) continue;
-      visit_joint<A>(link.joint, [&](const auto& joint) { joint.normalise(q + link.iq); });
+      visit_joint<A>(link.joint, [&](const auto& joint) { joint.normalize(q + link.iq); });
     }
   }
 
-  void differentiate(const double* u, int inputs, const double* vdot, Slopes& out, const double* lambda,
+  void differentiate(const double* u, int inputs, const double* vdot, Jacobians& out, const double* lambda,
                      bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    const Point at{q_.data(), v_.data(), u, vdot, lambda, cut_reference_.data(), targets_.data(), held_cuts()};
+    const LinearizationPoint at{q_.data(),       v_.data(),  u, vdot, lambda, cut_reference_.data(),
+                                targets_.data(), held_cuts()};
     if (!by_duals) {
-      if (!recursion_) recursion_ = std::make_unique<RecursiveSlopes<A>>(model_, ws_, loads_);
+      if (!recursion_) recursion_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       (*recursion_)(at, inputs, out);
     } else {
       if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
@@ -214,7 +216,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (model_.rows > 0) M_.add_rows(c, r);
     M_.solve_transposed(r);
     // What was expected does not depend on what slopes are taken by.
-    if (model_.rows > 0) Y_.constrain(r, c, follows_ ? nothing_.data() : nullptr);
+    if (model_.rows > 0) Y_.solve_constrained(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
   }
@@ -222,7 +224,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void solve_linear_columns(double* r, const double* c, int columns) const override {
     if (model_.rows > 0) M_.add_rows(c, r, columns);
     M_.solve_transposed(r, columns);
-    if (model_.rows > 0) Y_.constrain(r, c, columns, follows_);
+    if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
     M_.solve(r, columns);
   }
 
@@ -261,13 +263,13 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void hold(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
-  void limit_rank(int rank) override {
+  void set_max_rank(int rank) override {
     if (rank != max_rank_) factors_.drop();
     max_rank_ = rank;
   }
 
-  void correct(const double* residual, double* dv) const override {
-    Y_.shortest(residual, dv);
+  void min_norm_displacement(const double* residual, double* dv) const override {
+    Y_.min_norm(residual, dv);
     for (int k = 0; k < model_.nv; ++k) dv[k] = -dv[k];
     M_.solve(dv);
   }
@@ -330,11 +332,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   // From the branches of the state to those held.
-  void differentiate_held(Slopes& out) const {
+  void differentiate_held(Jacobians& out) const {
     const int* side = held_;
     loads_.tree.each_branching([&](const auto& force) {
-      const auto held = slopes_by_duals(force, q_.data(), v_.data(), nullptr, 0, side);
-      const auto free = slopes_by_duals(force, q_.data(), v_.data(), nullptr, 0);
+      const auto held = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0, side);
+      const auto free = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0);
       out.r_q()(force.v, force.q) += free[0] - held[0];
       out.r_v()(force.v, force.v) += free[1] - held[1];
       ++side;
@@ -372,13 +374,13 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   std::vector<int> all_links_, loaded_links_;
   bool all_plain_;  // qdot = v
   MassFactor<A> M_;
-  WhitenedRows<A> Y_;
+  MassWeightedJacobian<A> Y_;
   int max_rank_;
-  bool follows_ = false;  // the last solve() had something expected
-  std::vector<double> w_, expected_, nothing_, tau_, shifted_;
+  bool regularized_ = false;  // the last solve() had something expected
+  std::vector<double> w_, extrapolated_, zero_, tau_, shifted_;
   const double* row_shift_ = nullptr;
   mutable std::vector<double> J_;  // as last asked for
-  std::unique_ptr<RecursiveSlopes<A>> recursion_;
+  std::unique_ptr<RecursiveJacobians<A>> recursion_;
   std::unique_ptr<Differentiator> differentiator_;
   Energy energy_;
   long evaluations_ = 0;

@@ -12,7 +12,7 @@
 
 #include "dynamics/articulated_factor.h"
 #include "kinematics/kernels.h"
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 #include "linear/joined_mass.h"
 #include "linear/sparse_factor.h"
 
@@ -59,16 +59,16 @@ class MassFactor {
   }
 
   // Returns -1, or the speed at which M has no inertia. Reads the rows, where M needs them.
-  int factorise() {
+  int factorize() {
     current_ = false;
     if (joined_) {
       write(joined_->tree());
       joined_->join(*written_);
-      return joined_->factorise(*written_) ? -1 : lightest(joined_->without_inertia());
+      return joined_->factorize(*written_) ? -1 : lightest(joined_->without_inertia());
     }
-    if (applied_) return applied_->factorise(added_);
+    if (applied_) return applied_->factorize(added_);
     write(*written_);
-    return written_->factorise();
+    return written_->factorize();
   }
   // Where M needs the rows: f += what stands for J vdot = gamma on the right side (joined_mass.h); by columns, too.
   void add_rows(const double* gamma, double* f, int columns = 1) const {
@@ -81,13 +81,13 @@ class MassFactor {
     std::vector<double> left(n);   // of the diagonal, by speed
     std::vector<double> least(n);  // that is more than rounding
     if (applied_) {
-      if (applied_->factorise(added_) >= 0) return false;
+      if (applied_->factorize(added_) >= 0) return false;
       for (int k = 0; k < n; ++k) left[k] = applied_->pivot(k);
     } else {
       write(*written_);
       const auto diagonal = [this](int k) { return written_->row(k)[written_->depth(k)]; };
       for (int k = 0; k < n; ++k) least[k] = rounding * diagonal(k);
-      if (written_->factorise() >= 0) return false;
+      if (written_->factorize() >= 0) return false;
       for (int k = 0; k < n; ++k) left[k] = diagonal(k) * diagonal(k);
     }
     const double nothing = JoinedMass::no_inertia * std::ranges::max(left);
@@ -150,7 +150,7 @@ class MassFactor {
     if (!applied_) return true;
     if (!current_ && model_.nv <= most_written) {
       write(*written_);
-      current_ = written_->factorise() < 0;
+      current_ = written_->factorize() < 0;
     }
     return current_;
   }
@@ -164,7 +164,7 @@ class MassFactor {
     for (const auto& link : model_.links) {
       for (int k = link.iv; k < link.iv + link.nv; ++k) {
         if (std::abs(motion[k]) <= 1e-6 * most) continue;
-        const double own = kernels::along<A>(link.turns, ws_.S[k], kernels::times<A>(link.turns, link.G, ws_.S[k]));
+        const double own = kernels::along<A>(link.is_revolute_about_z, ws_.S[k], kernels::times<A>(link.is_revolute_about_z, link.G, ws_.S[k]));
         if (best >= 0 && own >= least) continue;
         best = k;
         least = own;

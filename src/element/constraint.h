@@ -37,7 +37,7 @@ struct NoCoordinates {
     return {};
   }
   template <class A, class T>
-  typename A::Force effort(const T*, const T*) const {
+  typename A::Force wrench_from_tau(const T*, const T*) const {
     return {};
   }
   template <class A, class T>

@@ -5,7 +5,7 @@
 //   other
 //                    way, to the first
 //   energy(at)       J, stored in it; may be left out
-//   slopes(at, u)    derivatives (PortSlopes) of what it does to its last port; may be left out: dual numbers serve
+//   slopes(at, u)    derivatives (PortJacobians) of what it does to its last port; may be left out: dual numbers serve
 //   undefined(at)    whether its direction is not defined where its ports are; may be left out
 //   is_local()       whether it asks neither where its ports are nor how they move; may be left out
 //   is_idle()        whether with these numbers it does nothing; may be left out
@@ -28,7 +28,7 @@ namespace gelenk {
 
 // Of the force f and the torque n that an element applies at its last port, seen from its first one (or from the
 // world): by that port's displacement p and turn a, and by their rates.
-struct PortSlopes {
+struct PortJacobians {
   Eigen::Matrix3d f_p = Eigen::Matrix3d::Zero(), f_a = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d n_p = Eigen::Matrix3d::Zero(), n_a = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d f_v = Eigen::Matrix3d::Zero(), f_w = Eigen::Matrix3d::Zero();

@@ -30,7 +30,7 @@ struct JointDamper {
   T effort(const T&, const T& v, const T*) const {
     return -(T(damping) * v);
   }
-  std::array<double, 2> slopes(double, double) const { return {0, -damping}; }
+  std::array<double, 2> jacobians(double, double) const { return {0, -damping}; }
 };
 
 }  // namespace gelenk

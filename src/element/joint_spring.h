@@ -36,7 +36,7 @@ struct JointSpring {
   T effort(const T& q, const T&, const T*) const {
     return -(T(stiffness) * (q - T(spring_reference)));
   }
-  std::array<double, 2> slopes(double, double) const { return {-stiffness, 0}; }
+  std::array<double, 2> jacobians(double, double) const { return {-stiffness, 0}; }
   template <class T>
   T energy(const T& q) const {
     return T(stiffness / 2) * (q - T(spring_reference)) * (q - T(spring_reference));

@@ -65,8 +65,8 @@ struct SpringDamper {
   // With e its direction, u the velocity of its end seen from the body of the other and w how it turns against that:
   //   de = (1 - e e^T) dp / L,   d tension = k e . dp + c (de . u + e . (du + w x dp)),   f = -tension e.
   template <class At>
-  PortSlopes slopes(const At* at, const double*) const {
-    PortSlopes out{.of_points = true, .damped = damping != 0};
+  PortJacobians jacobians(const At* at, const double*) const {
+    PortJacobians out{.of_points = true, .damped = damping != 0};
     const Eigen::Vector3d d = at[1].p() - at[0].p();
     if (is_linear()) {
       out.f_p.diagonal().setConstant(-stiffness);

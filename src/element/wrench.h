@@ -55,8 +55,8 @@ struct Wrench {
 
   // What is along the body's axes turns with it.
   template <class At>
-  PortSlopes slopes(const At* at, const double* u) const {
-    PortSlopes out{.damped = false};
+  PortJacobians jacobians(const At* at, const double* u) const {
+    PortJacobians out{.damped = false};
     if (!in_body()) return out;
     Eigen::Vector3d f = force;
     Eigen::Vector3d n = torque;

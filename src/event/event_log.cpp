@@ -42,9 +42,9 @@ void EventLog::undo_part() {
   events_.clear();
 }
 
-void EventLog::exchange(Record& record) {
-  record.exchange(before_, in_step_, start_);
-  if (record.reading()) begin_part();
+void EventLog::serialize(Archive& archive) {
+  archive.serialize(before_, in_step_, start_);
+  if (archive.reading()) begin_part();
 }
 
 void EventLog::add(const Event& event) {

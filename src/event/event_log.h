@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -45,7 +45,7 @@ class EventLog {
   // Empty, or that there are too many in this communication step, which they are.
   std::string too_many() const;
   // Events listed are none of it.
-  void exchange(Record& record);
+  void serialize(Archive& archive);
 
  private:
   std::vector<std::array<std::string, 2>> texts_;

@@ -8,7 +8,7 @@
 
 #include "event/event_source.h"
 #include "event/step_course.h"
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -43,7 +43,7 @@ class Locator {
   Step step_across(Stepping& method, double end);
   // The method begins elsewhere.
   void restart() { approached_ = 0; }
-  void exchange(Record& record) { record.exchange(approached_); }
+  void serialize(Archive& archive) { archive.serialize(approached_); }
 
  private:
   Step step_in_mode(Stepping& method, double end);

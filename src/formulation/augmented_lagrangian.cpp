@@ -13,14 +13,14 @@ constexpr double stands = 1e-13;  // change of vdot against its size
 constexpr double enough = 1e-8;   // where rounding ends the progress earlier
 constexpr int most = 50;          // each gains some digits; near positions that lose rank, few
 
-class AugmentedLagrangian final : public Penalised {
+class AugmentedLagrangian final : public Penalized {
  public:
   explicit AugmentedLagrangian(const FormulationContext& context)
-      : Penalised(context), more_(mechanism_.rows), sum_(mechanism_.rows), change_(mechanism_.nv) {}
+      : Penalized(context), more_(mechanism_.rows), sum_(mechanism_.rows), change_(mechanism_.nv) {}
 
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
-    return Penalised::accelerate(t, y, vdot) && (mechanism_.rows == 0 || iterate(vdot));
+    return Penalized::accelerate(t, y, vdot) && (mechanism_.rows == 0 || iterate(vdot));
   }
 
   bool iterate(double* vdot) {
@@ -28,7 +28,7 @@ class AugmentedLagrangian final : public Penalised {
     lambda_.setZero();
     double before = INFINITY;
     for (int i = 0; i < most; ++i) {
-      more_ = -a_ * wish_;
+      more_ = -a_ * guess_;
       more_.noalias() += a_ * dynamics_.J() * x;
       lambda_ += more_;
       sum_ = lambda_ + more_;
@@ -46,10 +46,10 @@ class AugmentedLagrangian final : public Penalised {
   }
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
-    dynamics_.factorise();
-    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_, lambda_.data());
-    stabilise_slopes();
-    solve_slopes(out);
+    dynamics_.factorize();
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_, lambda_.data());
+    stabilization_jacobian();
+    acceleration_jacobian(out);
   }
 
   Eigen::VectorXd more_, sum_, change_;

@@ -22,22 +22,22 @@ class Baumgarte final : public Formulation {
 
  private:
   bool accelerate(double, const double* y, double* vdot) override {
-    dynamics_.factorise();
+    dynamics_.factorize();
     dynamics_.set_velocity(y + mechanism_.nq);
     for (int r = 0; r < mechanism_.rows; ++r) {
       shift_[r] = -2 * alpha_ * dynamics_.row_rates()[r] - beta_ * beta_ * dynamics_.Phi()[r];
     }
-    dynamics_.set_row_shift(shift_.data());
+    dynamics_.set_constraint_bias(shift_.data());
     dynamics_.solve(drives_.u().data(), vdot);
-    dynamics_.set_row_shift(nullptr);
+    dynamics_.set_constraint_bias(nullptr);
     return true;
   }
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
-    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_);
-    slopes_.c_q() += 2 * alpha_ * slopes_.rate_q + beta_ * beta_ * slopes_.Phi_q;
-    slopes_.c_v() += 2 * alpha_ * dynamics_.J();
-    solve_slopes(out);
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_);
+    jacobians_.c_q() += 2 * alpha_ * jacobians_.rate_q + beta_ * beta_ * jacobians_.Phi_q;
+    jacobians_.c_v() += 2 * alpha_ * dynamics_.J();
+    acceleration_jacobian(out);
   }
 
   double alpha_, beta_;  // 1/s

@@ -29,7 +29,7 @@ VectorXd BranchAcceleration::excess_rate(const VectorXd& vdot) {
     const VectorXd v = v_ + t * vdot;
     dynamics_.displace(q.data(), dv.data());
     dynamics_.set_position(q.data());
-    dynamics_.factorise();
+    dynamics_.factorize();
     dynamics_.set_velocity(v.data());
     const VectorXd gamma = Eigen::Map<const VectorXd>(dynamics_.gamma().data(), mechanism_.rows);
     ends[side] = l_.transpose() * (dynamics_.J() * vdot - gamma);

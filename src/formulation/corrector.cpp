@@ -36,7 +36,7 @@ double size_of(const Mechanism& mechanism) {
 Corrector::Corrector(const Mechanism& mechanism, Dynamics& dynamics)
     : mechanism_(mechanism), dynamics_(dynamics), length_(size_of(mechanism)), dv_(mechanism.nv) {}
 
-void Corrector::renew_factors() {
+void Corrector::refactorize() {
   refactor();
   has_factors_ = true;
 }
@@ -49,7 +49,7 @@ double Corrector::rounding(const double* q) const {
 }
 
 bool Corrector::close_position(double* q) {
-  dynamics_.normalise(q);
+  dynamics_.normalize(q);
   dynamics_.set_position(q);
   if (mechanism_.rows == 0) return true;
   const double floor = rounding(q);
@@ -61,9 +61,9 @@ bool Corrector::close_position(double* q) {
     if (gap <= floor) return true;
     // No progress: rounding, or the old factors are too far away.
     if (gap > stalled * before && gap <= slack() * floor) return true;
-    if (!has_factors_ || gap > slow * before) renew_factors();
+    if (!has_factors_ || gap > slow * before) refactorize();
     before = gap;
-    correct(dynamics_.Phi().data(), dv_.data());
+    min_norm_displacement(dynamics_.Phi().data(), dv_.data());
     moved += largest(dv_);
     if (mechanism_.driven() && !(moved <= farthest * length_)) return false;
     dynamics_.displace(q, dv_.data());
@@ -84,9 +84,9 @@ bool Corrector::close_velocity(double* v) {
     const double floor = closure_tolerance * length_ * speed;
     if (gap <= floor) return true;
     if (gap > stalled * before && gap <= slack() * floor) return true;
-    if (!has_factors_ || gap > slow * before) renew_factors();
+    if (!has_factors_ || gap > slow * before) refactorize();
     before = gap;
-    correct(dynamics_.row_rates().data(), dv_.data());
+    min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
     for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
     dynamics_.set_velocity(v);
   }

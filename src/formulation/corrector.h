@@ -20,20 +20,22 @@ class Corrector {
   bool close_velocity(double* v);
 
   // Its factors at the position of `dynamics`; what else is solved with afterwards keeps to these.
-  void renew_factors();
+  void refactorize();
   // Other factors have been made at the position of `dynamics`, not by it.
-  virtual void meet_factors() {}
+  virtual void factors_changed() {}
   // They are made anew when next needed.
-  void forget_factors() { has_factors_ = false; }
+  void discard_factors() { has_factors_ = false; }
   bool has_factors() const { return has_factors_; }
 
   // By the factors at hand: dv takes the residual of the rows away.
-  virtual void correct(const double* residual, double* dv) { dynamics_.correct(residual, dv); }
+  virtual void min_norm_displacement(const double* residual, double* dv) {
+    dynamics_.min_norm_displacement(residual, dv);
+  }
   // m: of the mechanism, and 1; rounding of a closed loop grows with it.
   double length() const { return length_; }
 
  protected:
-  virtual void refactor() { dynamics_.factorise(); }
+  virtual void refactor() { dynamics_.factorize(); }
   // How many times the rounding may be left where it ends the progress earlier.
   virtual double slack() const { return 1e3; }
 

@@ -11,7 +11,7 @@ bool Equations::residual(double t, const double* x, const double* xdot, double* 
   return true;
 }
 
-bool Equations::residual_slopes(double t, const double* x, const double*, double* F_x, double* F_xdot) {
+bool Equations::residual_jacobians(double t, const double* x, const double*, double* F_x, double* F_xdot) {
   if (!jacobian(t, x, F_x)) return false;
   const int n = size();
   for (int i = 0; i < n * n; ++i) F_x[i] = -F_x[i];

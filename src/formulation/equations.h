@@ -33,7 +33,7 @@ class Equations {
   // What changes the equations' form.
   virtual EventSource& modes() = 0;
   // Whether the evaluations allowed are used up: an advance then ends after the step it is in.
-  virtual bool spent() const { return false; }
+  virtual bool budget_exhausted() const { return false; }
 
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // none: an ODE, for any integrator
@@ -44,7 +44,7 @@ class Equations {
   // r = F(t, x, xdot), unknowns() numbers each; row i < size() is what determines xdot[i]. False: as rhs.
   virtual bool residual(double t, const double* x, const double* xdot, double* r);
   // Exact dF/dx and dF/dxdot, column-major. False: as rhs.
-  virtual bool residual_slopes(double t, const double* x, const double* xdot, double* F_x, double* F_xdot);
+  virtual bool residual_jacobians(double t, const double* x, const double* xdot, double* F_x, double* F_xdot);
   // Fills in the multipliers behind y, and xdot (that of multipliers: 0), from the accelerations of index 1 there.
   // False: as rhs, or there are none; see obstacle().
   virtual bool consistent(double t, double* x, double* xdot) { return rhs(t, x, xdot); }

@@ -24,13 +24,13 @@ Formulation::Formulation(const FormulationContext& context)
       corrector_(mechanism_, dynamics_),
       modes_(dynamics_, mechanism_.nq, events_),
       row_domain_(mechanism_, dynamics_),
-      turns_(mechanism_, dynamics_),
+      revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {}
 
 // Where `dynamics` stands.
-std::string Formulation::dead_centre() {
+std::string Formulation::dead_center() {
   if (!mechanism_.driven()) return {};
-  corrector().renew_factors();
+  corrector().refactorize();
   if (dynamics_.pivot_ratio() > dead_centre_ratio) return {};
   return "a loop stands near a dead centre of what drives it, beyond which a given motion cannot be followed";
 }
@@ -38,7 +38,7 @@ std::string Formulation::dead_centre() {
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
   std::string edge = row_domain_.edge();
-  return edge.empty() ? dead_centre() : edge;
+  return edge.empty() ? dead_center() : edge;
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
@@ -54,35 +54,35 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!row_domain_.holds()) return false;
   modes_.watch(t, v);
   if (!accelerate(t, y, vdot)) return false;
-  if (mechanism_.rows > 0 && factorises_rows()) passages_.seen(t, dynamics_.pivot_ratio());
-  dynamics_.rate(y, v, ydot);
+  if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
+  dynamics_.qdot_from_v(y, v, ydot);
   return all_finite(ydot, size());
 }
 
-bool Formulation::meet(double t, double* y) {
+bool Formulation::project_onto_constraints(double t, double* y) {
   drives_.go_to(t);
-  dynamics_.normalise(y);
+  dynamics_.normalize(y);
   dynamics_.set_position(y);
-  corrector().renew_factors();  // an impact is no small correction: no former factors will do
+  corrector().refactorize();  // an impact is no small correction: no former factors will do
   // By the least change in the mass metric, whatever corrects rounding afterwards.
-  dynamics_.correct(dynamics_.Phi().data(), dv_.data());
+  dynamics_.min_norm_displacement(dynamics_.Phi().data(), dv_.data());
   dynamics_.displace(y, dv_.data());
   if (!corrector().close_position(y)) return false;
-  corrector().renew_factors();
+  corrector().refactorize();
   double* v = y + mechanism_.nq;
   dynamics_.set_velocity(v);
-  dynamics_.correct(dynamics_.row_rates().data(), dv_.data());
+  dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   return corrector().close_velocity(v);
 }
 
-void Formulation::allow(long evaluations) {
+void Formulation::set_evaluation_budget(long evaluations) {
   const long now = dynamics_.evaluations();
   last_evaluation_ = evaluations < LONG_MAX - now ? now + evaluations : LONG_MAX;
 }
 
 bool Formulation::accelerate(double t, const double* y, double* vdot) {
-  corrector().renew_factors();
+  corrector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
   return true;
@@ -97,57 +97,57 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
   differentiate(ydot_.data() + nq, out);
-  out.topLeftCorner(nq, nq) = slopes_.qdot_q;
-  out.topRightCorner(nq, mechanism_.nv) = slopes_.qdot_v;
+  out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
+  out.topRightCorner(nq, mechanism_.nv) = jacobians_.qdot_v;
   return out.allFinite();
 }
 
 void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
-  dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_);
-  solve_slopes(out);
+  dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_);
+  acceleration_jacobian(out);
 }
 
 // With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). slopes_.r is lost.
-void Formulation::solve_slopes(Eigen::Map<Eigen::MatrixXd>& out) {
-  dynamics_.solve_linear_columns(slopes_.r.data(), slopes_.c.data(), size());
-  out.bottomRows(mechanism_.nv) = -slopes_.r;
+void Formulation::acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out) {
+  dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), size());
+  out.bottomRows(mechanism_.nv) = -jacobians_.r;
 }
 
 bool Formulation::project(double, double* y) {
-  dynamics_.normalise(y);
+  dynamics_.normalize(y);
   return true;
 }
 
 void Formulation::accepted(double t, const double* y) {
-  if (!mechanism_.cuts.empty()) turns_.count(t, y);
+  if (!mechanism_.cuts.empty()) revolutions_.count(t, y);
   if (mechanism_.rows == 0) return;
-  const long before = passages_.count();
-  passages_.accepted(t);
-  if (passages_.count() > before) events_.add({passages_.last(), Event::singular_position});
+  const long before = singularity_monitor_.count();
+  singularity_monitor_.accepted(t);
+  if (singularity_monitor_.count() > before) events_.add({singularity_monitor_.last(), Event::singular_position});
 }
 
 // Not by the corrector: reading outputs must not change the run.
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
   drives_.go_to_outputs(t);
   dynamics_.set_position(y);
-  dynamics_.factorise();
-  corrector().meet_factors();
+  dynamics_.factorize();
+  corrector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
-  turns_.count_from(cut_q, t, y);
-  passages_.restart(t);
+  revolutions_.count_from(cut_q, t, y);
+  singularity_monitor_.restart(t);
 }
 
-void Formulation::exchange(Record& record) {
-  turns_.exchange(record);
-  passages_.exchange(record);
-  events_.exchange(record);
-  record.exchange(jacobians_);
-  corrector().forget_factors();
+void Formulation::serialize(Archive& archive) {
+  revolutions_.serialize(archive);
+  singularity_monitor_.serialize(archive);
+  events_.serialize(archive);
+  archive.serialize(jacobian_count_);
+  corrector().discard_factors();
 }
 
 }  // namespace gelenk

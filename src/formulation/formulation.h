@@ -14,23 +14,23 @@
 
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
-#include "event/passages.h"
+#include "event/singularity_monitor.h"
 #include "formulation/corrector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
 #include "formulation/modes.h"
+#include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
-#include "formulation/turns.h"
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
 struct FormulationOptions {
-  double step = 1e-3;          // s: of fixed-step methods or between outputs
-  double baumgarte_alpha = 0;  // 1/s; 0: chosen from the step
-  double baumgarte_beta = 0;   // 1/s; likewise
-  int corrections = 0;         // of projection after each step; 0: until closed
-  double soundest = 0;         // largest pivot ratio known of the rows (Structure); 0: none is
+  double step = 1e-3;           // s: of fixed-step methods or between outputs
+  double baumgarte_alpha = 0;   // 1/s; 0: chosen from the step
+  double baumgarte_beta = 0;    // 1/s; likewise
+  int corrections = 0;          // of projection after each step; 0: until closed
+  double best_pivot_ratio = 0;  // largest pivot ratio known of the rows (MobilityAnalysis); 0: none is
 };
 
 // What a formulation works with; all but the options outlives it.
@@ -55,34 +55,38 @@ class Formulation : public Equations {
   // Unless a formulation says otherwise: quaternions are made unit again, no more.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  bool spent() const final { return dynamics_.evaluations() >= last_evaluation_; }
+  bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventSource& modes() final { return modes_; }
 
-  // From now on: calls of solve and assemble until spent(); LONG_MAX: without end.
-  void allow(long evaluations);
+  // From now on: calls of solve and assemble until budget_exhausted(); LONG_MAX: without end.
+  void set_evaluation_budget(long evaluations);
   // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // The inputs have jumped at (t, y), where the run stands.
   virtual void inputs_changed(double /*t*/, const double* /*y*/) {}
   // Takes y onto the constraints where these have jumped, by the least change in the mass metric: of speeds, an impact.
   // False: not reached.
-  bool meet(double t, double* y);
+  bool project_onto_constraints(double t, double* y);
   // vdot for outputs, at a state accepted at t; `dynamics` is left there, velocities and accelerations included.
   void output_accelerations(double t, const double* y, double* vdot);
   // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
   // that wrote the record as in the one that reads it.
-  virtual void exchange(Record& record);
+  virtual void serialize(Archive& archive);
 
   Drives& drives() { return drives_; }
-  const TurnCounter& turns() const { return turns_; }     // of the cut joints, at the state accepted last
-  const Passages& passages() const { return passages_; }  // of singular positions since the start
-  long jacobians() const { return jacobians_; }           // made since construction
+  const RevolutionCounter& revolutions() const {
+    return revolutions_;
+  }  // of the cut joints, at the state accepted last
+  const SingularityMonitor& singularity_monitor() const {
+    return singularity_monitor_;
+  }                                              // of singular positions since the start
+  long jacobians() const { return jacobian_count_; }  // made since construction
 
  protected:
   // From state y on, the inputs at t. False: as rhs.
   bool evaluate(double t, const double* y, double* ydot);
   // Whether accelerate() leaves factors of the rows, which tell singular positions.
-  virtual bool factorises_rows() const { return true; }
+  virtual bool factorizes_constraints() const { return true; }
   // vdot at (t, y); `dynamics` is at its position, without velocities. False: as rhs.
   virtual bool accelerate(double t, const double* y, double* vdot);
   // vdot where `dynamics` stands, by the factors at hand.
@@ -91,25 +95,25 @@ class Formulation : public Equations {
   // there.
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
   // out (nq..) <- the slopes of vdot when J vdot = gamma is solved for exactly, from slopes_, with the last factors.
-  void solve_slopes(Eigen::Map<Eigen::MatrixXd>& out);
-  void count_jacobian() { ++jacobians_; }
+  void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
+  void count_jacobian() { ++jacobian_count_; }
   virtual Corrector& corrector() { return corrector_; }
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   Drives drives_;
-  Slopes slopes_;
+  Jacobians jacobians_;
 
  private:
-  std::string dead_centre();
+  std::string dead_center();
 
   EventLog& events_;
   Corrector corrector_;
   Modes modes_;
   RowDomain row_domain_;
-  TurnCounter turns_;
-  Passages passages_;
-  long jacobians_ = 0;
+  RevolutionCounter revolutions_;
+  SingularityMonitor singularity_monitor_;
+  long jacobian_count_ = 0;
   long last_evaluation_ = LONG_MAX;
   std::vector<double> dv_, ydot_;
 };

@@ -33,7 +33,7 @@ class Partition final : public Corrector {
 
   // At the position of `dynamics`.
   void choose() {
-    dynamics_.factorise();
+    dynamics_.factorize();
     all_.compute(dynamics_.J());
     // Where the rank is low for a moment, the former partition is as good as any.
     if (!needed_.empty() && dynamics_.rank() < static_cast<int>(needed_.size())) return;
@@ -44,34 +44,35 @@ class Partition final : public Corrector {
     for (int r = 0; r < mechanism_.rows; ++r) {
       if (all_.permutationP().indices()[r] < rank) needed_.push_back(r);
     }
-    renew_factors();
+    refactorize();
     chosen_ = smallest_;
   }
 
-  void correct(const double* residual, double* dv) override {
-    // lu_.solve() would ask for memory.
+  void min_norm_displacement(const double* residual, double* dv) override {
+    std::fill_n(dv, mechanism_.nv, 0.0);
     const auto rank = static_cast<Eigen::Index>(needed_.size());
+    if (rank == 0) return;  // nothing has been factorized
+    // lu_.solve() would allocate memory.
     auto x = right_.head(rank);
     for (Eigen::Index k = 0; k < rank; ++k) x[lu_.permutationP().indices()[k]] = residual[needed_[k]];
     lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(x);
     lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(x);
-    std::fill_n(dv, mechanism_.nv, 0.0);
     for (Eigen::Index k = 0; k < rank; ++k) dv[dependent_[lu_.permutationQ().indices()[k]]] = -x[k];
   }
 
-  void exchange(Record& record) {
+  void serialize(Archive& archive) {
     int rank = static_cast<int>(needed_.size());
-    record.within(rank, 0, std::min(mechanism_.rows, mechanism_.nv));
+    archive.within(rank, 0, std::min(mechanism_.rows, mechanism_.nv));
     needed_.resize(rank);
     dependent_.resize(rank);
-    for (int& row : needed_) record.within(row, 0, mechanism_.rows - 1);
-    for (int& speed : dependent_) record.within(speed, 0, mechanism_.nv - 1);
-    record.exchange(smallest_, chosen_);
+    for (int& row : needed_) archive.within(row, 0, mechanism_.rows - 1);
+    for (int& speed : dependent_) archive.within(speed, 0, mechanism_.nv - 1);
+    archive.serialize(smallest_, chosen_);
   }
 
  private:
   void refactor() override {
-    dynamics_.factorise();
+    dynamics_.factorize();
     if (!needed_.empty()) factorise_dependent();
   }
 
@@ -108,9 +109,9 @@ class Independent final : public Formulation {
     if (mechanism_.rows > 0) partition_.choose();
   }
 
-  void exchange(Record& record) override {
-    Formulation::exchange(record);
-    partition_.exchange(record);
+  void serialize(Archive& archive) override {
+    Formulation::serialize(archive);
+    partition_.serialize(archive);
   }
 
   bool rhs(double t, const double* y, double* ydot) override {
@@ -141,7 +142,7 @@ class Independent final : public Formulation {
   Corrector& corrector() override { return partition_; }
 
   bool accelerate(double, const double*, double* vdot) override {
-    partition_.renew_factors();
+    partition_.refactorize();
     if (!partition_.close_velocity(state_.data() + mechanism_.nq)) return false;
     dynamics_.solve(drives_.u().data(), vdot);
     return true;
@@ -153,12 +154,12 @@ class Independent final : public Formulation {
   void chain(Eigen::Map<Eigen::MatrixXd>& out) {
     const int nq = mechanism_.nq;
     const int nv = mechanism_.nv;
-    const Eigen::MatrixXd& N = slopes_.qdot_v;
+    const Eigen::MatrixXd& N = jacobians_.qdot_v;
     T_.setIdentity(nv, nv);
     for (const int k : partition_.dependent()) T_(k, k) = 0;
     JT_.noalias() = dynamics_.J() * T_;
     for (int k = 0; k < nv; ++k) {
-      partition_.correct(JT_.col(k).data(), carried_.data());
+      partition_.min_norm_displacement(JT_.col(k).data(), carried_.data());
       for (const int dependent : partition_.dependent()) T_(dependent, k) = carried_[dependent];
     }
     square_.noalias() = N.transpose() * N;
@@ -167,8 +168,8 @@ class Independent final : public Formulation {
     square_factor_.solveInPlace(to_speeds_);
     T_to_speeds_.noalias() = T_ * to_speeds_;
     dq_.noalias() = N * T_to_speeds_;
-    rates_.noalias() = slopes_.rate_q * dq_;
-    for (int k = 0; k < nq; ++k) partition_.correct(rates_.col(k).data(), dv_dq_.col(k).data());
+    rates_.noalias() = jacobians_.rate_q * dq_;
+    for (int k = 0; k < nq; ++k) partition_.min_norm_displacement(rates_.col(k).data(), dv_dq_.col(k).data());
     f_ = out;
     out.leftCols(nq).noalias() = f_.leftCols(nq) * dq_;
     out.leftCols(nq).noalias() += f_.rightCols(nv) * dv_dq_;

@@ -28,14 +28,14 @@ class Index3 final : public WithMultipliers {
     return r.allFinite();
   }
 
-  bool residual_slopes(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
+  bool residual_jacobians(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
-    if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
-    F_x(first(), Eigen::seqN(0, mechanism_.nq)) = slopes_.Phi_q;
+    if (!motion_jacobian(t, x, xdot, F_x, F_xdot)) return false;
+    F_x(first(), Eigen::seqN(0, mechanism_.nq)) = jacobians_.Phi_q;
     for (int k = 0; k < mechanism_.rows; ++k) {
       if (holds_position(k)) continue;
-      F_x.block(size() + k, 0, 1, mechanism_.nq) = slopes_.rate_q.row(k);
+      F_x.block(size() + k, 0, 1, mechanism_.nq) = jacobians_.rate_q.row(k);
       F_x.block(size() + k, mechanism_.nq, 1, mechanism_.nv) = dynamics_.J().row(k);
     }
     return true;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -53,8 +53,8 @@ class Inputs {
   // A step was cut short at t: u goes on from there.
   void interrupt(double t);
 
-  void exchange(Record& record) {
-    record.exchange(taylor_, now_, rates_, change_, start_, now_time_, moving_, changed_);
+  void serialize(Archive& archive) {
+    archive.serialize(taylor_, now_, rates_, change_, start_, now_time_, moving_, changed_);
   }
 
   // Whether both are the same functions of time.

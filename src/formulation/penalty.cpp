@@ -11,30 +11,30 @@ constexpr double penalty = 1e7;
 constexpr double Omega = 10;  // 1/s: rows' errors decay with it
 constexpr double mu = 1;      // critically damped
 
-class Penalty final : public Penalised {
+class Penalty final : public Penalized {
  public:
-  using Penalised::Penalised;
+  using Penalized::Penalized;
 
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
-    if (!Penalised::accelerate(t, y, vdot)) return false;
+    if (!Penalized::accelerate(t, y, vdot)) return false;
     if (mechanism_.rows == 0) return true;
-    lambda_ = -a_ * wish_;
+    lambda_ = -a_ * guess_;
     lambda_.noalias() += a_ * dynamics_.J() * Eigen::Map<const Eigen::VectorXd>(vdot, mechanism_.nv);
     return true;
   }
 
   // With lambda = a (J vdot - wish): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
-    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, slopes_, lambda_.data());
-    stabilise_slopes();
+    dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_, lambda_.data());
+    stabilization_jacobian();
     auto by_q = out.bottomLeftCorner(mechanism_.nv, mechanism_.nq);
     auto by_v = out.bottomRightCorner(mechanism_.nv, mechanism_.nv);
-    by_q = -slopes_.r_q();
-    by_v = -slopes_.r_v();
+    by_q = -jacobians_.r_q();
+    by_v = -jacobians_.r_v();
     if (mechanism_.rows > 0) {
-      by_q.noalias() -= a_ * dynamics_.J().transpose() * slopes_.c_q();
-      by_v.noalias() -= a_ * dynamics_.J().transpose() * slopes_.c_v();
+      by_q.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_q();
+      by_v.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_v();
     }
     auto slopes = out.bottomRows(mechanism_.nv);
     factor_.solveInPlace(slopes);
@@ -43,32 +43,32 @@ class Penalty final : public Penalised {
 
 }  // namespace
 
-Penalised::Penalised(const FormulationContext& context)
+Penalized::Penalized(const FormulationContext& context)
     : Formulation(context),
       M_(mechanism_.nv, mechanism_.nv),
       f_(mechanism_.nv),
-      wish_(mechanism_.rows),
+      guess_(mechanism_.rows),
       lambda_(Eigen::VectorXd::Zero(mechanism_.rows)),
       penalised_(mechanism_.nv, mechanism_.nv),
       factor_(mechanism_.nv) {}
 
-void Penalised::start(const std::vector<double>& cut_q, double t, const double* y) {
+void Penalized::start(const std::vector<double>& cut_q, double t, const double* y) {
   Formulation::start(cut_q, t, y);
   if (a_ > 0 || mechanism_.rows == 0) return;
   dynamics_.assemble(drives_.u().data(), M_.data(), f_.data());
   a_ = penalty * M_.trace() / dynamics_.J().squaredNorm();
 }
 
-bool Penalised::accelerate(double, const double* y, double* vdot) {
+bool Penalized::accelerate(double, const double* y, double* vdot) {
   if (!assemble(y + mechanism_.nq)) return false;
   Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
   x = f_;
-  if (mechanism_.rows > 0) x.noalias() += a_ * dynamics_.J().transpose() * wish_;
+  if (mechanism_.rows > 0) x.noalias() += a_ * dynamics_.J().transpose() * guess_;
   factor_.solveInPlace(x);
   return true;
 }
 
-bool Penalised::assemble(const double* v) {
+bool Penalized::assemble(const double* v) {
   dynamics_.set_velocity(v);
   dynamics_.assemble(drives_.u().data(), M_.data(), f_.data());
   if (mechanism_.rows == 0) {
@@ -76,7 +76,7 @@ bool Penalised::assemble(const double* v) {
     return factor_.info() == Eigen::Success;
   }
   for (int r = 0; r < mechanism_.rows; ++r) {
-    wish_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
+    guess_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
   }
   penalised_ = M_;
   penalised_.noalias() += a_ * dynamics_.J().transpose() * dynamics_.J();
@@ -84,10 +84,10 @@ bool Penalised::assemble(const double* v) {
   return factor_.info() == Eigen::Success;
 }
 
-void Penalised::stabilise_slopes() {
+void Penalized::stabilization_jacobian() {
   if (mechanism_.rows == 0) return;
-  slopes_.c_q() += 2 * Omega * mu * slopes_.rate_q + Omega * Omega * slopes_.Phi_q;
-  slopes_.c_v() += 2 * Omega * mu * dynamics_.J();
+  jacobians_.c_q() += 2 * Omega * mu * jacobians_.rate_q + Omega * Omega * jacobians_.Phi_q;
+  jacobians_.c_v() += 2 * Omega * mu * dynamics_.J();
 }
 
 std::unique_ptr<Formulation> make_penalty(const FormulationContext& context) {

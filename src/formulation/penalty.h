@@ -11,23 +11,23 @@
 
 namespace gelenk {
 
-class Penalised : public Formulation {
+class Penalized : public Formulation {
  public:
-  explicit Penalised(const FormulationContext& context);
+  explicit Penalized(const FormulationContext& context);
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
 
  protected:
-  bool factorises_rows() const override { return false; }
+  bool factorizes_constraints() const override { return false; }
   // M_, f_ and wish_ at the position of dynamics_ and the speeds v, and the factors of M + a J^T J. False: it has none.
   bool assemble(const double* v);
   // The penalised accelerations at y, their factors kept. False: M has none.
   bool accelerate(double t, const double* y, double* vdot) override;
   // From slopes of J vdot - gamma to those of J vdot - wish_.
-  void stabilise_slopes();
+  void stabilization_jacobian();
 
   double a_ = 0;
   Eigen::MatrixXd M_;
-  Eigen::VectorXd f_, wish_;  // tau - h; what J vdot should be
+  Eigen::VectorXd f_, guess_;  // tau - h; what J vdot should be
   Eigen::VectorXd lambda_;
   Eigen::MatrixXd penalised_;  // M + a J^T J
   Eigen::LLT<Eigen::MatrixXd> factor_;

@@ -16,12 +16,12 @@ namespace {
 // Passing a singular position (a change point, a dead centre). Beside it the weak direction's part of vdot is a
 // quotient of two numbers that vanish together, and what is left of rounding and of the step's error in it moves the
 // mechanism onto another branch; smaller steps only land nearer. So, as shares of the soundest pivot ratio seen:
-constexpr double near_share = 0.5;      // below it the accelerations of accepted steps are remembered
-constexpr double sound_share = 0.1;     // below it no more: now they are extrapolated ...
-constexpr double spacing = 0.05;        // ... from shares that are apart by this, for the polynomial to reach far
-constexpr double most_weak = 0.02;      // ... and near and below a share of weak_share() they stand in along the weak
-constexpr double least_weak = 0.001;    //     direction; the less, the better they are known
-constexpr double unknown_weak = 0.003;  //     nothing tells how well
+constexpr double near_fraction = 0.5;     // below it the accelerations of accepted steps are remembered
+constexpr double regular_fraction = 0.1;  // below it no more: now they are extrapolated ...
+constexpr double spacing = 0.05;          // ... from shares that are apart by this, for the polynomial to reach far
+constexpr double most_weak = 0.02;        // ... and near and below a share of weak_share() they stand in along the weak
+constexpr double least_weak = 0.001;      //     direction; the less, the better they are known
+constexpr double unknown_weak = 0.003;    //     nothing tells how well
 constexpr double row_noise = 1e-14;
 constexpr double lost_share = 1e-5;  // below this even the weak direction is rounding
 constexpr double most_magnified = 1e4;
@@ -35,7 +35,7 @@ constexpr double row_rounding = 3e-16;
 // The share below which accelerations that are expected with this error stand in. What the rows say there is wrong by
 // row_noise / share^3: rounding moves a state off its branch by 1e-16 / share, its velocities by that over the share
 // again, and so on.
-double weak_share(double error, double size) {
+double weak_fraction(double error, double size) {
   if (!(error * most_weak * most_weak * most_weak > row_noise * size)) return most_weak;
   return std::max(least_weak, std::cbrt(row_noise * size / error));
 }
@@ -44,50 +44,50 @@ double weak_share(double error, double size) {
 class WeakRowCorrector final : public Corrector {
  public:
   // soundest: largest pivot ratio known before the run.
-  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double soundest)
-      : Corrector(mechanism, dynamics), soundest_known_(soundest) {}
+  WeakRowCorrector(const Mechanism& mechanism, Dynamics& dynamics, double best_pivot_ratio)
+      : Corrector(mechanism, dynamics), best_known_pivot_ratio_(best_pivot_ratio) {}
 
   // The last factors are not near a singular position.
   bool sound() const { return sound_; }
   // Of the soundest seen.
-  double share() const { return dynamics_.pivot_ratio() / soundest_; }
-  bool below(double share) const { return dynamics_.pivot_ratio() < share * soundest_; }
+  double share() const { return dynamics_.pivot_ratio() / best_pivot_ratio_; }
+  bool below(double share) const { return dynamics_.pivot_ratio() < share * best_pivot_ratio_; }
   // Where a run begins: whether that is beside a singular position, as far as is known from before it.
   void judge_start() {
-    if (!(dynamics_.pivot_ratio() < sound_share * soundest_known_)) return;
-    soundest_ = std::max(soundest_, soundest_known_);
-    judge();
+    if (!(dynamics_.pivot_ratio() < regular_fraction * best_known_pivot_ratio_)) return;
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, best_known_pivot_ratio_);
+    update_singularity_status();
   }
-  void judge() {
-    sound_ = !below(sound_share);
+  void update_singularity_status() {
+    sound_ = !below(regular_fraction);
     set_weak(sound_ ? 0 : unknown_weak);
   }
-  void meet_factors() override { judge(); }
+  void factors_changed() override { update_singularity_status(); }
   void set_weak(double share) {
-    if (!rigorous_ || share == 0) dynamics_.set_weak_pivots(share * soundest_);
+    if (!rigorous_ || share == 0) dynamics_.set_singular_threshold(share * best_pivot_ratio_);
   }
   // A long step may have left more along a weak direction than may stay.
   bool close_rigorously(double* q, double* v) {
     rigorous_ = true;
-    dynamics_.set_weak_pivots(0);
+    dynamics_.set_singular_threshold(0);
     refactor();
     const bool closed = close_position(q) && close_velocity(v);
     rigorous_ = false;
     return closed;
   }
-  void exchange(Record& record) { record.exchange(soundest_); }
+  void serialize(Archive& archive) { archive.serialize(best_pivot_ratio_); }
 
  private:
   void refactor() override {
-    dynamics_.factorise();
-    soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
-    judge();
+    dynamics_.factorize();
+    best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
+    update_singularity_status();
   }
   // Along weak directions what is left is small by itself, and leads back where the rows are sound again.
   double slack() const override { return sound_ ? Corrector::slack() : 1e8; }
 
-  double soundest_known_;
-  double soundest_ = 0;  // pivot ratio seen in the run, or known where it begins beside a singular position
+  double best_known_pivot_ratio_;
+  double best_pivot_ratio_ = 0;  // pivot ratio seen in the run, or known where it begins beside a singular position
   bool sound_ = true;
   bool rigorous_ = false;  // weak directions are corrected in full
 };
@@ -98,12 +98,12 @@ class Projection final : public Formulation {
       : Formulation(context),
         corrections_(context.options.corrections),
         move_(mechanism_.nv),
-        rows_(mechanism_, dynamics_, context.options.soundest),
+        rows_(mechanism_, dynamics_, context.options.best_pivot_ratio),
         expected_(mechanism_.nv),
         before_(mechanism_.nv),
         after_(mechanism_.nv),
         seen_(context.inputs) {
-    slopes_.of_rows = false;
+    jacobians_.of_rows = false;
     for (const Link& link : mechanism_.links) finest_ += row_rounding * link.X_PJ.p.norm();
     for (auto& acceleration : accelerations_) acceleration.resize(mechanism_.nv);
   }
@@ -112,7 +112,7 @@ class Projection final : public Formulation {
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
-  void exchange(Record& record) override;
+  void serialize(Archive& archive) override;
 
  private:
   Corrector& corrector() override { return rows_; }
@@ -122,7 +122,7 @@ class Projection final : public Formulation {
   void add_jump(double t);
   void launch(double t, const double* y);
   void remember(double t);
-  bool correct(double* q, double* v);
+  bool min_norm_displacement(double* q, double* v);
   bool close(double* y);
 
   int corrections_;
@@ -153,7 +153,7 @@ void Projection::start(const std::vector<double>& cut_q, double t, const double*
 void Projection::launch(double t, const double* y) {
   if (mechanism_.cuts.empty() || mechanism_.rows == 0 || mechanism_.driven()) return;
   dynamics_.set_position(y);
-  rows_.renew_factors();
+  rows_.refactorize();
   rows_.judge_start();
   if (rows_.sound()) return;
   if (!BranchAcceleration(mechanism_, dynamics_)
@@ -164,7 +164,7 @@ void Projection::launch(double t, const double* y) {
   times_[0] = t;
   seen_ = drives_.inputs();
   dynamics_.set_position(y);
-  rows_.renew_factors();
+  rows_.refactorize();
   shares_[0] = rows_.share();
 }
 
@@ -175,15 +175,15 @@ void Projection::inputs_changed(double t, const double* y) {
   launch(t, y);
 }
 
-void Projection::exchange(Record& record) {
-  Formulation::exchange(record);
-  rows_.exchange(record);
-  record.within(remembered_, 0, memory);
-  record.exchange(launched_);
+void Projection::serialize(Archive& archive) {
+  Formulation::serialize(archive);
+  rows_.serialize(archive);
+  archive.within(remembered_, 0, memory);
+  archive.serialize(launched_);
   if (remembered_ == 0) return;
-  seen_.exchange(record);
+  seen_.serialize(archive);
   for (int i = 0; i < remembered_; ++i) {
-    record.exchange(times_[i], shares_[i], accelerations_[i]);
+    archive.serialize(times_[i], shares_[i], accelerations_[i]);
   }
 }
 
@@ -231,7 +231,7 @@ const double* Projection::expected(double t) {
     size = std::max(size, std::abs(sum));
   }
   const bool told = first + 1 < remembered_;
-  rows_.set_weak(told ? weak_share(error, size) : unknown_weak);
+  rows_.set_weak(told ? weak_fraction(error, size) : unknown_weak);
   if (drives_.inputs() != seen_) add_jump(t);
   return expected_.data();
 }
@@ -248,7 +248,7 @@ void Projection::add_jump(double t) {
 // Where `dynamics` stands: at the state accepted at t.
 void Projection::remember(double t) {
   drives_.go_to(t);
-  rows_.renew_factors();
+  rows_.refactorize();
   if (!rows_.sound()) return;
   if (drives_.inputs() != seen_) {
     remembered_ = 0;
@@ -273,17 +273,17 @@ void Projection::remember(double t) {
 }
 
 // So many corrections with the factors at hand, whatever is left: each costs the same.
-bool Projection::correct(double* q, double* v) {
-  dynamics_.normalise(q);
+bool Projection::min_norm_displacement(double* q, double* v) {
+  dynamics_.normalize(q);
   dynamics_.set_position(q);
   for (int i = 0; i < corrections_; ++i) {
-    rows_.correct(dynamics_.Phi().data(), move_.data());
+    rows_.min_norm_displacement(dynamics_.Phi().data(), move_.data());
     dynamics_.displace(q, move_.data());
     dynamics_.set_position(q);
   }
   dynamics_.set_velocity(v);
   for (int i = 0; i < corrections_; ++i) {
-    rows_.correct(dynamics_.row_rates().data(), move_.data());
+    rows_.min_norm_displacement(dynamics_.row_rates().data(), move_.data());
     for (int k = 0; k < mechanism_.nv; ++k) v[k] += move_[k];
     dynamics_.set_velocity(v);
   }
@@ -303,8 +303,8 @@ bool Projection::close(double* y) {
     return most;
   };
   if (polishes && left(dynamics_.Phi()) > finest_) {
-    if (!rows_.sound()) rows_.renew_factors();
-    rows_.correct(dynamics_.Phi().data(), move_.data());
+    if (!rows_.sound()) rows_.refactorize();
+    rows_.min_norm_displacement(dynamics_.Phi().data(), move_.data());
     dynamics_.displace(y, move_.data());
     dynamics_.set_position(y);
   }
@@ -312,7 +312,7 @@ bool Projection::close(double* y) {
   double speed = 1;
   for (int k = 0; k < mechanism_.nv; ++k) speed = std::max(speed, std::abs(v[k]));
   if (polishes && left(dynamics_.row_rates()) > finest_ * speed) {
-    rows_.correct(dynamics_.row_rates().data(), move_.data());
+    rows_.min_norm_displacement(dynamics_.row_rates().data(), move_.data());
     for (int k = 0; k < mechanism_.nv; ++k) v[k] += move_[k];
   }
   return true;
@@ -320,8 +320,8 @@ bool Projection::close(double* y) {
 
 bool Projection::project(double t, double* y) {
   drives_.go_to(t);
-  if (corrections_ > 0 && mechanism_.rows > 0) return correct(y, y + mechanism_.nq);
-  if (!rows_.sound()) rows_.judge();  // the last accelerations had a weak share of their own
+  if (corrections_ > 0 && mechanism_.rows > 0) return min_norm_displacement(y, y + mechanism_.nq);
+  if (!rows_.sound()) rows_.update_singularity_status();  // the last accelerations had a weak share of their own
   if (close(y)) return true;
   return !rows_.sound() && rows_.close_rigorously(y, y + mechanism_.nq);
 }
@@ -329,7 +329,7 @@ bool Projection::project(double t, double* y) {
 void Projection::accepted(double t, const double* y) {
   Formulation::accepted(t, y);
   if (mechanism_.cuts.empty() || mechanism_.rows == 0) return;
-  if (rows_.below(near_share)) remember(t);
+  if (rows_.below(near_fraction)) remember(t);
 }
 
 }  // namespace

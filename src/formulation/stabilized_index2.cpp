@@ -23,7 +23,7 @@ class StabilizedIndex2 final : public WithMultipliers {
     if (mechanism_.rows == 0) return r.allFinite();
     moved_.noalias() =
         dynamics_.J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + mechanism_.rows, mechanism_.rows);
-    dynamics_.rate(x, moved_.data(), rate_.data());
+    dynamics_.qdot_from_v(x, moved_.data(), rate_.data());
     r.head(mechanism_.nq) += rate_;
     for (int k = 0; k < mechanism_.rows; ++k) {
       r[size() + k] = dynamics_.row_rates()[k];
@@ -34,17 +34,17 @@ class StabilizedIndex2 final : public WithMultipliers {
   }
 
   // Exact where mu = 0; slopes of N J^T by q, times a mu of a step's error, are left out.
-  bool residual_slopes(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
+  bool residual_jacobians(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
-    if (!slopes_of_motion(t, x, xdot, F_x, F_xdot)) return false;
+    if (!motion_jacobian(t, x, xdot, F_x, F_xdot)) return false;
     if (mechanism_.rows == 0) return true;
     const auto q = Eigen::seqN(0, mechanism_.nq);
     F_x.block(0, size() + mechanism_.rows, mechanism_.nq, mechanism_.rows).noalias() =
-        slopes_.qdot_v * dynamics_.J().transpose();
-    F_x(first(), q) = slopes_.rate_q;
+        jacobians_.qdot_v * dynamics_.J().transpose();
+    F_x(first(), q) = jacobians_.rate_q;
     F_x(first(), Eigen::seqN(mechanism_.nq, mechanism_.nv)) = dynamics_.J();
-    F_x(second(), q) = slopes_.Phi_q;
+    F_x(second(), q) = jacobians_.Phi_q;
     for (int k = 0; k < mechanism_.rows; ++k) {
       if (!holds_position(k)) F_x(size() + mechanism_.rows + k, size() + mechanism_.rows + k) = 1;
     }

@@ -22,7 +22,7 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
   std::fill(x + size(), x + unknowns(), 0.0);
   std::fill(xdot + size(), xdot + unknowns(), 0.0);
   if (!rhs(t, x, xdot) || dynamics_.rank() < mechanism_.rows) return false;
-  soundest_ = std::max(soundest_, dynamics_.pivot_ratio());
+  best_pivot_ratio_ = std::max(best_pivot_ratio_, dynamics_.pivot_ratio());
   dynamics_.set_acceleration(xdot + mechanism_.nq);
   std::ranges::copy(dynamics_.lambda(), x + size());
   return true;
@@ -31,21 +31,21 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
 std::string WithMultipliers::obstacle(const double* y) {
   if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return {};
   if (std::string flat = Formulation::obstacle(y); !flat.empty()) return flat;
-  dynamics_.factorise();
+  dynamics_.factorize();
   const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
   if (dynamics_.rank() < mechanism_.rows) {
     return "the loops have " + std::to_string(mechanism_.rows) + " constraint rows of rank " +
            std::to_string(dynamics_.rank()) + cure;
   }
-  if (dynamics_.pivot_ratio() < nearly_singular * soundest_) {
+  if (dynamics_.pivot_ratio() < nearly_singular * best_pivot_ratio_) {
     return "close to a singular position, where the loops' constraint rows lose rank" + cure;
   }
   return {};
 }
 
-void WithMultipliers::exchange(Record& record) {
-  Formulation::exchange(record);
-  record.exchange(soundest_);
+void WithMultipliers::serialize(Archive& archive) {
+  Formulation::serialize(archive);
+  archive.serialize(best_pivot_ratio_);
 }
 
 bool WithMultipliers::assemble(double t, const double* x) {
@@ -59,7 +59,7 @@ bool WithMultipliers::assemble(double t, const double* x) {
 
 bool WithMultipliers::equations_of_motion(double t, const double* x, const double* xdot, Vector& r) {
   if (!assemble(t, x)) return false;
-  dynamics_.rate(x, x + mechanism_.nq, r.data());
+  dynamics_.qdot_from_v(x, x + mechanism_.nq, r.data());
   for (int i = 0; i < mechanism_.nq; ++i) r[i] = xdot[i] - r[i];
   const Eigen::Map<const Eigen::VectorXd> vdot(xdot + mechanism_.nq, mechanism_.nv);
   const Eigen::Map<const Eigen::VectorXd> lambda(x + size(), mechanism_.rows);
@@ -70,15 +70,15 @@ bool WithMultipliers::equations_of_motion(double t, const double* x, const doubl
   return true;
 }
 
-bool WithMultipliers::slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
+bool WithMultipliers::motion_jacobian(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot) {
   count_jacobian();
   if (!assemble(t, x)) return false;
-  dynamics_.differentiate(drives_.u().data(), drives_.count(), xdot + mechanism_.nq, slopes_, x + size());
+  dynamics_.differentiate(drives_.u().data(), drives_.count(), xdot + mechanism_.nq, jacobians_, x + size());
   F_x.setZero();
-  F_x.topLeftCorner(mechanism_.nq, mechanism_.nq) = -slopes_.qdot_q;
-  F_x.block(0, mechanism_.nq, mechanism_.nq, mechanism_.nv) = -slopes_.qdot_v;
-  F_x.block(mechanism_.nq, 0, mechanism_.nv, mechanism_.nq) = slopes_.r_q();
-  F_x.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = slopes_.r_v();
+  F_x.topLeftCorner(mechanism_.nq, mechanism_.nq) = -jacobians_.qdot_q;
+  F_x.block(0, mechanism_.nq, mechanism_.nq, mechanism_.nv) = -jacobians_.qdot_v;
+  F_x.block(mechanism_.nq, 0, mechanism_.nv, mechanism_.nq) = jacobians_.r_q();
+  F_x.block(mechanism_.nq, mechanism_.nq, mechanism_.nv, mechanism_.nv) = jacobians_.r_v();
   if (mechanism_.rows > 0) F_x.block(mechanism_.nq, size(), mechanism_.nv, mechanism_.rows) = dynamics_.J().transpose();
   F_xdot.setZero();
   F_xdot.topLeftCorner(mechanism_.nq, mechanism_.nq).setIdentity();

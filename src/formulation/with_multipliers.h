@@ -15,7 +15,7 @@ class WithMultipliers : public Formulation {
  public:
   bool consistent(double t, double* x, double* xdot) final;
   std::string obstacle(const double* y) final;
-  void exchange(Record& record) final;
+  void serialize(Archive& archive) final;
 
  protected:
   WithMultipliers(std::string_view name, const FormulationContext& context);
@@ -27,7 +27,7 @@ class WithMultipliers : public Formulation {
   // x is not finite.
   bool equations_of_motion(double t, const double* x, const double* xdot, Vector& r);
   // Their slopes into F_x and M into F_xdot, the rest zeros; leaves slopes_ at x. False: as above.
-  bool slopes_of_motion(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
+  bool motion_jacobian(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
   // The first and the second `rows` unknowns after y, or equations after those of motion.
   auto first() const { return Eigen::seqN(size(), mechanism_.rows); }
   auto second() const { return Eigen::seqN(size() + mechanism_.rows, mechanism_.rows); }
@@ -40,8 +40,8 @@ class WithMultipliers : public Formulation {
   std::string name_;
   std::vector<bool> position_rows_;
   RowMatrix M_;
-  Eigen::VectorXd f_;    // tau - h
-  double soundest_ = 0;  // largest pivot ratio of the rows at a start
+  Eigen::VectorXd f_;            // tau - h
+  double best_pivot_ratio_ = 0;  // largest pivot ratio of the rows at a start
 };
 
 }  // namespace gelenk

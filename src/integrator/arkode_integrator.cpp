@@ -101,16 +101,16 @@ double ArkodeIntegrator::current_step(void* memory) {
 }
 
 // ARKODE offers no copy of its memory, but of a one-step method the next step's length is all that counts of it.
-void ArkodeIntegrator::exchange(Record& record) {
-  SundialsIntegrator::exchange(record);
-  record.exchange(step_at_end_);
+void ArkodeIntegrator::serialize(Archive& archive) {
+  SundialsIntegrator::serialize(archive);
+  archive.serialize(step_at_end_);
   for (std::size_t i = 0; i < steppers_.size(); ++i) {
     Stepper& stepper = steppers_[i];
     double step = stepper.first_step.value_or(stepper.stopped ? next_step(i) : current_step(stepper.memory));
     if (!stepper.first_step) ARKodeGetLastStep(stepper.memory, &stepper.last_step);
-    record.exchange(step, stepper.last_step, stepper.used);
+    archive.serialize(step, stepper.last_step, stepper.used);
     stepper.first_step = step;
-    reinitialise(stepper.memory);
+    reinitialize(stepper.memory);
     ARKodeSetInitStep(stepper.memory, step);
     ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? most_growth : most_first_growth);
   }

@@ -16,9 +16,9 @@ namespace gelenk {
 class ArkodeIntegrator : public SundialsIntegrator {
  public:
   ~ArkodeIntegrator() override;
-  bool will_have_past() const override { return false; }
-  bool has_past() const override { return false; }
-  void exchange(Record& record) override;
+  bool will_have_history() const override { return false; }
+  bool has_history() const override { return false; }
+  void serialize(Archive& archive) override;
 
  protected:
   explicit ArkodeIntegrator(Equations& system);
@@ -28,7 +28,7 @@ class ArkodeIntegrator : public SundialsIntegrator {
   // Goes on with another of the steppers owned, which is to try this step [s] first; 0: it finds one.
   void use(int stepper, double step);
   // Takes a stepper to (t_, y_) as if it had never made a step; its settings stay.
-  virtual void reinitialise(void* memory) = 0;
+  virtual void reinitialize(void* memory) = 0;
   // s: that a stepper which has stopped where it was to will try next.
   virtual double next_step(std::size_t stepper) const;
   // Before the steps to `end`; t_ is their start.

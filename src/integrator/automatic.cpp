@@ -27,30 +27,30 @@ constexpr std::array<double, 2> cost_of_step = {1, 3};
 double cost_of_jacobian(int size) { return 2.0 * size; }
 
 // Hands calls on and counts what they cost.
-class Counted final : public Equations {
+class EvaluationCounter final : public Equations {
  public:
-  explicit Counted(Equations& counted) : counted_(counted) {}
+  explicit EvaluationCounter(Equations& counted) : counter_(counted) {}
   double cost() const { return static_cast<double>(evaluations_) + cost_of_jacobian(size()) * jacobians_; }
 
-  int size() const override { return counted_.size(); }
-  int coordinates() const override { return counted_.coordinates(); }
+  int size() const override { return counter_.size(); }
+  int coordinates() const override { return counter_.coordinates(); }
   bool rhs(double t, const double* y, double* ydot) override {
     ++evaluations_;
-    return counted_.rhs(t, y, ydot);
+    return counter_.rhs(t, y, ydot);
   }
   bool jacobian(double t, const double* y, double* J) override {
     ++jacobians_;
-    return counted_.jacobian(t, y, J);
+    return counter_.jacobian(t, y, J);
   }
-  bool project(double t, double* y) override { return counted_.project(t, y); }
-  void displace(double* q, const double* dv) const override { counted_.displace(q, dv); }
-  void accepted(double t, const double* y) override { counted_.accepted(t, y); }
-  bool spent() const override { return counted_.spent(); }
-  EventSource& modes() override { return counted_.modes(); }
-  std::string obstacle(const double* y) override { return counted_.obstacle(y); }
+  bool project(double t, double* y) override { return counter_.project(t, y); }
+  void displace(double* q, const double* dv) const override { counter_.displace(q, dv); }
+  void accepted(double t, const double* y) override { counter_.accepted(t, y); }
+  bool budget_exhausted() const override { return counter_.budget_exhausted(); }
+  EventSource& modes() override { return counter_.modes(); }
+  std::string obstacle(const double* y) override { return counter_.obstacle(y); }
 
  private:
-  Equations& counted_;
+  Equations& counter_;
   long evaluations_ = 0;
   long jacobians_ = 0;
 };
@@ -58,9 +58,9 @@ class Counted final : public Equations {
 class Automatic final : public Integrator {
  public:
   Automatic(Equations& system, const IntegratorOptions& options)
-      : counted_(system),
+      : counter_(system),
         options_(options),
-        methods_{make_erk(counted_, options), nullptr},
+        methods_{make_erk(counter_, options), nullptr},
         n_(system.size()),
         y_(n_),
         fastest_rate_(system) {
@@ -84,31 +84,31 @@ class Automatic final : public Integrator {
     }
   }
 
-  bool may_have_past() const override { return true; }
-  bool will_have_past() const override { return current_ == implicit_method; }
-  bool has_past() const override { return methods_[current_]->has_past(); }
+  bool may_have_history() const override { return true; }
+  bool will_have_history() const override { return current_ == implicit_method; }
+  bool has_history() const override { return methods_[current_]->has_history(); }
 
-  void exchange(Record& record) override {
-    Integrator::exchange(record);
-    record.within(current_, 0, 1);
+  void serialize(Archive& archive) override {
+    Integrator::serialize(archive);
+    archive.within(current_, 0, 1);
     bool both = methods_[implicit_method] != nullptr;
-    record.exchange(both);
+    archive.serialize(both);
     if (both) make_implicit();
     if (!both) methods_[implicit_method].reset();  // made after the record
-    if (record.reading()) methods_[current_]->restart(t_, y_.data());
-    methods_[explicit_method]->exchange(record);
-    if (both) methods_[implicit_method]->exchange(record);
-    record.exchange(stretch_.time, stretch_.cost, stretch_.steps, price_);
-    fastest_rate_.exchange(record);
-    record.exchange(trial_);
-    trials_.exchange(record);
+    if (archive.reading()) methods_[current_]->restart(t_, y_.data());
+    methods_[explicit_method]->serialize(archive);
+    if (both) methods_[implicit_method]->serialize(archive);
+    archive.serialize(stretch_.time, stretch_.cost, stretch_.steps, price_);
+    fastest_rate_.serialize(archive);
+    archive.serialize(trial_);
+    trials_.serialize(archive);
   }
 
   double advance(double end, double* y) override {
     do {
       go_on(end);
       if (stretch_.steps >= stretch_steps) review();
-    } while (t_ < end && !counted_.spent());
+    } while (t_ < end && !counter_.budget_exhausted());
     count();
     std::ranges::copy(y_, y);
     return t_;
@@ -123,7 +123,7 @@ class Automatic final : public Integrator {
   };
 
   void go_on(double end) {
-    const double cost = counted_.cost();
+    const double cost = counter_.cost();
     const long steps = methods_[current_]->steps();
     const double start = t_;
     try {
@@ -141,7 +141,7 @@ class Automatic final : public Integrator {
     }
     stretch_.time += t_ - start;
     stretch_.steps += methods_[current_]->steps() - steps;
-    stretch_.cost += counted_.cost() - cost;
+    stretch_.cost += counter_.cost() - cost;
   }
 
   // After each stretch: whether another method is worth a trial, or the trial was.
@@ -181,7 +181,7 @@ class Automatic final : public Integrator {
   }
 
   void make_implicit() {
-    if (!methods_[implicit_method]) methods_[implicit_method] = make_cvode(counted_, options_);
+    if (!methods_[implicit_method]) methods_[implicit_method] = make_cvode(counter_, options_);
   }
 
   void change_to(int method) {
@@ -199,7 +199,7 @@ class Automatic final : public Integrator {
     }
   }
 
-  Counted counted_;
+  EvaluationCounter counter_;
   IntegratorOptions options_;
   std::array<std::unique_ptr<Integrator>, 2> methods_;
   int n_;

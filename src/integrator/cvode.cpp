@@ -17,8 +17,8 @@ using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, su
 
 // The local error test's share of the tolerance, with BDF of one of 1e-4 (bdf_tolerance, see ida.cpp). On the same
 // scenes errors are 0.3 to 60 times the tolerance.
-constexpr double bdf_share = 0.002;
-constexpr double adams_share = 0.003;
+constexpr double bdf_fraction = 0.002;
+constexpr double adams_fraction = 0.003;
 // Below this the error test meets rounding: half of it costs the squeezer seventy times the steps, whose errors add up.
 constexpr double least_tolerance = 2e-13;
 
@@ -84,7 +84,7 @@ class Cvode : public SundialsIntegrator {
 class Bdf final : public Cvode {
  public:
   Bdf(Equations& system, const IntegratorOptions& options)
-      : Cvode(system, CV_BDF, bdf_tolerance(bdf_share, options.tolerance)),
+      : Cvode(system, CV_BDF, bdf_tolerance(bdf_fraction, options.tolerance)),
         linear_(y_.get(), context_),
         projected_(sundials::new_vector(system, context_)) {
     CVodeSetLinearSolver(memory_, linear_.solver.get(), linear_.matrix.get());
@@ -98,7 +98,7 @@ class Bdf final : public Cvode {
  private:
   // Where the starter does not meet them (started.cpp) the scene is stiff, and the history is worth keeping.
   bool restarts_at_jumps() const override { return false; }
-  double finest_tolerance() const override { return tolerance_of_bdf(bdf_share, least_tolerance); }
+  double finest_tolerance() const override { return tolerance_of_bdf(bdf_fraction, least_tolerance); }
 
   // As with IDA (ida.cpp): the projected state's difference from the prediction is handed on as the step's correction.
   // CVODE's own hook moves the state alone, not the derivatives of the history.
@@ -132,7 +132,7 @@ class Bdf final : public Cvode {
 class Adams final : public Cvode {
  public:
   Adams(Equations& system, const IntegratorOptions& options)
-      : Cvode(system, CV_ADAMS, adams_share * options.tolerance),
+      : Cvode(system, CV_ADAMS, adams_fraction * options.tolerance),
         solver_(sundials::made(SUNNonlinSol_FixedPoint(y_.get(), 0, context_))) {
     CVodeSetNonlinearSolver(memory_, solver_.get());
   }
@@ -141,7 +141,7 @@ class Adams final : public Cvode {
   // Derivatives carried across a jump spoil many steps: on the four-bar with a new torque every millisecond and no
   // starter, tolerance 1e-8, errors of 1e4 times the tolerance instead of some hundred times, for as much work.
   bool restarts_at_jumps() const override { return true; }
-  double finest_tolerance() const override { return least_tolerance / adams_share; }
+  double finest_tolerance() const override { return least_tolerance / adams_fraction; }
 
   bool finish(double t) override {
     if (!system_.project(t, sundials::data(y_.get()))) return false;

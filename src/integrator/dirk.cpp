@@ -20,7 +20,7 @@ constexpr int most_iterations = 10;
 constexpr double safety = 0.8;  // with ARKODE's own 0.96 more steps are rejected
 // The local error test's share of the tolerance (see ida.cpp). On the same scenes errors are 0.2 to 35 times the
 // tolerance.
-constexpr double local_share = 0.02;
+constexpr double local_fraction = 0.02;
 constexpr double least_tolerance = 1e-13;
 // Newton's method may leave this part of a step's tolerance in a stage. What it leaves adds up over steps, where no
 // error test sees it: a stiff torsion spring of 95 rad at 1e-10 errs five times as much with ARKODE's own 0.1, which
@@ -64,7 +64,7 @@ class Dirk final : public ArkodeIntegrator {
     give(y_.get(), this);
     y_->ops->nvclone = clone;
     y_->ops->nvwrmsnorm = [](N_Vector x, N_Vector weights) { return owner(x).norm(x, weights); };
-    const double tolerance = std::max(least_tolerance, local_share * options.tolerance);
+    const double tolerance = std::max(least_tolerance, local_fraction * options.tolerance);
     own(ARKStepCreate(nullptr, sundials::rhs, 0, y_.get(), context_), tolerance);
     // Order 5: a pair of order 4 (ESDIRK436L2SA) takes 1.6 times the evaluations at 1e-8, and where a fast oscillation
     // goes on undamped, so that errors of all steps add up, err ten times as much for them.
@@ -83,8 +83,8 @@ class Dirk final : public ArkodeIntegrator {
   }
 
   // Newton's matrix serves over many steps.
-  bool will_have_past() const override { return true; }
-  bool has_past() const override { return !fresh_; }
+  bool will_have_history() const override { return true; }
+  bool has_history() const override { return !fresh_; }
 
  private:
   // Hairer & Wanner 1996, (IV.8.10): with corrections d_m and their quotient r = d_m / d_(m-1), what is left is at most
@@ -124,7 +124,7 @@ class Dirk final : public ArkodeIntegrator {
     return N_VWrmsNorm_Serial(damped_.get(), weights);
   }
 
-  void reinitialise(void* memory) override { ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get()); }
+  void reinitialize(void* memory) override { ARKStepReInit(memory, nullptr, sundials::rhs, t_, y_.get()); }
 
   sundials::DenseSolver linear_;
   sundials::NonlinearSolver newton_;

@@ -30,23 +30,23 @@ ARKodeButcherTable classical() {
   return sundials::made(ARKodeButcherTable_Create(4, 4, 2, c, A, b, d));
 }
 
-struct Rung {
+struct EmbeddedPair {
   ARKODE_ERKTableID table;  // ARKODE_ERK_NONE: the one above
   int stages;
   double share;  // of the tolerance, for the local error test
 };
 
-// Of ARKODE's tables of order 5 to 9 the last two gave the smallest error for the evaluations spent, on loops and trees
-// (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 above, 8 below.
-// The share is such that errors stay within some tens of times the tolerance (see ida.cpp; here 0.1 to 22 times). Below
-// them: many small steps in place of few long ones add up, so each has to be the better.
-constexpr std::array<Rung, 4> ladder = {{
+// Of ARKODE's tables of order 5 to 9 the last two gave the smallest error for the evaluations budget_exhausted, on
+// loops and trees (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 above, 8
+// below. The share is such that errors stay within some tens of times the tolerance (see ida.cpp; here 0.1 to 22
+// times). Below them: many small steps in place of few long ones add up, so each has to be the better.
+constexpr std::array<EmbeddedPair, 4> embedded_pairs = {{
     {ARKODE_ERK_NONE, 4, 1},
     {ARKODE_CASH_KARP_6_4_5, 6, 0.03},
     {ARKODE_VERNER_9_5_6, 9, 0.1},
     {ARKODE_VERNER_13_7_8, 13, 0.1},
 }};
-int top_rung(double tolerance) { return tolerance > 3e-7 ? 2 : 3; }
+int highest_pair(double tolerance) { return tolerance > 3e-7 ? 2 : 3; }
 
 // Every twentieth step is rejected with it; with ARKODE's own 0.96, every fifth (scenes as above).
 constexpr double safety = 0.9;
@@ -61,11 +61,11 @@ constexpr int longest_wait = 256;  // communication steps between two trials of 
 class Erk final : public ArkodeIntegrator {
  public:
   Erk(Equations& system, const IntegratorOptions& options)
-      : ArkodeIntegrator(system), top_(top_rung(options.tolerance)), rung_(top_) {
+      : ArkodeIntegrator(system), top_(highest_pair(options.tolerance)), pair_(top_) {
     for (int i = 0; i <= top_; ++i) {
       own(ERKStepCreate(sundials::rhs, 0, y_.get(), context_),
-          std::max(least_tolerance, ladder[i].share * options.tolerance));
-      take_table(ladder[i].table);
+          std::max(least_tolerance, embedded_pairs[i].share * options.tolerance));
+      take_table(embedded_pairs[i].table);
       ARKodeSetSafetyFactor(memory_, safety);
       controllers_[i] = sundials::make_step_controller(context_);
       ARKodeSetAdaptController(memory_, controllers_[i].get());
@@ -82,15 +82,15 @@ class Erk final : public ArkodeIntegrator {
     }
   }
 
-  void exchange(Record& record) override {
-    record.within(rung_, 0, top_);
-    use(rung_, 0);
+  void serialize(Archive& archive) override {
+    archive.within(pair_, 0, top_);
+    use(pair_, 0);
     long since = attempts() - attempts_before_;
-    ArkodeIntegrator::exchange(record);
-    for (int i = 0; i <= top_; ++i) sundials::exchange(controllers_[i], record);
-    record.exchange(since, length_, trial_, cost_before_);
-    record.within(rung_before_, 0, top_);
-    trials_.exchange(record);
+    ArkodeIntegrator::serialize(archive);
+    for (int i = 0; i <= top_; ++i) sundials::serialize(controllers_[i], archive);
+    archive.serialize(since, length_, trial_, cost_before_);
+    archive.within(pair_before_, 0, top_);
+    trials_.serialize(archive);
     attempts_before_ = attempts() - since;
   }
 
@@ -105,7 +105,7 @@ class Erk final : public ArkodeIntegrator {
     ERKStepSetTable(memory_, table.get());
   }
 
-  void reinitialise(void* memory) override { ERKStepReInit(memory, sundials::rhs, t_, y_.get()); }
+  void reinitialize(void* memory) override { ERKStepReInit(memory, sundials::rhs, t_, y_.get()); }
 
   double next_step(std::size_t stepper) const override {
     return sundials::next_step(controllers_[stepper], safety, growth(stepper));
@@ -115,13 +115,13 @@ class Erk final : public ArkodeIntegrator {
     const double length = end - t_;
     const long steps = attempts() - attempts_before_;
     const bool alike = steps > 0 && std::abs(length - length_) < 1e-6 * length;
-    if (alike) climb(length, steps * ladder[rung_].stages);
+    if (alike) climb(length, steps * embedded_pairs[pair_].stages);
     length_ = length;
     attempts_before_ = attempts();
   }
 
   void reconsider_stepper() override {
-    if (rung_ == top_ || attempts() - attempts_before_ < most_attempts) return;
+    if (pair_ == top_ || attempts() - attempts_before_ < most_attempts) return;
     trial_ = false;
     length_ = 0;  // the next communication step is not like this one
     trials_.failed();
@@ -136,37 +136,37 @@ class Erk final : public ArkodeIntegrator {
       if (cost < cost_before_) {
         trials_.succeeded();
       } else {
-        go(rung_before_, rung_before_ > rung_ ? std::min(length, step_at_end_) : length);
+        go(pair_before_, pair_before_ > pair_ ? std::min(length, step_at_end_) : length);
         trials_.failed();
         return;
       }
     }
-    const bool one_step = cost == ladder[rung_].stages;
-    if (rung_ < top_ && cost > ladder[rung_ + 1].stages) {
-      attempt(rung_ + 1, step_at_end_, cost);
-    } else if (one_step && rung_ > 0 && trials_.due()) {
-      attempt(rung_ - 1, length, cost);
+    const bool one_step = cost == embedded_pairs[pair_].stages;
+    if (pair_ < top_ && cost > embedded_pairs[pair_ + 1].stages) {
+      attempt(pair_ + 1, step_at_end_, cost);
+    } else if (one_step && pair_ > 0 && trials_.due()) {
+      attempt(pair_ - 1, length, cost);
     }
   }
 
-  void attempt(int rung, double step, long cost) {
+  void attempt(int pair, double step, long cost) {
     trial_ = true;
-    rung_before_ = rung_;
+    pair_before_ = pair_;
     cost_before_ = cost;
-    go(rung, step);
+    go(pair, step);
   }
 
-  void go(int rung, double step) {
-    rung_ = rung;
-    use(rung, step);
+  void go(int pair, double step) {
+    pair_ = pair;
+    use(pair, step);
   }
 
-  std::array<sundials::StepController, ladder.size()> controllers_;
-  int top_, rung_;
+  std::array<sundials::StepController, embedded_pairs.size()> controllers_;
+  int top_, pair_;
   double length_ = 0;  // s, of the last communication step
   long attempts_before_ = 0;
   bool trial_ = false;  // of a rung, since the last communication step
-  int rung_before_ = 0;
+  int pair_before_ = 0;
   long cost_before_ = 0;  // evaluations
   Backoff trials_{2, longest_wait};
 };

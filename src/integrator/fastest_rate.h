@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "formulation/equations.h"
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -20,7 +20,7 @@ class FastestRate {
   explicit FastestRate(Equations& system);
   // Takes up to 9 evaluations. 0: not known.
   double at(double t, const double* y);
-  void exchange(Record& record) { record.exchange(direction_); }
+  void serialize(Archive& archive) { archive.serialize(direction_); }
 
  private:
   Equations& system_;

@@ -26,7 +26,7 @@ double FixedStep::advance(double end, double* y) {
   const double whole = needed * step_;
   const bool fits = std::abs(whole - span) <= rounding + 1e-12 * span;
   const double h = fits ? step_ : span / needed;
-  for (long i = 0; i < count && (i == 0 || !system_.spent()); ++i) {
+  for (long i = 0; i < count && (i == 0 || !system_.budget_exhausted()); ++i) {
     const double next = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
     if (locator_.is_needed()) {
       step_by_events(next);

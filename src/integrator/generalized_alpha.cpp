@@ -69,12 +69,12 @@ class GeneralizedAlpha final : public FixedStep {
   }
   void inputs_changed() override { fresh_ = true; }
   // The matrix of Newton's method, too, so that saving changes nothing; its factors are made of it again.
-  void exchange(Record& record) override {
-    Integrator::exchange(record);
-    record.exchange(fresh_, last_step_, vdot_, a_, x_, matrix_made_for_);
+  void serialize(Archive& archive) override {
+    Integrator::serialize(archive);
+    archive.serialize(fresh_, last_step_, vdot_, a_, x_, matrix_made_for_);
     if (matrix_made_for_ == 0) return;
-    for (double& entry : A_.reshaped()) record.exchange(entry);
-    if (record.reading()) lu_.compute(A_);
+    for (double& entry : A_.reshaped()) archive.serialize(entry);
+    if (archive.reading()) lu_.compute(A_);
   }
 
  private:
@@ -141,20 +141,21 @@ class GeneralizedAlpha final : public FixedStep {
     Eigen::Map<Vector>(x_.data() + nq_, nv_) = v + h * (v_fixed_ + s.speed * vdot);
   }
 
-  enum class Newton { solved, goes_on, stalls, fails };
+  enum class Newton { solved, continues, stalls, fails };
 
   // After a correction of this size, of which the one before, with the same matrix, had size_before; 0: there is none.
   Newton judge(double size, double size_before, bool renewed) const {
     if (!std::isfinite(size)) return Newton::fails;
     if (size <= solved) return Newton::solved;
-    if (size_before == 0) return Newton::goes_on;
+    if (size_before == 0) return Newton::continues;
     const double contraction = size / size_before;
-    if (contraction <= slow) return contraction / (1 - contraction) * size <= solved ? Newton::solved : Newton::goes_on;
+    if (contraction <= slow)
+      return contraction / (1 - contraction) * size <= solved ? Newton::solved : Newton::continues;
     if (size <= enough) return Newton::solved;
     if (!renewed) return Newton::stalls;
     // Of q only rounding may be left, which a short step magnifies.
     if (m_ > 0 && moved_ <= solved) return Newton::solved;
-    return contraction > hopeless ? Newton::fails : Newton::goes_on;
+    return contraction > hopeless ? Newton::fails : Newton::continues;
   }
 
   // Newton's method for vdot+ and the multipliers. Its matrix serves over many steps, as long as it contracts well.
@@ -203,7 +204,7 @@ class GeneralizedAlpha final : public FixedStep {
   // (or in v): so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is
   // turned on its way, by an angle of the order of h, is left out.
   bool make_matrix(double t, double h, const Shares& s) {
-    if (!system_.residual_slopes(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
+    if (!system_.residual_jacobians(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
     N_ = -F_x_.block(0, nq_, nq_, nv_);
     auto speeds = A_.topLeftCorner(nv_, nv_);
     speeds.noalias() = s.position * h * h * F_x_.block(nq_, 0, nv_, nq_) * N_;

@@ -22,13 +22,13 @@ using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, su
 // The local error test's share of a tolerance of 1e-4 (bdf_tolerance), such that what the steps leave adds up to some
 // tens of times the tolerance, with all adaptive methods alike. Here: four-bar, arm with 7 joints, double pendulum,
 // heavy top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
-constexpr double local_share = 0.006;
+constexpr double local_fraction = 0.006;
 // Below this differences of order six of the state's rounding are no small part of the error test: half of it costs an
 // engine with six loops three times the steps.
 constexpr double least_tolerance = 2e-13;
 
 // Of the shortest time in which something changes by as much as it is: for a quotient of differences.
-constexpr double quotient_share = 1e-6;
+constexpr double quotient_fraction = 1e-6;
 // Of the step whose error meets the tolerance, for the first one.
 constexpr double first_share_of_error = 0.5;
 
@@ -48,7 +48,7 @@ class Ida final : public SundialsIntegrator {
         n_(system.size()),
         dae_(system.multipliers() > 0),
         tolerance_(dae_ ? std::max(least_dae_tolerance, dae_share * options.tolerance)
-                        : std::max(least_tolerance, bdf_tolerance(local_share, options.tolerance))),
+                        : std::max(least_tolerance, bdf_tolerance(local_fraction, options.tolerance))),
         ydot_(sundials::new_vector(system, context_)),
         f_(system.unknowns()),
         by_rates_(f_.size() * f_.size()) {
@@ -77,7 +77,7 @@ class Ida final : public SundialsIntegrator {
 
  private:
   double finest_tolerance() const override {
-    return dae_ ? least_dae_tolerance / dae_share : tolerance_of_bdf(local_share, least_tolerance);
+    return dae_ ? least_dae_tolerance / dae_share : tolerance_of_bdf(local_fraction, least_tolerance);
   }
 
   void prepare_dae() {
@@ -115,7 +115,7 @@ class Ida final : public SundialsIntegrator {
     const double* ydot = sundials::data(ydot_.get());
     double rate = 1 / (end - t_);
     for (int i = 0; i < n_; ++i) rate = std::max(rate, std::abs(ydot[i]) / (1 + std::abs(y[i])));
-    const double h = quotient_share / rate;
+    const double h = quotient_fraction / rate;
     for (int i = 0; i < n_; ++i) f_[i] = y[i] + h * ydot[i];
     if (!system_.rhs(t_ + h, f_.data(), by_rates_.data())) return 0;
     double most = 1 / ((end - t_) * (end - t_));
@@ -193,7 +193,7 @@ class Ida final : public SundialsIntegrator {
                       N_Vector, N_Vector, N_Vector) {
     Ida& ida = *static_cast<Ida*>(self);
     double* columns = SUNDenseMatrix_Data(J);
-    if (!ida.system_.residual_slopes(t, sundials::data(y), sundials::data(ydot), columns, ida.by_rates_.data()))
+    if (!ida.system_.residual_jacobians(t, sundials::data(y), sundials::data(ydot), columns, ida.by_rates_.data()))
       return 1;
     for (std::size_t i = 0; i < ida.by_rates_.size(); ++i) columns[i] += cj * ida.by_rates_[i];
     return 0;

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "formulation/equations.h"
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -35,9 +35,9 @@ class Integrator {
   virtual void inputs_changed() {}
   // Whether steps go beyond events, which whoever has them made looks for; at first they end there.
   virtual void pass_events(bool /*on*/) {}
-  // Advances to `end` > t exactly, or to the end of the first step after which the system's evaluations are spent();
-  // writes the state there to y and returns the time. Throws IntegrationError and leaves y alone; restart() is due
-  // then.
+  // Advances to `end` > t exactly, or to the end of the first step after which the system's evaluations are
+  // budget_exhausted(); writes the state there to y and returns the time. Throws IntegrationError and leaves y alone;
+  // restart() is due then.
   virtual double advance(double end, double* y) = 0;
   // Likewise, but for at least one step and no more than `most`, where the method can stop between: returns the time
   // reached, of which y is the state.
@@ -52,14 +52,14 @@ class Integrator {
   // A multistep method's history, or the factors of a Newton matrix that serves again, cannot be written down: a past.
   // What such a method will do is known from where it had none, and from what it was asked for since.
   // Whether it ever has one; whether the next advance gives it one; whether it has one.
-  virtual bool may_have_past() const { return will_have_past(); }
-  virtual bool will_have_past() const { return false; }
-  virtual bool has_past() const { return false; }
+  virtual bool may_have_history() const { return will_have_history(); }
+  virtual bool will_have_history() const { return false; }
+  virtual bool has_history() const { return false; }
   // Has none from here on; (t, y) is where it stands.
-  virtual void forget_past(double t, const double* y) { restart(t, y); }
+  virtual void discard_history(double t, const double* y) { restart(t, y); }
   // What it carries from one communication point to the next besides (t, y) and its past, after restart() there when
   // reading. Not to be written while it has one.
-  virtual void exchange(Record& record) { record.exchange(steps_, rejected_); }
+  virtual void serialize(Archive& archive) { archive.serialize(steps_, rejected_); }
 
   long steps() const { return steps_; }
   long rejected_steps() const { return rejected_; }
@@ -95,9 +95,9 @@ std::unique_ptr<Integrator> make_hht(Equations& system, const IntegratorOptions&
 std::unique_ptr<Integrator> make_newmark(Equations& system, const IntegratorOptions& options);
 
 // Tells a run that gets nowhere from one that is long: a window of steps must take it some way towards the end.
-class Patience {
+class StallDetector {
  public:
-  Patience(double start, double end) : least_(1e-4 * (end - start)), mark_(start) {}
+  StallDetector(double start, double end) : least_(1e-4 * (end - start)), mark_(start) {}
   // Call after each step. Empty, or why to give up.
   std::string step_to(double t);
 
@@ -120,7 +120,7 @@ class Backoff {
   // What due() would say.
   bool near() const { return waiting_ <= 1; }
   void succeeded() { wait_ = 1; }
-  void exchange(Record& record) { record.exchange(wait_, waiting_); }
+  void serialize(Archive& archive) { archive.serialize(wait_, waiting_); }
   void failed() { waiting_ = wait_ = std::min(factor_ * wait_, longest_); }
 
  private:

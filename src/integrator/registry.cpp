@@ -40,7 +40,7 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
   return found->make(system, options);
 }
 
-std::string Patience::step_to(double t) {
+std::string StallDetector::step_to(double t) {
   if (++count_ < window) return {};
   if (t - mark_ < least_) {
     return "the last " + std::to_string(window) + " steps took the run only " + text::rounded(t - mark_) + " s further";

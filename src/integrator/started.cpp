@@ -56,24 +56,24 @@ class Started final : public Integrator {
     }
   }
 
-  bool may_have_past() const override { return true; }
-  bool will_have_past() const override {
+  bool may_have_history() const override { return true; }
+  bool will_have_history() const override {
     if (jumped_) return !starting_ && !starts_.near();
     return !starting_ || left_ == 0;
   }
-  bool has_past() const override { return !starting_ && multistep_->has_past(); }
+  bool has_history() const override { return !starting_ && multistep_->has_history(); }
 
-  void exchange(Record& record) override {
-    Integrator::exchange(record);
-    record.exchange(jumped_, starting_);
-    record.within(left_, 0L, starting_steps);
-    if (record.reading() && starting_) erk_->restart(t_, y_.data());
-    erk_->exchange(record);
-    multistep_->exchange(record);
-    starts_.exchange(record);
-    questions_.exchange(record);
-    fastest_rate_.exchange(record);
-    record.exchange(farthest_);
+  void serialize(Archive& archive) override {
+    Integrator::serialize(archive);
+    archive.serialize(jumped_, starting_);
+    archive.within(left_, 0L, starting_steps);
+    if (archive.reading() && starting_) erk_->restart(t_, y_.data());
+    erk_->serialize(archive);
+    multistep_->serialize(archive);
+    starts_.serialize(archive);
+    questions_.serialize(archive);
+    fastest_rate_.serialize(archive);
+    archive.serialize(farthest_);
     open_window();
   }
 
@@ -85,7 +85,7 @@ class Started final : public Integrator {
       } else {
         go_on(end);
       }
-    } while (t_ < end && !system_.spent());
+    } while (t_ < end && !system_.budget_exhausted());
     steps_ = erk_->steps() + multistep_->steps();
     rejected_ = erk_->rejected_steps() + multistep_->rejected_steps();
     std::ranges::copy(y_, y);

@@ -73,9 +73,9 @@ double next_step(const StepController& controller, double safety, double most_gr
   return tried * (std::max(std::min(next * safety, most_growth * tried), least_growth * tried) / tried);
 }
 
-void exchange(const StepController& controller, Record& record) {
+void serialize(const StepController& controller, Archive& archive) {
   Before& last = before(controller.get());
-  record.exchange(last.step, last.error, last.tried, last.next);
+  archive.serialize(last.step, last.error, last.tried, last.next);
 }
 
 }  // namespace gelenk::sundials

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "math/record.h"
+#include "util/archive.h"
 
 namespace gelenk::sundials {
 
@@ -23,6 +23,6 @@ StepController make_step_controller(SUNContext context);
 double next_step(const StepController& controller, double safety, double most_growth);
 
 // What it remembers of the last step.
-void exchange(const StepController& controller, Record& record);
+void serialize(const StepController& controller, Archive& archive);
 
 }  // namespace gelenk::sundials

@@ -35,10 +35,10 @@ void SundialsIntegrator::restart(double t, const double* y) {
   locator_.restart();
 }
 
-void SundialsIntegrator::exchange(Record& record) {
-  Integrator::exchange(record);
-  record.exchange(jumped_);
-  locator_.exchange(record);
+void SundialsIntegrator::serialize(Archive& archive) {
+  Integrator::serialize(archive);
+  archive.serialize(jumped_);
+  locator_.serialize(archive);
   keep_counts();
   fresh_ = true;
 }
@@ -54,7 +54,7 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
   system_.polish(takes_differences_);
   const double start = t_;
   if (end != patience_end_) {
-    patience_ = Patience(start, end);
+    stall_detector_ = StallDetector(start, end);
     patience_end_ = end;
   }
   const bool locates = locator_.is_needed() && !passes_events_;
@@ -76,10 +76,10 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     jumped_ = false;
     if (step != Step::made) fail(step, start);
     system_.accepted(t_, sundials::data(y_.get()));
-    if (const std::string why = patience_.step_to(t_); !why.empty()) {
+    if (const std::string why = stall_detector_.step_to(t_); !why.empty()) {
       refuse(system_, t_, sundials::data(y_.get()), why);
     }
-    if (system_.spent()) break;
+    if (system_.budget_exhausted()) break;
   }
   const Counts made = count();
   steps_ = kept_.steps + made.steps;

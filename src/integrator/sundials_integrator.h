@@ -25,9 +25,9 @@ class SundialsIntegrator : public Integrator, private Stepping {
   void pass_events(bool on) final { passes_events_ = on; }
   double advance(double end, double* y) final;
   double advance_some(double end, double* y, long most) final;
-  bool will_have_past() const override { return true; }
-  bool has_past() const override { return !fresh_; }
-  void exchange(Record& record) override;
+  bool will_have_history() const override { return true; }
+  bool has_history() const override { return !fresh_; }
+  void serialize(Archive& archive) override;
 
   Equations& system() const { return system_; }
 
@@ -71,7 +71,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Locator locator_;
   bool takes_differences_;
   bool passes_events_ = false;
-  Patience patience_{0, 0};
+  StallDetector stall_detector_{0, 0};
   double patience_end_ = 0;  // s: of the advance that it is for
   Counts kept_;
 };

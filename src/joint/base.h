@@ -10,8 +10,8 @@
 //   project<A>(q, F, tau)      tau = S^T F, F on M in M
 //   effort<A>(q, tau)          a force F, in the span of S, with project(q, F) = tau
 //   speeds<A>(q, V, v)         the v with S v = V, V in the span of S (else the nearest)
-//   rate(q, v, qdot)           qdot = N(q) v;   unrate(q, qdot, v) its inverse
-//   normalise(q)               removes what is redundant in q (a quaternion's length)
+//   rate(q, v, qdot)           qdot = N(q) v;   v_from_qdot(q, qdot, v) its inverse
+//   normalize(q)               removes what is redundant in q (a quaternion's length)
 //   coordinates<A>(X_FM, q)    q of an allowed pose; on entry q holds the last value (a quaternion's sign)
 //   rows<A>(X_FM, row)         what the joint forbids (rows.h), A::dimension - nv of them; returns the number
 //   rows_bias<A>(X_FM, V, b)   b += wdot . V_FM, with V as in rows.h
@@ -46,15 +46,15 @@ struct PlainJoint {
     return {};
   }
   template <class T>
-  void rate(const T*, const T* v, T* qdot) const {
+  void qdot_from_v(const T*, const T* v, T* qdot) const {
     for (int i = 0; i < n; ++i) qdot[i] = v[i];
   }
   template <class T>
-  void unrate(const T*, const T* qdot, T* v) const {
+  void v_from_qdot(const T*, const T* qdot, T* v) const {
     for (int i = 0; i < n; ++i) v[i] = qdot[i];
   }
   template <class T>
-  void normalise(T*) const {}
+  void normalize(T*) const {}
   template <class A, class T>
   void rows_bias(const typename A::Pose&, const typename A::Motion&, T*) const {}
 };

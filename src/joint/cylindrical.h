@@ -17,7 +17,7 @@ struct Cylindrical : PlainJoint<2>, AlongZ {
                                          {"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"},
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
 
   static Cylindrical make(std::span<const Eigen::Vector3d>) { return {}; }
 
@@ -41,7 +41,7 @@ struct Cylindrical : PlainJoint<2>, AlongZ {
     tau[1] = F.n.z();
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>

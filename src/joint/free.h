@@ -33,7 +33,7 @@ struct Free : NoAxis {
       {"a[1]", "m/s2", "acceleration, der(v[1])"},           {"a[2]", "m/s2", "acceleration, der(v[2])"},
       {"a[3]", "m/s2", "acceleration, der(v[3])"},           {"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
       {"z[2]", "rad/s2", "angular acceleration, der(w[2])"}, {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
-  static constexpr bool turned = false, constant_S = false, rows_turn = false;
+  static constexpr bool reverses_by_half_turn = false, constant_S = false, rows_turn = false;
   static constexpr int shifts_in_F = 3;
   static constexpr double q_zero[] = {0, 0, 0, 0, 0, 0, 1};
 
@@ -61,7 +61,7 @@ struct Free : NoAxis {
     }
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>
@@ -69,18 +69,18 @@ struct Free : NoAxis {
     project<A>(q, as_force<A>(V), v);  // S^T S = 1
   }
   template <class T>
-  void rate(const T* q, const T* v, T* qdot) const {
+  void qdot_from_v(const T* q, const T* v, T* qdot) const {
     for (int i = 0; i < 3; ++i) qdot[i] = v[i];
-    quaternion::rate(q + 3, v + 3, qdot + 3);
+    quaternion::qdot_from_v(q + 3, v + 3, qdot + 3);
   }
   template <class T>
-  void unrate(const T* q, const T* qdot, T* v) const {
+  void v_from_qdot(const T* q, const T* qdot, T* v) const {
     for (int i = 0; i < 3; ++i) v[i] = qdot[i];
-    quaternion::unrate(q + 3, qdot + 3, v + 3);
+    quaternion::v_from_qdot(q + 3, qdot + 3, v + 3);
   }
   template <class T>
-  void normalise(T* q) const {
-    quaternion::normalise(q + 3);
+  void normalize(T* q) const {
+    quaternion::normalize(q + 3);
   }
   template <class A>
   void coordinates(const typename A::Pose& X_FM, typename A::Scalar* q) const {

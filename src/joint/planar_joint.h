@@ -22,7 +22,7 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
   static constexpr Quantity a_names[] = {{"a_x", "m/s2", "acceleration, der(v_x)"},
                                          {"a_y", "m/s2", "acceleration, der(v_y)"},
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
-  static constexpr bool turned = false, constant_S = false;
+  static constexpr bool reverses_by_half_turn = false, constant_S = false;
   static constexpr int shifts_in_F = 2;
   static constexpr double flip[] = {1, -1, -1};  // F and M turned half a turn about x
 
@@ -74,7 +74,7 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
     tau[2] = n;
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>

@@ -14,7 +14,7 @@ struct Prismatic : PlainJoint<1>, AlongZ {
   static constexpr Quantity q_names[] = {{"s", "m", "displacement of M against F along the axis"}};
   static constexpr Quantity v_names[] = {{"v", "m/s", "velocity, der(s)"}};
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"}};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
   static constexpr double flip[] = {1};
 
   static Prismatic make(std::span<const Eigen::Vector3d>) { return {}; }
@@ -48,7 +48,7 @@ struct Prismatic : PlainJoint<1>, AlongZ {
     }
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>

@@ -18,7 +18,7 @@ Matrix3<T> rotation(const T* Q) {
 
 // Qdot = 1/2 Q (w, 0).
 template <class T>
-void rate(const T* Q, const T* w, T* Qdot) {
+void qdot_from_v(const T* Q, const T* w, T* Qdot) {
   const Vector3<T> u(Q[0], Q[1], Q[2]);
   const Vector3<T> w_M(w[0], w[1], w[2]);
   const Vector3<T> udot = T(0.5) * (Q[3] * w_M + u.cross(w_M));
@@ -28,7 +28,7 @@ void rate(const T* Q, const T* w, T* Qdot) {
 
 // w = 2 vec(conj(Q) Qdot), for unit Q.
 template <class T>
-void unrate(const T* Q, const T* Qdot, T* w) {
+void v_from_qdot(const T* Q, const T* Qdot, T* w) {
   const Vector3<T> u(Q[0], Q[1], Q[2]);
   const Vector3<T> udot(Qdot[0], Qdot[1], Qdot[2]);
   const Vector3<T> w_M = T(2) * (Q[3] * udot - Qdot[3] * u - u.cross(udot));
@@ -36,7 +36,7 @@ void unrate(const T* Q, const T* Qdot, T* w) {
 }
 
 template <class T>
-void normalise(T* Q) {
+void normalize(T* Q) {
   using std::sqrt;
   const T k = T(1) / sqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
   for (int i = 0; i < 4; ++i) Q[i] *= k;

@@ -45,7 +45,7 @@ AnyJoint make_nth(std::size_t n, std::span<const Eigen::Vector3d> axes, const st
 
 template <class J>
 TreeJoint outward(const J& joint, bool reversed) {
-  if constexpr (!J::turned) {
+  if constexpr (!J::reverses_by_half_turn) {
     if (reversed) return Reversed<J>{joint};
   }
   return joint;
@@ -83,7 +83,7 @@ TreeJoint tree_joint(const AnyJoint& joint, bool reversed) {
 }
 
 bool reverses_by_turning(const AnyJoint& joint) {
-  return std::visit([](const auto& j) { return j.turned; }, joint);
+  return std::visit([](const auto& j) { return j.reverses_by_half_turn; }, joint);
 }
 
 Eigen::Matrix3d canonical_rotation(const AnyJoint& joint, std::span<const Eigen::Vector3d> axes) {

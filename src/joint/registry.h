@@ -29,9 +29,9 @@ using AnyJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindr
 
 namespace detail {
 
-// Those whose roles turning does not exchange, reversed.
+// Those whose roles turning does not serialize, reversed.
 template <class J>
-using ReversedOrNone = std::conditional_t<J::turned, std::tuple<>, std::tuple<Reversed<J>>>;
+using ReversedOrNone = std::conditional_t<J::reverses_by_half_turn, std::tuple<>, std::tuple<Reversed<J>>>;
 template <class Tuple>
 struct AsVariant;
 template <class... J>

@@ -14,7 +14,7 @@ struct Revolute : PlainJoint<1>, AlongZ {
   static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M against F about the axis; counts turns"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration, der(w)"}};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
   static constexpr bool pure_turn = true;
   static constexpr double flip[] = {-1};  // what q and v become when F and M are turned upside down
 
@@ -52,7 +52,7 @@ struct Revolute : PlainJoint<1>, AlongZ {
     }
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>

@@ -62,7 +62,7 @@ void aim(const Spherical&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T
     const Vector3d u = m.unitOrthogonal();
     for (int i = 0; i < 3; ++i) found[i] = T(u[i]);
   }
-  quaternion::normalise(found);
+  quaternion::normalize(found);
   T same_side(0);
   for (int i = 0; i < 4; ++i) same_side += found[i] * q[i];
   for (int i = 0; i < 4; ++i) q[i] = same_side < T(0) ? T(-found[i]) : found[i];
@@ -95,10 +95,10 @@ void aim(const Universal& joint, bool rod_in_M, const Vector3<T>& d_M, const Vec
                                  : std::cos(last[0]) * value_of(d_F.z()) - std::sin(last[0]) * value_of(d_F.y());
   const T h = h2 > T(0) ? T(sqrt(h2)) : T(0);
   const T kept = std::signbit(last_z) ? T(-h) : h;
-  const int about_neighbour = rod_in_M ? 0 : 1;
+  const int about_neighbor = rod_in_M ? 0 : 1;
   T across[2];
   solution(-kept, across);
-  const double turned = std::remainder(value_of(across[about_neighbour]) - last[about_neighbour], 2 * std::numbers::pi);
+  const double turned = std::remainder(value_of(across[about_neighbor]) - last[about_neighbor], 2 * std::numbers::pi);
   if (std::abs(turned) < straight) {
     std::copy_n(across, 2, q);
   } else {
@@ -217,7 +217,7 @@ typename A::Motion Rod::bias(In<A> q, In<A> v) const {
 
 // F = S x with S^T S x = tau.
 template <class A>
-typename A::Force Rod::effort(In<A> q, In<A> tau) const {
+typename A::Force Rod::wrench_from_tau(In<A> q, In<A> tau) const {
   using T = typename A::Scalar;
   const int n = nv();
   typename A::Force column[max_nv];
@@ -283,7 +283,7 @@ void Rod::coordinates(const typename A::Pose& X_FM, Out<A> q) const {
   template A::Pose Rod::X_FM<A>(In<A>) const;                          \
   template A::Motion Rod::V_FM<A>(In<A>, In<A>) const;                 \
   template A::Motion Rod::bias<A>(In<A>, In<A>) const;                 \
-  template A::Force Rod::effort<A>(In<A>, In<A>) const;                \
+  template A::Force Rod::wrench_from_tau<A>(In<A>, In<A>) const;       \
   template void Rod::speeds<A>(In<A>, const A::Motion&, Out<A>) const; \
   template void Rod::coordinates<A>(const A::Pose&, Out<A>) const;
 GELENK_INSTANTIATE(Planar)

@@ -57,7 +57,7 @@ struct Rod {
   typename A::Motion bias(In<A> q, In<A> v) const;
   // Not where two spherical joints leave the rod's turn open: nothing could hold it against a torque.
   template <class A>
-  typename A::Force effort(In<A> q, In<A> tau) const;
+  typename A::Force wrench_from_tau(In<A> q, In<A> tau) const;
   template <class A>
   void speeds(In<A> q, const typename A::Motion& V, Out<A> v) const;
   template <class A>

@@ -19,7 +19,7 @@ struct Screw : PlainJoint<1>, AlongZ {
   static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M against F about the axis; counts turns"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration, der(w)"}};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
 
   double pitch = 1;  // m/rad
 
@@ -54,7 +54,7 @@ struct Screw : PlainJoint<1>, AlongZ {
   }
   // The torque alone: of the forces that do the same along the joint it needs no unit of length.
   template <class A, class T>
-  typename A::Force effort(const T*, const T* tau) const {
+  typename A::Force wrench_from_tau(const T*, const T* tau) const {
     typename A::Force F;
     F.n.z() = tau[0];
     return F;

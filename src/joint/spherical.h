@@ -23,7 +23,7 @@ struct Spherical : NoAxis {
   static constexpr Quantity a_names[] = {{"z[1]", "rad/s2", "angular acceleration, der(w[1])"},
                                          {"z[2]", "rad/s2", "angular acceleration, der(w[2])"},
                                          {"z[3]", "rad/s2", "angular acceleration, der(w[3])"}};
-  static constexpr bool turned = false, constant_S = true, rows_turn = false;
+  static constexpr bool reverses_by_half_turn = false, constant_S = true, rows_turn = false;
   static constexpr int shifts_in_F = 0;
   static constexpr double q_zero[] = {0, 0, 0, 1};
 
@@ -50,7 +50,7 @@ struct Spherical : NoAxis {
     for (int i = 0; i < 3; ++i) tau[i] = F.n[i];
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>
@@ -58,16 +58,16 @@ struct Spherical : NoAxis {
     for (int i = 0; i < 3; ++i) v[i] = V.w[i];
   }
   template <class T>
-  void rate(const T* q, const T* v, T* qdot) const {
-    quaternion::rate(q, v, qdot);
+  void qdot_from_v(const T* q, const T* v, T* qdot) const {
+    quaternion::qdot_from_v(q, v, qdot);
   }
   template <class T>
-  void unrate(const T* q, const T* qdot, T* v) const {
-    quaternion::unrate(q, qdot, v);
+  void v_from_qdot(const T* q, const T* qdot, T* v) const {
+    quaternion::v_from_qdot(q, qdot, v);
   }
   template <class T>
-  void normalise(T* q) const {
-    quaternion::normalise(q);
+  void normalize(T* q) const {
+    quaternion::normalize(q);
   }
   template <class A>
   void coordinates(const typename A::Pose& X_FM, typename A::Scalar* q) const {

@@ -20,7 +20,7 @@ struct Universal : PlainJoint<2> {
                                          {"w_b", "rad/s", "angular velocity, der(phi_b)"}};
   static constexpr Quantity a_names[] = {{"a_a", "rad/s2", "angular acceleration, der(w_a)"},
                                          {"a_b", "rad/s2", "angular acceleration, der(w_b)"}};
-  static constexpr bool turned = false, constant_S = false, rows_turn = true;
+  static constexpr bool reverses_by_half_turn = false, constant_S = false, rows_turn = true;
 
   double cos_beta = 0;
   double sin_beta = 1;
@@ -65,7 +65,7 @@ struct Universal : PlainJoint<2> {
     tau[1] = b<T>().dot(F.n);
   }
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     T c[2];
     solve_gram(tau[0], tau[1], c);
     return {c[0] * a_M(q) + c[1] * b<T>(), Vector3<T>::Zero()};
@@ -106,9 +106,9 @@ struct Universal : PlainJoint<2> {
     const Vector3<T> c = Vector3<T>::UnitX().cross(b_F);
     const T s = c.norm();
     if (!(s > T(0))) return;
-    const T rate = c.dot(V.w) / s;  // of the angle between a and b; zero where Phi stays zero
+    const T qdot_from_v = c.dot(V.w) / s;  // of the angle between a and b; zero where Phi stays zero
     const Vector3<T> cdot = Vector3<T>::UnitX().cross(V.w.cross(b_F));
-    bias[3] += (V.w.dot(cdot) - rate * rate * b_F.x()) / s;
+    bias[3] += (V.w.dot(cdot) - qdot_from_v * qdot_from_v * b_F.x()) / s;
   }
 
  private:

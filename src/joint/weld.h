@@ -13,7 +13,7 @@ struct Weld : PlainJoint<0>, NoAxis {
   static constexpr std::array<Quantity, 0> q_names{};
   static constexpr std::array<Quantity, 0> v_names{};
   static constexpr std::array<Quantity, 0> a_names{};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
   static constexpr double flip[] = {1};
 
   static Weld make(std::span<const Eigen::Vector3d>) { return {}; }
@@ -29,7 +29,7 @@ struct Weld : PlainJoint<0>, NoAxis {
   template <class A, class T>
   void project(const T*, const typename A::Force&, T*) const {}
   template <class A, class T>
-  typename A::Force effort(const T* q, const T* tau) const {
+  typename A::Force wrench_from_tau(const T* q, const T* tau) const {
     return as_force<A>(V_FM<A>(q, tau));
   }
   template <class A, class T>

@@ -5,7 +5,7 @@
 #include <array>
 #include <tuple>
 
-#include "kinematics/coordinate_slopes.h"
+#include "kinematics/coordinate_derivatives.h"
 #include "kinematics/load_kernels_impl.h"
 
 namespace gelenk::detail {
@@ -82,16 +82,16 @@ inline void move(MovedPort& port, const Eigen::Vector3d& w, const Eigen::Vector3
   for (int d = 0; d < 3; ++d) {
     const Eigen::Vector3d unit = Eigen::Vector3d::Unit(d);
     if (of_rates) {
-      port.rate[d].slope()[d] = port.turning[d].slope()[3 + d] = 1;
+      port.rate[d].derivatives()[d] = port.turning[d].derivatives()[3 + d] = 1;
       continue;
     }
-    port.at[d].slope()[d] = 1;
+    port.at[d].derivatives()[d] = 1;
     const Eigen::Vector3d carried_along = w.cross(unit);
-    for (int i = 0; i < 3; ++i) port.rate[i].slope()[d] = carried_along[i];
+    for (int i = 0; i < 3; ++i) port.rate[i].derivatives()[d] = carried_along[i];
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d axis(port.R(0, c).value(), port.R(1, c).value(), port.R(2, c).value());
       const Eigen::Vector3d by = unit.cross(axis);
-      for (int i = 0; i < 3; ++i) port.R(i, c).slope()[3 + d] = by[i];
+      for (int i = 0; i < 3; ++i) port.R(i, c).derivatives()[3 + d] = by[i];
     }
   }
 }
@@ -105,32 +105,32 @@ std::array<Dual, dual_directions> constants(const E& element, const double* u) {
 }
 
 template <class Ports>
-auto still_ports(const Ports& ports, const Loads& loads) {
+auto immobile_ports(const Ports& ports, const Loads& loads) {
   std::array<MovedPort, std::tuple_size_v<Ports>> out;
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = still(ports[k], loads);
   return out;
 }
 
-inline Eigen::Vector3d slope(const Vector3<Dual>& x, int direction) {
-  return {x[0].slope()[direction], x[1].slope()[direction], x[2].slope()[direction]};
+inline Eigen::Vector3d derivatives_along(const Vector3<Dual>& x, int direction) {
+  return {x[0].derivatives()[direction], x[1].derivatives()[direction], x[2].derivatives()[direction]};
 }
 
 // The last port moves, the others stand still: what a force does depends on how its ports are against each other. w, v:
 // how the last one turns and moves so.
 template <class E, class Ports>
-PortSlopes slopes_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
-                           const Eigen::Vector3d& v) {
+PortJacobians derivatives_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
+                                   const Eigen::Vector3d& v) {
   const auto input = constants(element, u);
-  PortSlopes out;
+  PortJacobians out;
   for (const bool of_rates : {false, true}) {
     Ports moved = ports;
     move(moved.back(), w, v, of_rates);
     element.act(moved.data(), input.data());
     for (int d = 0; d < 3; ++d) {
-      (of_rates ? out.f_v : out.f_p).col(d) = slope(moved.back().f, d);
-      (of_rates ? out.f_w : out.f_a).col(d) = slope(moved.back().f, 3 + d);
-      (of_rates ? out.n_v : out.n_p).col(d) = slope(moved.back().n, d);
-      (of_rates ? out.n_w : out.n_a).col(d) = slope(moved.back().n, 3 + d);
+      (of_rates ? out.f_v : out.f_p).col(d) = derivatives_along(moved.back().f, d);
+      (of_rates ? out.f_w : out.f_a).col(d) = derivatives_along(moved.back().f, 3 + d);
+      (of_rates ? out.n_v : out.n_p).col(d) = derivatives_along(moved.back().n, d);
+      (of_rates ? out.n_w : out.n_a).col(d) = derivatives_along(moved.back().n, 3 + d);
     }
   }
   return out;

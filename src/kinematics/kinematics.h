@@ -36,10 +36,10 @@ class Kinematics {
   virtual void set_cut_reference(const double* q) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
-  virtual void rate(const double* q, const double* v, double* qdot) const = 0;
+  virtual void qdot_from_v(const double* q, const double* v, double* qdot) const = 0;
   // q <- q moved by the small displacement dv (speeds times time), redundant parts renormalised.
   virtual void displace(double* q, const double* dv) const = 0;
-  virtual void normalise(double* q) const = 0;
+  virtual void normalize(double* q) const = 0;
 };
 
 }  // namespace gelenk

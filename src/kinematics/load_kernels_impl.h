@@ -186,7 +186,7 @@ void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scal
     on.add(at.q.data(), at.v.data(), u, tau, sides);
     if (sides != nullptr) sides += on.branchings();
     const typename A::Force F_M = visit_joint<A>(
-        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template effort<A>(at.q.data(), tau); });
+        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template wrench_from_tau<A>(at.q.data(), tau); });
     ws.F_cut[c] = F_M;
     ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);
     ws.F_ext[cut.link_a] -= cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));

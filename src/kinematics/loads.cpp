@@ -195,7 +195,7 @@ double stored(const std::optional<E>& element, double q) {
 }
 
 // A frame that stands still in the world.
-struct StandingPort {
+struct ImmobilePort {
   Pose3 X_WP;
   const Eigen::Vector3d& p() const { return X_WP.p; }
   Eigen::Vector3d turned(const Eigen::Vector3d& x) const { return X_WP.R * x; }
@@ -204,8 +204,8 @@ struct StandingPort {
 };
 
 // Between what stands still.
-double standing_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
-  std::vector<StandingPort> at;
+double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
+  std::vector<ImmobilePort> at;
   for (const BodyFrame& frame : force.frames) {
     const BodyPlace found = place(scene, reduced, -1, frame);
     if (found.island >= 0) return 0;
@@ -223,7 +223,7 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced, const Fo
 
 }  // namespace
 
-double standing_energy(const Scene& scene, const ReducedScene& reduced) {
+double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
   double sum = 0;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyPlace& place = reduced.bodies[b];
@@ -237,7 +237,7 @@ double standing_energy(const Scene& scene, const ReducedScene& reduced) {
       std::apply([&](const auto&... force) { ((sum += stored(force, q[i])), ...); }, along[i]);
     }
   }
-  for (const Force& force : scene.forces) sum += standing_energy(scene, reduced, force);
+  for (const Force& force : scene.forces) sum += immobile_energy(scene, reduced, force);
   return sum;
 }
 

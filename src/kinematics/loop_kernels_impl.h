@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "kinematics/kernels.h"
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 #include "kinematics/visit.h"
 #include "math/dual.h"
 
@@ -51,9 +51,9 @@ typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws
 
 // What the unit motion S of a link's joint makes of M, were M on the link: at M's origin, in F.
 template <class A>
-typename A::Motion motion_of_M(bool turns, const typename A::Pose& X_FL, const typename A::Motion& S,
+typename A::Motion motion_of_M(bool revolute, const typename A::Pose& X_FL, const typename A::Motion& S,
                                const typename A::Pose& X_FM) {
-  if (!turns) return shift_to_M<A>(X_FM).to_child(X_FL.to_parent(S));
+  if (!revolute) return shift_to_M<A>(X_FM).to_child(X_FL.to_parent(S));
   if constexpr (A::planar) {
     return {1, X_FL.py - X_FM.py, X_FM.px - X_FL.px};
   } else {
@@ -72,7 +72,7 @@ double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t 
   for (const int i : path) {
     const auto& link = model.links[i];
     for (int k = link.iv; k < link.iv + link.nv; ++k, ++column) {
-      const typename A::Motion V = motion_of_M<A>(link.turns, *X_FL, ws.S[k], ws.X_FM[c]);
+      const typename A::Motion V = motion_of_M<A>(link.is_revolute_about_z, *X_FL, ws.S[k], ws.X_FM[c]);
       for (int r = 0; r < cut.rows; ++r) column[r * stride] = sign * A::dot(V, ws.row[cut.first_row + r].w);
     }
     ++X_FL;

@@ -2,7 +2,7 @@
 #include "kinematics/model.h"
 
 #include "kinematics/kernels.h"
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 #include "math/dual.h"
 #include "math/series.h"
 
@@ -19,10 +19,10 @@ Model<A>::Model(const Mechanism& mechanism)
       first_coordinate_row(mechanism.first_coordinate_row()),
       mass_needs_rows(mechanism.mass_needs_rows) {
   for (const gelenk::Link& link : mechanism.links) {
-    const bool plain = std::visit([](const auto& j) { return j.turned; }, link.joint);
-    const bool turns = link.nv > 0 &&  // not the ground
+    const bool constant_subspace = std::visit([](const auto& j) { return j.reverses_by_half_turn; }, link.joint);
+    const bool revolute = link.nv > 0 &&  // not the ground
                        std::visit([](const auto& j) { return is_pure_turn<std::decay_t<decltype(j)>>; }, link.joint);
-    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, plain, turns, link.joint, pose_in<A>(link.X_PJ),
+    links.push_back({link.parent, link.iq, link.iv, link.nq, link.nv, constant_subspace, revolute, link.joint, pose_in<A>(link.X_PJ),
                      inertia_in<A>(link.G)});
   }
   for (const gelenk::Cut& cut : mechanism.cuts) {
@@ -55,7 +55,7 @@ Workspace<A>::Workspace(const Model<A>& model)
       gamma(model.rows),
       lambda(model.rows) {
   for (const auto& link : model.links) {
-    if (link.turns) kernels::add_turn<A>(typename A::Scalar(1), S[link.iv]);
+    if (link.is_revolute_about_z) kernels::add_turn<A>(typename A::Scalar(1), S[link.iv]);
   }
   // In the order in which loop_jacobian() comes by them.
   for (const auto& cut : model.cuts) {

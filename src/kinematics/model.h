@@ -183,7 +183,7 @@ class LoadMaker {
 };
 
 // J: potential energy of what stands still, bodies, springs and stops, zero at the world's origin.
-double standing_energy(const Scene& scene, const ReducedScene& reduced);
+double immobile_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
 typename A::Inertia inertia_in(const Spatial::Inertia& G) {
@@ -200,8 +200,8 @@ struct Model {
   struct Link {
     int parent;
     int iq, iv, nq, nv;
-    bool plain;  // S constant, qdot = v (PlainJoint with constant axis): no visit needed for either
-    bool turns;  // revolute: turning.h
+    bool constant_subspace;  // S constant, qdot = v (PlainJoint with constant axis): no visit needed for either
+    bool is_revolute_about_z;  // see revolute_kernels.h
     TreeJoint joint;
     typename A::Pose X_PJ;
     typename A::Inertia G;

@@ -4,7 +4,7 @@
 #include "kinematics/output_kernels.h"
 
 #include "kinematics/load_kernels_impl.h"
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 #include "kinematics/visit.h"
 #include "math/dual.h"
 
@@ -47,7 +47,7 @@ void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Worksp
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
     added[i] = ws.X_PL[i].to_child(added[link.parent]);
-    for (int k = link.iv; k < link.iv + link.nv; ++k) add_motion<A>(link.turns, vdot[k], ws.S[k], added[i]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) add_motion<A>(link.is_revolute_about_z, vdot[k], ws.S[k], added[i]);
   }
   for (int i = 0; i < n; ++i) ws.A_full[i] += ws.A_bias[i];
   ws.F[0] = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The recursions along the tree, for double. Numbers with derivatives are made in extended_kernels.cpp: side by side in
+// The recursions along the tree, for double. Numbers with derivatives are made in residual_kernels.cpp: side by side in
 // one file the two keep each other from being inlined.
 #include "kinematics/tree_kernels_impl.h"
 

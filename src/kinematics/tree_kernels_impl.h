@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "kinematics/kernels.h"
-#include "kinematics/turning.h"
+#include "kinematics/revolute_kernels.h"
 #include "kinematics/visit.h"
 #include "math/dual.h"
 
@@ -18,7 +18,7 @@ void positions(const Model<A>& model, const typename A::Scalar* q, Workspace<A>&
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
     const T* q_i = q + link.iq;
-    if (link.turns) {
+    if (link.is_revolute_about_z) {
       ws.X_PL[i] = turned<A>(link.X_PJ, *q_i);
       continue;
     }
@@ -47,7 +47,7 @@ void velocities(const Model<A>& model, const typename A::Scalar* q, const typena
   const int n = static_cast<int>(model.links.size());
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
-    if (link.turns) {
+    if (link.is_revolute_about_z) {
       const auto& speed = v[link.iv];
       ws.V[i] = link.parent == 0 ? Motion{} : ws.X_PL[i].to_child(ws.V[link.parent]);
       add_turn<A>(speed, ws.V[i]);
@@ -58,7 +58,7 @@ void velocities(const Model<A>& model, const typename A::Scalar* q, const typena
     for (int k = link.iv; k < link.iv + link.nv; ++k) V_J += v[k] * ws.S[k];
     ws.V[i] = ws.X_PL[i].to_child(ws.V[link.parent]) + V_J;
     ws.A_bias[i] = ws.X_PL[i].to_child(ws.A_bias[link.parent]) + A::cross(ws.V[i], V_J);
-    if (link.plain) continue;
+    if (link.constant_subspace) continue;
     ws.A_bias[i] += visit_joint<A>(
         link.joint, [&](const auto& joint) -> Motion { return joint.template bias<A>(q + link.iq, v + link.iv); });
   }
@@ -73,7 +73,7 @@ void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau)
   }
   for (int i = n - 1; i >= 1; --i) {
     const auto& link = model.links[i];
-    for (int k = link.iv; k < link.iv + link.nv; ++k) tau[k] = along<A>(link.turns, ws.S[k], ws.F[i]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k) tau[k] = along<A>(link.is_revolute_about_z, ws.S[k], ws.F[i]);
     if (link.parent > 0) ws.F[link.parent] += ws.X_PL[i].to_parent(ws.F[i]);
   }
 }
@@ -87,12 +87,12 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
       double* const row = M.row(k);
       int d = M.depth(k);
-      typename A::Force F = times<A>(link.turns, ws.G_tree[i], ws.S[k]);
-      for (int j = k; j >= link.iv; --j) row[d--] = along<A>(link.turns, ws.S[j], F);
+      typename A::Force F = times<A>(link.is_revolute_about_z, ws.G_tree[i], ws.S[k]);
+      for (int j = k; j >= link.iv; --j) row[d--] = along<A>(link.is_revolute_about_z, ws.S[j], F);
       for (int outer = i, p = link.parent; p > 0; outer = p, p = model.links[p].parent) {
         F = ws.X_PL[outer].to_parent(F);
         const auto& inner = model.links[p];
-        for (int j = inner.iv + inner.nv - 1; j >= inner.iv; --j) row[d--] = along<A>(inner.turns, ws.S[j], F);
+        for (int j = inner.iv + inner.nv - 1; j >= inner.iv; --j) row[d--] = along<A>(inner.is_revolute_about_z, ws.S[j], F);
       }
     }
     if (link.parent > 0) ws.G_tree[link.parent] += ws.G_tree[i].moved_by(ws.X_PL[i]);

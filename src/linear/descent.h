@@ -25,24 +25,24 @@ struct Descent {
   double rounding = tolerance;   // likewise: from there on nothing is gained; so far as long as steps halve residuals
   double least_progress = 1e-6;  // share of the residuals' norm that a step takes away, if it is to be taken
   double least_damping = 0;      // as the problem measures it
-  double longest_step = 0;       // in any unknown: farther the linearised problem says little
+  double longest_step = 0;       // in any unknown: farther the linearized problem says little
   int most_steps = 0;
 };
 
 // Until nothing is gained, no damping brings progress or the steps are used up. Returns the residuals left, which tell
 // whether they have vanished: nothing that is no number counts as progress. x: where to begin, then where it ended.
 //   residual(x)            what is to vanish
-//   linearised(x)          step(r, damping): the step from x that makes r least, damped; empty: nothing can move
+//   linearized(x)          step(r, damping): the step from x that makes r least, damped; empty: nothing can move
 //   displaced(x, step)     x moved
-template <class X, class Residual, class Linearised, class Displaced>
-Eigen::VectorXd descend(X& x, const Descent& how, Residual residual, Linearised linearised, Displaced displaced) {
+template <class X, class Residual, class Linearized, class Displaced>
+Eigen::VectorXd descend(X& x, const Descent& how, Residual residual, Linearized linearized, Displaced displaced) {
   constexpr double first_damping = 1e-4;  // where an undamped step has led nowhere
   constexpr double negligible = 1e-5;     // a smaller damping is given up once a step succeeds
   constexpr int most_dampings = 12;       // of one step: to 1e6, far down the gradient
   Eigen::VectorXd r = residual(x);
   double damping = how.least_damping;
   for (int i = 0; i < how.most_steps && !(largest(r) <= how.rounding); ++i) {
-    const auto step = linearised(x);
+    const auto step = linearized(x);
     const bool vanished = largest(r) <= how.tolerance;
     const double enough = (1 - (vanished ? 0.5 : how.least_progress)) * r.norm();
     bool better = false;

@@ -45,7 +45,8 @@ std::vector<int> JoinedMass::pattern() const {
 }
 
 // Each row weighs what it moves: 1/s = sum J_k^2 / M_kk over the speeds that have inertia, so that s J^T J is not above
-// M there and the sum's digits are not spent on the rows. A row between parts without inertia weighs as the lightest.
+// M there and the sum's digits are not budget_exhausted on the rows. A row between parts without inertia weighs as the
+// lightest.
 void JoinedMass::choose_scales() {
   double largest = 0;
   const auto moment = [this](int k) { return tree_.row(k)[tree_.depth(k)]; };
@@ -86,9 +87,9 @@ void JoinedMass::join(SparseFactor& sum) {
   }
 }
 
-bool JoinedMass::factorise(SparseFactor& sum) {
+bool JoinedMass::factorize(SparseFactor& sum) {
   for (int k = 0; k < sum.size(); ++k) diagonal_[k] = sum.row(k)[sum.depth(k)];
-  int failed = sum.factorise();
+  int failed = sum.factorize();
   for (int k = sum.size() - 1; k >= 0 && failed < 0; --k) {
     const double root = sum.row(k)[sum.depth(k)];
     if (root * root <= least_pivot * diagonal_[k]) failed = k;

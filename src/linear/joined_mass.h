@@ -32,7 +32,7 @@ class JoinedMass {
   // sum, of pattern(), <- M + J^T S J, J as it is now.
   void join(SparseFactor& sum);
   // Factorises what join() has left. False: without_inertia() is a motion that has none.
-  bool factorise(SparseFactor& sum);
+  bool factorize(SparseFactor& sum);
   const std::vector<double>& without_inertia() const { return motion_; }
 
   // f += J^T S gamma, of the last join(); and for the columns of f (speeds x columns) and gamma (rows x columns).

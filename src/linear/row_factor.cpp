@@ -49,12 +49,12 @@ RowFactor::RowFactor(int speeds, int rows)
       e_(std::max(speeds, rows)),
       f_(std::max(speeds, rows)) {}
 
-void RowFactor::factorise(int max_rank) {
-  factorise_rows(std::min({max_rank, n_, m_}));
-  if (rank_ < m_) factorise_redundant();
+void RowFactor::factorize(int max_rank) {
+  factorize_constraints(std::min({max_rank, n_, m_}));
+  if (rank_ < m_) factorize_redundant();
 }
 
-void RowFactor::factorise_rows(int max_rank) {
+void RowFactor::factorize_constraints(int max_rank) {
   std::iota(order_.begin(), order_.end(), 0);
   rank_ = 0;
   ratio_ = 1;
@@ -83,7 +83,7 @@ void RowFactor::factorise_rows(int max_rank) {
   }
 }
 
-void RowFactor::factorise_redundant() {
+void RowFactor::factorize_redundant() {
   // Column i of R_1^T is row i of R_1.
   for (int i = 0; i < rank_; ++i) {
     double* z = &Z_[static_cast<std::size_t>(i) * m_];
@@ -113,7 +113,7 @@ void RowFactor::unreflect(double* x) const {
   }
 }
 
-void RowFactor::from_rows(const double* in, double* d) const {
+void RowFactor::solve_Rt(const double* in, double* d) const {
   if (rank_ == m_) {
     for (int k = 0; k < rank_; ++k) {
       const double* r = &Y_[static_cast<std::size_t>(k) * n_];
@@ -134,7 +134,7 @@ void RowFactor::from_rows(const double* in, double* d) const {
   }
 }
 
-void RowFactor::to_rows(const double* d, double* lambda) const {
+void RowFactor::solve_R(const double* d, double* lambda) const {
   double* e = e_.data();
   if (rank_ == m_) {
     for (int k = rank_ - 1; k >= 0; --k) {
@@ -156,37 +156,37 @@ void RowFactor::to_rows(const double* d, double* lambda) const {
   for (int k = 0; k < m_; ++k) lambda[order_[k]] = e[k];
 }
 
-double RowFactor::share(int k) const {
+double RowFactor::damping_weight(int k) const {
   if (weak_ == 0) return 1;
   const double p = diagonal_[k] / diagonal_[0];
   return p * p / (p * p + weak_ * weak_);
 }
 
-void RowFactor::constrain(double* w, const double* gamma, const double* expected) const {
+void RowFactor::solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
   double* d = d_.data();
   double* f = f_.data();
-  from_rows(gamma, d);
+  solve_Rt(gamma, d);
   reflect(w);
   double* e = e_.data();
-  if (expected != nullptr) {
-    std::copy(expected, expected + n_, e);
+  if (extrapolated != nullptr) {
+    std::copy(extrapolated, extrapolated + n_, e);
     reflect(e);
   }
   for (int k = 0; k < rank_; ++k) {
-    const double s = share(k);
-    const double sum = expected == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
+    const double s = damping_weight(k);
+    const double sum = extrapolated == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
     f[k] = w[k] - sum;  // what the constraints take away, along Q
     w[k] = sum;
   }
   unreflect(w);
 }
 
-void RowFactor::multipliers(double* lambda) const { to_rows(f_.data(), lambda); }
+void RowFactor::multipliers(double* lambda) const { solve_R(f_.data(), lambda); }
 
-void RowFactor::shortest(const double* residual, double* w) const {
+void RowFactor::min_norm(const double* residual, double* w) const {
   double* d = d_.data();
-  from_rows(residual, d);
-  for (int k = 0; k < rank_; ++k) w[k] = share(k) * d[k];
+  solve_Rt(residual, d);
+  for (int k = 0; k < rank_; ++k) w[k] = damping_weight(k) * d[k];
   std::fill(w + rank_, w + n_, 0.0);
   unreflect(w);
 }

@@ -21,7 +21,7 @@ class RowFactor {
 
   RowFactor(int speeds, int rows);
 
-  // Column r of Y (whitened row r), to be filled before factorise().
+  // Column r of Y (whitened row r), to be filled before factorize().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
   // Pivots p near or below this fraction of the largest are weak: what the rows say along them is taken by the share
@@ -29,31 +29,31 @@ class RowFactor {
   void set_weak(double weak) { weak_ = weak; }
 
   // At most max_rank pivots are used. The rest repeat others; off the constraints they may not look it.
-  void factorise(int max_rank);
+  void factorize(int max_rank);
   int rank() const { return rank_; }
   // Smallest used pivot over the largest: what is left of the rank. 1 when there are no rows.
   double pivot_ratio() const { return ratio_; }
 
   // w <- the w nearest to a (given in w) with Y^T w = gamma. expected: n numbers that weak pivots' directions follow,
   // or null: no pivot is taken as weak.
-  void constrain(double* w, const double* gamma, const double* expected) const;
+  void solve_constrained(double* w, const double* gamma, const double* extrapolated) const;
   // The same for the columns of w (n x columns) and gamma (m x columns), stored row by row; follows: what is expected
   // along weak pivots is 0, else none is weak. Leaves nothing for multipliers().
-  void constrain(double* w, const double* gamma, int columns, bool follows) const;
+  void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const;
   // The multipliers of the last constrain(), minimum norm.
   void multipliers(double* lambda) const;
   // w <- the shortest w with Y^T w = residual.
-  void shortest(const double* residual, double* w) const;
+  void min_norm(const double* residual, double* w) const;
 
  private:
-  void factorise_rows(int max_rank);
-  void factorise_redundant();
-  double share(int k) const;                          // of pivot k, see set_weak
-  void reflect(double* x) const;                      // x <- Q^T x
-  void unreflect(double* x) const;                    // x <- Q x
-  void from_rows(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in
-  void from_rows(const double* in, int columns, double* d, double* sum) const;
-  void to_rows(const double* d, double* lambda) const;  // lambda = minimum-norm solution of R_1 P^T lambda = d
+  void factorize_constraints(int max_rank);
+  void factorize_redundant();
+  double damping_weight(int k) const;                // of pivot k, see set_weak
+  void reflect(double* x) const;                     // x <- Q^T x
+  void unreflect(double* x) const;                   // x <- Q x
+  void solve_Rt(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in
+  void solve_Rt(const double* in, int columns, double* d, double* sum) const;
+  void solve_R(const double* d, double* lambda) const;  // lambda = minimum-norm solution of R_1 P^T lambda = d
 
   int n_, m_;
   int rank_ = 0;

@@ -17,17 +17,17 @@ void reflect_rows(const double* u, double scale, double* x, int rows, int n, dou
 
 }  // namespace
 
-void RowFactor::constrain(double* w, const double* gamma, int columns, bool follows) const {
+void RowFactor::solve_constrained(double* w, const double* gamma, int columns, bool regularized) const {
   columns_.resize(static_cast<std::size_t>(m_ + 1) * columns);
   double* const d = columns_.data();
   double* const sum = d + static_cast<std::size_t>(m_) * columns;
   const auto row = [columns](auto* x, int i) { return x + static_cast<std::size_t>(i) * columns; };
-  from_rows(gamma, columns, d, sum);
+  solve_Rt(gamma, columns, d, sum);
   for (int k = 0; k < rank_; ++k) {
     reflect_rows(&Y_[static_cast<std::size_t>(k) * n_] + k, scale_[k], row(w, k), n_ - k, columns, sum);
   }
   for (int k = 0; k < rank_; ++k) {
-    const double s = follows ? share(k) : 1;
+    const double s = regularized ? damping_weight(k) : 1;
     for (int c = 0; c < columns; ++c) row(w, k)[c] = s * row(d, k)[c];
   }
   for (int k = rank_ - 1; k >= 0; --k) {
@@ -35,7 +35,7 @@ void RowFactor::constrain(double* w, const double* gamma, int columns, bool foll
   }
 }
 
-void RowFactor::from_rows(const double* in, int columns, double* d, double* sum) const {
+void RowFactor::solve_Rt(const double* in, int columns, double* d, double* sum) const {
   const auto row = [columns](auto* x, int i) { return x + static_cast<std::size_t>(i) * columns; };
   for (int k = 0; k < m_; ++k) std::copy_n(row(in, order_[k]), columns, row(d, k));
   if (rank_ == m_) {

@@ -21,7 +21,7 @@ SparseFactor::SparseFactor(const std::vector<int>& parent) {
   inverse_.assign(depth_.size(), 0.0);
 }
 
-int SparseFactor::factorise() {
+int SparseFactor::factorize() {
   for (int k = size() - 1; k >= 0; --k) {
     double* row_k = row(k);
     const int depth = depth_[k];

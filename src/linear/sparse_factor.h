@@ -13,7 +13,7 @@ class SparseFactor {
   explicit SparseFactor(const std::vector<int>& parent);
 
   int size() const { return static_cast<int>(depth_.size()); }
-  // Row i, to be filled with M before factorise(): its entries with the speeds from the ground outwards, itself last.
+  // Row i, to be filled with M before factorize(): its entries with the speeds from the ground outwards, itself last.
   double* row(int i) { return L_.data() + first_[i]; }
   const double* row(int i) const { return L_.data() + first_[i]; }
   // Speeds between i and the ground; the place of an ancestor's entry in row i is the ancestor's own depth.
@@ -22,9 +22,9 @@ class SparseFactor {
   const int* ancestors(int i) const { return ancestors_.data() + first_[i]; }
 
   // Returns -1, or the speed at which M has no inertia (pivot not positive beyond rounding).
-  int factorise();
+  int factorize();
 
-  // Where factorise() ended at speed k, or its pivot is rounding: z, with z[k] = 1 and zeros before k, of M z = 0 in
+  // Where factorize() ended at speed k, or its pivot is rounding: z, with z[k] = 1 and zeros before k, of M z = 0 in
   // the rows from k on.
   void null_motion(int k, double* z) const;
 

@@ -188,7 +188,7 @@ bool SparseRowFactor::take(const Block& block) {
   return least_ > RowFactor::rank_threshold * largest_;
 }
 
-double SparseRowFactor::share(int k) const {
+double SparseRowFactor::damping_weight(int k) const {
   if (weak_ == 0) return 1;
   const double p = diagonal_[k] / largest_;
   return p * p / (p * p + weak_ * weak_);
@@ -201,17 +201,17 @@ double SparseRowFactor::rest(int k, double value) const {
   return value / diagonal_[k];
 }
 
-void SparseRowFactor::constrain(double* w, const double* gamma, const double* expected) const {
+void SparseRowFactor::solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
   const int m = static_cast<int>(columns_.size());
   for (int k = 0; k < m; ++k) reflect(columns_[k], scale_[k], w);
-  if (expected != nullptr) {
-    std::copy(expected, expected + n_, e_.data());
+  if (extrapolated != nullptr) {
+    std::copy(extrapolated, extrapolated + n_, e_.data());
     for (int k = 0; k < m; ++k) reflect(columns_[k], scale_[k], e_.data());
   }
   for (int k = 0; k < m; ++k) {
     double& along = w[pivot(columns_[k])];
     d_[k] = rest(k, gamma[order_[k]]);
-    if (expected != nullptr) d_[k] += (1 - share(k)) * (e_[pivot(columns_[k])] - d_[k]);
+    if (extrapolated != nullptr) d_[k] += (1 - damping_weight(k)) * (e_[pivot(columns_[k])] - d_[k]);
     f_[k] = along - d_[k];  // what the constraints take away
     along = d_[k];
   }
@@ -229,10 +229,10 @@ void SparseRowFactor::multipliers(double* lambda) const {
   }
 }
 
-void SparseRowFactor::shortest(const double* residual, double* w) const {
+void SparseRowFactor::min_norm(const double* residual, double* w) const {
   const int m = static_cast<int>(columns_.size());
   std::fill(w, w + n_, 0.0);
-  for (int k = 0; k < m; ++k) w[pivot(columns_[k])] = d_[k] = share(k) * rest(k, residual[order_[k]]);
+  for (int k = 0; k < m; ++k) w[pivot(columns_[k])] = d_[k] = damping_weight(k) * rest(k, residual[order_[k]]);
   for (int k = m - 1; k >= 0; --k) reflect(columns_[k], scale_[k], w);
 }
 

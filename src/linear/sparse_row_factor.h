@@ -20,7 +20,7 @@ class SparseRowFactor {
   // Rows that touch the same speeds, in the order in which they are taken.
   using Block = std::vector<int>;
   const std::vector<Block>& blocks() const { return blocks_; }
-  // To factorise: begin(); then for each block: write the columns of Y of its rows into work(0), work(1), ... where
+  // To factorize: begin(); then for each block: write the columns of Y of its rows into work(0), work(1), ... where
   // they touch, and take() it. False: a row repeats those before it, and this class is of no use here.
   void begin() { taken_ = 0; }
   double* work(int i) { return x_.data() + static_cast<std::size_t>(i) * n_; }
@@ -31,10 +31,10 @@ class SparseRowFactor {
   void set_weak(double weak) { weak_ = weak; }
 
   // As RowFactor.
-  void constrain(double* w, const double* gamma, const double* expected) const;
-  void constrain(double* w, const double* gamma, int columns, bool follows) const;
+  void solve_constrained(double* w, const double* gamma, const double* extrapolated) const;
+  void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const;
   void multipliers(double* lambda) const;
-  void shortest(const double* residual, double* w) const;
+  void min_norm(const double* residual, double* w) const;
 
  private:
   struct Column {
@@ -52,7 +52,7 @@ class SparseRowFactor {
   int pivot(const Column& c) const { return rows_[c.first_row]; }
   void reflect(const Column& c, double scale, double* x) const;
   void reflect(const Column& c, double scale, double* x, int columns) const;
-  double share(int k) const;
+  double damping_weight(int k) const;
   double rest(int k, double value) const;
 
   int n_;

@@ -16,7 +16,7 @@ void SparseRowFactor::reflect(const Column& c, double scale, double* x, int colu
 }
 
 // A direction's component stands in w where its pivot is.
-void SparseRowFactor::constrain(double* w, const double* gamma, int columns, bool follows) const {
+void SparseRowFactor::solve_constrained(double* w, const double* gamma, int columns, bool regularized) const {
   const int m = static_cast<int>(columns_.size());
   sum_.resize(columns);
   for (int k = 0; k < m; ++k) reflect(columns_[k], scale_[k], w, columns);
@@ -27,7 +27,7 @@ void SparseRowFactor::constrain(double* w, const double* gamma, int columns, boo
     for (int i = c.first_above; i < c.first_above + c.above; ++i) {
       columns::add(-R_[i], columns::row(w, pivot(columns_[above_[i]]), columns), along, columns);
     }
-    columns::scale((follows ? share(k) : 1) / diagonal_[k], along, columns);
+    columns::scale((regularized ? damping_weight(k) : 1) / diagonal_[k], along, columns);
   }
   for (int k = m - 1; k >= 0; --k) reflect(columns_[k], scale_[k], w, columns);
 }

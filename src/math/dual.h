@@ -18,20 +18,20 @@ class Dual {
 
   Dual() = default;
   Dual(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants are numbers too
-  Dual(double value, const Directions& slope) : value_(value), slope_(slope) {}
+  Dual(double value, const Directions& slope) : value_(value), derivatives_(slope) {}
 
   double value() const { return value_; }
-  const Directions& slope() const { return slope_; }
-  Directions& slope() { return slope_; }
+  const Directions& derivatives() const { return derivatives_; }
+  Directions& derivatives() { return derivatives_; }
 
   Dual& operator+=(const Dual& b) {
     value_ += b.value_;
-    slope_ += b.slope_;
+    derivatives_ += b.derivatives_;
     return *this;
   }
   Dual& operator-=(const Dual& b) {
     value_ -= b.value_;
-    slope_ -= b.slope_;
+    derivatives_ -= b.derivatives_;
     return *this;
   }
   Dual& operator*=(const Dual& b) { return *this = *this * b; }
@@ -39,36 +39,36 @@ class Dual {
 
   friend Dual operator+(Dual a, const Dual& b) { return a += b; }
   friend Dual operator-(Dual a, const Dual& b) { return a -= b; }
-  friend Dual operator-(const Dual& a) { return {-a.value_, -a.slope_}; }
+  friend Dual operator-(const Dual& a) { return {-a.value_, -a.derivatives_}; }
   friend Dual operator*(const Dual& a, const Dual& b) {
-    return {a.value_ * b.value_, a.value_ * b.slope_ + b.value_ * a.slope_};
+    return {a.value_ * b.value_, a.value_ * b.derivatives_ + b.value_ * a.derivatives_};
   }
   friend Dual operator/(const Dual& a, const Dual& b) {
     const double quotient = a.value_ / b.value_;
-    return {quotient, (a.slope_ - quotient * b.slope_) / b.value_};
+    return {quotient, (a.derivatives_ - quotient * b.derivatives_) / b.value_};
   }
 
   // By value.
   friend bool operator==(const Dual& a, const Dual& b) { return a.value_ == b.value_; }
   friend auto operator<=>(const Dual& a, const Dual& b) { return a.value_ <=> b.value_; }
 
-  friend Dual sin(const Dual& a) { return {std::sin(a.value_), std::cos(a.value_) * a.slope_}; }
-  friend Dual cos(const Dual& a) { return {std::cos(a.value_), -std::sin(a.value_) * a.slope_}; }
+  friend Dual sin(const Dual& a) { return {std::sin(a.value_), std::cos(a.value_) * a.derivatives_}; }
+  friend Dual cos(const Dual& a) { return {std::cos(a.value_), -std::sin(a.value_) * a.derivatives_}; }
   // Of 0: slope 0, not infinite: callers treat a vanishing length apart.
   friend Dual sqrt(const Dual& a) {
     const double root = std::sqrt(a.value_);
-    return {root, root > 0 ? Directions(a.slope_ / (2 * root)) : Directions(Directions::Zero())};
+    return {root, root > 0 ? Directions(a.derivatives_ / (2 * root)) : Directions(Directions::Zero())};
   }
   friend Dual abs(const Dual& a) { return a.value_ < 0 ? -a : a; }
   friend Dual abs2(const Dual& a) { return a * a; }
   friend Dual atan2(const Dual& y, const Dual& x) {
     const double r2 = x.value_ * x.value_ + y.value_ * y.value_;
-    return {std::atan2(y.value_, x.value_), (x.value_ * y.slope_ - y.value_ * x.slope_) / r2};
+    return {std::atan2(y.value_, x.value_), (x.value_ * y.derivatives_ - y.value_ * x.derivatives_) / r2};
   }
 
  private:
   double value_ = 0;
-  Directions slope_ = Directions::Zero();
+  Directions derivatives_ = Directions::Zero();
 };
 
 inline double value_of(double x) { return x; }

@@ -68,8 +68,8 @@ class Series {
 
  private:
   // f(a), from f, f' and f'' at its value.
-  Series composed(double f, double slope, double bend) const {
-    return Series(Coefficients{f, slope * x_[1], slope * x_[2] + bend / 2 * x_[1] * x_[1]});
+  Series composed(double f, double derivative, double bend) const {
+    return Series(Coefficients{f, derivative * x_[1], derivative * x_[2] + bend / 2 * x_[1] * x_[1]});
   }
 
   Coefficients x_{};

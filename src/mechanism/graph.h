@@ -73,7 +73,7 @@ std::vector<bool> observed_reactions(const Scene& scene);
 
 // Merges welds and joints that stand still (weld.cpp). keep[j]: joint j stays a joint, because its reaction is asked
 // for.
-Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const StandingJoints& standing,
+Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const ImmobileJoints& immobile,
                   std::vector<Note>& notes);
 
 // Parts that neither joints nor forces couple, except through the ground (islands.cpp).
@@ -85,11 +85,11 @@ struct Parts {
   Graph whole;
   std::vector<Graph> islands;
 };
-Parts parts_of(const Scene& scene, const StandingJoints& standing, std::vector<Note>& notes);
+Parts parts_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes);
 
 // As reduce() in mechanism.h. rods_stay_bodies: by joint of the scene, in its island rods without mass do; empty: in
 // none.
-ReducedScene reduce(const Scene& scene, const StandingJoints& standing, const std::vector<bool>& rods_stay_bodies);
+ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const std::vector<bool>& rods_stay_bodies);
 
 // Joints whose coordinates constraints name (constraints.cpp).
 std::vector<std::string_view> constrained_joints(const Scene& scene);

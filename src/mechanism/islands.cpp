@@ -4,8 +4,8 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
-#include "mechanism/sets.h"
 
 namespace gelenk {
 namespace {
@@ -23,8 +23,8 @@ std::vector<int> groups_at(const Element<Any>& element, const BodyNumbers& numbe
   return out;
 }
 
-Sets coupled(const Scene& scene, const Graph& graph) {
-  Sets sets(graph.groups.size());
+DisjointSets coupled(const Scene& scene, const Graph& graph) {
+  DisjointSets sets(graph.groups.size());
   for (const Edge& edge : graph.edges) {
     if (edge.group_a != 0 && edge.group_b != 0) sets.join(edge.group_a, edge.group_b);
   }
@@ -50,7 +50,7 @@ Sets coupled(const Scene& scene, const Graph& graph) {
 }  // namespace
 
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
-  Sets sets = coupled(scene, graph);
+  DisjointSets sets = coupled(scene, graph);
   std::vector<Graph> out;
   std::vector<int> part_of_set(graph.groups.size(), -1);
   std::vector<int> part(graph.groups.size(), -1);   // by group
@@ -98,9 +98,9 @@ std::vector<bool> observed_reactions(const Scene& scene) {
   return out;
 }
 
-Parts parts_of(const Scene& scene, const StandingJoints& standing, std::vector<Note>& notes) {
+Parts parts_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes) {
   Parts out;
-  out.whole = merge_welds(scene, observed_reactions(scene), standing, notes);
+  out.whole = merge_welds(scene, observed_reactions(scene), immobile, notes);
   if (scene.solver.reduces(Reduction::islands)) {
     out.islands = islands_of(scene, out.whole);
   } else {

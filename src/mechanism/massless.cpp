@@ -6,8 +6,8 @@
 #include <type_traits>
 #include <unordered_set>
 
+#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
-#include "mechanism/sets.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -16,9 +16,9 @@ namespace {
 bool has_inertia(const Group& group) { return group.G.m != 0 || !group.G.I.isZero(0); }
 
 // What else there is to know of bodies and joints: where something acts, or a force is read.
-class Busy {
+class InteractionIndex {
  public:
-  explicit Busy(const Scene& scene) : scene_(scene) {
+  explicit InteractionIndex(const Scene& scene) : scene_(scene) {
     each_section(scene, [&](const Section&, const auto& elements) {
       for (const auto& element : elements) enter(element, kind_of(element.is));
     });
@@ -72,7 +72,7 @@ struct Finder {
   const Scene& scene;
   bool planar;
   Graph& graph;
-  Busy busy{scene};
+  InteractionIndex busy{scene};
   std::vector<RodEdge> found{};
 
   void run() {
@@ -124,7 +124,7 @@ struct Finder {
   // A rod without which a part would come loose stays a body: its joints are fewer states than six of a free part, with
   // a joint there or without, and a row. It must not spin about itself then: no inertia says how fast.
   void keep_connected() {
-    Sets sets(graph.groups.size());
+    DisjointSets sets(graph.groups.size());
     std::vector<bool> is_rod(graph.groups.size(), false);
     for (const RodEdge& rod : found) is_rod[rod.group] = true;
     const auto join_joints = [&](bool that_hold) {

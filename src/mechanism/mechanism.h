@@ -134,11 +134,11 @@ struct ReducedScene {
 };
 
 // Joints known to stand still, and where: the user's coordinates by scene joint, empty for those that move.
-using StandingJoints = std::vector<std::vector<double>>;
+using ImmobileJoints = std::vector<std::vector<double>>;
 
 // Applies the reductions that need no more than the scene itself; scene.solver says which are on.
 // Throws SceneError for welds that contradict each other and for drives that cannot be modelled.
-ReducedScene reduce(const Scene& scene, const StandingJoints& standing = {});
+ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile = {});
 
 // The mechanism without the rows that are not listed. kept: by cut, as Cut::kept.
 Mechanism with_rows(const Mechanism& mechanism, const std::vector<std::vector<int>>& kept);

@@ -130,18 +130,18 @@ struct Reducer {
 
 }  // namespace
 
-ReducedScene reduce(const Scene& scene, const StandingJoints& standing) { return reduce(scene, standing, {}); }
+ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile) { return reduce(scene, immobile, {}); }
 
-ReducedScene reduce(const Scene& scene, const StandingJoints& standing, const std::vector<bool>& rods_stay_bodies) {
+ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const std::vector<bool>& rods_stay_bodies) {
   Reducer reducer{.scene = scene, .observed = observed_reactions(scene), .rods_stay_bodies = rods_stay_bodies};
   ReducedScene& out = reducer.out;
   out.bodies.resize(scene.bodies.size());
   out.joints.resize(scene.joints.size());
   out.constraints.resize(scene.constraints.size());
-  if (!standing.empty()) {
-    for (std::size_t j = 0; j < standing.size(); ++j) out.joints[j].q = standing[j];
+  if (!immobile.empty()) {
+    for (std::size_t j = 0; j < immobile.size(); ++j) out.joints[j].q = immobile[j];
   }
-  const auto [graph, parts] = parts_of(scene, standing, out.notes);
+  const auto [graph, parts] = parts_of(scene, immobile, out.notes);
   if (parts.size() > 1) {
     reducer.note(Reduction::islands,
                  std::to_string(parts.size()) + " parts without coupling, each solved with its own steps");

@@ -6,8 +6,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
-#include "mechanism/sets.h"
 #include "scene/numbers.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
@@ -61,7 +61,7 @@ class Pruner {
 
   void enter_standing(const Group& still) {
     parts_ = islands_;
-    Sets sets(scene_.bodies.size());
+    DisjointSets sets(scene_.bodies.size());
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const int parent = numbers_.body(scene_.joints[j].parent.body);
       const int child = numbers_.body(scene_.joints[j].child.body);
@@ -212,7 +212,7 @@ class Pruner {
 
 }  // namespace
 
-std::string WantedPart::told() const {
+std::string WantedPart::report() const {
   if (bodies.empty() && joints.empty()) return {};
   std::string what = islands == 1 ? "1 island" : std::to_string(islands) + " islands";
   if (islands == 0) what = "what stands still";

@@ -16,7 +16,7 @@ struct WantedPart {
   std::vector<std::string> bodies, joints;
 
   // "left out, since no wanted output depends on it: 2 islands (bodies a, b; joints A, B)"; empty where nothing is.
-  std::string told() const;
+  std::string report() const;
 };
 
 // The islands that a wanted output comes from, with all that acts on them, and sensors with a wanted output; the scene

@@ -37,16 +37,16 @@ struct Merger {
   std::vector<Pose3> X_GB{};                 // by body + 1
   std::vector<bool> merged{};                // by scene joint
 
-  void find_welds(const std::vector<bool>& keep, const StandingJoints& standing) {
+  void find_welds(const std::vector<bool>& keep, const ImmobileJoints& immobile) {
     welds_of.resize(scene.bodies.size() + 1);
     merged.assign(scene.joints.size(), false);
     for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
       const Joint& joint = scene.joints[j];
       const bool weld = find_joint_kind(joint.type)->nv == 0 && scene.solver.reduces(Reduction::weld);
-      const bool stands = !standing.empty() && !standing[j].empty();
+      const bool stands = !immobile.empty() && !immobile[j].empty();
       if (keep[j] || (!weld && !stands)) continue;
       merged[j] = true;
-      const Pose3 X_FM = stands ? pose_at(joint, standing[j]) : Pose3();
+      const Pose3 X_FM = stands ? pose_at(joint, immobile[j]) : Pose3();
       const int a = number(joint.parent.body);
       const int b = number(joint.child.body);
       welds_of[a + 1].push_back(static_cast<int>(welds.size()));
@@ -132,11 +132,11 @@ struct Merger {
     graph.contacts = contacts_of(scene, group_of, X_GB);
   }
 
-  void tell(const StandingJoints& standing, std::vector<Note>& notes) const {
+  void tell(const ImmobileJoints& immobile, std::vector<Note>& notes) const {
     std::vector<std::string> welded;
     std::vector<std::string> still;
     for (const Weld& weld : welds) {
-      const bool stands = !standing.empty() && !standing[weld.joint].empty();
+      const bool stands = !immobile.empty() && !immobile[weld.joint].empty();
       (stands ? still : welded).push_back(scene.joints[weld.joint].name);
     }
     if (!welded.empty()) {
@@ -148,11 +148,11 @@ struct Merger {
       notes.push_back(
           {Reduction::fixed, "nothing can move at " + text::some(still) + ": the bodies there are one, as if welded"});
     }
-    std::vector<std::string> standing_bodies;
-    for (const int body : graph.groups[0].bodies) standing_bodies.push_back(scene.bodies[body].name);
-    if (!standing_bodies.empty()) {
-      notes.push_back({Reduction::fixed, text::some(standing_bodies) +
-                                             (standing_bodies.size() == 1 ? " stands" : " stand") +
+    std::vector<std::string> immobile_bodies;
+    for (const int body : graph.groups[0].bodies) immobile_bodies.push_back(scene.bodies[body].name);
+    if (!immobile_bodies.empty()) {
+      notes.push_back({Reduction::fixed, text::some(immobile_bodies) +
+                                             (immobile_bodies.size() == 1 ? " stands" : " stand") +
                                              " still with the ground: dropped from the equations"});
     }
   }
@@ -174,14 +174,14 @@ std::vector<std::vector<int>> Graph::edges_of_groups() const {
   return out;
 }
 
-Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const StandingJoints& standing,
+Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const ImmobileJoints& immobile,
                   std::vector<Note>& notes) {
   Merger merger{.scene = scene};
-  merger.find_welds(keep, standing);
+  merger.find_welds(keep, immobile);
   merger.make_groups();
   merger.check_welds();
   merger.make_edges();
-  merger.tell(standing, notes);
+  merger.tell(immobile, notes);
   return std::move(merger.graph);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_extended.cpp.
+// Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_dual.cpp.
 #include "outputs/outputs_impl.h"
 
 namespace gelenk {
@@ -42,16 +42,16 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
   source.sign = signal.level == 0 ? place.q_sign[c] : place.v_sign[c];
   if (place.role == JointPlace::Role::tree) {
     static constexpr Kind kinds[] = {Kind::tree_q, Kind::tree_v, Kind::tree_a};
-    static constexpr Needs needs[] = {Needs::state, Needs::state, Needs::accelerations};
+    static constexpr Stage stage[] = {Stage::position, Stage::position, Stage::acceleration};
     source.kind = kinds[signal.level];
-    source.needs = needs[signal.level];
+    source.stage = stage[signal.level];
     source.index = (signal.level == 0 ? place.iq : place.iv) + c;
     return source;
   }
   static constexpr Kind kinds[] = {Kind::cut_q, Kind::cut_v, Kind::cut_a};
-  static constexpr Needs cut_needs[] = {Needs::state, Needs::state, Needs::accelerations};
+  static constexpr Stage cut_stages[] = {Stage::position, Stage::position, Stage::acceleration};
   source.kind = kinds[signal.level];
-  source.needs = cut_needs[signal.level];
+  source.stage = cut_stages[signal.level];
   source.index = signal.level == 0 ? place.iq + c : place.index;
   source.component = place.iv - mechanism.cuts[place.index].iv + c;
   return source;
@@ -62,7 +62,7 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
   out.index = signal.element;
   out.group = signal.group;
   out.component = signal.component;
-  out.needs = signal.stage == Stage::acceleration ? Needs::accelerations : Needs::velocities;
+  out.stage = signal.stage == Stage::acceleration ? Stage::acceleration : Stage::velocity;
   if (signal.section == sections::sensors) {
     const auto i = static_cast<std::size_t>(signal.element);
     out.kind = kind_of(scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dynamics/dynamics.h"
-#include "outputs/seen.h"
+#include "outputs/port_readings.h"
 #include "scene/signals.h"
 
 namespace gelenk {
@@ -28,9 +28,8 @@ class Outputs {
  public:
   Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals);
 
-  // What must be up to date in the island before value() may be called.
-  enum class Needs { state, velocities, accelerations };
-  Needs needs(int output) const { return sources_[output].needs; }
+  // What must be realized in the island before value() may be called.
+  Stage stage(int output) const { return sources_[output].stage; }
   // The island the output comes from; none: it never changes, or is made of all of them.
   static constexpr int none = -1;
   int island(int output) const { return sources_[output].island; }
@@ -67,7 +66,7 @@ class Outputs {
   };
   struct Source {
     Kind kind = Kind::constant;
-    Needs needs = Needs::state;
+    Stage stage = Stage::position;
     int island = none;
     int index = 0;      // tree: in q, v or vdot; in cut_q; other cuts, sensors and constraints: which
     int group = 0;      // of an element's outputs

@@ -49,11 +49,11 @@ AdjustedScene adjust(const Scene& scene, double tolerance) {
   for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
     const Mechanism& mechanism = reduced.islands[i];
     if (mechanism.cuts.empty()) continue;
-    const FrameAdjustment found = adjust_frames(mechanism, start_wishes(scene, reduced, i).tree.q, tolerance);
+    const FrameAdjustment found = adjust_frames(mechanism, start_guesses(scene, reduced, i).tree.q, tolerance);
     const bool closes =
         found.outcome == FrameAdjustment::Outcome::as_given || found.outcome == FrameAdjustment::Outcome::adjusted;
     out.closes = out.closes && closes;
-    out.freedoms += found.freedoms;
+    out.degrees_of_freedom += found.degrees_of_freedom;
     for (const FrameMove& move : found.moves) {
       moves.push_back(move);
       if (closes) apply(reduced, i, move, out.scene);
@@ -68,15 +68,15 @@ AdjustedScene adjust(const Scene& scene, double tolerance) {
 
 double sufficient_tolerance(const Scene& scene, double from, double most) {
   double least = 0;
-  int freedoms = -1;
+  int degrees_of_freedom = -1;
   for (int decade = static_cast<int>(std::ceil(std::log10(from))); decade <= std::lround(std::log10(most)); ++decade) {
     const double tolerance = std::pow(10.0, decade);
     if (tolerance <= from) continue;
     if (least > 0 && tolerance > 1.01 * much_more * least) break;
     const AdjustedScene found = adjust(scene, tolerance);
-    if (!found.closes || found.moved.empty() || found.freedoms <= freedoms) continue;
+    if (!found.closes || found.moved.empty() || found.degrees_of_freedom <= degrees_of_freedom) continue;
     least = tolerance;
-    freedoms = found.freedoms;
+    degrees_of_freedom = found.degrees_of_freedom;
   }
   return least;
 }

@@ -20,7 +20,7 @@ struct MovedFrame {
 struct AdjustedScene {
   Scene scene;
   std::vector<MovedFrame> moved;  // in the order of the file
-  int freedoms = 0;               // of the islands with loops
+  int degrees_of_freedom = 0;     // of the islands with loops
   bool closes = true;  // else no exact mechanism is near; scene: as it was, moved: what would be needed, if known
 };
 

@@ -28,11 +28,11 @@ constexpr double rounding = 1e-12;
 constexpr double nearly_singular = 1e-2;
 
 bool is_doubtful(const PreparedIsland& island) {
-  const Structure& structure = island.structure;
+  const MobilityAnalysis& mobility = island.mobility;
   const auto stands = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
-  const bool sound = std::isfinite(structure.soundest) && structure.soundest >= nearly_singular;
-  const bool barely = !sound && structure.needed_rows > 0;
-  return island.start.gap > rounding || structure.stuck || (barely && stands(structure.standing_links));
+  const bool sound = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= nearly_singular;
+  const bool barely = !sound && mobility.needed_rows > 0;
+  return island.start.gap > rounding || mobility.stuck || (barely && stands(mobility.immobile_links));
 }
 
 // What dynamics refer to.
@@ -46,7 +46,7 @@ struct Preparer {
   const Scene& scene;
   double time;
   const Inputs& inputs;
-  Scene wished{};                        // the scene whose start values count
+  Scene preferred{};                     // the scene whose start values count
   std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; none: nowhere
   bool rows_help = true;                 // where the mass matrix alone is singular
   std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
@@ -110,17 +110,17 @@ struct Preparer {
   // Throws CannotAssemble, SingularMass.
   void assemble_island(int i) {
     const Mechanism& mechanism = out.reduced.islands[i];
-    const StartWishes wishes = start_wishes(wished, out.reduced, i);
+    const StartGuesses guesses = start_guesses(preferred, out.reduced, i);
     PreparedIsland& island = out.islands[i];
-    island.cut_start = wishes.cuts.q;
+    island.cut_start = guesses.cuts.q;
     try {
-      island.start = assemble(mechanism, *dynamics[i], wishes.tree, wishes.cuts);
+      island.start = assemble(mechanism, *dynamics[i], guesses.tree, guesses.cuts);
       stand_at_start(i);
     } catch (const SingularMass&) {
       if (mechanism.rows == 0 || !rows_help) throw;
       Mechanism geometry = mechanism;
       give_inertia(geometry);
-      island.start = assemble(geometry, *make_moving_dynamics(geometry, i), wishes.tree, wishes.cuts);
+      island.start = assemble(geometry, *make_moving_dynamics(geometry, i), guesses.tree, guesses.cuts);
       let_rows_help(i);
     }
     if (mechanism.mass_needs_rows || mechanism.rows == 0 || !rows_help) return;
@@ -131,10 +131,10 @@ struct Preparer {
   // Tells parts that move without inertia.
   void stand_at_start(int i) {
     std::vector<double>& q = out.islands[i].start.q;
-    dynamics[i]->normalise(q.data());
+    dynamics[i]->normalize(q.data());
     dynamics[i]->set_position(q.data());
     check_rows(out.reduced.islands[i], *dynamics[i]);
-    dynamics[i]->factorise();
+    dynamics[i]->factorize();
   }
 
   void let_rows_help(int i) {
@@ -201,7 +201,7 @@ struct Preparer {
     const bool rods = attempt % 2 == 0;
     for (const int j : mechanism.joints) {
       rods_stay_bodies[j] = !rods;
-      wished.joints[j].start = (rods ? near : scene).joints[j].start;
+      preferred.joints[j].start = (rods ? near : scene).joints[j].start;
     }
   }
 
@@ -223,8 +223,8 @@ struct Preparer {
     for (const int j : out.reduced.islands[island].joints) {
       if (out.reduced.joints[j].role != JointPlace::Role::tree) continue;
       const JointKind& kind = *find_joint_kind(scene.joints[j].type);
-      const std::vector<double> a = coordinates_of(wished, out.reduced, j, start.q, *dynamics[island]);
-      const std::vector<double> b = coordinates_of(wished, out.reduced, j, start.equal_q, *dynamics[island]);
+      const std::vector<double> a = coordinates_of(preferred, out.reduced, j, start.q, *dynamics[island]);
+      const std::vector<double> b = coordinates_of(preferred, out.reduced, j, start.equal_q, *dynamics[island]);
       for (std::size_t k = 0; k < a.size(); ++k) {
         if (std::abs(a[k] - b[k]) <= most) continue;
         most = std::abs(a[k] - b[k]);
@@ -253,15 +253,15 @@ struct Preparer {
     const Mechanism& mechanism = out.reduced.islands[i];
     const std::vector<double>& q = island.start.q;
     if (!mechanism.driven()) {
-      island.structure = structure_of(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
+      island.mobility = analyze_mobility(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
       return;
     }
     Mechanism free_mechanism = without_drives(mechanism);
     if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may be what holds a part without any
     const auto free = make_dynamics(free_mechanism, loads[i]);
     free->set_targets(Targets(free_mechanism).at(time, inputs));
-    island.structure =
-        driven_structure_of(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
+    island.mobility =
+        analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
   }
 
   // The motion with which an island sets out: its speeds, or from rest its accelerations without inputs.
@@ -272,7 +272,7 @@ struct Preparer {
     if (moves(island.start.v)) return island.start.v;
     std::vector<double> vdot(island.start.v.size());
     of.set_position(island.start.q.data());
-    of.factorise();
+    of.factorize();
     of.set_velocity(island.start.v.data());
     of.solve(no_inputs.data(), vdot.data());
     return moves(vdot) ? vdot : std::vector<double>();
@@ -293,33 +293,33 @@ struct Preparer {
   }
 
   // Joints that loops hold still, with their coordinates; empty if there are none.
-  StandingJoints standing_joints() const {
-    StandingJoints standing(scene.joints.size());
+  ImmobileJoints immobile_joints() const {
+    ImmobileJoints immobile(scene.joints.size());
     bool any = false;
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       const Mechanism& mechanism = out.reduced.islands[i];
-      const Structure& structure = out.islands[i].structure;
+      const MobilityAnalysis& mobility = out.islands[i].mobility;
       // What holds still is held by forces; where these are read, all stays as it is.
       if (reaction_observed(mechanism) || reads_forces(mechanism)) continue;
       for (const int j : mechanism.joints) {
         const JointPlace& place = out.reduced.joints[j];
         const bool tree = place.role == JointPlace::Role::tree;
-        if (!(tree ? structure.standing_links : structure.standing_cuts)[place.index]) continue;
-        standing[j] = coordinates_of(wished, out.reduced, j, out.islands[i].start.q, *dynamics[i]);
+        if (!(tree ? mobility.immobile_links : mobility.immobile_cuts)[place.index]) continue;
+        immobile[j] = coordinates_of(preferred, out.reduced, j, out.islands[i].start.q, *dynamics[i]);
         any = true;
       }
     }
-    return any ? standing : StandingJoints();
+    return any ? immobile : ImmobileJoints();
   }
 
   // What loops hold still becomes part of the ground, and the rest of these islands is assembled anew.
-  void drop_standing(const StandingJoints& standing) {
+  void drop_standing(const ImmobileJoints& immobile) {
     std::vector<bool> changed;
     for (const Mechanism& mechanism : out.reduced.islands) {
-      changed.push_back(std::ranges::any_of(mechanism.joints, [&](int j) { return !standing[j].empty(); }));
+      changed.push_back(std::ranges::any_of(mechanism.joints, [&](int j) { return !immobile[j].empty(); }));
     }
-    wished = found(changed);
-    ReducedScene made = reduce(scene, standing, rods_stay_bodies);
+    preferred = found(changed);
+    ReducedScene made = reduce(scene, immobile, rods_stay_bodies);
     std::vector<int> same;
     for (const Mechanism& mechanism : made.islands) {
       const int before = mechanism.joints.empty() ? anew : out.reduced.joints[mechanism.joints.front()].island;
@@ -331,17 +331,17 @@ struct Preparer {
 
   // The wishes, and in these islands the positions and speeds found.
   Scene found(const std::vector<bool>& islands) const {
-    Scene at = wished;
+    Scene at = preferred;
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       if (!islands[i]) continue;
       const Assembled& start = out.islands[i].start;
       dynamics[i]->set_velocity(start.v.data());
       for (const int j : out.reduced.islands[i].joints) {
-        JointStart& wish = at.joints[j].start;
-        wish.q = coordinates_of(wished, out.reduced, j, start.q, *dynamics[i]);
-        wish.q_given.assign(wish.q.size(), true);
-        wish.v = velocities_of(out.reduced, j, start.v, *dynamics[i]);
-        wish.v_given.assign(wish.v.size(), true);
+        JointStart& guess = at.joints[j].start;
+        guess.q = coordinates_of(preferred, out.reduced, j, start.q, *dynamics[i]);
+        guess.q_given.assign(guess.q.size(), true);
+        guess.v = velocities_of(out.reduced, j, start.v, *dynamics[i]);
+        guess.v_given.assign(guess.v.size(), true);
       }
     }
     return at;
@@ -352,12 +352,12 @@ struct Preparer {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       const int island = static_cast<int>(i);
       const Mechanism& mechanism = out.reduced.islands[i];
-      const StartWishes wishes = start_wishes(wished, out.reduced, island);
+      const StartGuesses guesses = start_guesses(preferred, out.reduced, island);
       PreparedIsland& of = out.islands[i];
       const SingularStart found =
-          examine_start(mechanism, *dynamics[i], of.structure, wishes.tree, wishes.cuts, of.start);
+          examine_start(mechanism, *dynamics[i], of.mobility, guesses.tree, guesses.cuts, of.start);
       if (!found.on_branch) throw AssemblyError(describe_no_branch(scene, out.reduced, island, found));
-      if (found.share < doubtful_share) {
+      if (found.share < doubtful_fraction) {
         out.warnings.push_back(describe_singular_start(scene, out.reduced, island, found));
       }
       dynamics[i]->set_position(of.start.q.data());
@@ -371,7 +371,7 @@ struct Preparer {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
       const bool drop = scene.solver.reduces(Reduction::redundant_rows);
-      island.mechanism = drop ? with_rows(out.reduced.islands[i], island.structure.needed) : out.reduced.islands[i];
+      island.mechanism = drop ? with_rows(out.reduced.islands[i], island.mobility.needed) : out.reduced.islands[i];
     }
   }
 };
@@ -379,7 +379,7 @@ struct Preparer {
 }  // namespace
 
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs, bool asking) {
-  Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .wished = scene};
+  Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .preferred = scene};
   if (has_rods(reduced)) {
     preparer.assemble_with_rods(reduced);
   } else {
@@ -390,7 +390,7 @@ PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double ti
   preparer.out.doubtful = std::ranges::any_of(preparer.out.islands, is_doubtful);
   if (asking && preparer.out.doubtful) return std::move(preparer.out);
   if (scene.solver.reduces(Reduction::fixed)) {
-    if (const StandingJoints standing = preparer.standing_joints(); !standing.empty()) preparer.drop_standing(standing);
+    if (const ImmobileJoints immobile = preparer.immobile_joints(); !immobile.empty()) preparer.drop_standing(immobile);
   }
   preparer.examine_starts();
   preparer.drop_rows();

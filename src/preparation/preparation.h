@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/structure.h"
+#include "analysis/mobility.h"
 #include "assembly/assembly.h"
 #include "formulation/inputs.h"
 
@@ -27,7 +27,7 @@ struct PreparedIsland {
   Mechanism mechanism;  // without the rows that are not needed
   Assembled start;
   std::vector<double> cut_start;  // wished coordinates of the cut joints, to count turns from
-  Structure structure;            // of the island with all its rows, as in ReducedScene::islands
+  MobilityAnalysis mobility;      // of the island with all its rows, as in ReducedScene::islands
 };
 
 struct PreparedScene {

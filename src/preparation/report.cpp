@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "assembly/closing.h"
+#include "assembly/loop_closure.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -291,14 +291,14 @@ std::string describe_collapsed_spring(const Scene& scene, int force) {
          ": its ends meet at the start, where the direction of its force is not defined";
 }
 
-std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
+std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoint& fault, double t,
                                   const std::vector<std::string>& states) {
   const std::string when = "t = " + text::rounded(t) + " s: ";
-  if (fault.reason() == Undetermined::What::spring) {
+  if (fault.reason() == NotDifferentiablePoint::What::spring) {
     return when + "the ends of forces." + scene.forces[fault.force()].name +
            " meet, where the direction of its force is not defined: derivatives do not exist there";
   }
-  if (fault.reason() == Undetermined::What::rows) {
+  if (fault.reason() == NotDifferentiablePoint::What::rows) {
     return when +
            "a loop stands in a singular position, or beside one, where it could go on by another branch: derivatives "
            "do not "

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/constrained_sensitivity.h"
 #include "analysis/singular_start.h"
-#include "analysis/tangent.h"
 #include "assembly/assembly.h"
 #include "event/event_log.h"
 
@@ -41,7 +41,7 @@ std::string describe_massless(const Scene& scene, const std::string& link);
 std::string describe_lost_inertia(double t, const std::string& link);
 
 // No derivatives at t [s]. states: the coordinates by which they were taken.
-std::string describe_undetermined(const Scene& scene, const Undetermined& fault, double t,
+std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoint& fault, double t,
                                   const std::vector<std::string>& states);
 // Loops that can be closed in two ways which are equally near to the start values: one of the coordinates in which
 // these differ, in SI units, in the one that is taken and in the other.
@@ -53,7 +53,7 @@ std::string describe_collapsed_spring(const Scene& scene, int force);
 std::string describe_finest(const std::string& integrator, double tolerance, double finest);
 
 // A step that was refused.
-// The step to `end` was left at t, its evaluations spent.
+// The step to `end` was left at t, its evaluations budget_exhausted.
 std::string describe_cut_short(double t, double end, long evaluations);
 
 std::string describe_refusal(const std::string& cause, double good_time);

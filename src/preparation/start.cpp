@@ -13,8 +13,8 @@ namespace {
 // What nobody asked for moves first: by a metre before something asked for moves by a centimetre.
 constexpr double silent_weight = 1e-4;
 
-Wishes empty(int nq, int nv) {
-  Wishes w;
+InitialGuess empty(int nq, int nv) {
+  InitialGuess w;
   w.q.assign(nq, 0);
   w.v.assign(nv, 0);
   w.q_fixed.assign(nv, false);
@@ -30,15 +30,15 @@ Wishes empty(int nq, int nv) {
 int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
 
 // q: nq numbers, in the mechanism's signs.
-void wished_coordinates(const Joint& joint, const JointPlace& place, double* q) {
+void preferred_coordinates(const Joint& joint, const JointPlace& place, double* q) {
   const JointStart& start = joint.start;
   const JointKind& kind = *find_joint_kind(joint.type);
   for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
 }
 
-void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, Wishes& out) {
+void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, InitialGuess& out) {
   const JointStart& start = joint.start;
-  wished_coordinates(joint, place, &out.q[place.iq]);
+  preferred_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
@@ -53,9 +53,9 @@ void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, d
 
 }  // namespace
 
-StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int island) {
+StartGuesses start_guesses(const Scene& scene, const ReducedScene& reduced, int island) {
   const Mechanism& mechanism = reduced.islands[island];
-  StartWishes out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
+  StartGuesses out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
   for (const int j : mechanism.joints) {
     const Joint& joint = scene.joints[j];
     const JointKind& kind = *find_joint_kind(joint.type);
@@ -63,7 +63,7 @@ StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int is
     if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
     if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
     // The wishes of joints at a rod are heard while it is still a body (preparation.cpp): left are side and turn.
-    if (place.role == JointPlace::Role::rod) wished_coordinates(joint, place, &out.cuts.q[place.iq]);
+    if (place.role == JointPlace::Role::rod) preferred_coordinates(joint, place, &out.cuts.q[place.iq]);
   }
   return out;
 }
@@ -105,7 +105,7 @@ std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduc
   const Cut& cut = reduced.islands[place.island].cuts[place.index];
   double found[max_cut_nq];
   for (const int j : cut.scene_joints) {
-    wished_coordinates(scene.joints[j], reduced.joints[j], found + reduced.joints[j].iq - cut.iq);
+    preferred_coordinates(scene.joints[j], reduced.joints[j], found + reduced.joints[j].iq - cut.iq);
   }
   dynamics.cut_coordinates(place.index, found);
   for (int i = 0; i < kind.nq; ++i) {

@@ -8,11 +8,11 @@
 
 namespace gelenk {
 
-struct StartWishes {
-  Wishes tree, cuts;
+struct StartGuesses {
+  InitialGuess tree, cuts;
 };
 
-StartWishes start_wishes(const Scene& scene, const ReducedScene& reduced, int island);
+StartGuesses start_guesses(const Scene& scene, const ReducedScene& reduced, int island);
 
 // By speed of the tree: driven by a motor, or its start is fixed, or, of what rolls, a turn of a quaternion: a user
 // would call it a state.

@@ -9,7 +9,7 @@
 namespace gelenk {
 
 // A whole number's range.
-struct Counted {
+struct IntRange {
   int least, most;
 };
 
@@ -17,9 +17,9 @@ struct Counted {
 
 namespace gelenk::words {
 
-inline constexpr Counted max_evaluations{1, std::numeric_limits<int>::max()};
-inline constexpr Counted max_events{1, std::numeric_limits<int>::max()};
-inline constexpr Counted corrections{0, 100};
+inline constexpr IntRange max_evaluations{1, std::numeric_limits<int>::max()};
+inline constexpr IntRange max_events{1, std::numeric_limits<int>::max()};
+inline constexpr IntRange corrections{0, 100};
 
 // Of assembly.tolerance. What is farther off is another mechanism, not the same one with fewer digits.
 inline constexpr double loosest_assembly = 1e-2;

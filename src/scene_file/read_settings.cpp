@@ -84,7 +84,7 @@ void read_left_out(const Json& section, Reader& reader) {
 }
 
 // A whole number from 1 on that an Integer of FMI holds.
-void read_count(const Json& value, const std::string& path, Counted range, int& count, Faults& faults) {
+void read_count(const Json& value, const std::string& path, IntRange range, int& count, Faults& faults) {
   const double x = value.is_number() ? value.get<double>() : -1;
   if (x >= range.least && x <= range.most && x == std::floor(x)) {
     count = static_cast<int>(x);
@@ -103,7 +103,7 @@ void read_solver(const Json& section, Reader& reader) {
   solver.integrator = fields.choice("integrator", words::integrators, solver.integrator);
   solver.start = fields.choice("start", words::starts, solver.start);
   solver.step = fields.number("step", solver.step, "s", Range::not_negative);
-  const auto count = [&](const char* field, Counted range, int& value) {
+  const auto count = [&](const char* field, IntRange range, int& value) {
     if (const Json* given = fields.find(field)) read_count(*given, fields.path(field), range, value, reader.faults);
   };
   count("max_evaluations", words::max_evaluations, solver.max_evaluations);

@@ -29,7 +29,7 @@ AssemblyPart in_users_words(const Scene& scene, const ReducedScene& reduced, int
       for (int i = 0; i < kind.nq; ++i) q[i] *= scene.units.size_of(kind.q[i].unit);
     }
     assembly.distance = branch.distance;
-    assembly.freedoms = branch.freedoms;
+    assembly.degrees_of_freedom = branch.degrees_of_freedom;
     assembly.hits = branch.hits;
     assembly.chosen = branch.chosen;
     assembly.flat = branch.flat;
@@ -71,9 +71,9 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
     if (!bodies.empty() && search.links.empty()) continue;
     const auto dynamics = make_dynamics(mechanism, loads[i]);
     dynamics->set_targets(Targets(mechanism).at(0, no_inputs));
-    const StartWishes wishes = start_wishes(natural, reduced, i);
+    const StartGuesses guesses = start_guesses(natural, reduced, i);
     try {
-      const Branches branches = find_branches(mechanism, *dynamics, wishes.tree, wishes.cuts, search);
+      const Branches branches = find_branches(mechanism, *dynamics, guesses.tree, guesses.cuts, search);
       out.push_back(in_users_words(natural, reduced, i, *dynamics, branches));
     } catch (const CannotAssemble& fault) {
       throw AssemblyError(describe_failure(natural, reduced, i, fault));

@@ -13,7 +13,7 @@ namespace gelenk {
 struct Assembly {
   std::vector<std::vector<double>> q;  // by joint of the part: the user's coordinates
   double distance = 0;
-  int freedoms = 0, hits = 0;
+  int degrees_of_freedom = 0, hits = 0;
   bool chosen = false;  // the scene's own start values lead here
   bool flat = false;
 };

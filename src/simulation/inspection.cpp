@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "mechanism/wanted_part.h"
-#include "outputs/seen.h"
+#include "outputs/port_readings.h"
 #include "preparation/report.h"
 #include "scene/words.h"
 #include "simulation/start_report.h"
@@ -77,41 +77,41 @@ class RowInspector {
  private:
   void inspect_island(int i, const Loads& loads) {
     const Mechanism& mechanism = prepared_.reduced.islands[i];
-    const Structure& structure = prepared_.islands[i].structure;
-    constant_ += mechanism.rows - structure.needed_rows;
-    changing_ += structure.needed_rows - structure.rank;
-    lost_ += structure.rank - structure.rank_start;
-    if (structure.idle.cols() == 0) return;
+    const MobilityAnalysis& mobility = prepared_.islands[i].mobility;
+    constant_ += mechanism.rows - mobility.needed_rows;
+    changing_ += mobility.needed_rows - mobility.rank;
+    lost_ += mobility.rank - mobility.rank_start;
+    if (mobility.null_multipliers.cols() == 0) return;
     const auto dynamics = make_dynamics(mechanism, loads);
-    dynamics->set_position(structure.idle_q.data());
+    dynamics->set_position(mobility.generic_q.data());
     dynamics->readings().set_root_poses();
-    dynamics->factorise();
-    name_rows(mechanism, structure, *dynamics);
-    find_undetermined(mechanism, structure, *dynamics);
+    dynamics->factorize();
+    name_rows(mechanism, mobility, *dynamics);
+    find_undetermined(mechanism, mobility, *dynamics);
   }
 
-  void name_rows(const Mechanism& mechanism, const Structure& structure, const Dynamics& dynamics) {
+  void name_rows(const Mechanism& mechanism, const MobilityAnalysis& mobility, const Dynamics& dynamics) {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
       if (cut.is_contact()) {  // all its rows stay
-        if (structure.needed_rows > structure.rank) overconstrained_.push_back(loop(mechanism, c));
+        if (mobility.needed_rows > mobility.rank) overconstrained_.push_back(loop(mechanism, c));
         continue;
       }
       Row<Spatial> rows[6];
       const Pose3 X_FM = dynamics.cut_pose(c);
       std::visit([&](const auto& joint) { joint.template rows<Spatial>(X_FM, rows); }, cut.joint);
       const int joint = cut.scene_joints.front();
-      for (const Spatial::Force& w : redundant_wrenches(mechanism, structure, dynamics, c, rows)) {
+      for (const Spatial::Force& w : redundant_wrenches(mechanism, mobility, dynamics, c, rows)) {
         const Eigen::Matrix3d& R_UC = prepared_.reduced.joints[joint].R_UC;
         out_.redundant_rows.push_back({scene_.joints[joint].name, forbidden_motion(w, R_UC)});
       }
-      if (structure.needed_rows > structure.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, c));
+      if (mobility.needed_rows > mobility.rank && cut.rows > 0) overconstrained_.push_back(loop(mechanism, c));
     }
   }
 
   // What the rows of a cut forbid in vain: one wrench for each row that is not needed. Rows that do nothing speak for
   // themselves; of others that do nothing together their sum does.
-  static std::vector<Spatial::Force> redundant_wrenches(const Mechanism& mechanism, const Structure& structure,
+  static std::vector<Spatial::Force> redundant_wrenches(const Mechanism& mechanism, const MobilityAnalysis& mobility,
                                                         const Dynamics& dynamics, int c, const Row<Spatial>* rows) {
     const Eigen::Map<const RowMatrix> J = dynamics.J();
     const Cut& cut = mechanism.cuts[c];
@@ -119,11 +119,11 @@ class RowInspector {
     std::vector<int> dropped;
     std::vector<int> working;
     for (int r = 0; r < cut.joint_rows; ++r) {
-      const bool idle = J.cols() == 0 || J.row(cut.first_row + r).lpNorm<Eigen::Infinity>() < 1e-9;
-      if (!idle) working.push_back(r);
-      if (std::ranges::find(structure.needed[c], r) != structure.needed[c].end()) continue;
-      if (idle) out.push_back(rows[r].w);
-      if (!idle) dropped.push_back(r);
+      const bool null_multipliers = J.cols() == 0 || J.row(cut.first_row + r).lpNorm<Eigen::Infinity>() < 1e-9;
+      if (!null_multipliers) working.push_back(r);
+      if (std::ranges::find(mobility.needed[c], r) != mobility.needed[c].end()) continue;
+      if (null_multipliers) out.push_back(rows[r].w);
+      if (!null_multipliers) dropped.push_back(r);
     }
     if (dropped.empty()) return out;
     Eigen::MatrixXd block(working.size(), J.cols());
@@ -153,9 +153,9 @@ class RowInspector {
   }
 
   // Components of reactions that idle multipliers change.
-  void find_undetermined(const Mechanism& mechanism, const Structure& structure, Dynamics& dynamics) {
-    for (Eigen::Index k = 0; k < structure.idle.cols(); ++k) {
-      const Eigen::VectorXd lambda = structure.idle.col(k);
+  void find_undetermined(const Mechanism& mechanism, const MobilityAnalysis& mobility, Dynamics& dynamics) {
+    for (Eigen::Index k = 0; k < mobility.null_multipliers.cols(); ++k) {
+      const Eigen::VectorXd lambda = mobility.null_multipliers.col(k);
       dynamics.readings().set_multipliers(lambda.data());
       find_undetermined_contacts(mechanism, lambda);
       for (const int j : mechanism.joints) {
@@ -304,10 +304,10 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
   const ReducedScene& reduced = StartReport(simulation).prepared().reduced;
   Inspection out;
   const ModelSize described = size_literally(scene);
-  out.left_out = wanted_part(whole).told();
+  out.left_out = wanted_part(whole).report();
   out.described = out.left_out.empty() ? described : size_literally(natural(whole));
   out.reduced = simulation.size();
-  out.counted_freedoms = described.speeds - described.rows;
+  out.counted_degrees_of_freedom = described.speeds - described.rows;
   for (int i = 0; i < reduction_count; ++i) {
     out.reductions.push_back(
         {.name = words::reductions[i], .on = scene.solver.reductions[i], .changed = false, .notes = {}});
@@ -316,9 +316,9 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
   compare_cuts(scene, described.rows, out);
   out.moved_frames = StartReport(simulation).moved_frames();
   tell_spinning(reduced, out);
-  out.momentary_freedoms = out.reduced.freedoms;
+  out.initial_degrees_of_freedom = out.reduced.degrees_of_freedom;
   for (const PreparedIsland& island : StartReport(simulation).prepared().islands) {
-    out.momentary_freedoms += island.structure.rank - island.structure.rank_start;
+    out.initial_degrees_of_freedom += island.mobility.rank - island.mobility.rank_start;
   }
   if (described.rows > 0 && described.rows <= most_rows) {
     const RowInspector rows(natural(in_space(simulation)), out);

@@ -28,8 +28,8 @@ struct Inspection {
   std::vector<ReductionReport> reductions;          // in the order of enum Reduction
   std::vector<RedundantRow> redundant_rows;         // left out, or not there in the plane
   std::vector<std::string> undetermined_reactions;  // "A.f[3]": what rigid bodies leave open
-  int counted_freedoms = 0;                         // by Gruebler's count: 6 for each body, less what joints forbid
-  int momentary_freedoms = 0;                       // at the start: more where it is singular
+  int counted_degrees_of_freedom = 0;               // by Gruebler's count: 6 for each body, less what joints forbid
+  int initial_degrees_of_freedom = 0;               // at the start: more where it is singular
   std::vector<MovedFrame> moved_frames;             // so that loops with rounded numbers close; m
   std::vector<std::string> mobility;                // why the freedoms are not as counted; sentences
   std::string left_out;                             // what no wanted output depends on; a sentence, empty: nothing

@@ -17,9 +17,9 @@ constexpr double met = 1e-10;
 // s, of fixed-step methods.
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
-FormulationOptions options_of(const Scene& scene, const Structure& structure) {
+FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
   return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections,
-          std::isfinite(structure.soundest) ? structure.soundest : 0};
+          std::isfinite(mobility.best_pivot_ratio) ? mobility.best_pivot_ratio : 0};
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
       equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_,
-                                                             options_of(scene, prepared_.structure)})),
+                                                             options_of(scene, prepared_.mobility)})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -39,7 +39,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   y_.insert(y_.end(), prepared_.start.v.begin(), prepared_.start.v.end());
   backup_ = y_;
   events_.describe(event_texts(), scene.solver.max_events);
-  dynamics_->limit_rank(prepared_.structure.rank);
+  dynamics_->set_max_rank(prepared_.mobility.rank);
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   if (follows_) equations_->drives().targets_at(time, followed_);
@@ -71,12 +71,12 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
 
 // So that steps find on the heap what they need: some are made, and undone.
 void Island::warm_up(double step) {
-  Record start;
-  exchange(start);
-  if (may_have_past()) make_room(start.words().size());
+  Archive start;
+  serialize(start);
+  if (may_have_history()) make_room(start.words().size());
   const auto undo = [&] {
     start.read_anew();
-    exchange(start);
+    serialize(start);
   };
   std::vector<double> y = y_;
   try {
@@ -90,59 +90,59 @@ void Island::warm_up(double step) {
 }
 
 // words: of a record as it is now; later there are also accelerations and inputs that are remembered (projection.cpp),
-// and samples of a singular position (passages.h).
+// and samples of a singular position (singularity_monitor.h).
 void Island::make_room(std::size_t words) {
-  past_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_));
-  past_.legs.reserve(Past::most_legs);
+  replay_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_));
+  replay_.legs.reserve(ReplayHistory::most_legs);
 }
 
-double Island::advance(double end, long most_evaluations, bool goes_on) {
+double Island::advance(double end, long most_evaluations, bool continues) {
   backup_ = y_;
   backup_time_ = time_;
   backup_followed_ = followed_;
-  fresh_ = Outputs::Needs::state;
-  if (!goes_on) events_.begin(time_);
+  realized_ = Stage::position;
+  if (!continues) events_.begin(time_);
   events_.begin_part();
   if (integrator_) {
-    if (follows_) meet_drives();
+    if (follows_) enforce_given_motions();
     if (inputs_jumped_) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
     }
-    if (will_have_past() && !has_past()) {
-      past_.beginning.write_anew();
-      exchange(past_.beginning);
-      past_.begin(integrator_->steps());
+    if (will_have_history() && !has_history()) {
+      replay_.beginning.write_anew();
+      serialize(replay_.beginning);
+      replay_.begin(integrator_->steps());
     }
-    Leg leg{end, dynamics_->evaluations(), inputs_jumped_};
+    ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
     inputs_jumped_ = false;
-    equations_->allow(most_evaluations);
+    equations_->set_evaluation_budget(most_evaluations);
     time_ = integrator_->advance(end, y_.data());
     if (follows_) equations_->drives().targets_at(time_, followed_);
     leg.evaluations = dynamics_->evaluations() - leg.evaluations;
-    remember(leg, goes_on, time_ == end);
+    remember(leg, continues, time_ == end);
   } else {
     time_ = end;
   }
   return time_;
 }
 
-void Island::forget_past() {
-  integrator_->forget_past(time_, y_.data());
-  past_.clear();
+void Island::discard_history() {
+  integrator_->discard_history(time_, y_.data());
+  replay_.clear();
 }
 
 // whole: it has reached its end. Elsewhere the method goes on, so that an advance in parts is as one.
-void Island::remember(const Leg& leg, bool goes_on, bool whole) {
-  if (!has_past()) {
-    past_.clear();
-  } else if (!past_.begun || !past_.add(leg, goes_on) ||
-             (whole && integrator_->steps() - past_.steps > Past::most_steps)) {
-    forget_past();
+void Island::remember(const ReplayStep& leg, bool continues, bool whole) {
+  if (!has_history()) {
+    replay_.clear();
+  } else if (!replay_.begun || !replay_.add(leg, continues) ||
+             (whole && integrator_->steps() - replay_.steps > ReplayHistory::most_steps)) {
+    discard_history();
   }
 }
 
-void Island::go_again(const Leg& leg) {
+void Island::replay(const ReplayStep& leg) {
   inputs_jumped_ = leg.jumped;
   if (!(leg.end > time_)) throw std::invalid_argument("it is not of this plant, or damaged");
   try {
@@ -154,20 +154,20 @@ void Island::go_again(const Leg& leg) {
   }
 }
 
-void Island::arrive(const Way& way, double time) {
+void Island::finish_replay(const ReplayPath& replay_path, double time) {
   if (time_ != time) throw std::invalid_argument("it is not of this plant, or damaged");
-  inputs_jumped_ = way.jumped;
-  evaluations_before_ = dynamics_->evaluations() - way.evaluations;
+  inputs_jumped_ = replay_path.jumped;
+  evaluations_before_ = dynamics_->evaluations() - replay_path.evaluations;
 }
 
 // An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
 // metric, as an impact would.
-void Island::meet_drives() {
+void Island::enforce_given_motions() {
   equations_->drives().targets_at(time_, drives_);
   const auto same = [](double a, double b) { return std::abs(a - b) <= met * (1 + std::abs(a)); };
   if (std::ranges::equal(drives_, followed_, same)) return;
   followed_ = drives_;
-  if (!equations_->meet(time_, y_.data())) {
+  if (!equations_->project_onto_constraints(time_, y_.data())) {
     throw IntegrationError("the motion that an input gives cannot be met from where the mechanism stands");
   }
   integrator_->restart(time_, y_.data());
@@ -178,33 +178,33 @@ void Island::roll_back() {
   time_ = backup_time_;
   followed_ = backup_followed_;
   events_.undo_part();
-  fresh_ = Outputs::Needs::state;
-  equations_->start(equations_->turns().coordinates(), time_, y_.data());
+  realized_ = Stage::position;
+  equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
   if (integrator_) integrator_->restart(time_, y_.data());
-  past_.clear();
+  replay_.clear();
 }
 
-void Island::exchange(Record& record) {
-  if (!record.reading() && has_past()) {
-    record.append(past_.beginning);
-    fresh_ = Outputs::Needs::state;  // as in those that read it: outputs count as evaluations
+void Island::serialize(Archive& archive) {
+  if (!archive.reading() && has_history()) {
+    archive.append(replay_.beginning);
+    realized_ = Stage::position;  // as in those that read it: outputs count as evaluations
     return;
   }
   long made = evaluations();
-  record.exchange(time_, y_, inputs_jumped_, made);
-  if (follows_) record.exchange(followed_);
+  archive.serialize(time_, y_, inputs_jumped_, made);
+  if (follows_) archive.serialize(followed_);
   evaluations_before_ = dynamics_->evaluations() - made;
-  equations_->exchange(record);
+  equations_->serialize(archive);
   if (integrator_) {
-    if (record.reading()) integrator_->restart(time_, y_.data());
-    integrator_->exchange(record);
+    if (archive.reading()) integrator_->restart(time_, y_.data());
+    integrator_->serialize(archive);
   }
-  fresh_ = Outputs::Needs::state;
+  realized_ = Stage::position;
 }
 
-void Island::refresh(Outputs::Needs needs) {
-  if (needs <= fresh_) return;
-  if (needs == Outputs::Needs::accelerations) {
+void Island::realize(Stage stage) {
+  if (stage <= realized_) return;
+  if (stage == Stage::acceleration) {
     equations_->output_accelerations(time_, y_.data(), vdot_.data());
   } else {
     equations_->drives().go_to_outputs(time_);
@@ -212,8 +212,8 @@ void Island::refresh(Outputs::Needs needs) {
     dynamics_->set_velocity(v());
   }
   dynamics_->readings().set_root_poses();
-  if (needs == Outputs::Needs::accelerations) dynamics_->set_acceleration(vdot_.data());
-  fresh_ = needs;
+  if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
+  realized_ = stage;
 }
 
 Reading Island::reading() const {
@@ -221,8 +221,8 @@ Reading Island::reading() const {
           q(),
           v(),
           vdot_.data(),
-          equations_->turns().coordinates().data(),
-          equations_->turns().speeds().data()};
+          equations_->revolutions().coordinates().data(),
+          equations_->revolutions().speeds().data()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
@@ -239,7 +239,7 @@ RunCounts Island::counts() const {
           .evaluations = evaluations(),
           .jacobians = equations_->jacobians(),
           .events = events_.count(),
-          .singular_positions = equations_->passages().count()};
+          .singular_positions = equations_->singularity_monitor().count()};
 }
 
 }  // namespace gelenk

@@ -160,7 +160,7 @@ Parameter choice(const char* name, const char* description, Items items, std::st
   return p;
 }
 
-Parameter count(const char* name, const char* description, Counted range, int Solver::* field) {
+Parameter count(const char* name, const char* description, IntRange range, int Solver::* field) {
   Parameter p;
   p.name = name;
   p.description = description;

@@ -25,7 +25,7 @@ Equations& Probe::equations(int island) {
 
 const std::vector<double>& Probe::state(int island) const { return impl_.islands.at(island)->y_; }
 
-Slopes Probe::residual_slopes(int island, const std::vector<double>& x, bool by_duals) const {
+Jacobians Probe::residual_jacobians(int island, const std::vector<double>& x, bool by_duals) const {
   const Island& of = *impl_.islands.at(island);
   const Mechanism& m = of.prepared().mechanism;
   const std::size_t needed = m.nq + 2 * m.nv + m.rows;
@@ -35,11 +35,11 @@ Slopes Probe::residual_slopes(int island, const std::vector<double>& x, bool by_
   const double* const v = x.data() + m.nq;
   const std::vector<double>& u = impl_.u.now();
   const auto dynamics = make_dynamics(m, of.loads());  // the run's own stays as it is
-  dynamics->set_cut_reference(of.formulation().turns().coordinates().data());
+  dynamics->set_cut_reference(of.formulation().revolutions().coordinates().data());
   dynamics->set_targets(with_two_derivatives(of.targets()).data());
   dynamics->set_position(x.data());
   dynamics->set_velocity(v);
-  Slopes out;
+  Jacobians out;
   out.of_inputs = true;
   dynamics->differentiate(u.data(), static_cast<int>(u.size()), v + m.nv, out, v + m.nv + m.nv, by_duals);
   return out;
@@ -56,7 +56,7 @@ double Probe::evaluation_cost() {
 // Least of several. budget [s]: what measuring may take, about.
 double Probe::evaluation_cost(Island& of, double budget) {
   if (of.mechanism().nv == 0) return 0;
-  of.fresh_ = Outputs::Needs::state;
+  of.realized_ = Stage::position;
   std::vector<double> ydot(of.y_.size());
   // Elsewhere each time: what is known of where the equations stand is not computed again.
   std::vector<double> beside = of.y_;

@@ -19,9 +19,9 @@ class Probe {
   // leave outputs of this moment undefined.
   Equations& equations(int island);
   const std::vector<double>& state(int island) const;
-  // Derivatives of that island's residuals (derivatives/derivatives.h) at x = (q, v, vdot, lambda, what is not needed),
+  // Derivatives of that island's residuals (derivatives/forward_ad.h) at x = (q, v, vdot, lambda, what is not needed),
   // under the present inputs, by recursion or by dual numbers. UsageError where x is too short.
-  Slopes residual_slopes(int island, const std::vector<double>& x, bool by_duals) const;
+  Jacobians residual_jacobians(int island, const std::vector<double>& x, bool by_duals) const;
   // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
   double evaluation_cost();
 

@@ -15,9 +15,9 @@ Sensitivity::Sensitivity(const ReducedScene& reduced, const Islands& islands, co
     : reduced_(reduced), islands_(islands), readings_(readings), signals_(outputs), states_(states), u_(u) {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];
-    tangents_.push_back(std::make_unique<Tangent>(island.prepared().mechanism, island.loads(),
-                                                  island.prepared().structure, independent[i],
-                                                  static_cast<int>(u.size())));
+    sensitivities_.push_back(std::make_unique<ConstrainedSensitivity>(island.prepared().mechanism, island.loads(),
+                                                                      island.prepared().mobility, independent[i],
+                                                                      static_cast<int>(u.size())));
   }
 }
 
@@ -32,19 +32,19 @@ int Sensitivity::component_of(const StateVariable& state) const {
   return s.component + (s.level == 0 ? place.iq : place.iv);
 }
 
-Tangent& Sensitivity::stand(int island) {
+ConstrainedSensitivity& Sensitivity::stand(int island) {
   at_ = island;
   const Island& from = *islands_[island];
   const double* y = from.reading().q;
-  tangents_[island]->stand(y, y + from.prepared().mechanism.nq, u_.data(),
-                           from.formulation().turns().coordinates().data(), from.targets());
-  return *tangents_[island];
+  sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, u_.data(),
+                                    from.formulation().revolutions().coordinates().data(), from.targets());
+  return *sensitivities_[island];
 }
 
 // Gives take(output, value as T) what is read of the island; of energies the island's part.
 template <class T, class Take>
-void Sensitivity::read(int i, Carried<T>& at, Take take) const {
-  const Extended<T>& e = *at.equations;
+void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
+  const ResidualEvaluator<T>& e = *at.equations;
   const ReadingOf<T> reading{e, at.q.data(), at.v.data(), at.vdot.data(), at.equations->cut_coordinates().data()};
   const EnergyOf<T> energy = e.energy();
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
@@ -56,7 +56,7 @@ void Sensitivity::read(int i, Carried<T>& at, Take take) const {
   }
 }
 
-void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
+void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& out) {
   const Mechanism& mechanism = islands_[i]->prepared().mechanism;
   const Index n = directions.cols();
   MatrixXd dq = MatrixXd::Zero(mechanism.nq, n);
@@ -70,7 +70,7 @@ void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
     (coordinate ? dq : dv).row(component_of(states_[s])) = sign * directions.row(static_cast<Index>(s));
   }
   const MatrixXd du = directions.bottomRows(static_cast<Index>(u_.size()));
-  const MovedState moved = tangents_[i]->move_state(dq, dv, du);
+  const MovedState moved = sensitivities_[i]->state_derivative(dq, dv, du);
   add_rates(i, moved, out);
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
     const Outputs::Entry entry = readings_.entry(k);
@@ -82,10 +82,10 @@ void Sensitivity::add(int i, const MatrixXd& directions, Slope& out) {
   for (Index first = 0; first < n; first += dual_directions) {
     const Index width = std::min<Index>(dual_directions, n - first);
     const auto some = [&](const MatrixXd& of) -> MatrixXd { return of.middleCols(first, width); };
-    Carried<Dual>& at = tangents_[i]->move(some(dq), some(dv), some(du));
+    CarriedState<Dual>& at = sensitivities_[i]->directional_derivative(some(dq), some(dv), some(du));
     read(i, at, [&](int k, const Dual& value) {
       if (readings_.entry(k).index != Outputs::none) return;
-      out.outputs.row(k).segment(first, width) += value.slope().head(width).matrix().transpose();
+      out.outputs.row(k).segment(first, width) += value.derivatives().head(width).matrix().transpose();
     });
   }
 }
@@ -98,9 +98,9 @@ bool Sensitivity::reads(int i) const {
   return false;
 }
 
-void Sensitivity::add_rates(int i, const MovedState& moved, Slope& out) const {
+void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivative& out) const {
   const Mechanism& mechanism = islands_[i]->prepared().mechanism;
-  const Eigen::VectorXd y = tangents_[i]->point();
+  const Eigen::VectorXd y = sensitivities_[i]->point();
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const StateVariable& state = states_[s];
     const JointPlace& place = place_of(state);
@@ -109,7 +109,7 @@ void Sensitivity::add_rates(int i, const MovedState& moved, Slope& out) const {
     const double sign = (signal.level == 0 ? place.q_sign : place.v_sign)[signal.component];
     const auto row = static_cast<Index>(s);
     if (state.derivative == StateVariable::none) {
-      out.xdot[row] = sign * tangents_[i]->qdot()[component_of(state)];
+      out.xdot[row] = sign * sensitivities_[i]->qdot()[component_of(state)];
       out.rates.row(row) = sign * moved.qdot.row(component_of(state));
       continue;
     }
@@ -123,7 +123,7 @@ void Sensitivity::add_rates(int i, const MovedState& moved, Slope& out) const {
 
 namespace {
 
-Slope nothing(std::size_t outputs, std::size_t states, Index columns) {
+DirectionalDerivative nothing(std::size_t outputs, std::size_t states, Index columns) {
   const auto ny = static_cast<Index>(outputs);
   const auto nx = static_cast<Index>(states);
   return {MatrixXd::Zero(ny, columns), MatrixXd::Zero(nx, columns), Eigen::VectorXd::Zero(nx)};
@@ -131,8 +131,8 @@ Slope nothing(std::size_t outputs, std::size_t states, Index columns) {
 
 }  // namespace
 
-Slope Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
-  Slope out = nothing(signals_.size(), states_.size(), 1);
+DirectionalDerivative Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
+  DirectionalDerivative out = nothing(signals_.size(), states_.size(), 1);
   MatrixXd direction(static_cast<Index>(dx.size() + du.size()), 1);
   std::copy(du.begin(), du.end(), std::copy(dx.begin(), dx.end(), direction.data()));
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
@@ -155,7 +155,7 @@ std::vector<int> Sensitivity::columns_of(int island) const {
 Linearization Sensitivity::linearize() {
   const auto nx = static_cast<Index>(states_.size());
   const auto nu = static_cast<Index>(u_.size());
-  Slope all = nothing(signals_.size(), states_.size(), nx + nu);
+  DirectionalDerivative all = nothing(signals_.size(), states_.size(), nx + nu);
   Linearization out;
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     const std::vector<int> columns = columns_of(i);
@@ -167,7 +167,7 @@ Linearization Sensitivity::linearize() {
     }
     MatrixXd directions = MatrixXd::Zero(nx + nu, width);
     for (Index k = 0; k < width; ++k) directions(columns[k], k) = 1;
-    Slope part = nothing(signals_.size(), states_.size(), width);
+    DirectionalDerivative part = nothing(signals_.size(), states_.size(), width);
     add(i, directions, part);
     all.xdot += part.xdot;
     for (Index k = 0; k < width; ++k) {
@@ -186,7 +186,7 @@ Linearization Sensitivity::linearize() {
 Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std::vector<double>& uddot) {
   Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
-    Carried<Series>& path = stand(i).follow(udot.data(), uddot.data());
+    CarriedState<Series>& path = stand(i).time_derivatives(udot.data(), uddot.data());
     read(i, path, [&](int k, const Series& value) {
       out(k, 0) += value[1];
       out(k, 1) += 2 * value[2];

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/tangent.h"
+#include "analysis/constrained_sensitivity.h"
 #include "outputs/outputs.h"
 #include "scene/signals.h"
 #include "simulation/island.h"
@@ -19,13 +19,13 @@ namespace gelenk {
 
 // What differs along directions, one a column, of (states; inputs): first the outputs, then the states' derivatives.
 // Units: those of the outputs, over those of states and inputs.
-struct Slope {
+struct DirectionalDerivative {
   Eigen::MatrixXd outputs, rates;
   Eigen::VectorXd xdot;  // the states' derivatives themselves
 };
 
 // d xdot = A dx + B du, d y = C dx + D du, about a point at which xdot is as told; x: states, y: all outputs. Where a
-// quaternion is among the states, the four numbers are moved as if they were normalised afterwards: along
+// quaternion is among the states, the four numbers are moved as if they were normalized afterwards: along
 // itself it cannot move, so that A has a zero eigenvalue for each.
 struct Linearization {
   Eigen::MatrixXd A, B, C, D;
@@ -44,7 +44,7 @@ class Sensitivity {
   // All three throw Undetermined and SingularMass, faulty_island() telling where.
   Linearization linearize();
   // One direction: dx (states), du (inputs).
-  Slope along(const std::vector<double>& dx, const std::vector<double>& du);
+  DirectionalDerivative along(const std::vector<double>& dx, const std::vector<double>& du);
   // Of all outputs along the motion: column 0 the first, column 1 the second time derivatives. udot, uddot: the
   // inputs'.
   Eigen::MatrixX2d in_time(const std::vector<double>& udot, const std::vector<double>& uddot);
@@ -52,14 +52,14 @@ class Sensitivity {
   int faulty_island() const { return at_; }
 
  private:
-  Tangent& stand(int island);
+  ConstrainedSensitivity& stand(int island);
   // Adds what island `i` does along these directions (states; inputs), where it stands.
-  void add(int i, const Eigen::MatrixXd& directions, Slope& out);
-  void add_rates(int i, const MovedState& moved, Slope& out) const;
+  void add(int i, const Eigen::MatrixXd& directions, DirectionalDerivative& out);
+  void add_rates(int i, const MovedState& moved, DirectionalDerivative& out) const;
   // Whether some output of the island is more than an entry of its state.
   bool reads(int i) const;
   template <class T, class Take>
-  void read(int i, Carried<T>& at, Take take) const;
+  void read(int i, CarriedState<T>& at, Take take) const;
   std::vector<int> columns_of(int island) const;
   const JointPlace& place_of(const StateVariable& state) const;
   int component_of(const StateVariable& state) const;
@@ -70,7 +70,7 @@ class Sensitivity {
   const std::vector<Signal>& signals_;
   const std::vector<StateVariable>& states_;
   const std::vector<double>& u_;
-  std::vector<std::unique_ptr<Tangent>> tangents_;
+  std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int at_ = 0;
 };
 

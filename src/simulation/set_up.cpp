@@ -40,12 +40,12 @@ void Simulation::Impl::make_islands() {
     for (const int input : islands[i]->loads().inputs) island_of_input[input] = static_cast<int>(i);
     const PreparedIsland& of = islands[i]->prepared();
     size.rows += of.mechanism.rows;
-    size.rank += of.structure.rank;
-    size.free_coordinates += of.mechanism.nv - of.structure.position_rank;
+    size.rank += of.mobility.rank;
+    size.free_coordinates += of.mechanism.nv - of.mobility.position_rank;
   }
-  size.freedoms = size.speeds - size.rank;
+  size.degrees_of_freedom = size.speeds - size.rank;
   readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
-  still_energy = standing_energy(scene, prepared.reduced);
+  immobile_energy = gelenk::immobile_energy(scene, prepared.reduced);
 }
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -62,7 +62,7 @@ void Simulation::assemble(double time) {
   s.prepare_start();
   s.make_islands();
   s.find_independent();
-  if (s.scene.solver.start == "equilibrium") s.settle();
+  if (s.scene.solver.start == "equilibrium") s.start_at_equilibrium();
   s.initialized = true;
 }
 
@@ -77,7 +77,7 @@ void Simulation::initialize(double time, double tolerance) {
     if (const Integrator* made = island->integrator()) finest = std::max(finest, made->finest_tolerance());
   }
   if (wanted < finest) s.prepared.warnings.push_back(describe_finest(s.scene.solver.integrator, wanted, finest));
-  if (any_integrator(s.islands, &Integrator::may_have_past)) s.log.make_room();
+  if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.make_room();
   s.initialized = s.runs = true;
 }
 
@@ -94,7 +94,7 @@ void Simulation::tune(const Scene& scene) {
   }
   s.load_maker->fill(s.other_loads);
   for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->swap_loads(s.other_loads[i]);
-  s.still_energy = standing_energy(s.scene, s.prepared.reduced);
+  s.immobile_energy = gelenk::immobile_energy(s.scene, s.prepared.reduced);
 }
 
 }  // namespace gelenk

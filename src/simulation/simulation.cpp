@@ -30,18 +30,18 @@ void Simulation::Impl::check_inputs(double end) const {
   }
 }
 
-// To `end`, or where an island's evaluations are spent, there all of them; returns the time. moved: how many islands
-// are not, or may be not, where the step began.
-double Simulation::Impl::advance_islands(double end, bool goes_on, std::size_t& moved) {
+// To `end`, or where an island's evaluations are budget_exhausted, there all of them; returns the time. moved: how many
+// islands are not, or may be not, where the step began.
+double Simulation::Impl::advance_islands(double end, bool continues, std::size_t& moved) {
   for (const auto& island : islands) {
     ++moved;
-    end = island->advance(end, scene.solver.max_evaluations, goes_on);
+    end = island->advance(end, scene.solver.max_evaluations, continues);
   }
   // Those that were ahead have been further within their evaluations.
   for (const auto& island : islands) {
     if (island->time() == end) continue;
     island->roll_back();
-    island->advance(end, LONG_MAX, goes_on);
+    island->advance(end, LONG_MAX, continues);
   }
   return end;
 }
@@ -49,10 +49,10 @@ double Simulation::Impl::advance_islands(double end, bool goes_on, std::size_t& 
 void Simulation::Impl::advance(double end) {
   std::string cause;
   std::size_t moved = 0;
-  const bool goes_on = cut_short && !u.moving() && log.ends_with(u);
-  if (!goes_on && any_integrator(islands, &Integrator::will_have_past)) log.add(u);
+  const bool continues = cut_short && !u.moving() && log.ends_with(u);
+  if (!continues && any_integrator(islands, &Integrator::will_have_history)) log.add(u);
   try {
-    const double reached = advance_islands(end, goes_on, moved);
+    const double reached = advance_islands(end, continues, moved);
     time = reached;
     cut_short = reached < end;
     if (reached == end) return u.finish(end);
@@ -69,9 +69,9 @@ void Simulation::Impl::advance(double end) {
 
 Energy Simulation::Impl::energy() {
   Energy sum;
-  sum.potential = still_energy;
+  sum.potential = immobile_energy;
   for (const auto& island : islands) {
-    island->refresh(Outputs::Needs::velocities);
+    island->realize(Stage::velocity);
     const Energy part = island->dynamics().readings().energy();
     sum.kinetic += part.kinetic;
     sum.potential += part.potential;
@@ -84,7 +84,7 @@ double Simulation::Impl::largest_gap(const std::vector<double>& (Kinematics::*of
   double angle = 0;
   double length = 0;
   for (const auto& island : islands) {
-    island->refresh(Outputs::Needs::velocities);
+    island->realize(Stage::velocity);
     const Kinematics& at = island->dynamics();
     const std::vector<double>& rows = (at.*of)();
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -107,13 +107,13 @@ void Simulation::step_to(double end) {
   s.advance(end);
 }
 
-void Simulation::exchange(Record& record) {
+void Simulation::serialize(Archive& archive) {
   Impl& s = *impl_;
   if (!s.runs) throw UsageError("a record of a run before initialize()");
-  record.exchange(s.time);
-  s.u.exchange(record);
-  for (const auto& island : s.islands) island->exchange(record);
-  s.exchange_past(record);
+  archive.serialize(s.time);
+  s.u.serialize(archive);
+  for (const auto& island : s.islands) island->serialize(archive);
+  s.exchange_past(archive);
   s.cut_short = false;
 }
 
@@ -160,7 +160,7 @@ double Simulation::output(int index) {
   if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
-  island.refresh(s.readings->needs(index));
+  island.realize(s.readings->stage(index));
   return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
@@ -171,7 +171,7 @@ Pose3 Simulation::body_pose(int body) {
   Pose3 X_WB = place.X_LB;  // of what stands still
   if (place.island >= 0) {
     Island& island = *s.islands[place.island];
-    island.refresh(Outputs::Needs::velocities);
+    island.realize(Stage::velocity);
     const StateReadings& readings = island.dynamics().readings();
     const Pose3 X_0L = place.rod >= 0 ? readings.rod_pose(place.rod) : readings.link_pose(place.link);
     X_WB = s.prepared.reduced.islands[place.island].X_W0 * X_0L * place.X_LB;

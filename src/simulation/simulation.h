@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "derivatives/derivatives.h"
+#include "derivatives/jacobians.h"
 #include "formulation/equations.h"
-#include "math/record.h"
 #include "preparation/adjustment.h"
 #include "preparation/preparation.h"
 #include "scene/scene.h"
 #include "scene/signals.h"
 #include "simulation/sensitivity.h"
+#include "util/archive.h"
 
 namespace gelenk {
 
@@ -42,14 +42,14 @@ class NotDifferentiable : public UsageError {
 
 // Sizes of the model behind a scene.
 struct ModelSize {
-  int bodies = 0;            // that can move, after merging welds
-  int coordinates = 0;       // nq
-  int speeds = 0;            // nv
-  int rows = 0;              // of the loops
-  int rank = 0;              // of the rows, at a position without special symmetry
-  int freedoms = 0;          // speeds - rank
-  int free_coordinates = 0;  // as many, and one more for each row that holds a speed and no position
-  int islands = 0;           // parts solved apart
+  int bodies = 0;              // that can move, after merging welds
+  int coordinates = 0;         // nq
+  int speeds = 0;              // nv
+  int rows = 0;                // of the loops
+  int rank = 0;                // of the rows, at a position without special symmetry
+  int degrees_of_freedom = 0;  // speeds - rank
+  int free_coordinates = 0;    // as many, and one more for each row that holds a speed and no position
+  int islands = 0;             // parts solved apart
   int planar_islands = 0;
   bool planar = false;  // all of them
 };
@@ -84,7 +84,7 @@ class Simulation {
   // was initialized at the same time and tolerance and has been tuned alike. Methods with a history (ida, cvode,
   // cvode-adams, dirk) begin anew at a record, in the run that wrote it, too. After initialize(). Throws
   // std::invalid_argument for a record of something else; the simulation is undefined then, until it takes a right one.
-  void exchange(Record& record);
+  void serialize(Archive& archive);
 
   double time() const;
   const Scene& scene() const;

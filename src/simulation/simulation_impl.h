@@ -66,7 +66,7 @@ struct Simulation::Impl {
   std::unique_ptr<Outputs> readings;
   std::optional<LoadMaker> load_maker;
   std::vector<Loads> other_loads;  // by island: to be filled in when tuned
-  double still_energy = 0;         // J, potential, of what stands still
+  double immobile_energy = 0;      // J, potential, of what stands still
   double time = 0;
   bool initialized = false;
   bool runs = false;       // with integrators
@@ -78,20 +78,20 @@ struct Simulation::Impl {
   std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
 
   Eigen::VectorXd sizes_of_states() const;  // as output_size; of their derivatives, too
-  void prepare_start();  // closes the loops, of a scene whose numbers were rounded, too (closed_start.cpp)
+  void prepare_start();  // closes the loops, of a scene whose numbers were rounded, too (assembled_start.cpp)
   void close_loops();
   void prepare_or_advise(double tolerance);
   void take(AdjustedScene adjusted);
   void tell_moves();
   void make_islands();
   void find_independent();
-  void settle();                     // the start becomes a rest (settle.cpp)
+  void start_at_equilibrium();       // the start becomes a rest (start_at_equilibrium.cpp)
   int known_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);
-  void exchange_past(Record& record);
-  void go_again(const std::vector<Way>& ways);
-  double advance_islands(double end, bool goes_on, std::size_t& moved);
+  void exchange_past(Archive& archive);
+  void replay(const std::vector<ReplayPath>& ways);
+  double advance_islands(double end, bool continues, std::size_t& moved);
   Energy energy();
   double largest_gap(const std::vector<double>& (Kinematics::*of)() const);
   std::vector<std::string> names_of_coordinates(int island) const;  // independent ones

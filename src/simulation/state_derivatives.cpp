@@ -70,14 +70,14 @@ Independent Simulation::Impl::independent_of(int island, const std::vector<bool>
                                              const std::vector<bool>& speeds) const {
   const Island& of = *islands[island];
   const Mechanism& mechanism = of.prepared().mechanism;
-  const Structure& structure = of.prepared().structure;
+  const MobilityAnalysis& mobility = of.prepared().mobility;
   const auto dynamics = make_dynamics(mechanism, of.loads());  // the run's own stays as it is
-  dynamics->limit_rank(structure.rank);
+  dynamics->set_max_rank(mobility.rank);
   // A singular start tells too little of what depends on what.
-  const bool singular = structure.rank_start < structure.rank && !structure.idle_q.empty();
-  dynamics->set_position((singular ? structure.idle_q : prepared.islands[island].start.q).data());
-  dynamics->factorise();
-  return independent_at(mechanism, *dynamics, structure, coordinates, speeds);
+  const bool singular = mobility.rank_start < mobility.rank && !mobility.generic_q.empty();
+  dynamics->set_position((singular ? mobility.generic_q : prepared.islands[island].start.q).data());
+  dynamics->factorize();
+  return independent_at(mechanism, *dynamics, mobility, coordinates, speeds);
 }
 
 Eigen::VectorXd Simulation::Impl::sizes_of_states() const {
@@ -151,7 +151,7 @@ auto StateDerivatives::differentiate(Ask ask) {
   try {
     s.u.go_to(s.time);
     return ask(*s.sensitivity);
-  } catch (const Undetermined& fault) {
+  } catch (const NotDifferentiablePoint& fault) {
     throw NotDifferentiable(
         describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
   } catch (const SingularMass& fault) {
@@ -174,7 +174,8 @@ Linearization StateDerivatives::linearize() {
   return out;
 }
 
-Slope StateDerivatives::slope_along(const std::vector<double>& dx, const std::vector<double>& du) {
+DirectionalDerivative StateDerivatives::directional_derivative(const std::vector<double>& dx,
+                                                               const std::vector<double>& du) {
   check_size("dx", dx.size(), impl_.states.size());
   check_size("du", du.size(), impl_.u.count());
   const Simulation::Impl& s = impl_;
@@ -186,7 +187,7 @@ Slope StateDerivatives::slope_along(const std::vector<double>& dx, const std::ve
   const Sizes x = s.sizes_of_states();
   const std::vector<double> along_x = natural(dx, x);
   const std::vector<double> along_u = natural(du, sizes(s.input_size));
-  Slope out = differentiate([&](Sensitivity& of) { return of.along(along_x, along_u); });
+  DirectionalDerivative out = differentiate([&](Sensitivity& of) { return of.along(along_x, along_u); });
   out.outputs = sizes(s.output_size).asDiagonal() * out.outputs;
   out.rates = x.asDiagonal() * out.rates;
   out.xdot = x.cwiseProduct(out.xdot);

@@ -28,7 +28,7 @@ class StateDerivatives {
   // - of all outputs and of the states' derivatives, by states and inputs;
   Linearization linearize();
   // - along the direction dx (as states()), du (as inputs());
-  Slope slope_along(const std::vector<double>& dx, const std::vector<double>& du);
+  DirectionalDerivative directional_derivative(const std::vector<double>& dx, const std::vector<double>& du);
   // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
   //   time derivatives; empty: those set for the step to come, or, where nothing was set since the last step, those
   //   with which the inputs have arrived.

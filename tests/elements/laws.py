@@ -192,11 +192,11 @@ class Place:
     def act(self, force: Any) -> list[Array]:
         return list(force.act(self.poses, self.velocities, self.inputs, self.R_0W))
 
-    def slopes(self, force: Any) -> Any:
-        return force.slopes(self.poses, self.velocities, self.inputs, self.R_0W)
+    def jacobians(self, force: Any) -> Any:
+        return force.jacobians(self.poses, self.velocities, self.inputs, self.R_0W)
 
-    def slopes_by_duals(self, force: Any) -> dict[str, Any]:
-        return dict(force.slopes_by_duals(self.poses, self.velocities, self.inputs, self.R_0W))
+    def derivatives_by_duals(self, force: Any) -> dict[str, Any]:
+        return dict(force.derivatives_by_duals(self.poses, self.velocities, self.inputs, self.R_0W))
 
     def after(self, dt: float) -> list[Array]:
         """The ports' poses a short time later."""

@@ -42,7 +42,7 @@ def inputs_of(along: Any) -> laws.Array:
 
 def has_a_kink(along: Any, q: float, v: float, u: laws.Array) -> bool:
     """Whether its derivatives jump within a step of differences."""
-    about = [along.slopes_by_duals(q + a, v + b, u) for a in (-STEP, 0, STEP) for b in (-STEP, 0, STEP)]
+    about = [along.derivatives_by_duals(q + a, v + b, u) for a in (-STEP, 0, STEP) for b in (-STEP, 0, STEP)]
     return not np.allclose(about, about[0], atol=1e-3)
 
 
@@ -53,9 +53,9 @@ def test_derivatives_are_those_of_the_effort(case: Case) -> None:
     u = inputs_of(along)
     smooth = 0
     for q, v in STATES:
-        by_duals = np.array(along.slopes_by_duals(q, v, u))
+        by_duals = np.array(along.derivatives_by_duals(q, v, u))
         scale = 1 + abs(along.effort(q, v, u)) + float(np.abs(by_duals).max())
-        by_hand = along.slopes(q, v)
+        by_hand = along.jacobians(q, v)
         if by_hand is not None:
             assert_allclose(by_hand, by_duals[:2], atol=ROUND_OFF * scale)
         if has_a_kink(along, q, v, u):

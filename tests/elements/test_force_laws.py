@@ -163,7 +163,7 @@ def as_matrix(slopes: dict[str, Array]) -> Array:
 def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
     """By dual numbers and by differences. At rest |v| has no second derivative, so differences err by h."""
     for place in places(case.force):
-        found = as_matrix(place.slopes_by_duals(case.force))
+        found = as_matrix(place.derivatives_by_duals(case.force))
         F = place.act(case.force)
         scale = laws.scale_of(F, place) * (1 + float(np.abs(found).max()))
         still = not any(v.any() for v in place.velocities)
@@ -175,10 +175,10 @@ def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
 def test_derivatives_by_hand_are_those_by_dual_numbers(case: Case) -> None:
     """And what they say of themselves: of points alone, without damping."""
     for place in places(case.force):
-        by_hand = place.slopes(case.force)
+        by_hand = place.jacobians(case.force)
         if by_hand is None:
             pytest.skip("it has none by hand")
-        by_duals = as_matrix(place.slopes_by_duals(case.force))
+        by_duals = as_matrix(place.derivatives_by_duals(case.force))
         scale = 1 + float(np.abs(by_duals).max())
         if by_hand["of_points"]:
             assert (as_matrix(by_hand)[3:] == 0).all()

@@ -31,7 +31,7 @@ def in_wine(folder: Path, arguments: list[str]) -> str:
     assert WINE
     host = folder / "busy_host.exe"
     subprocess.run(
-        [COMPILER, "-O1", "-static", f"-I{HEADERS}", str(HERE / "busy_host.c"), "-o", str(host), "-lpthread"],
+        [COMPILER, "-O1", "-static", f"-I{HEADERS}", str(HERE / "multithreaded_host.c"), "-o", str(host), "-lpthread"],
         check=True,
     )
     run = subprocess.run(

@@ -46,12 +46,12 @@ struct Host {
   explicit Host(const char* integrator)
       : model(std::make_shared<const PlantModel>(scene(integrator), "fuzzed.json")),
         instance(model, Log(nullptr, "plant", false)) {
-    for (int i = 0; i < static_cast<int>(model->catalogue.variables().size()); ++i) {
-      if (model->catalogue.variables()[i].source == Source::output) outputs.push_back(i);
+    for (int i = 0; i < static_cast<int>(model->catalog.variables().size()); ++i) {
+      if (model->catalog.variables()[i].source == Source::output) outputs.push_back(i);
     }
     const double torque = 0.5;
-    const auto input = std::ranges::find(model->catalogue.variables(), Source::input, &Variable::source);
-    const auto reference = static_cast<fmi2ValueReference>(input - model->catalogue.variables().begin());
+    const auto input = std::ranges::find(model->catalog.variables(), Source::input, &Variable::source);
+    const auto reference = static_cast<fmi2ValueReference>(input - model->catalog.variables().begin());
     bool fine = fmi2SetupExperiment(&instance, fmi2False, 0, 0, fmi2False, 0) == fmi2OK;
     fine = fine && fmi2EnterInitializationMode(&instance) == fmi2OK;
     fine = fine && fmi2SetReal(&instance, &reference, 1, &torque) == fmi2OK;
@@ -98,7 +98,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   std::vector<std::uint64_t> words((size - 1) / sizeof(std::uint64_t));
   if (!words.empty()) std::memcpy(words.data(), rest, words.size() * sizeof(std::uint64_t));
-  const SavedState given{Record(std::move(words)), false};
+  const SavedState given{Archive(std::move(words)), false};
   std::vector<char> bytes(serialized_size(given));
   serialize(given, host.model->guid, bytes);
   demand(fmi2DeSerializeFMUstate(&host.instance, bytes.data(), bytes.size(), &state) == fmi2OK,
@@ -125,7 +125,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
                                                unsigned seed) {
   if (size < 16 || seed % 16 == 0) {
     Host& host = host_of(static_cast<std::uint8_t>(seed / 16));
-    const std::vector<std::uint64_t>& words = static_cast<SavedState*>(host.home)->record.words();
+    const std::vector<std::uint64_t>& words = static_cast<SavedState*>(host.home)->archive.words();
     const std::size_t length = words.size() * sizeof(std::uint64_t);
     if (length + 1 > max_size) return LLVMFuzzerMutate(data, size, max_size);
     data[0] = static_cast<std::uint8_t>(seed / 16);

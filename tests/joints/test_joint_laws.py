@@ -47,7 +47,7 @@ def test_velocity_is_the_rate_of_the_pose(case: Case) -> None:
     for q in laws.coordinates(case):
         for v in some_speeds(case, 3):
             X = joint.X_FM(q)
-            Xdot = quotient(joint.X_FM, q, joint.rate(q, v))
+            Xdot = quotient(joint.X_FM, q, joint.qdot_from_v(q, v))
             V = np.concatenate([laws.unskew(X[:3, :3].T @ Xdot[:3, :3]), X[:3, :3].T @ Xdot[:3, 3]])
             scale = 4 * (1 + np.abs(q[: case.kind["nv"]]).max(initial=0) * 1e-2)  # |v| <= 2 per speed
             assert_allclose(joint.V_FM(q, v), V, atol=QUOTIENT * scale)
@@ -69,7 +69,7 @@ def test_bias_is_the_rate_of_the_motion_space(case: Case) -> None:
     joint = case.joint()
     for q in laws.coordinates(case):
         for v in some_speeds(case, 3):
-            expected = quotient(lambda x, v=v: joint.V_FM(x, v), q, joint.rate(q, v))
+            expected = quotient(lambda x, v=v: joint.V_FM(x, v), q, joint.qdot_from_v(q, v))
             assert_allclose(
                 joint.bias(q, v), expected, atol=QUOTIENT * 16
             )  # products of two speeds, up to 12
@@ -105,8 +105,8 @@ def test_rate_and_its_inverse_agree(case: Case) -> None:
     joint = case.joint()
     for q in laws.coordinates(case):
         for v in some_speeds(case, 3):
-            qdot = joint.rate(q, v)
-            assert_allclose(joint.unrate(q, qdot), v, atol=10 * ROUND_OFF)
+            qdot = joint.qdot_from_v(q, v)
+            assert_allclose(joint.v_from_qdot(q, qdot), v, atol=10 * ROUND_OFF)
             if case.kind["quaternion"]:
                 assert q[-4:] @ qdot[-4:] == pytest.approx(0, abs=10 * ROUND_OFF)
             else:

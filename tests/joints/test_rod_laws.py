@@ -215,7 +215,7 @@ def test_derivatives_carried_along_are_the_rates_of_the_coordinates(chain: Chain
         q = rod.coordinates(X, chain.some_q(i))
         v = rod.speeds(q, in_M(X, V_F))
         k, n = ends[0].nq, ends[0].nv
-        expected = np.concatenate([ends[0].rate(q[:k], v[:n]), ends[1].rate(q[k:], v[n:])])
+        expected = np.concatenate([ends[0].qdot_from_v(q[:k], v[:n]), ends[1].qdot_from_v(q[k:], v[n:])])
         rate = np.zeros((4, 4))
         rate[:3, :3] = skew(V_F[:3]) @ X[:3, :3]
         rate[:3, 3] = V_F[3:]
@@ -240,7 +240,7 @@ def test_bias_is_the_rate_of_the_motion_space(chain: Chain) -> None:
         q = rod.coordinates(X, chain.some_q(i))
         v = np.random.default_rng(i).uniform(-1, 1, rod.nv)
         k, n = ends[0].nq, ends[0].nv
-        qdot = np.concatenate([ends[0].rate(q[:k], v[:n]), ends[1].rate(q[k:], v[n:])])
+        qdot = np.concatenate([ends[0].qdot_from_v(q[:k], v[:n]), ends[1].qdot_from_v(q[k:], v[n:])])
         rate = (rod.V_FM(q + STEP * qdot, v) - rod.V_FM(q - STEP * qdot, v)) / (2 * STEP)
         assert_allclose(rod.bias(q, v), rate, atol=20 * QUOTIENT)
 
@@ -253,7 +253,7 @@ def test_effort_does_the_work_of_the_speeds(chain: Chain) -> None:
         q = rod.coordinates(X, chain.some_q(i))
         rng = np.random.default_rng(i)
         v, tau = rng.uniform(-1, 1, rod.nv), rng.uniform(-1, 1, rod.nv)
-        F = rod.effort(q, tau)
+        F = rod.wrench_from_tau(q, tau)
         assert_allclose(rod.V_FM(q, v) @ F, v @ tau, atol=100 * ROUND_OFF * (1 + np.abs(F).max()))
 
 

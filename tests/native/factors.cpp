@@ -54,7 +54,7 @@ void bind_factors(nb::module_& m) {
   auto dense = nb::class_<RowFactor>(m, "RowFactor").def(nb::init<int, int>());
   dense.def("factorise", [](RowFactor& f, const Table& columns, int max_rank) {
     for (std::size_t r = 0; r < columns.size(); ++r) std::ranges::copy(columns[r], f.column(static_cast<int>(r)));
-    f.factorise(max_rank);
+    f.factorize(max_rank);
   });
   bind_answers(dense);
 
@@ -82,7 +82,7 @@ void bind_factors(nb::module_& m) {
              for (int i = 0; i < f.size(); ++i) {
                for (int d = 0; d <= f.depth(i); ++d) f.row(i)[d] = M[i][f.ancestors(i)[d]];
              }
-             return f.factorise();
+             return f.factorize();
            })
       .def("factor",
            [](const SparseFactor& f) {

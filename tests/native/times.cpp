@@ -5,13 +5,13 @@
 #include <cstdint>
 
 #include "event/cubic.h"
-#include "event/passages.h"
+#include "event/singularity_monitor.h"
 #include "fmu/clock.h"
 #include "formulation/inputs.h"
 #include "kinematics/stages.h"
 #include "math/bracket.h"
-#include "math/record.h"
 #include "units.h"
+#include "util/archive.h"
 
 namespace nb = nanobind;
 
@@ -28,22 +28,22 @@ struct Sample {
   int place = 0;  // of four
   Numbers list;
 
-  void exchange(gelenk::Record& record) {
-    record.exchange(x, word, flag, small, large);
+  void serialize(gelenk::Archive& record) {
+    record.serialize(x, word, flag, small, large);
     record.within(place, 0, 3);
-    record.exchange(list);
+    record.serialize(list);
   }
 };
 
 template <class T>
 void bind_words(nb::class_<T>& c) {
   c.def("words", [](T& x) {
-     gelenk::Record record;
-     x.exchange(record);
+     gelenk::Archive record;
+     x.serialize(record);
      return record.words();
    }).def("read", [](T& x, std::vector<std::uint64_t> words) {
-    gelenk::Record record(std::move(words));
-    x.exchange(record);
+    gelenk::Archive record(std::move(words));
+    x.serialize(record);
     record.finish();
   });
 }
@@ -54,7 +54,7 @@ void bind_times(nb::module_& m) {
   using gelenk::Bracket;
   using gelenk::Clock;
   using gelenk::Inputs;
-  using gelenk::Passages;
+  using gelenk::SingularityMonitor;
 
   auto sample = nb::class_<Sample>(m, "Sample").def(nb::init<>());
   sample.def_rw("x", &Sample::x).def_rw("word", &Sample::word).def_rw("flag", &Sample::flag);
@@ -125,9 +125,11 @@ void bind_times(nb::module_& m) {
       .def("set", &Computed::set)
       .def("drop", &Computed::drop);
 
-  auto passages = nb::class_<Passages>(m, "Passages").def(nb::init<>());
-  passages.def("seen", &Passages::seen).def("accepted", &Passages::accepted).def("restart", &Passages::restart);
-  passages.def_prop_ro("count", &Passages::count).def_prop_ro("last", &Passages::last);
+  auto passages = nb::class_<SingularityMonitor>(m, "Passages").def(nb::init<>());
+  passages.def("seen", &SingularityMonitor::seen)
+      .def("accepted", &SingularityMonitor::accepted)
+      .def("restart", &SingularityMonitor::restart);
+  passages.def_prop_ro("count", &SingularityMonitor::count).def_prop_ro("last", &SingularityMonitor::last);
   bind_words(passages);
 }
 

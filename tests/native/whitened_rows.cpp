@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The choice between the factorisations of rows, with any masses: those of an algebra that is none.
-#include "dynamics/whitened_rows.h"
+#include "dynamics/mass_weighted_jacobian.h"
 
 #include <memory>
 
@@ -12,7 +12,7 @@ struct Given {};
 
 namespace gelenk {
 
-// What WhitenedRows asks of a mass, from its factor.
+// What MassWeightedJacobian asks of a mass, from its factor.
 template <>
 class MassFactor<native::Given> {
  public:
@@ -39,7 +39,7 @@ namespace nb = nanobind;
 namespace native {
 namespace {
 
-using Whitened = gelenk::WhitenedRows<Given>;
+using Whitened = gelenk::MassWeightedJacobian<Given>;
 
 // A member that is private may be named where a template is instantiated by hand.
 bool by_pattern(const Whitened& rows);
@@ -71,11 +71,11 @@ void bind_whitened_rows(nb::module_& m) {
              for (int i = 0; i < L.size(); ++i) {
                for (int d = 0; d <= L.depth(i); ++d) L.row(i)[d] = M[i][L.ancestors(i)[d]];
              }
-             if (L.factorise() >= 0) throw std::runtime_error("no mass");
+             if (L.factorize() >= 0) throw std::runtime_error("no mass");
              for (int r = 0; r < rows.J.rows(); ++r) {
                for (int k = 0; k < rows.J.entries(r); ++k) rows.J.values(r)[k] = J[r][rows.J.speeds(r)[k]];
              }
-             rows.whitened->factorise(max_rank);
+             rows.whitened->factorize(max_rank);
            })
       .def_prop_ro("by_pattern", [](const Rows& rows) { return by_pattern(*rows.whitened); })
       .def_prop_ro("rank", [](const Rows& rows) { return rows.whitened->rank(); })

@@ -369,7 +369,7 @@ class Bodies:
         turns = [float(np.abs(x[n][0] - y[n][0]).max()) for n in self.names]
         return max([*turns, *(float(np.abs(x[n][1] - y[n][1]).max()) / self.length for n in self.names)])
 
-    def freedoms(self, x: Poses, tries: int = 4) -> int:
+    def degrees_of_freedom(self, x: Poses, tries: int = 4) -> int:
         """The least number of free motions found here and at positions near by."""
         rng = np.random.default_rng(0)
         best = self.rank(x)[0]

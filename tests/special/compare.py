@@ -236,9 +236,9 @@ class Comparison:
         if self.rank is None or self.slack:
             return
         assert not isinstance(plant, str)
-        freedoms = self.model.size - self.rank[0]
-        if not self.open and plant.size.freedoms != freedoms and not self.singular:
-            yield self.ruled("freedoms", f"{plant.size.freedoms} / {freedoms}")
+        degrees_of_freedom = self.model.size - self.rank[0]
+        if not self.open and plant.size.degrees_of_freedom != degrees_of_freedom and not self.singular:
+            yield self.ruled("freedoms", f"{plant.size.degrees_of_freedom} / {degrees_of_freedom}")
         if self.rank[1] < 1e-3 and self.singular:
             return  # this model is no truth here
         V = self.model.twist(x, values)
@@ -250,7 +250,7 @@ class Comparison:
             for n, a in expected.items()
             if n in values and not self.is_open(n) and not abs(values[n] - a) <= bound
         ]
-        if faults and self.singular and plant.size.freedoms < freedoms:
+        if faults and self.singular and plant.size.degrees_of_freedom < degrees_of_freedom:
             # It lets loops that are rigid at second order go where their equations of first order would.
             yield Verdict("accelerations by all bodies", "skipped", "freedoms of the first order alone")
             return

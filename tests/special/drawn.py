@@ -71,8 +71,8 @@ def _started(source: Scene, rng: np.random.Generator) -> tuple[Scene, str] | Non
     """With drivers fixed and speeds that the loops allow. None: nothing moves, or too much for a test."""
     model = Bodies(source)
     x = model.poses(values_of(source))
-    freedoms = model.freedoms(x)
-    if not 0 < freedoms <= 6:
+    degrees_of_freedom = model.degrees_of_freedom(x)
+    if not 0 < degrees_of_freedom <= 6:
         return None
     names, H = model.rates(x)
     N = model.free(x)
@@ -82,20 +82,20 @@ def _started(source: Scene, rng: np.random.Generator) -> tuple[Scene, str] | Non
         speeds = H @ V
         speeds *= rng.choice([0.3, 1.0, 5.0]) / max(1e-9, float(np.abs(speeds).max()))
         speeds[np.abs(speeds) < 1e-14] = 0.0
-    drivers = _drivers(model, x, freedoms, names, H @ N)
+    drivers = _drivers(model, x, degrees_of_freedom, names, H @ N)
     style = str(rng.choice(["exact", "guesses", "one left out", "rounded"], p=[0.45, 0.1, 0.2, 0.25]))
     _tell(source, dict(zip(names, speeds.tolist(), strict=True)), drivers, style, rng)
     return source, style
 
 
-def _drivers(model: Bodies, x: Poses, freedoms: int, names: list[str], rates: Array) -> list[str]:
+def _drivers(model: Bodies, x: Poses, degrees_of_freedom: int, names: list[str], rates: Array) -> list[str]:
     """As many speeds as there are freedoms, in the order of the file, that tell the motion well."""
     del model, x
     chosen: list[str] = []
     basis = np.zeros((0, rates.shape[1]))
     size = float(np.linalg.norm(rates, axis=1).max(initial=1e-300))
     for name, row in zip(names, rates, strict=True):
-        if len(chosen) == freedoms or "[" in name:
+        if len(chosen) == degrees_of_freedom or "[" in name:
             continue
         rest = row - basis.T @ (basis @ row)
         if np.linalg.norm(rest) > 0.2 * size * (1 if not chosen else 0.3):

@@ -105,7 +105,7 @@ def check(scene: SceneFile, assembly_tolerance: AssemblyTolerance = None) -> Non
     algebra = "planar" if size.planar else "spatial"
     print(f"{plant.scene!r}")
     rows = f"{_count(size.rows, 'loop row')} of rank {size.rank}"
-    print(f"{_count(size.freedoms, 'freedom')}: {_count(size.speeds, 'speed')}, {rows}, "
+    print(f"{_count(size.degrees_of_freedom, 'freedom')}: {_count(size.speeds, 'speed')}, {rows}, "
           f"{_count(size.bodies, 'moving body')}, {algebra}")  # fmt: skip
     print(f"inputs: {', '.join(s.name for s in plant.inputs) or 'none'}")
     report = plant.assembly_report()

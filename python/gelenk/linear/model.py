@@ -21,8 +21,8 @@ type Array = NDArray[np.float64]
 
 COORDINATES = ("rad", "m")
 
-STANDS = _core.standing_rate  # of a state in own units: above it the point is told to be no equilibrium
-ROUNDED = _core.standing_rounding  # of the terms a rate is the sum of
+STANDS = _core.equilibrium_rate_tolerance  # of a state in own units: above it the point is told to be no equilibrium
+ROUNDED = _core.equilibrium_rounding_tolerance  # of the terms a rate is the sum of
 
 
 @dataclass(frozen=True)

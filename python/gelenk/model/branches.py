@@ -33,7 +33,7 @@ class Branch:
 
     values: Mapping[str, float]
     distance: float
-    freedoms: int
+    degrees_of_freedom: int
     flat: bool
     hits: int
     chosen: bool
@@ -156,7 +156,7 @@ def assemblies(
         Branch(
             values=dict(zip(names, one.values, strict=True)),
             distance=one.distance,
-            freedoms=one.freedoms,
+            degrees_of_freedom=one.degrees_of_freedom,
             flat=one.flat,
             hits=one.hits,
             chosen=one.chosen,
@@ -176,7 +176,7 @@ def assemblies(
 
 
 def _plain(branch: Branch) -> dict[str, Any]:
-    out = {key: getattr(branch, key) for key in ("distance", "freedoms", "flat", "hits", "chosen")}
+    out = {key: getattr(branch, key) for key in ("distance", "degrees_of_freedom", "flat", "hits", "chosen")}
     return {**out, "values": dict(branch.values), "start": branch.start}
 
 
@@ -186,7 +186,7 @@ def _lines(found: Assemblies) -> Iterator[str]:
     for part in range(len(found.starts)):
         listed = {n: branch for n, branch in enumerate(found.branches, 1) if branch.part == part}
         yield _search_line(found, part, len(listed))
-        most = max((branch.freedoms for branch in listed.values()), default=0)
+        most = max((branch.degrees_of_freedom for branch in listed.values()), default=0)
         if most:
             yield (
                 f"  fixed values leave {most} freedom{'' if most == 1 else 's'}: "

@@ -59,8 +59,8 @@ class Inspection:
     reductions: dict[str, _core.ReductionReport]
     redundant_rows: tuple[tuple[str, str], ...]
     undetermined_reactions: tuple[str, ...]
-    counted_freedoms: int
-    momentary_freedoms: int
+    counted_degrees_of_freedom: int
+    initial_degrees_of_freedom: int
     moved_frames: tuple[tuple[str, str, float, float], ...]
     mobility: tuple[str, ...]
     left_out: str
@@ -69,16 +69,16 @@ class Inspection:
     cost_without: dict[str, Cost]
 
     @property
-    def freedoms(self) -> int:
+    def degrees_of_freedom(self) -> int:
         """Degrees of freedom."""
-        return self.reduced.freedoms
+        return self.reduced.degrees_of_freedom
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON. Times in seconds; null where that model cannot be simulated."""
         return {
             "name": self.name,
-            "described": _sizes(self.described, self.freedoms, self.cost_literal),
-            "reduced": _sizes(self.reduced, self.freedoms, self.cost),
+            "described": _sizes(self.described, self.degrees_of_freedom, self.cost_literal),
+            "reduced": _sizes(self.reduced, self.degrees_of_freedom, self.cost),
             "reductions": {
                 name: {
                     "on": report.on,
@@ -96,9 +96,9 @@ class Inspection:
                 for joint, body, turn, shift in self.moved_frames
             ],
             "mobility": {
-                "freedoms": self.freedoms,
-                "counted": self.counted_freedoms,
-                "at_start": self.momentary_freedoms,
+                "freedoms": self.degrees_of_freedom,
+                "counted": self.counted_degrees_of_freedom,
+                "at_start": self.initial_degrees_of_freedom,
                 "causes": list(self.mobility),
             },
         }
@@ -136,8 +136,8 @@ def inspect(scene: Source, without: Iterable[str] = (), outputs: Iterable[str] |
         reductions=reductions,
         redundant_rows=tuple((row.joint, row.motion) for row in found.redundant_rows),
         undetermined_reactions=tuple(found.undetermined_reactions),
-        counted_freedoms=found.counted_freedoms,
-        momentary_freedoms=found.momentary_freedoms,
+        counted_degrees_of_freedom=found.counted_degrees_of_freedom,
+        initial_degrees_of_freedom=found.initial_degrees_of_freedom,
         moved_frames=tuple((m.joint, m.body, m.turn, m.shift) for m in found.moved_frames),
         mobility=tuple(found.mobility),
         left_out=found.left_out,
@@ -176,13 +176,13 @@ _CAUSES = {
 }
 
 
-def _sizes(size: _core.ModelSize, freedoms: int, cost: Cost) -> dict[str, Any]:
+def _sizes(size: _core.ModelSize, degrees_of_freedom: int, cost: Cost) -> dict[str, Any]:
     return {
         "bodies": size.bodies,
         "coordinates": size.coordinates,
         "speeds": size.speeds,
         "rows": size.rows,
-        "freedoms": freedoms,
+        "freedoms": degrees_of_freedom,
         "algebra": _algebra(size),
         "islands": size.islands,
         "evaluation": cost.seconds,
@@ -236,19 +236,19 @@ def _paragraph(head: str, text: str) -> Iterable[str]:
 
 def _reason(report: Inspection, key: str) -> str:
     """The reductions behind a change; where several would each do, all that did something."""
-    if key == "freedoms" and report.counted_freedoms != report.freedoms:
-        return f"counted: {report.counted_freedoms}, see mobility"
+    if key == "freedoms" and report.counted_degrees_of_freedom != report.degrees_of_freedom:
+        return f"counted: {report.counted_degrees_of_freedom}, see mobility"
     if key not in _CAUSES or report.to_dict()["described"][key] == report.to_dict()["reduced"][key]:
         return ""
     return ", ".join(name for name in _CAUSES[key] if report.reductions[name].changed)
 
 
 def _counted(report: Inspection) -> str:
-    freedoms = "1 freedom" if report.freedoms == 1 else f"{report.freedoms} freedoms"
+    degrees_of_freedom = "1 freedom" if report.degrees_of_freedom == 1 else f"{report.degrees_of_freedom} freedoms"
     rule = "6 for each body, less what is constrained"
-    if report.counted_freedoms == report.freedoms == report.momentary_freedoms:
-        return f"{freedoms}, as counted ({rule})"
-    text = f"{freedoms}, where counting ({rule}) gives {report.counted_freedoms}"
-    if report.momentary_freedoms != report.freedoms:
-        text += f"; {report.momentary_freedoms} for a moment at the start"
+    if report.counted_degrees_of_freedom == report.degrees_of_freedom == report.initial_degrees_of_freedom:
+        return f"{degrees_of_freedom}, as counted ({rule})"
+    text = f"{degrees_of_freedom}, where counting ({rule}) gives {report.counted_degrees_of_freedom}"
+    if report.initial_degrees_of_freedom != report.degrees_of_freedom:
+        text += f"; {report.initial_degrees_of_freedom} for a moment at the start"
     return text

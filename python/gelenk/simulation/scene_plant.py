@@ -127,7 +127,7 @@ class ScenePlant(Plant):
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
             values | {name: plant.input(name) for name in self.inputs}, rates,
             self._units | {s.name: s.unit for s in plant.inputs},
-            plant.size.freedoms + plant.size.free_coordinates, self._scales,
+            plant.size.degrees_of_freedom + plant.size.free_coordinates, self._scales,
         )  # fmt: skip
 
     @override

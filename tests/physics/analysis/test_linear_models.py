@@ -304,7 +304,7 @@ def test_states_are_twice_the_freedoms_and_numbers_the_fmus(name: str, tmp_path:
     for at in (None, case.times[1] / 4):
         found = linear_model(source, at=at, input_values=case.inputs)
         by_fmu = linear_model(fmu, at=at, input_values=case.inputs)
-        assert len(found.states) == 2 * plant.size.freedoms
+        assert len(found.states) == 2 * plant.size.degrees_of_freedom
         for names in ("states", "inputs", "outputs", "units"):
             assert getattr(found, names) == getattr(by_fmu, names)
         for numbers in ("A", "B", "C", "D", "x0", "u0", "y0", "rates"):

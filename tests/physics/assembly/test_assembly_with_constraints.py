@@ -71,7 +71,7 @@ def test_loop_is_closed_where_a_motion_begins() -> None:
     assert np.abs(assembled(source, "w") - 2.0 * rates(10.0)).max() < ROUNDED * 10
     both = gelenk.assemblies(source)
     assert len(both) == 2
-    assert [branch.freedoms for branch in both] == [0, 0]
+    assert [branch.degrees_of_freedom for branch in both] == [0, 0]
 
 
 def test_fixed_speed_that_a_motion_forbids_is_named() -> None:

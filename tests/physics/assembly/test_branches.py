@@ -49,7 +49,7 @@ def test_four_bar_with_its_crank_fixed_has_two(seed: int | None) -> None:
     found = gelenk.assemblies(source)
     assert len(found) == 2
     assert found.settled == (True,)
-    assert [branch.freedoms for branch in found] == [0, 0]
+    assert [branch.degrees_of_freedom for branch in found] == [0, 0]
     for truth in (angles(1.1), angles(1.1, open_branch=False)):
         at = [apart([branch.values[f"{j}.phi"] for j in JOINTS], truth) for branch in found]
         assert min(at) < 1e-12  # closed to some tens of roundings
@@ -165,7 +165,7 @@ def test_with_a_freedom_left_the_valleys_of_the_distance_are_listed() -> None:
     truth = valleys(WISHES)
     assert len(truth) == 3
     assert [branch.distance for branch in found] == pytest.approx(truth, abs=1e-9)
-    assert {branch.freedoms for branch in found} == {1}
+    assert {branch.degrees_of_freedom for branch in found} == {1}
     assert found[0].chosen
     assert max(led_back(branch, source) for branch in found) < 1e-12
     assert "fixed values leave 1 freedom: listed are places of least distance" in str(found)
@@ -234,7 +234,7 @@ def test_bricards_ring_with_a_hinge_fixed_has_two() -> None:
     source = shipped.bricard()
     source["joints"][next(iter(source["joints"]))]["start"] = {"phi": 0.5, "fixed": True}
     found = gelenk.assemblies(source)
-    assert [branch.freedoms for branch in found] == [0, 0]
+    assert [branch.degrees_of_freedom for branch in found] == [0, 0]
     assert max(led_back(branch, source) for branch in found) < 1e-12
 
 

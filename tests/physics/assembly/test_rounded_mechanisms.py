@@ -69,7 +69,7 @@ def test_rounded_mechanism_moves_as_many_ways_and_stays_closed(
 ) -> None:
     """Literally all rows of the loops are there, in space: none of them may gape."""
     plant = initialized(gelenk.load(rounded_scene(name, digits)).without(without))
-    assert plant.size.freedoms == FREEDOMS[name]
+    assert plant.size.degrees_of_freedom == FREEDOMS[name]
     for t in np.linspace(0.05, 1, 20):
         plant.step_to(float(t))
         assert plant.diagnostics["constraints.position"] < CLOSED
@@ -167,7 +167,7 @@ def test_rounded_mechanism_without_tolerance_is_refused_with_one_that_does(name:
     enough = float(str(refusal.value).split("{tolerance: ")[1].split("}")[0])
     assert enough <= tolerance(digits)
     plant = initialized({**data, "assembly": {"tolerance": enough}})
-    assert plant.size.freedoms == FREEDOMS[name]
+    assert plant.size.degrees_of_freedom == FREEDOMS[name]
 
 
 def disturbed(name: str, size: float) -> Scene:
@@ -196,7 +196,7 @@ def test_what_assembles_runs(name: str, exponent: int) -> None:
         assert exponent > -10, "what loops may gape by is no reason to refuse"
         assert "assembly: {tolerance: " in refusal
         return
-    assert plant.size.freedoms == FREEDOMS[name]
+    assert plant.size.degrees_of_freedom == FREEDOMS[name]
     plant.step_to(1.0)
     # What is left as it is gapes by its own misfit: up to 1e-12 and what it grows to elsewhere.
     assert plant.diagnostics["constraints.position"] < 1e-11
@@ -240,7 +240,7 @@ def test_rounded_mechanism_starts_in_line(joints: list[Placed], digits: int) -> 
     plant = initialized(
         scene(tilted(joints), digits, fields=fields, assembly={"tolerance": tolerance(digits)})
     )
-    assert plant.size.freedoms == 1
+    assert plant.size.degrees_of_freedom == 1
     plant.step_to(1.0)
     assert plant.diagnostics["constraints.position"] < CLOSED
 
@@ -269,7 +269,7 @@ def test_moved_frames_are_told() -> None:
     assert 0 < turn < 1e-5
     assert shift < 1e-5
     assert "frames moved so that the loops close" in str(report)
-    assert report.freedoms == 1
+    assert report.degrees_of_freedom == 1
 
 
 def test_tolerance_goes_into_the_fmu(tmp_path: Path) -> None:
@@ -320,5 +320,5 @@ def test_three_cranks_beside_their_change_point_are_warned_of_whatever_is_found(
         plant.initialize()
     assert plant.output("A0.phi") == angle
     assert plant.diagnostics["constraints.position"] < 1e-14
-    if plant.size.freedoms == 0:
+    if plant.size.degrees_of_freedom == 0:
         assert "cannot move at all" in " ".join(plant._core.start_warnings())

@@ -299,7 +299,7 @@ def test_ring_of_gears_that_agree_turns() -> None:
 def test_ring_of_gears_that_differ_locks() -> None:
     """No speed but 0 is possible: the motor's torque ends in the teeth."""
     plant = started(three_shafts(1 / 3), left__tau=0.7)
-    assert plant.size.freedoms == 0
+    assert plant.size.degrees_of_freedom == 0
     for name in "ABC":
         assert plant.output(f"{name}.a") == pytest.approx(0, abs=1e-13)
     held = plant.output("mesh.tau") - plant.output("last.tau") / 3

@@ -28,7 +28,7 @@ def test_singular_position_is_told() -> None:
     plant = gelenk.Simulation(mechanisms.parallelogram(0.0, 1.0))
     plant.initialize()
     assert (
-        len(plant.independent_coordinates) == plant.size.freedoms == 1
+        len(plant.independent_coordinates) == plant.size.degrees_of_freedom == 1
     )  # though here none depends on another
     for ask in (plant._core._linearize, lambda: plant._core._output_derivatives([], [])):
         with pytest.raises(gelenk.UsageError, match="t = 0 s: a loop stands in a singular position"):

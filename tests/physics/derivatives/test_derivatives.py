@@ -86,7 +86,7 @@ def test_one_direction_is_a_combination_of_the_columns(name: str) -> None:
     found = linearized(plant)
     rng = np.random.default_rng(3)
     dx, du = rng.normal(size=len(found.states)), rng.normal(size=len(plant.inputs))
-    outputs, rates = plant._core._slope_along(list(dx), list(du))
+    outputs, rates = plant._core._directional_derivative(list(dx), list(du))
     assert_relative("outputs", outputs, found.C @ dx + found.D @ du, 1e-12)
     assert_relative("rates", rates, found.A @ dx + found.B @ du, 1e-12)
 

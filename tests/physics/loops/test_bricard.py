@@ -45,7 +45,7 @@ def test_ring_has_one_freedom() -> None:
     """Counting gives 6 - 6 = 0; the rank of the rows over random assembled positions gives 1."""
     simulation = gelenk.Simulation(gelenk.load(bricard()))
     simulation.initialize()
-    assert simulation.size.freedoms == 1
+    assert simulation.size.degrees_of_freedom == 1
     assert not simulation.size.planar
 
 

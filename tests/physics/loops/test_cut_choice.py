@@ -48,7 +48,7 @@ def test_unlucky_order_of_a_spatial_loop_costs_a_row_and_a_quaternion() -> None:
     chosen, by_file = started(source), started(source, "cut_choice")
     assert (chosen.size.rows, quaternions(chosen)) == (3, 0)
     assert (by_file.size.rows, quaternions(by_file)) == (4, 1)
-    assert chosen.size.freedoms == by_file.size.freedoms == 1
+    assert chosen.size.degrees_of_freedom == by_file.size.degrees_of_freedom == 1
     assert_moves_alike(chosen, by_file, 0.5)
 
 
@@ -58,7 +58,7 @@ def test_platform_on_balls_is_cut_at_all_balls_but_one() -> None:
     chosen, by_file = started(source), started(source, "cut_choice")
     assert (chosen.size.rows, quaternions(chosen)) == (15, 1)
     assert (by_file.size.rows, quaternions(by_file)) == (20, 6)
-    assert chosen.size.freedoms == by_file.size.freedoms == 6
+    assert chosen.size.degrees_of_freedom == by_file.size.degrees_of_freedom == 6
     note = gelenk.inspect(source).reductions["cut_choice"].notes[-1]
     assert "20 rows and 32 coordinates" in note
     assert "15 and 22" in note
@@ -71,7 +71,7 @@ def test_stewart_platform_has_one_quaternion_in_any_order(seed: int) -> None:
     ready = gelenk.load(scene_files.SCENES / "stewart.yaml").to_dict()
     plain, shuffled = started(ready), started(reordered(ready, seed))
     for plant in (plain, shuffled):
-        assert (plant.size.rows, quaternions(plant), plant.size.freedoms) == (15, 1, 6)
+        assert (plant.size.rows, quaternions(plant), plant.size.degrees_of_freedom) == (15, 1, 6)
     assert_moves_alike(shuffled, plain, 0.2)
 
 
@@ -145,9 +145,9 @@ STOPS = {"R-S-R-C": 0.35}
 @pytest.mark.parametrize("name", EXCHANGED)
 def test_slider_crank_moves_alike_on_other_joints(name: str, off: tuple[str, ...]) -> None:
     """Issue 3: hinges and slide against joints that allow more, where the rest of the loop forbids it."""
-    kinds, freedoms = EXCHANGED[name]
+    kinds, degrees_of_freedom = EXCHANGED[name]
     plain, other = started(planar_slider_crank()), started(planar_slider_crank(**kinds), *off)
-    assert other.size.freedoms == freedoms
+    assert other.size.degrees_of_freedom == degrees_of_freedom
     shared = [s.name for s in plain.outputs if s.name.split(".")[0] not in ("crank_pin", "piston_pin")]
     for plant in (plain, other):
         plant.set_input("gas.f[1]", -20.0)

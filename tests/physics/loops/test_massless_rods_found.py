@@ -96,7 +96,7 @@ def test_inspection_names_the_rods_and_their_joints() -> None:
 
 def test_inspection_says_that_a_rod_spins() -> None:
     report = gelenk.inspect(spatial_four_bar("spherical"))
-    assert (report.freedoms, report.counted_freedoms) == (1, 2)
+    assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, 2)
     assert list(report.mobility) == [
         "1 rod turns about itself between spherical joints, which moves no mass and counts for nothing",
     ]
@@ -105,5 +105,5 @@ def test_inspection_says_that_a_rod_spins() -> None:
 def test_inspection_knows_rows_in_space_of_what_only_a_plane_makes_rods() -> None:
     """A plank on three hinged rods: in space the two rods that are rows would be bodies without inertia."""
     report = gelenk.inspect(hung_plank(3))
-    assert (report.freedoms, report.counted_freedoms) == (1, -6)
+    assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, -6)
     assert {joint for joint, _ in report.redundant_rows} == {"B1", "B2"}

@@ -42,8 +42,8 @@ def test_four_bar_in_space_has_three_repeated_rows() -> None:
     across the plane is forbidden already; forces across it and torques in it are anyone's guess.
     """
     report = told(reducible.tilted_four_bar())
-    assert (report.described.rows, report.counted_freedoms) == (5, -2)
-    assert (report.reduced.coordinates, report.reduced.rows, report.freedoms) == (3, 2, 1)
+    assert (report.described.rows, report.counted_degrees_of_freedom) == (5, -2)
+    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
     assert report.reduced.planar
     assert {motion for _, motion in report.redundant_rows} == {
         "sliding along z",
@@ -63,7 +63,7 @@ def test_four_bar_told_by_turned_frames_has_the_same_counts() -> None:
     B["axis"] = [1, 0, 0]
     B["parent"]["rotation"] = B["child"]["rotation"] = matrix(R)
     report = told(source)
-    assert (report.reduced.coordinates, report.reduced.rows, report.freedoms) == (3, 2, 1)
+    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
     assert len(report.redundant_rows) == 3
     assert set(report.undetermined_reactions) == (
         open_reactions("ACD", "f[3]", "t[1]", "t[2]") | open_reactions("B", "f[1]", "t[2]", "t[3]")
@@ -84,7 +84,7 @@ def test_four_bar_moves_alike_with_more_rows(off: list[str], rows: int, planar: 
     source = reducible.tilted_four_bar()
     report = told(source, *off)
     assert (report.reduced.rows, report.reduced.planar) == (rows, planar)
-    assert (report.reduced.rank, report.freedoms) == (2, 1)
+    assert (report.reduced.rank, report.degrees_of_freedom) == (2, 1)
     assert len(report.redundant_rows) == 3
     expected, found = end_of(source), end_of(source, *off)
     for name, value in expected.items():
@@ -97,8 +97,8 @@ def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
     """
     source = reducible.ball_four_bar()
     report = told(source)
-    assert (report.described.rows, report.counted_freedoms) == (3, 0)
-    assert (report.reduced.coordinates, report.reduced.rows, report.freedoms) == (3, 2, 1)
+    assert (report.described.rows, report.counted_degrees_of_freedom) == (3, 0)
+    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
     assert [joint for joint, _ in report.redundant_rows] == ["C"]
     assert set(report.undetermined_reactions) == (
         open_reactions("ABD", "f[3]", "t[1]", "t[2]") | open_reactions("C", "f[1]", "f[2]", "f[3]")
@@ -116,7 +116,7 @@ def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
 def test_bricard_has_a_freedom_that_counting_does_not_see() -> None:
     """Issue 3. All five rows stay: which of them is spare changes on the way."""
     report = told(bricard())
-    assert (report.counted_freedoms, report.freedoms, report.momentary_freedoms) == (0, 1, 1)
+    assert (report.counted_degrees_of_freedom, report.degrees_of_freedom, report.initial_degrees_of_freedom) == (0, 1, 1)
     assert (report.reduced.rows, report.reduced.rank) == (5, 4)
     assert report.redundant_rows == ()
     assert any("with factors that change" in cause and "J1" in cause for cause in report.mobility)
@@ -145,11 +145,11 @@ def test_windows_keep_the_rows_they_need(n: int, start: str) -> None:
     """
     upright, rate = STARTS[start]
     report = told(windows(n, upright, rate))
-    assert (report.reduced.rows, report.reduced.rank, report.freedoms) == (2 * n, 2 * n, 1)
+    assert (report.reduced.rows, report.reduced.rank, report.degrees_of_freedom) == (2 * n, 2 * n, 1)
     in_space = gelenk.Simulation(gelenk.load(windows(n, upright, rate)).without(["planar"]))
     in_space.initialize()
-    assert (in_space.size.rows, in_space.size.freedoms) == (2 * n, 1)
-    assert report.momentary_freedoms == (1 + n if upright == SINGULAR else 1)
+    assert (in_space.size.rows, in_space.size.degrees_of_freedom) == (2 * n, 1)
+    assert report.initial_degrees_of_freedom == (1 + n if upright == SINGULAR else 1)
     assert any("singular" in cause for cause in report.mobility) == (upright == SINGULAR)
     assert len(report.redundant_rows) == 3 * n
 
@@ -161,7 +161,7 @@ def test_third_crank_of_a_parallelogram_adds_no_freedom(coupler_is_parent: bool,
     """
     report = told(reducible.triple_crank(coupler_is_parent))
     assert (report.reduced.coordinates, report.reduced.rows, report.reduced.rank) == (4, rows, 3)
-    assert (report.counted_freedoms, report.freedoms) == (-6, 1)
+    assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-6, 1)
     assert len(report.redundant_rows) == 10 - rows
     changing = any("with factors that change" in cause for cause in report.mobility)
     assert changing == coupler_is_parent
@@ -199,7 +199,7 @@ def test_triple_crank_turns_round_through_its_change_points(coupler_is_parent: b
 def test_second_guide_repeats_the_first(make: Any, open_components: tuple[str, ...], off: list[str]) -> None:
     """Two hinges in line, or two rails: 5 rows more, all repeated, and still 1 freedom."""
     report = told(make(), *off)
-    assert (report.counted_freedoms, report.freedoms) == (-4, 1)
+    assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-4, 1)
     assert (report.described.rows, report.reduced.rows, report.reduced.rank) == (5, 0, 0)
     assert len(report.redundant_rows) == 5
     joints = make()["joints"]
@@ -213,7 +213,7 @@ def test_second_guide_repeats_the_first_but_for_rounding(kind: str, seed: int, o
     """Along an axis of no simple numbers the two guides agree to rounding only, and must not jam."""
     source = reducible.held_twice(kind, seed)
     report = told(source, *off)
-    assert (report.reduced.rows, report.freedoms) == (0, 1)
+    assert (report.reduced.rows, report.degrees_of_freedom) == (0, 1)
     end = end_of(source, *off, stop=0.2)
     single = reducible.held_twice(kind, seed)
     del single["joints"]["upper"]
@@ -224,6 +224,6 @@ def test_second_guide_repeats_the_first_but_for_rounding(kind: str, seed: int, o
 def test_counts_agree_with_gruebler_where_nothing_is_special() -> None:
     """A pendulum and a platform on six legs; and a plane's count is not space's."""
     report = told(reducible.platform_on_balls())
-    assert (report.counted_freedoms, report.freedoms, report.mobility) == (6, 6, ())
+    assert (report.counted_degrees_of_freedom, report.degrees_of_freedom, report.mobility) == (6, 6, ())
     assert "as counted" in str(report)
     assert "counting" in str(told(four_bar(1.1)))

@@ -109,7 +109,7 @@ def test_jacobians_are_exact(name: str, formulation: str) -> None:
     core = simulation._core
     y = np.array(core._state(0))
     n = len(y)
-    exact = np.array(core._slopes(0, y.tolist(), True)).reshape(n, n).T
+    exact = np.array(core._state_jacobian(0, y.tolist(), True)).reshape(n, n).T
     found = np.array([slope(core, y, e, 1e-5) for e in np.eye(n)]).T
     # Penalty loses half of all digits in vdot; a difference quotient divides those by h.
     share = 1e-3 if formulation == "penalty" else 1e-6
@@ -126,8 +126,8 @@ def test_jacobians_are_exact_along_the_motion_of_redundant_rows(formulation: str
     simulation.step_to(0.3)
     core = simulation._core
     y = np.array(core._state(0))
-    exact = np.array(core._slopes(0, y.tolist(), True)).reshape(len(y), len(y)).T
-    way = np.array(core._slopes(0, y.tolist(), False))
+    exact = np.array(core._state_jacobian(0, y.tolist(), True)).reshape(len(y), len(y)).T
+    way = np.array(core._state_jacobian(0, y.tolist(), False))
     way /= np.linalg.norm(way)
     expected = exact @ way
     share = 1e-3 if formulation == "penalty" else 1e-5
@@ -139,8 +139,8 @@ def slope(core: Any, y: Array, way: Array, h: float) -> Array:
     """Of what the integrator sees, by two central differences, error of order h^4."""
 
     def difference(s: float) -> Array:
-        ahead = np.array(core._slopes(0, (y + s * way).tolist(), False))
-        behind = np.array(core._slopes(0, (y - s * way).tolist(), False))
+        ahead = np.array(core._state_jacobian(0, (y + s * way).tolist(), False))
+        behind = np.array(core._state_jacobian(0, (y - s * way).tolist(), False))
         quotient: Array = (ahead - behind) / (2 * s)
         return quotient
 

@@ -264,7 +264,7 @@ def test_slopes_are_exact_inside_a_stop(cut: str, push: float) -> None:
     core = simulation._core
     y = np.array(core._state(0))
     n = len(y)
-    exact = np.array(core._slopes(0, y.tolist(), True)).reshape(n, n).T
+    exact = np.array(core._state_jacobian(0, y.tolist(), True)).reshape(n, n).T
     found = np.array([slope(core, y, e, 1e-5) for e in np.eye(n)]).T
     assert np.abs(exact).max() > 1e3  # 1/s2: the stop's stiffness over an inertia is in it
     assert_close("df/dy", exact, found, 1e-6 * np.abs(exact).max(), "differences: rounding / h, h^4")

@@ -133,11 +133,11 @@ def test_joint_in_the_tree_moves_as_in_a_loop(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_joint_under_test_is_the_one_that_is_cut(kind: str) -> None:
     """What it forbids, 6 - nv directions, are the rows; what it allows and the pin's freedom are left."""
-    freedoms = next(k["nv"] for k in registry.kinds() if k["name"] == kind)
+    degrees_of_freedom = next(k["nv"] for k in registry.kinds() if k["name"] == kind)
     simulation = gelenk.Simulation(gelenk.load(in_loop(kind)))
     simulation.initialize()
-    assert simulation.size.rows == 6 - freedoms
-    assert simulation.size.freedoms == 1 + freedoms
+    assert simulation.size.rows == 6 - degrees_of_freedom
+    assert simulation.size.degrees_of_freedom == 1 + degrees_of_freedom
 
 
 @pytest.mark.parametrize("kind", KINDS)

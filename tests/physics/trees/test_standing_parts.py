@@ -43,7 +43,7 @@ def test_truss_in_the_plane_stands_where_geometry_has_it() -> None:
     """Two rods pinned to the ground and to each other; the guesses were 0.05 and 0.1 rad off."""
     plant = started(triangle())
     size = plant.size
-    assert (size.bodies, size.coordinates, size.rows, size.freedoms, size.islands) == (0, 0, 0, 0, 0)
+    assert (size.bodies, size.coordinates, size.rows, size.degrees_of_freedom, size.islands) == (0, 0, 0, 0, 0)
     springs = 40.0 / 2 * (PHI_LEFT - 0.2) ** 2 + 25.0 / 2 * (PHI_RIGHT - PHI_LEFT) ** 2
     energy = springs + (2.0 + 1.5) * GRAVITY * TOP[1] / 2
     expected = {
@@ -66,7 +66,7 @@ def test_truss_in_the_plane_stands_where_geometry_has_it() -> None:
 def test_truss_in_space_stands() -> None:
     """Rods of universal joints at their feet and ball joints at the top."""
     plant = started(tripod("universal"))
-    assert (plant.size.bodies, plant.size.freedoms, plant.size.islands) == (0, 0, 0)
+    assert (plant.size.bodies, plant.size.degrees_of_freedom, plant.size.islands) == (0, 0, 0)
     span = APEX - FEET[1]
     middle = FEET[1] + 0.3 * span / np.linalg.norm(span)
     for i in range(3):
@@ -83,7 +83,7 @@ def test_truss_that_is_computed_stands_alike(name: str, off: str) -> None:
     source = triangle() if name == "triangle" else tripod("universal")
     dropped, computed = started(source), started(source, off)
     assert computed.size.bodies == len(source["bodies"])
-    assert computed.size.freedoms == 0
+    assert computed.size.degrees_of_freedom == 0
     for plant in (dropped, computed):
         plant.step_to(1.0)
     assert_alike(all_of(computed), all_of(dropped), 1e-11, "closure")
@@ -95,7 +95,7 @@ def test_rods_that_can_spin_are_not_dropped() -> None:
     source["joints"]["foot2"]["start"] = {"w": [4.0, 0, 0], "fixed": ["w"]}
     plants = [started(source), started(source, "static")]
     for plant in plants:
-        assert (plant.size.bodies, plant.size.freedoms) == (3, 3)
+        assert (plant.size.bodies, plant.size.degrees_of_freedom) == (3, 3)
         plant.step_to(0.5)
     assert_close("spin", plants[0].output("foot2.w[1]"), 4.0, 1e-9, "its axis is one of symmetry")
     assert_alike(all_of(plants[0]), all_of(plants[1]), 1e-9, "one motion")
@@ -134,7 +134,7 @@ def test_mechanism_on_a_truss_moves_as_on_the_ground(off: tuple[str, ...]) -> No
     on_ground = started(pendulum_on(frame("ground", TOP, turned)))
     if not off:
         assert (on_truss.size.bodies, on_truss.size.coordinates, on_truss.size.rows) == (2, 3, 0)
-    assert on_truss.size.freedoms == 3
+    assert on_truss.size.degrees_of_freedom == 3
     for plant in (on_truss, on_ground):
         plant.set_input("arm.tau", 0.2)
         plant.step_to(1.0)
@@ -158,7 +158,7 @@ def test_joints_inside_a_rigid_part_stand_still_though_it_moves() -> None:
     """An equilateral triangle of rods swings about a corner: I = (1/3 + 1/3 + (1/12 + 3/4)) m L2."""
     plant, computed = started(hung_triangle()), started(hung_triangle(), "all")
     assert (plant.size.bodies, plant.size.coordinates, plant.size.rows) == (1, 1, 0)
-    assert (computed.size.bodies, computed.size.freedoms) == (3, 1)
+    assert (computed.size.bodies, computed.size.degrees_of_freedom) == (3, 1)
     torque = -3 * GRAVITY * math.cos(-1.0 + math.pi / 6) / math.sqrt(3)
     assert_close("pin.a", plant.output("pin.a"), torque / 1.5, 1e-11, "by hand")
     for each in (plant, computed):
@@ -228,7 +228,7 @@ def test_scene_that_cannot_move_can_be_run_and_exported(off: tuple[str, ...], tm
     assert through.names == direct.names
     assert np.array_equal(through.table, direct.table)
     report = gelenk.inspect(source)
-    assert report.freedoms == 0
+    assert report.degrees_of_freedom == 0
     assert str(report)
 
 

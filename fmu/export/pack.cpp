@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/export/pack.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <vector>
+
+#include "fmu/export/file_name.h"
+#include "fmu/export/picture.h"
+#include "fmu/export/write_page.h"
+#include "fmu/export/zip.h"
+#include "mechanism/wanted_part.h"
+#include "modelDescription/catalog.h"
+#include "modelDescription/dependencies.h"
+#include "modelDescription/fingerprint.h"
+#include "modelDescription/write_xml.h"
+#include "scene_file/read.h"
+#include "simulation/simulation.h"
+#include "simulation/state_derivatives.h"
+
+namespace gelenk {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path, const std::string& what) {
+  std::error_code none;
+  if (fs::is_directory(path, none)) throw ExportError(path.string() + ": " + what + " expected, found a directory");
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw ExportError(path.string() + ": " + what + " could not be read: " + std::strerror(errno));
+  return content;
+}
+
+struct Binary {
+  fs::path file;
+  bool gzip;
+  std::string platform, ending, content;
+};
+
+Binary binary_of(const fs::path& runtime) {
+  const bool gzip = runtime.extension() == ".gz";
+  const std::string ending = (gzip ? runtime.stem() : runtime).extension().string();
+  if (ending != ".so" && ending != ".dll") {
+    throw ExportError(runtime.string() + ": the FMU runtime: found the ending '" + ending +
+                      "', expected .so (linux64) or .dll (win64), and .gz after it where it is compressed");
+  }
+  return {runtime, gzip, ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
+}
+
+void add_binary(Zip& zip, const Binary& binary, const std::string& model_identifier) {
+  const std::string name = "binaries/" + binary.platform + "/" + model_identifier + binary.ending;
+  if (!binary.gzip) return zip.add(name, binary.content, true);
+  if (zip.add_gzip(name, binary.content, true)) return;
+  throw ExportError(binary.file.string() + ": the FMU runtime: found no plain gzip file, expected one by its name");
+}
+
+// Names of the files in a directory, sorted: directory order differs between machines. Not of those in folders below:
+// these hold the licences of what an FMU does not carry.
+std::vector<fs::path> files_in(const fs::path& directory) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::directory_iterator entry(directory, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (entry->is_regular_file()) files.push_back(entry->path().filename());
+  }
+  if (error) throw ExportError(directory.string() + ": directory of licences could not be read: " + error.message());
+  std::ranges::sort(files);
+  return files;
+}
+
+void add_licenses(Zip& zip, const fs::path& directory) {
+  for (const fs::path& file : files_in(directory)) {
+    zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a licence"));
+  }
+}
+
+// A file beside its final place that vanishes unless it is moved there.
+class DraftFile {
+ public:
+  explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) { draft_ += ".part"; }
+  DraftFile(const DraftFile&) = delete;
+  DraftFile& operator=(const DraftFile&) = delete;
+  ~DraftFile() {
+    std::error_code none;
+    if (!moved_) fs::remove(draft_, none);
+  }
+  void write(const std::string& bytes) {
+    std::ofstream file(draft_, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) fail(std::strerror(errno));
+  }
+  void move() {
+    std::error_code error;
+    fs::rename(draft_, final_, error);
+    if (error) fail(error.message());
+    moved_ = true;
+  }
+
+ private:
+  void fail(const std::string& why) const {
+    throw ExportError(final_.string() + ": the FMU could not be written: " + why);
+  }
+  fs::path final_;
+  fs::path draft_;
+  bool moved_ = false;
+};
+
+}  // namespace
+
+void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const fs::path& out,
+                const fs::path& licenses, const Compress& compress) {
+  std::vector<Binary> binaries;
+  for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
+  const WantedPart part = wanted_part(scene);
+  const std::string json = write_scene_json(part.scene);
+  const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
+  Catalog catalog(carried);
+  Simulation simulation(carried);
+  simulation.assemble();
+  catalog.declare_states(StateDerivatives(simulation).independent());
+
+  const FmuFacts facts{model_identifier(carried.name), fingerprint(json),
+                       simulation.size().degrees_of_freedom + simulation.size().free_coordinates};
+  const Picture picture = draw(simulation);
+  Zip zip(compress);
+  zip.add("modelDescription.xml",
+          write_model_description(carried, catalog, dependencies_of(simulation, catalog), facts));
+  if (compress) zip.add("model.png", write_png(picture, compress));
+  for (const Binary& binary : binaries) add_binary(zip, binary, facts.model_identifier);
+  zip.add("resources/scene.json", json);
+  zip.add("documentation/index.html", write_documentation(simulation, catalog, picture, part.report()));
+  if (!licenses.empty()) {
+    add_licenses(zip, licenses);
+    std::error_code none;
+    for (const Binary& binary : binaries) {
+      if (fs::is_directory(licenses / binary.platform, none)) add_licenses(zip, licenses / binary.platform);
+    }
+  }
+  DraftFile draft(out);
+  draft.write(zip.finish());
+  draft.move();
+}
+
+}  // namespace gelenk

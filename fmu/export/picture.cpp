@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/export/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "joint/registry.h"
+#include "scene/numbers.h"
+#include "simulation/start_report.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr Color paper = {255, 255, 255};
+constexpr Color ink = {38, 50, 64};
+constexpr Color metal = {200, 216, 232};
+constexpr Color metal_edge = {84, 116, 148};
+constexpr Color earth = {130, 130, 130};
+constexpr Color wire = {176, 98, 30};
+constexpr Color drive = {214, 72, 48};
+constexpr double margin = 40;        // pixels
+constexpr std::size_t legible = 12;  // names of more joints than these would lie on each other
+
+std::vector<Pose3> poses_of(Simulation& simulation) {
+  std::vector<Pose3> out;
+  for (std::size_t b = 0; b < simulation.scene().bodies.size(); ++b) {
+    out.push_back(simulation.body_pose(static_cast<int>(b)));
+  }
+  return out;
+}
+
+// Whether there is anything to draw: a joint with all freedoms holds nothing.
+bool holds(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
+
+// Whether there is something between two bodies to draw.
+bool joins(const Force& force) { return force.frames.size() == 2; }
+
+// From where the scene is looked at: directions of the picture's axes in the world.
+struct View {
+  Vector3d right{1, 0, 0}, up{0, 0, 1};
+
+  Vector2d of(const Vector3d& p_W) const { return {right.dot(p_W), -up.dot(p_W)}; }
+};
+
+View view_of(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  Vector3d up = scene.gravity.norm() > 0 ? Vector3d(-scene.gravity.normalized()) : Vector3d::UnitZ();
+  const auto& islands = StartReport(simulation).prepared().reduced.islands;
+  const bool planar = !islands.empty() && simulation.size().planar;
+  Vector3d towards = planar ? Vector3d(islands.front().X_W0.R.col(2)) : Vector3d(0.5, -0.8, 0.45);
+  if (std::abs(up.dot(towards.normalized())) > 0.99)
+    up = std::abs(towards.y()) < 0.9 ? Vector3d::UnitY() : Vector3d::UnitZ();
+  View view;
+  view.up = (up - up.dot(towards) / towards.squaredNorm() * towards).normalized();
+  view.right = view.up.cross(towards.normalized());
+  Eigen::Index largest = 0;
+  view.right.cwiseAbs().maxCoeff(&largest);
+  if (view.right[largest] < 0) view.right = -view.right;
+  return view;
+}
+
+// Corners of the smallest convex polygon around some points, in order (Andrew's monotone chain).
+std::vector<Vector2d> hull(std::vector<Vector2d> points) {
+  std::ranges::sort(
+      points, [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
+  std::vector<Vector2d> out;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t begin = out.size();
+    for (const Vector2d& p : points) {
+      const auto turns = [&](const Vector2d& a, const Vector2d& b) {
+        return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x() <= 1e-9;
+      };
+      while (out.size() >= begin + 2 && turns(out[out.size() - 2], out.back())) out.pop_back();
+      out.push_back(p);
+    }
+    out.pop_back();
+    std::ranges::reverse(points);
+  }
+  return out;
+}
+
+// The same, or the two ends of what is too thin for a polygon.
+std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
+  constexpr double thin = 6;  // pixels
+  std::vector<Vector2d> corners = hull(points);
+  if (corners.size() < 3) return corners;
+  std::pair ends(corners[0], corners[1]);
+  for (const Vector2d& a : corners) {
+    for (const Vector2d& b : corners) {
+      if ((b - a).norm() > (ends.second - ends.first).norm()) ends = {a, b};
+    }
+  }
+  const Vector2d along = (ends.second - ends.first).normalized();
+  const bool is_thin = std::ranges::all_of(corners, [&](const Vector2d& p) {
+    const Vector2d d = p - ends.first;
+    return std::abs(along.x() * d.y() - along.y() * d.x()) < thin;
+  });
+  return is_thin ? std::vector<Vector2d>{ends.first, ends.second} : corners;
+}
+
+class Artist {
+ public:
+  explicit Artist(Simulation& simulation)
+      : scene_(simulation.scene()), numbers_(scene_), poses_(poses_of(simulation)), view_(view_of(simulation)) {
+    find_marks();
+    fit();
+  }
+
+  Picture run() {
+    for (const Joint& joint : scene_.joints) {
+      if (!holds(joint)) continue;
+      draw_ground(joint.parent);
+      draw_ground(joint.child);
+    }
+    for (const Force& force : scene_.forces) {
+      if (!joins(force)) continue;
+      draw_ground(force.frames[0]);
+      draw_ground(force.frames[1]);
+    }
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) draw_body(b);
+    for (const Force& force : scene_.forces) draw_force(force);
+    for (const Joint& joint : scene_.joints) draw_joint(joint);
+    draw_gravity();
+    return std::move(picture_);
+  }
+
+ private:
+  Vector3d in_world(const BodyFrame& frame) const {
+    const int b = numbers_.body(frame.body);
+    return b < 0 ? frame.X_BF.p : poses_[static_cast<std::size_t>(b)].point(frame.X_BF.p);
+  }
+
+  // Where on the bodies joints and forces take hold, and their centres of mass.
+  void find_marks() {
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) marks_.push_back({poses_[b].point(scene_.bodies[b].com)});
+    const auto mark = [&](const BodyFrame& frame) {
+      const int b = numbers_.body(frame.body);
+      if (b >= 0) marks_[static_cast<std::size_t>(b)].push_back(in_world(frame));
+    };
+    for (const Joint& joint : scene_.joints) {
+      if (!holds(joint)) continue;
+      mark(joint.parent);
+      mark(joint.child);
+    }
+    for (const Force& force : scene_.forces) {
+      if (!joins(force)) continue;
+      mark(force.frames[0]);
+      mark(force.frames[1]);
+    }
+  }
+
+  // Scale and middle, so that everything is in the picture.
+  void fit() {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    Vector2d least(far, far);
+    Vector2d most(-far, -far);
+    const auto include = [&](const Vector3d& p_W) {
+      least = least.cwiseMin(view_.of(p_W));
+      most = most.cwiseMax(view_.of(p_W));
+    };
+    for (const std::vector<Vector3d>& of_body : marks_) std::ranges::for_each(of_body, include);
+    for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
+    for (const Force& force : scene_.forces) {
+      if (!joins(force)) continue;
+      include(in_world(force.frames[0]));
+      include(in_world(force.frames[1]));
+    }
+    if (!(least.x() <= most.x())) return;  // nothing there
+    const Vector2d room(picture_.width - 2 * margin, picture_.height - 2 * margin);
+    const Vector2d size = most - least;
+    scale_ = std::min(room.x() / std::max(size.x(), 1e-9), room.y() / std::max(size.y(), 1e-9));
+    if (size.norm() < 1e-9) scale_ = 1;
+    origin_ = Vector2d(picture_.width, picture_.height) / 2 - scale_ * (least + most) / 2;
+  }
+
+  Vector2d on_paper(const Vector3d& p_W) const { return origin_ + scale_ * view_.of(p_W); }
+
+  void line(std::vector<Vector2d> points, double width, Color color) {
+    picture_.shapes.push_back({Shape::Kind::line, std::move(points), 0, width, color, color});
+  }
+  void disc(const Vector2d& at, double radius, Color edge, Color fill) {
+    picture_.shapes.push_back({Shape::Kind::disc, {at}, radius, 2, edge, fill});
+  }
+  void polygon(std::vector<Vector2d> points, Color edge, Color fill) {
+    picture_.shapes.push_back({Shape::Kind::polygon, std::move(points), 0, 2, edge, fill});
+  }
+
+  void draw_ground(const BodyFrame& frame) {
+    if (frame.body != ground) return;
+    const Vector2d at = on_paper(in_world(frame));
+    polygon({at, at + Vector2d(-11, 18), at + Vector2d(11, 18)}, earth, {232, 232, 232});
+    line({at + Vector2d(-17, 19), at + Vector2d(17, 19)}, 3, earth);
+  }
+
+  void draw_body(std::size_t b) {
+    std::vector<Vector2d> points;
+    for (const Vector3d& p_W : marks_[b]) {
+      const Vector2d at = on_paper(p_W);
+      if (std::ranges::none_of(points, [&](const Vector2d& other) { return (other - at).norm() < 2; })) {
+        points.push_back(at);
+      }
+    }
+    const Vector2d center = on_paper(poses_[b].point(scene_.bodies[b].com));
+    const std::vector<Vector2d> corners = outline(points);
+    if (points.size() == 1) {
+      disc(points.front(), 16, metal_edge, metal);
+    } else if (corners.size() > 2) {
+      polygon(corners, metal_edge, metal);
+    } else {
+      line(corners, 9, metal_edge);
+      line(corners, 5, metal);
+    }
+    disc(center, 2, ink, ink);
+    if (scene_.joints.size() <= legible) picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
+  }
+
+  void draw_force(const Force& force) {
+    if (!joins(force)) return;
+    const Vector2d from = on_paper(in_world(force.frames[0]));
+    const Vector2d to = on_paper(in_world(force.frames[1]));
+    const Vector2d along = to - from;
+    if (along.norm() < 1) return;
+    const Vector2d aside = 7 * Vector2d(-along.y(), along.x()) / along.norm();
+    std::vector<Vector2d> points = {from, from + 0.2 * along};
+    for (int i = 0; i < 8; ++i) points.emplace_back(from + (0.225 + 0.075 * i) * along + (i % 2 == 0 ? 1 : -1) * aside);
+    points.emplace_back(from + 0.8 * along);
+    points.push_back(to);
+    line(std::move(points), 2, wire);
+  }
+
+  void draw_joint(const Joint& joint) {
+    if (!holds(joint)) return;
+    const Vector2d at = on_paper(in_world(joint.child));
+    const Vector2d from = on_paper(in_world(joint.parent));
+    if ((at - from).norm() > 1) line({from, at}, 2, ink);
+    const bool driven =
+        std::ranges::any_of(scene_.motors, [&](const Motor& motor) { return motor.joints.front() == joint.name; });
+    const JointKind& kind = *find_joint_kind(joint.type);
+    const Color fill = driven ? drive : kind.nv == 0 ? ink : paper;
+    const bool slides = kind.nv > 0 && kind.q[0].unit == "m";
+    if (slides || kind.nv == 0) {
+      const double half = slides ? 7 : 3;
+      polygon({at + Vector2d(-half, -half), at + Vector2d(half, -half), at + Vector2d(half, half),
+               at + Vector2d(-half, half)},
+              ink, fill);
+    } else {
+      disc(at, 6, ink, fill);
+    }
+    if (scene_.joints.size() <= legible) picture_.labels.push_back({at + Vector2d(9, -9), joint.name});
+  }
+
+  void draw_gravity() {
+    const Vector2d pull = view_.of(scene_.gravity);
+    if (pull.norm() < 1e-9) return;
+    const Vector2d along = 30 * pull.normalized();
+    const Vector2d aside(-along.y() / 6, along.x() / 6);
+    const Vector2d from(24, 20);
+    line({from, from + 0.8 * along}, 2, earth);
+    polygon({from + along, from + 0.7 * along + aside, from + 0.7 * along - aside}, earth, earth);
+    picture_.labels.push_back({from + Vector2d(8, 12), "g"});
+  }
+
+  const Scene& scene_;
+  Numbers numbers_;
+  std::vector<Pose3> poses_;                  // by body
+  std::vector<std::vector<Vector3d>> marks_;  // by body, in the world
+  View view_;
+  Picture picture_;
+  double scale_ = 1;  // pixels per metre
+  Vector2d origin_ = Vector2d(240, 180);
+};
+
+}  // namespace
+
+Picture draw(Simulation& simulation) { return Artist(simulation).run(); }
+
+}  // namespace gelenk

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]: exporting without Python, for CMake.
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#ifdef GELENK_WITH_ZLIB
+#include <zlib.h>
+
+#include <new>
+#endif
+
+#include "check/doubts.h"
+#include "fmu/export/pack.h"
+#include "scene_file/read.h"
+
+namespace {
+
+constexpr const char* usage =
+    "usage: gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]\n"
+    "  SCENE    scene file, JSON"
+#ifdef GELENK_WITH_YAML
+    " or YAML"
+#endif
+    "\n"
+    "  OUT.fmu  the FMU to write\n"
+    "  FILE     the library with the FMI functions that comes with Gelenk, or its .gz; one for each platform\n"
+    "  DIR      directory with the licences to pack\n";
+
+struct Options {
+  std::vector<std::string> files;
+  std::vector<std::filesystem::path> runtimes;
+  std::string licenses;
+};
+
+bool parse(int argc, char** argv, Options& options) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--runtime" || word == "--licenses") {
+      if (++i == argc) return false;
+      if (word == "--runtime") options.runtimes.emplace_back(argv[i]);
+      if (word == "--licenses") options.licenses = argv[i];
+    } else if (word.starts_with("--")) {
+      return false;
+    } else {
+      options.files.emplace_back(word);
+    }
+  }
+  return options.files.size() == 2 && !options.runtimes.empty();
+}
+
+gelenk::Scene read_scene(const std::string& path, std::vector<std::string>& doubts) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw gelenk::ExportError(path + ": the scene could not be read");
+#ifdef GELENK_WITH_YAML
+  if (path.ends_with(".yaml") || path.ends_with(".yml")) return gelenk::read_scene_yaml(text, path, doubts);
+#endif
+  return gelenk::read_scene_json(text, path, doubts);
+}
+
+#ifdef GELENK_WITH_ZLIB
+std::string zlib_stream(std::string_view bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  const auto* from = reinterpret_cast<const Bytef*>(bytes.data());
+  if (compress(reinterpret_cast<Bytef*>(out.data()), &size, from, static_cast<uLong>(bytes.size())) != Z_OK) {
+    throw std::bad_alloc();
+  }
+  out.resize(size);
+  return out;
+}
+#else
+const gelenk::Compress zlib_stream;
+#endif
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  if (!parse(argc, argv, options)) {
+    std::cerr << usage;
+    return 2;
+  }
+  try {
+    std::vector<std::string> doubts;
+    const gelenk::Scene scene = read_scene(options.files[0], doubts);
+    for (const std::string& doubt : doubts) std::cerr << doubt << '\n';
+    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, zlib_stream);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/export/write_page.h"
+
+#include <algorithm>
+
+#include "formulation/inputs.h"
+#include "modelDescription/fingerprint.h"
+#include "modelDescription/write_xml.h"
+#include "simulation/inspection.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+constexpr const char* style =
+    "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}"
+    "table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.2em .6em;border-bottom:1px solid #ddd}"
+    "td:first-child{font-family:monospace;white-space:nowrap}";
+
+std::string start_text(const Variable& v, const Catalog& catalog) {
+  if (!v.start) return {};
+  if (v.type == ParameterType::boolean) return *v.start != 0 ? "true" : "false";
+  std::string number = text::number(*v.start);
+  if (v.type != ParameterType::enumeration) return number;
+  const auto& items = catalog.parameters()[static_cast<std::size_t>(v.index)].items;
+  const auto item = static_cast<std::size_t>(*v.start) - 1;
+  return item < items.size() ? number + " " + items[item] : number;
+}
+
+std::string range_text(const Variable& v) {
+  const bool bounded_below = v.min > -std::numeric_limits<double>::infinity();
+  const bool bounded_above = v.max < std::numeric_limits<double>::infinity();
+  if (v.type == ParameterType::boolean || (!bounded_below && !bounded_above)) return {};
+  return (bounded_below ? text::number(v.min) + " …" : "…") + (bounded_above ? " " + text::number(v.max) : "");
+}
+
+void add_table(std::string& page, const char* heading, Causality causality, const Catalog& catalog,
+               bool of_joints = false) {
+  const auto& variables = catalog.variables();
+  const auto belongs = [&](const Variable& v) {
+    const bool of_joint = v.causality == Causality::local && v.source == Source::output;
+    return !v.hidden && v.causality == causality && of_joint == of_joints;
+  };
+  if (std::ranges::none_of(variables, belongs)) return;
+  const bool settable = causality == Causality::input || causality == Causality::parameter;
+  page += std::string("<h2>") + heading + "</h2>\n<table>\n<tr><th>name</th><th>unit</th>";
+  page += settable ? "<th>start</th><th>allowed</th>" : "";
+  page += "<th>meaning</th></tr>\n";
+  for (const Variable& v : variables) {
+    if (!belongs(v)) continue;
+    page += "<tr><td>" + escaped(v.name) + "</td><td>" + escaped(v.unit == "1" ? "" : v.unit) + "</td>";
+    if (settable) {
+      page += "<td>" + escaped(start_text(v, catalog)) + "</td><td>" + escaped(range_text(v)) + "</td>";
+    }
+    page +=
+        "<td>" + escaped(v.description) + (v.variability == Variability::tunable ? "; tunable" : "") + "</td></tr>\n";
+  }
+  page += "</table>\n";
+}
+
+std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
+std::string degrees(int n) { return counted(n, "degree"); }
+
+void add_reductions(std::string& page, const Inspection& report) {
+  const ModelSize& before = report.described;
+  const ModelSize& after = report.reduced;
+  page += "<h2>The model</h2>\n<table>\n<tr><th></th><th>as described</th><th>as computed</th></tr>\n";
+  const auto row = [&](const char* what, int a, int b) {
+    page += std::string("<tr><td>") + what + "</td><td>" + std::to_string(a) + "</td><td>" + std::to_string(b) +
+            "</td></tr>\n";
+  };
+  row("moving bodies", before.bodies, after.bodies);
+  row("coordinates", before.coordinates, after.coordinates);
+  row("speeds", before.speeds, after.speeds);
+  row("constraint rows", before.rows, after.rows);
+  row("parts solved apart", before.islands, after.islands);
+  row("parts computed in a plane", 0, after.planar_islands);
+  page += "</table>\n<p>What was looked for, to compute no more than the scene needs:</p>\n<ul>\n";
+  for (const ReductionReport& reduction : report.reductions) {
+    for (const std::string& note : reduction.notes) {
+      page += "<li>" + escaped(reduction.name) + ": " + escaped(note) + "</li>\n";
+    }
+    if (!reduction.on) page += "<li>" + escaped(reduction.name) + ": switched off in the scene</li>\n";
+  }
+  page += "</ul>\n<p>" + degrees(report.reduced.degrees_of_freedom) +
+          " of freedom; counting 6 for each body, less what is constrained, gives " +
+          std::to_string(report.counted_degrees_of_freedom) + ".";
+  for (const std::string& cause : report.mobility) page += " " + escaped(cause) + ".";
+  page += "</p>\n";
+}
+
+}  // namespace
+
+std::string write_documentation(Simulation& simulation, const Catalog& catalog, const Picture& picture,
+                                const std::string& left_out) {
+  const Scene& scene = simulation.scene();
+  const ModelSize& size = simulation.size();
+  const std::string name = escaped(scene.name);
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name +
+                     "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n<p>";
+  page += "Multibody plant with " + std::to_string(size.bodies) + (size.bodies == 1 ? " body" : " bodies") +
+          " that can move: " + counted(size.coordinates, "coordinate") + ", " + counted(size.speeds, "speed") + ", " +
+          counted(size.rows, "constraint row") + " of rank " + std::to_string(size.rank) + ", so " +
+          degrees(size.degrees_of_freedom) + " of freedom; " +
+          (size.planar ? "all motion is in one plane" : "motion is in space") + ".</p>\n";
+  page += "<p>Co-simulation FMU of FMI 2.0. Steps of any size; " + text::number(scene.experiment.step) +
+          " s is the one proposed. Parameters can be set until initialisation ends, tunable ones also between steps. "
+          "SI units, angles in radians; they "
+          "count turns.</p>\n";
+  page += "<p>Within a step an input is held, or follows the derivatives, of order 1 to " +
+          std::to_string(Inputs::highest_order) +
+          ", that fmi2SetRealInputDerivatives gave it for the step; afterwards it stays at the value reached. A step "
+          "that takes more than solver.max_evaluations ends early with fmi2Discard: fmi2GetRealStatus tells where, and "
+          "the next step goes on from there.</p>\n";
+  page +=
+      "<figure>\n" + write_svg(picture) + "<figcaption>At the start. Red joints are driven.</figcaption>\n</figure>\n";
+  add_table(page, "Inputs", Causality::input, catalog);
+  add_table(page, "Outputs", Causality::output, catalog);
+  add_table(page, "States that are no outputs, and their derivatives", Causality::local, catalog, true);
+  add_table(page, "Parameters", Causality::parameter, catalog);
+  add_table(page, "Diagnostics", Causality::local, catalog);
+  if (!left_out.empty()) page += "<p>Of the scene it was made of was " + escaped(left_out) + ".</p>\n";
+  add_reductions(page, inspect(simulation, scene));
+  page += "<p>Made by Gelenk " + escaped(gelenk_version()) +
+          ". The scene is in <code>resources/scene.json</code>, the licences of what the runtime contains are in "
+          "<a href=\"licenses/\">licenses</a>.</p>\n</body>\n</html>\n";
+  return page;
+}
+
+}  // namespace gelenk

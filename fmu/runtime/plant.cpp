@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/runtime/plant.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "modelDescription/fingerprint.h"
+#include "scene_file/read.h"
+#include "simulation/start_report.h"
+#include "simulation/state_derivatives.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+std::size_t inputs_of(const Catalog& catalog) {
+  std::size_t n = 0;
+  for (const Variable& v : catalog.variables()) n += v.source == Source::input ? 1 : 0;
+  return n;
+}
+
+void take_starts(const Catalog& catalog, Inputs& inputs) {
+  for (const Variable& v : catalog.variables()) {
+    if (v.source == Source::input) inputs.set(v.index, v.start.value_or(0));
+  }
+}
+
+}  // namespace
+
+PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
+    : scene(read_scene_json(scene_json, file)), catalog(scene), guid(fingerprint(scene_json)) {}
+
+const PlantModel::States& PlantModel::states() const {
+  std::call_once(asked_, [this] {
+    Simulation simulation(scene);
+    simulation.assemble();
+    States found{catalog, StateDerivatives(simulation).independent()};
+    found.catalog.declare_states(found.independent);
+    states_ = std::move(found);
+  });
+  return *states_;
+}
+
+Plant::Plant(std::shared_ptr<const PlantModel> model)
+    : model_(std::move(model)),
+      scene_(model_->scene),
+      settings_(model_->catalog, scene_),
+      assembled_(settings_),
+      inputs_(inputs_of(model_->catalog)),
+      first_inputs_(inputs_) {
+  take_starts(model_->catalog, inputs_);
+  for (const Joint& joint : scene_.joints) joints_.push_back(joint.is);
+}
+
+void Plant::set_experiment(double start, double tolerance) {
+  start_ = start;
+  tolerance_ = tolerance;
+  simulation_.reset();
+}
+
+void Plant::assemble() {
+  if (simulation_) return;
+  Simulation fresh(settings_ == Settings(catalog(), model_->scene) ? scene_ : checked(scene_));
+  for (int i = 0; i < static_cast<int>(inputs_.count()); ++i) {
+    fresh.set_input(i, inputs_.value(i));
+    for (int order = 1; order <= Inputs::highest_order; ++order) {
+      fresh.set_input_derivative(i, order, inputs_.derivative(i, order));
+    }
+  }
+  fresh.initialize(start_, wished_tolerance());
+  first_inputs_ = inputs_;
+  simulation_.emplace(std::move(fresh));
+  assembled_ = settings_;
+}
+
+double Plant::wished_tolerance() const {
+  const double own = scene_.experiment.tolerance;
+  const bool other = own != model_->scene.experiment.tolerance;
+  return other || (tolerance_confirmed_ && tolerance_ > own) ? 0 : tolerance_;
+}
+
+std::string Plant::assembly_report() const {
+  return simulation_ ? StartReport(*simulation_).assembly() : std::string();
+}
+
+std::vector<std::string> Plant::start_warnings() const {
+  return simulation_ ? StartReport(*simulation_).warnings() : std::vector<std::string>();
+}
+
+Simulation& Plant::simulation() {
+  assemble();
+  return *simulation_;
+}
+
+double Plant::get(int variable) {
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  const auto index = static_cast<std::size_t>(v.index);
+  switch (v.source) {
+    case Source::input:
+      return input(v.index);
+    case Source::parameter:
+      return catalog().parameters()[index].get(scene_);
+    case Source::output:
+      assemble();
+      return simulation_->output(v.index);
+    case Source::diagnostic:
+      assemble();
+      return simulation_->diagnostic(v.index);
+    case Source::rate:
+      assemble();
+      return rate(catalog().rates()[index]);
+  }
+  return 0;
+}
+
+double Plant::rate(const Rate& rate) {
+  std::array<double, 7> q{};  // the free joint has the most coordinates
+  std::array<double, 7> v{};
+  std::array<double, 7> qdot{};
+  const AnyJoint& joint = joints_[static_cast<std::size_t>(rate.joint)];
+  const JointKind& kind = kind_of(joint);
+  const int first = catalog().first_output(rate.joint);
+  for (int i = 0; i < kind.nq; ++i) q[static_cast<std::size_t>(i)] = simulation_->output(first + i);
+  for (int i = 0; i < kind.nv; ++i) v[static_cast<std::size_t>(i)] = simulation_->output(first + kind.nq + i);
+  std::visit([&](const auto& j) { j.qdot_from_v(q.data(), v.data(), qdot.data()); }, joint);
+  return qdot[static_cast<std::size_t>(rate.component)];
+}
+
+void Plant::check(int variable, double value) const {
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  if (v.source == Source::parameter) {
+    check_parameter(catalog().parameters()[static_cast<std::size_t>(v.index)], value);
+  } else if (v.source != Source::input) {
+    throw std::invalid_argument(v.name + " is computed by the plant and cannot be set");
+  } else if (!std::isfinite(value)) {
+    throw std::invalid_argument(v.name + ": found " + text::number(value) + ", expected a finite number; it stays " +
+                                text::number(input(v.index)) + " " + v.unit);
+  }
+}
+
+void Plant::check_input_derivative(int variable, int order, double value) const {
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  if (v.source != Source::input) throw std::invalid_argument(v.name + ": found no input, expected one");
+  const std::string fault = Inputs::fault(order, value);
+  if (!fault.empty()) throw std::invalid_argument(v.name + ": " + fault);
+}
+
+void Plant::set_input_derivative(int variable, int order, double value) {
+  check_input_derivative(variable, order, value);
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  inputs_.set_derivative(v.index, order, value);
+  if (simulation_) simulation_->set_input_derivative(v.index, order, value);
+}
+
+void Plant::set(int variable, double value) {
+  check(variable, value);
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  const auto index = static_cast<std::size_t>(v.index);
+  if (v.source == Source::input) {
+    inputs_.set(v.index, value);
+    if (simulation_) simulation_->set_input(v.index, value);
+    return;
+  }
+  const Parameter& parameter = catalog().parameters()[index];
+  if (parameter.name == "solver.tolerance") {
+    const double wished = wished_tolerance();
+    tolerance_confirmed_ = true;
+    if (wished_tolerance() != wished) simulation_.reset();
+  }
+  if (value == parameter.get(scene_)) return;
+  set_parameter(scene_, parameter, value);
+  settings_ = Settings(catalog(), scene_);
+  simulation_.reset();
+}
+
+long Plant::count(Diagnostic diagnostic) { return std::lround(simulation_->diagnostic(static_cast<int>(diagnostic))); }
+
+void Plant::tune(int variable, double value) {
+  const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
+  if (v.variability != Variability::tunable) return set(variable, value);
+  const Parameter& parameter = catalog().parameters()[static_cast<std::size_t>(v.index)];
+  check_parameter(parameter, value);
+  if (value == parameter.get(scene_)) return;
+  set_parameter(scene_, parameter, value);
+  settings_.values[static_cast<std::size_t>(v.index)] = value;
+  simulation_->tune(scene_);
+}
+
+void Plant::serialize(Archive& archive) {
+  bool assembled = simulation_.has_value();
+  double start = start_;
+  double tolerance = std::copysign(tolerance_, tolerance_confirmed_ ? -1 : 1);  // the sign holds the flag
+  Settings when_assembled = assembled_;
+  Settings present = settings_;
+  archive.serialize(assembled, start, tolerance);
+  Inputs first = first_inputs_;
+  first.serialize(archive);
+  inputs_.serialize(archive);
+  when_assembled.serialize(archive);
+  present.serialize(archive);
+  if (archive.reading()) {
+    const bool confirmed = std::signbit(tolerance);
+    tolerance = std::abs(tolerance);
+    const bool same = start == start_ && tolerance == tolerance_ && confirmed == tolerance_confirmed_ &&
+                      when_assembled == assembled_ && first == first_inputs_;
+    if (!assembled || !same) simulation_.reset();
+    start_ = start;
+    tolerance_ = tolerance;
+    tolerance_confirmed_ = confirmed;
+    if (assembled) {
+      std::swap(inputs_, first);
+      take(when_assembled, present);
+      inputs_ = std::move(first);
+    } else if (settings_ != present) {
+      present.put(catalog(), scene_);
+      settings_ = std::move(present);
+    }
+  }
+  if (assembled) simulation_->serialize(archive);
+}
+
+// Of a run that was assembled with one and has been tuned to the other.
+void Plant::take(const Settings& assembled, const Settings& present) {
+  if (!simulation_) {
+    assembled.put(catalog(), scene_);
+    settings_ = assembled;
+    assemble();
+  }
+  if (present == settings_) return;
+  present.put(catalog(), scene_);
+  settings_ = present;
+  simulation_->tune(scene_);
+}
+
+}  // namespace gelenk

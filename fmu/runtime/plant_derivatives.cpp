@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fmu/runtime/plant_derivatives.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "modelDescription/capabilities.h"
+#include "simulation/state_derivatives.h"
+#include "util/text.h"
+
+namespace gelenk {
+namespace {
+
+const Variable& variable(const Catalog& catalog, unsigned reference) {
+  if (const Variable* found = catalog.find(reference)) return *found;
+  throw UsageError("value reference: found " + std::to_string(reference) + ", expected less than " +
+                   std::to_string(catalog.variables().size()));
+}
+
+// Where an output is among the simulation's states; none if it is not.
+int state_of(const std::vector<StateVariable>& states, int output) {
+  const auto found = std::ranges::find(states, output, &StateVariable::output);
+  return found == states.end() ? StateVariable::none : static_cast<int>(found - states.begin());
+}
+
+class Directions {
+ public:
+  Directions(const Catalog& catalog, Simulation& simulation)
+      : catalog_(catalog),
+        simulation_(simulation),
+        derivatives_(simulation),
+        dx_(derivatives_.states().size(), 0.0),
+        du_(simulation.inputs().size(), 0.0) {}
+
+  void seed(unsigned reference, double value) {
+    const Variable& known = variable(catalog_, reference);
+    const int state = known.source == Source::output ? state_of(derivatives_.states(), known.index) : -1;
+    if (known.source != Source::input && state < 0) {
+      throw UsageError("known: found " + known.name + ", expected an input or a state");
+    }
+    if (!std::isfinite(value)) {
+      throw UsageError("dvKnown of " + known.name + ": found " + text::number(value) + ", expected a finite number");
+    }
+    (known.source == Source::input ? du_[static_cast<std::size_t>(known.index)]
+                                   : dx_[static_cast<std::size_t>(state)]) += value;
+  }
+
+  // Its row among the outputs; of a quaternion's rates, after them.
+  Eigen::Index row(unsigned reference) const {
+    const Variable& unknown = variable(catalog_, reference);
+    if (unknown.source == Source::output) return unknown.index;
+    if (unknown.source == Source::rate && unknown.derivative_of >= 0) {
+      const Variable& state = catalog_.variables()[static_cast<std::size_t>(unknown.derivative_of)];
+      return static_cast<Eigen::Index>(simulation_.outputs().size()) + state_of(derivatives_.states(), state.index);
+    }
+    throw UsageError("unknown: found " + unknown.name + ", expected an output or the derivative of a state");
+  }
+
+  void run(const std::vector<Eigen::Index>& rows, double* out) {
+    const DirectionalDerivative derivative = derivatives_.directional_derivative(dx_, du_);
+    for (const Eigen::Index r : rows) {
+      *out++ =
+          r < derivative.outputs.rows() ? derivative.outputs(r, 0) : derivative.rates(r - derivative.outputs.rows(), 0);
+    }
+  }
+
+ private:
+  const Catalog& catalog_;
+  const Simulation& simulation_;
+  StateDerivatives derivatives_;
+  std::vector<double> dx_, du_;
+};
+
+}  // namespace
+
+void directional_derivative(Plant& plant, References unknown, References known, const double* seed, double* out) {
+  const PlantModel::States& declared = plant.model().states();
+  Simulation& simulation = plant.simulation();
+  StateDerivatives(simulation).take_states(declared.independent);
+  Directions directions(declared.catalog, simulation);
+  std::vector<Eigen::Index> rows;
+  for (const unsigned reference : unknown) rows.push_back(directions.row(reference));
+  for (const unsigned reference : known) directions.seed(reference, *seed++);
+  directions.run(rows, out);
+}
+
+void output_derivatives(Plant& plant, References outputs, const int* orders, double* out) {
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const Variable& v = variable(plant.catalog(), outputs[i]);
+    if (v.source != Source::output) throw UsageError(v.name + " is no output: only outputs have derivatives");
+    if (orders[i] < 1 || orders[i] > max_output_derivative_order) {
+      throw UsageError("order: found " + std::to_string(orders[i]) + " for " + v.name + ", expected 1 to " +
+                       std::to_string(max_output_derivative_order));
+    }
+    indices.push_back(v.index);
+  }
+  const Eigen::MatrixX2d found = StateDerivatives(plant.simulation()).output_derivatives();
+  for (std::size_t i = 0; i < indices.size(); ++i) out[i] = found(indices[i], orders[i] - 1);
+}
+
+}  // namespace gelenk

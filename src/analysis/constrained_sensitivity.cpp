@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/constrained_sensitivity.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "analysis/dual_columns.h"
+#include "dynamics/undefined_force.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Where the rows, by the dependent speeds, have a pivot below this share of the largest, what is left of the closure's
+// rounding in the derivatives would reach 1e-6 of them.
+constexpr double singular = 1e-8;
+// Beside a position where the rows themselves lose rank, accelerations are quotients of two numbers that vanish there
+// with the share s of a regular position's smallest pivot, and their derivatives err by some 1e-16 / s^3: 1e-7 here.
+constexpr double beside_singular = 1e-3;
+
+}  // namespace
+
+std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivatives>& targets) {
+  std::vector<double> out;
+  for (const MotionLaw::Derivatives& s : targets) out.insert(out.end(), s.begin(), s.begin() + 3);
+  return out;
+}
+
+MatrixXd displacements(const Mechanism& mechanism, const double* q, const MatrixXd& dq) {
+  MatrixXd z = MatrixXd::Zero(mechanism.nv, dq.cols());
+  for (Index k = 0; k < dq.cols(); ++k) {
+    for (const Link& link : mechanism.links) {
+      if (link.nv == 0 || dq.col(k).segment(link.iq, link.nq).isZero(0)) continue;
+      std::visit(
+          [&](const auto& joint) {
+            joint.v_from_qdot(q + link.iq, dq.col(k).data() + link.iq, z.col(k).data() + link.iv);
+          },
+          link.joint);
+    }
+  }
+  return z;
+}
+
+ConstrainedSensitivity::ConstrainedSensitivity(const Mechanism& mechanism, const Loads& loads,
+                                               const MobilityAnalysis& mobility, const Independent& independent,
+                                               int inputs)
+    : mechanism_(mechanism),
+      rank_(mobility.rank),
+      position_rank_(mobility.position_rank),
+      best_pivot_ratio_(mobility.best_pivot_ratio),
+      loads_(loads),
+      inputs_(inputs),
+      dynamics_(make_dynamics(mechanism, loads)),
+      q_(mechanism.nq),
+      v_(mechanism.nv),
+      u_(inputs),
+      vdot_(mechanism.nv),
+      lambda_(mechanism.rows),
+      x_in_time_(mechanism.nv) {
+  for (int k = 0; k < mechanism.nv; ++k) {
+    if (std::ranges::find(independent.coordinates, k) == independent.coordinates.end()) {
+      of_positions_.dependent.push_back(k);
+    }
+    if (std::ranges::find(independent.speeds, k) == independent.speeds.end()) of_speeds_.dependent.push_back(k);
+  }
+  const std::vector<bool> holds = mechanism.position_rows();
+  for (int r = 0; r < mechanism.rows; ++r) {
+    of_speeds_.rows.push_back(r);
+    if (holds[r]) of_positions_.rows.push_back(r);
+  }
+  dynamics_->set_max_rank(rank_);
+  jacobians_.of_inputs = true;
+  moved_.equations = make_residual_evaluator<Dual>(mechanism, loads);
+  path_.equations = make_residual_evaluator<Series>(mechanism, loads);
+}
+
+void ConstrainedSensitivity::set_point(const double* q, const double* v, const double* u, const double* cut_q,
+                                       const std::vector<MotionLaw::Derivatives>& targets) {
+  stages_.realize(Stage::position);
+  stages_.realize(Stage::velocity);
+  std::copy_n(q, mechanism_.nq, q_.begin());
+  std::copy_n(v, mechanism_.nv, v_.begin());
+  std::copy_n(u, inputs_, u_.begin());
+  cut_q_.assign(cut_q, cut_q + mechanism_.cut_nq);
+  targets_ = targets;
+  Dynamics& d = *dynamics_;
+  d.set_cut_reference(cut_q);
+  d.set_targets(with_two_derivatives(targets_).data());
+  d.set_position(q);
+  d.factorize();
+  d.set_velocity(v);
+  d.solve(u, vdot_.data());
+  if (!no_list_has_any(loads_.forces)) {
+    d.readings().set_root_poses();
+    const int force = undefined_force(loads_, d.readings());
+    if (force >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::spring, force);
+  }
+  redundant_ = false;
+  if (mechanism_.rows == 0) return;
+  d.set_acceleration(vdot_.data());  // for lambda
+  if (rank_ > 0 && d.pivot_ratio() < std::max(singular, beside_singular * best_pivot_ratio_)) {
+    throw NotDifferentiablePoint(NotDifferentiablePoint::What::rows);
+  }
+  lambda_ = Eigen::Map<const VectorXd>(d.lambda().data(), mechanism_.rows);
+  J_ = d.J();
+  redundant_ = rank_ < mechanism_.rows;
+  if (redundant_) find_null_multipliers();
+}
+
+void ConstrainedSensitivity::find_null_multipliers() {
+  const Eigen::JacobiSVD<MatrixXd> svd(J_, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const MatrixXd U = svd.matrixU().leftCols(rank_);
+  null_multipliers_ = MatrixXd::Identity(mechanism_.rows, mechanism_.rows) - U * U.transpose();
+  inverse_ =
+      svd.matrixV().leftCols(rank_) * svd.singularValues().head(rank_).cwiseInverse().asDiagonal() * U.transpose();
+  x_ = inverse_ * lambda_;
+}
+
+// The point itself, without derivatives.
+template <class T>
+void ConstrainedSensitivity::begin(CarriedState<T>& at) {
+  at.q.assign(q_.begin(), q_.end());
+  at.v.assign(v_.begin(), v_.end());
+  at.u.assign(u_.begin(), u_.end());
+  at.vdot.assign(vdot_.begin(), vdot_.end());
+  at.lambda.assign(lambda_.begin(), lambda_.end());
+  at.equations->set_cut_reference(cut_q_.data());
+}
+
+// r <- x with [M J^T; J 0] [x; l] = -[r; c].
+void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l) const {
+  r = -r;
+  const VectorXd target = -c;
+  l.resize(mechanism_.rows);
+  dynamics_->solve_linear(r.data(), target.data(), l.data());
+}
+
+void ConstrainedSensitivity::Partition::compute(const MatrixXd& J, int rank) {
+  if (static_cast<int>(dependent.size()) != rank) throw NotDifferentiablePoint(NotDifferentiablePoint::What::partition);
+  if (rank == 0) return;
+  factor.compute(J(rows, dependent));
+  const auto pivots = factor.matrixQR().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > singular * pivots.maxCoeff()))
+    throw NotDifferentiablePoint(NotDifferentiablePoint::What::partition);
+}
+
+MatrixXd ConstrainedSensitivity::Partition::solve(const MatrixXd& residuals, Index nv) const {
+  MatrixXd out = MatrixXd::Zero(nv, residuals.cols());
+  if (!dependent.empty()) out(dependent, Eigen::all) = -factor.solve(residuals(rows, Eigen::all));
+  return out;
+}
+
+// target(row, order): of its coordinate row and derivative in time.
+template <class T, class Target>
+void ConstrainedSensitivity::set_targets(CarriedState<T>& at, Target target) {
+  at.targets.clear();
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (int order = 0; order < 3; ++order) at.targets.push_back(target(i, order));
+  }
+  at.equations->set_targets(at.targets.data());
+}
+
+// Those that are inputs move with them.
+void ConstrainedSensitivity::move_targets(const MatrixXd& du) {
+  set_targets(moved_, [&](std::size_t i, int order) {
+    const CoordinateRow& row = mechanism_.coordinate_rows[i];
+    Dual s(targets_[i][order]);
+    if (row.input < 0 || order != (row.holds_position ? 0 : 1)) return s;
+    for (Index k = 0; k < du.cols(); ++k) s.derivatives()[k] = du(row.input, k);
+    return s;
+  });
+}
+
+// The independent coordinates moved by dq, and the others as the rows want.
+MatrixXd ConstrainedSensitivity::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
+  const Index n = dq.cols();
+  MatrixXd z = displacements(mechanism_, q_.data(), dq);
+  for (const int k : of_positions_.dependent) z.row(k).setZero();
+  if (mechanism_.rows > 0) {
+    MatrixXd residuals = J_ * z;  // less what the rows' targets move
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || !row.holds_position) continue;
+      residuals.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
+    z += of_positions_.solve(residuals, mechanism_.nv);
+  }
+  MatrixXd moved(mechanism_.nq, n);
+  for (Index k = 0; k < n; ++k) {
+    if (z.col(k).isZero(0)) {
+      moved.col(k).setZero();
+    } else {
+      dynamics_->qdot_from_v(q_.data(), z.col(k).data(), moved.col(k).data());
+    }
+  }
+  return moved;
+}
+
+VectorXd ConstrainedSensitivity::point() const {
+  VectorXd out(mechanism_.nq + 2 * mechanism_.nv);
+  out << q_, v_, vdot_;
+  return out;
+}
+
+VectorXd ConstrainedSensitivity::qdot() const {
+  VectorXd out(mechanism_.nq);
+  dynamics_->qdot_from_v(q_.data(), v_.data(), out.data());
+  return out;
+}
+
+void ConstrainedSensitivity::know_partition() {
+  if (mechanism_.rows == 0 || partition_.holds(stages_)) return;
+  of_positions_.compute(J_, position_rank_);
+  of_speeds_.compute(J_, rank_);
+  partition_.set(stages_);
+}
+
+MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
+  know_partition();
+  if (!jacobians_known_.holds(stages_)) {
+    dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), jacobians_, lambda_.data());
+    jacobians_known_.set(stages_);
+  }
+  const Index nq = mechanism_.nq;
+  const Index nv = mechanism_.nv;
+  const Index n = dq.cols();
+  MovedState out;
+  out.y.resize(nq + 2 * nv, n);
+  auto q = out.y.topRows(nq);
+  auto v = out.y.middleRows(nq, nv);
+  q = whole_dq(dq, du);
+  v = dv;
+  for (const int k : of_speeds_.dependent) v.row(k).setZero();
+  RowMatrix r = RowMatrix::Zero(nv, n);
+  RowMatrix c(mechanism_.rows, n);
+  if (mechanism_.rows > 0) {
+    MatrixXd rates = jacobians_.rate_q * q + J_ * v;  // less what the rows' targets move
+    for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
+      const CoordinateRow& row = mechanism_.coordinate_rows[i];
+      if (row.input < 0 || row.holds_position) continue;
+      rates.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
+    }
+    v += of_speeds_.solve(rates, nv);
+    c.noalias() = jacobians_.c * out.y.topRows(nq + nv);
+  }
+  add_product(jacobians_.r, out.y, nq + nv, r);
+  add_product(jacobians_.r_u, du, inputs_, r);
+  dynamics_->solve_linear_columns(r.data(), c.data(), static_cast<int>(n));
+  out.y.bottomRows(nv) = -r;
+  if (nq == nv) return out;
+  out.qdot.setZero(nq, n);
+  add_product(jacobians_.qdot_q, q, nq, out.qdot);
+  add_product(jacobians_.qdot_v, v, nv, out.qdot);
+  return out;
+}
+
+CarriedState<Dual>& ConstrainedSensitivity::directional_derivative(const MatrixXd& dq, const MatrixXd& dv,
+                                                                   const MatrixXd& du) {
+  know_partition();
+  begin(moved_);
+  set_slopes(du, moved_.u);
+  move_targets(du);
+  set_slopes(whole_dq(dq, du), moved_.q);
+  moved_.equations->set_position(moved_.q.data());
+  MatrixXd null_multipliers = MatrixXd::Zero(mechanism_.rows, dq.cols());
+  if (redundant_) {
+    // lambda = J x, so what of its change no equation of motion shows is that of dJ x.
+    const std::vector<Dual> targets = moved_.targets;
+    set_targets(moved_, [](std::size_t, int) { return Dual(0); });
+    set_values(x_, moved_.v);
+    moved_.equations->set_velocity(moved_.v.data());
+    null_multipliers = null_multipliers_ * slopes(moved_.equations->row_rates(), dq.cols());
+    set_values(v_, moved_.v);
+    moved_.targets = targets;
+    moved_.equations->set_targets(moved_.targets.data());
+  }
+  move_velocity(dv);
+  move_acceleration(null_multipliers);
+  return moved_;
+}
+
+void ConstrainedSensitivity::move_velocity(const MatrixXd& dv) {
+  MatrixXd given = dv;
+  for (const int k : of_speeds_.dependent) given.row(k).setZero();
+  set_slopes(given, moved_.v);
+  moved_.equations->set_velocity(moved_.v.data());
+  if (of_speeds_.dependent.empty()) return;
+  given += of_speeds_.solve(slopes(moved_.equations->row_rates(), dv.cols()), mechanism_.nv);
+  set_slopes(given, moved_.v);
+  moved_.equations->set_velocity(moved_.v.data());
+}
+
+void ConstrainedSensitivity::move_acceleration(const MatrixXd& null_multipliers) {
+  ResidualEvaluator<Dual>& e = *moved_.equations;
+  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+  MatrixXd dvdot(mechanism_.nv, null_multipliers.cols());
+  MatrixXd dlambda(mechanism_.rows, null_multipliers.cols());
+  VectorXd l;
+  for (Index k = 0; k < null_multipliers.cols(); ++k) {
+    VectorXd r = derivatives_along(e.force_residual(), static_cast<int>(k));
+    solve(r, derivatives_along(e.acceleration_residual(), static_cast<int>(k)), l);
+    dvdot.col(k) = r;
+    dlambda.col(k) = l + null_multipliers.col(k);
+  }
+  set_slopes(dvdot, moved_.vdot);
+  set_slopes(dlambda, moved_.lambda);
+  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+}
+
+CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udot, const double* uddot) {
+  begin(path_);
+  ResidualEvaluator<Series>& e = *path_.equations;
+  for (int i = 0; i < inputs_; ++i) path_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  follow_targets(udot, uddot);
+  if (redundant_) set_values(x_, x_in_time_);
+  // With q, v to order k - 1, qdot = N v and vdot tell them to order k, the residuals vdot and lambda there.
+  for (int k = 1; k <= series_order; ++k) {
+    for (int i = 0; i < mechanism_.nv; ++i) path_.v[i][k] = path_.vdot[i][k - 1] / k;
+    e.set_position(path_.q.data());
+    e.set_velocity(path_.v.data());
+    for (int i = 0; i < mechanism_.nq; ++i) path_.q[i][k] = e.qdot()[i][k - 1] / k;
+    e.set_position(path_.q.data());
+    follow_acceleration(k);
+  }
+  e.set_velocity(path_.v.data());
+  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
+  return path_;
+}
+
+// With the inputs' derivatives where they are inputs.
+void ConstrainedSensitivity::follow_targets(const double* udot, const double* uddot) {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const CoordinateRow& row = mechanism_.coordinate_rows[i];
+    if (row.input < 0) continue;
+    const int first = row.holds_position ? 0 : 1;
+    targets_[i][first + 1] = udot[row.input];
+    targets_[i][first + 2] = uddot[row.input];
+  }
+  set_targets(path_, [&](std::size_t i, int order) {
+    const MotionLaw::Derivatives& s = targets_[i];
+    return Series({s[order], s[order + 1], s[order + 2] / 2});
+  });
+}
+
+// vdot and lambda to order k, q and v being known so far.
+void ConstrainedSensitivity::follow_acceleration(int k) {
+  ResidualEvaluator<Series>& e = *path_.equations;
+  VectorXd carried = VectorXd::Zero(mechanism_.rows);
+  if (redundant_) {
+    const std::vector<Series> targets = path_.targets;
+    set_targets(path_, [](std::size_t, int) { return Series(0); });
+    e.set_velocity(x_in_time_.data());
+    carried = derivatives_along(e.row_rates(), k);
+    path_.targets = targets;
+    e.set_targets(path_.targets.data());
+  }
+  e.set_velocity(path_.v.data());
+  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
+  VectorXd r = derivatives_along(e.force_residual(), k);
+  VectorXd l;
+  solve(r, derivatives_along(e.acceleration_residual(), k), l);
+  if (redundant_) {
+    l += null_multipliers_ * carried;
+    const VectorXd x = inverse_ * (l - carried);
+    for (Index i = 0; i < x.size(); ++i) x_in_time_[i][k] = x[i];
+  }
+  for (Index i = 0; i < r.size(); ++i) path_.vdot[i][k] = r[i];
+  for (Index i = 0; i < l.size(); ++i) path_.lambda[i][k] = l[i];
+}
+
+}  // namespace gelenk

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "derivatives/forward_ad.h"
+
+#include <algorithm>
+
+namespace gelenk {
+namespace {
+
+void copy(const double* from, std::vector<Dual>& to) { std::copy_n(from, to.size(), to.begin()); }
+
+template <class Matrix>
+void column(const std::vector<Dual>& from, int k, Matrix& to, Eigen::Index c) {
+  for (std::size_t i = 0; i < from.size(); ++i) to(static_cast<Eigen::Index>(i), c) = from[i].derivatives()[k];
+}
+
+}  // namespace
+
+void Jacobians::clear(int nq, int nv, int rows, int inputs) {
+  r.setZero(nv, nq + nv);
+  c.setZero(rows, nq + nv);
+  qdot_q.setZero(nq, nq);
+  qdot_v.setZero(nq, nv);
+  if (of_rows) Phi_q.setZero(rows, nq);
+  if (of_rows) rate_q.setZero(rows, nq);
+  if (of_inputs) r_u.setZero(nv, inputs);
+}
+
+Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs)
+    : equations_(make_residual_evaluator<Dual>(mechanism, loads)),
+      q_(mechanism.nq),
+      v_(mechanism.nv),
+      u_(inputs),
+      vdot_(mechanism.nv),
+      lambda_(mechanism.rows),
+      targets_(3 * mechanism.coordinate_rows.size()) {}
+
+// Runs the residuals for the directions seeded in q, v, u.
+void Differentiator::run(const LinearizationPoint& at) {
+  equations_->set_cut_reference(at.cut_reference);
+  equations_->set_targets(targets_.data());
+  equations_->set_position(q_.data());
+  equations_->set_velocity(v_.data());
+  equations_->set_acceleration(u_.data(), vdot_.data(), lambda_.data());
+}
+
+// Seeds n directions of `in` from `first` on, runs, and hands out their slopes as columns.
+template <class Take>
+void Differentiator::sweep(const LinearizationPoint& at, std::vector<Dual>& in, Take take) {
+  for (int first = 0; first < static_cast<int>(in.size()); first += dual_directions) {
+    const int n = std::min(dual_directions, static_cast<int>(in.size()) - first);
+    for (int k = 0; k < n; ++k) in[first + k].derivatives()[k] = 1;
+    run(at);
+    for (int k = 0; k < n; ++k) {
+      take(first + k, k);
+      in[first + k].derivatives()[k] = 0;
+    }
+  }
+}
+
+void Differentiator::operator()(const LinearizationPoint& at, Jacobians& out) {
+  const auto nq = static_cast<int>(q_.size());
+  out.clear(nq, static_cast<int>(v_.size()), static_cast<int>(lambda_.size()), static_cast<int>(u_.size()));
+  copy(at.q, q_);
+  copy(at.v, v_);
+  copy(at.u, u_);
+  copy(at.vdot, vdot_);
+  copy(at.lambda, lambda_);
+  copy(at.targets, targets_);
+  const ResidualEvaluator<Dual>& e = *equations_;
+  sweep(at, q_, [&](int c, int k) {
+    column(e.force_residual(), k, out.r, c);
+    column(e.acceleration_residual(), k, out.c, c);
+    column(e.qdot(), k, out.qdot_q, c);
+    if (!out.of_rows) return;
+    column(e.Phi(), k, out.Phi_q, c);
+    column(e.row_rates(), k, out.rate_q, c);
+  });
+  sweep(at, v_, [&](int c, int k) {
+    column(e.force_residual(), k, out.r, nq + c);
+    column(e.acceleration_residual(), k, out.c, nq + c);
+    column(e.qdot(), k, out.qdot_v, c);
+  });
+  if (out.of_inputs) sweep(at, u_, [&](int c, int k) { column(e.force_residual(), k, out.r_u, c); });
+}
+
+}  // namespace gelenk

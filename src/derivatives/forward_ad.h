@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Jacobians of the equations of motion by forward-mode automatic differentiation: the kernels run on dual numbers
+// (math/dual.h), some directions at a time. It covers every mechanism; recursive.h is faster where it applies.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "derivatives/jacobians.h"
+#include "derivatives/residual_evaluator.h"
+#include "math/dual.h"
+
+namespace gelenk {
+
+// Uses memory of its own, allocated at construction only.
+class Differentiator {
+ public:
+  // inputs: number of the scene's inputs.
+  Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs);
+
+  void operator()(const LinearizationPoint& at, Jacobians& out);
+
+ private:
+  void run(const LinearizationPoint& at);
+  template <class Take>
+  void sweep(const LinearizationPoint& at, std::vector<Dual>& in, Take take);
+
+  std::unique_ptr<ResidualEvaluator<Dual>> equations_;
+  std::vector<Dual> q_, v_, u_, vdot_, lambda_, targets_;
+};
+
+}  // namespace gelenk

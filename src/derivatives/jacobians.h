@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Jacobians of the equations of motion, and the point at which they are taken. Two methods compute them:
+// recursion along the tree (recursive.h, fast) and forward-mode automatic differentiation (forward_ad.h, for whatever a
+// mechanism has).
+#pragma once
+
+#include <Eigen/Core>
+
+namespace gelenk {
+
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Partial derivatives of the residuals
+//   r = M(q) vdot + h(q, v) + J(q)^T lambda - tau(q, v, u)     (nv)
+//   c = J(q) vdot - gamma(q, v)                                (rows)
+// at constant vdot and lambda, of Phi and J v, and of qdot = N(q) v. Derivatives in q are taken in its nq numbers, each
+// of them independent (the norm of a quaternion, too).
+struct Jacobians {
+  // Set by the caller: whether Phi_q and rate_q are computed, and r_u.
+  bool of_rows = true, of_inputs = false;
+
+  RowMatrix r, c;                  // nv x (nq + nv), rows x (nq + nv): with respect to q, then to v
+  RowMatrix r_u;                   // nv x inputs of the scene
+  RowMatrix Phi_q, rate_q;         // rows x nq: of Phi and of J v; the derivative of J v in v is J
+  Eigen::MatrixXd qdot_q, qdot_v;  // nq x nq, nq x nv
+
+  auto r_q() { return r.leftCols(qdot_q.rows()); }
+  auto r_v() { return r.rightCols(r.rows()); }
+  auto c_q() { return c.leftCols(qdot_q.rows()); }
+  auto c_v() { return c.rightCols(r.rows()); }
+
+  // Resizes all of them and sets them to zero.
+  void clear(int nq, int nv, int rows, int inputs);
+};
+
+struct LinearizationPoint {
+  const double* q;
+  const double* v;
+  const double* u;  // all inputs of the scene
+  const double* vdot;
+  const double* lambda;
+  const double* cut_reference;     // angles of cut joints, full revolutions included
+  const double* targets;           // of the coordinate constraints (dynamics.h)
+  const int* cut_sides = nullptr;  // the branches that forces along cut joints are held on, or null; recursion only
+};
+
+}  // namespace gelenk

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Forces that act between two links a and b as they stand and move against each other. As seen from a the force that
+// b needs, L, changes by K dX + D dU: with dX = sigma S_m, dU = sigma (S_m x V_b + P_m), sigma = 1 (-1) for speeds m
+// between b (a) and the nearest common ancestor. With z_t = K^T S_t + V_b x* D^T S_t and y_t = S_t x* L
+//   t on b's path: r_tm = S_m . (z_t + y_t, if m is not outwards of t), -S_m . (z_t + y_t) for m on a's path;
+//   t on a's path: r_tm = -S_m . z_t for m on b's,   S_m . (z_t + y_t, if m is outwards of t) for m on a's;
+// and sigma_t sigma_m P_m . D^T S_t more; by speeds sigma_t sigma_m S_m . D^T S_t.
+#pragma once
+
+#include <numbers>
+
+#include "derivatives/recursive_joints_impl.h"
+#include "kinematics/force_ports.h"
+#include "kinematics/load_kernels_impl.h"
+#include "kinematics/loop_kernels_impl.h"
+
+namespace gelenk {
+namespace detail {
+
+// (0 | w x f): how F's force would turn.
+template <class A>
+typename A::Force turned(const typename A::Motion& V, const typename A::Force& F) {
+  if constexpr (A::planar) {
+    return {0, -V.w * F.y, V.w * F.x};
+  } else {
+    return {Eigen::Vector3d::Zero(), V.w.cross(F.f)};
+  }
+}
+// (v x f | 0): how its torque about a point fixed in space grows as it is carried along.
+template <class A>
+typename A::Force carried(const typename A::Motion& V, const typename A::Force& F) {
+  if constexpr (A::planar) {
+    return {V.x * F.y - V.y * F.x, 0, 0};
+  } else {
+    return {V.v.cross(F.f), Eigen::Vector3d::Zero()};
+  }
+}
+inline Planar::Motion as_motion(const Planar::Force& F) { return {F.n, F.x, F.y}; }
+inline Spatial::Motion as_motion(const Spatial::Force& F) { return {F.n, F.f}; }
+
+// M in F, moved along the directions 0 ...: turns about M's origin, then shifts of it, along F's axes.
+inline PlanarAlgebra<Dual>::Pose moving(const Planar::Pose& X) {
+  PlanarAlgebra<Dual>::Pose out{Dual(X.c), Dual(X.s), Dual(X.px), Dual(X.py)};
+  out.c.derivatives()[0] = -X.s;
+  out.s.derivatives()[0] = X.c;
+  out.px.derivatives()[1] = out.py.derivatives()[2] = 1;
+  return out;
+}
+inline SpatialAlgebra<Dual>::Pose moving(const Pose3& X) {
+  SpatialAlgebra<Dual>::Pose out{X.R.cast<Dual>(), X.p.cast<Dual>()};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d by = Eigen::Vector3d::Unit(i).cross(X.R.col(j));
+      for (int k = 0; k < 3; ++k) out.R(k, j).derivatives()[i] = by[k];
+    }
+    out.p[i].derivatives()[3 + i] = 1;
+  }
+  return out;
+}
+// V_FM with its own components as directions.
+inline PlanarAlgebra<Dual>::Motion moving(const Planar::Motion& V) {
+  PlanarAlgebra<Dual>::Motion out{Dual(V.w), Dual(V.x), Dual(V.y)};
+  out.w.derivatives()[0] = out.x.derivatives()[1] = out.y.derivatives()[2] = 1;
+  return out;
+}
+inline SpatialAlgebra<Dual>::Motion moving(const Spatial::Motion& V) {
+  SpatialAlgebra<Dual>::Motion out{V.w.cast<Dual>(), V.v.cast<Dual>()};
+  for (int i = 0; i < 3; ++i) out.w[i].derivatives()[i] = out.v[i].derivatives()[3 + i] = 1;
+  return out;
+}
+inline PlanarAlgebra<Dual>::Motion constant(const Planar::Motion& V) { return {Dual(V.w), Dual(V.x), Dual(V.y)}; }
+inline SpatialAlgebra<Dual>::Motion constant(const Spatial::Motion& V) { return {V.w.cast<Dual>(), V.v.cast<Dual>()}; }
+
+inline PlanarAlgebra<Dual>::Pose constant(const Planar::Pose& X) {
+  return {Dual(X.c), Dual(X.s), Dual(X.px), Dual(X.py)};
+}
+inline SpatialAlgebra<Dual>::Pose constant(const Pose3& X) { return {X.R.cast<Dual>(), X.p.cast<Dual>()}; }
+
+// The slopes of x by the directions of moving(), as a force that meets them.
+template <class A>
+typename A::Force gradient(const Dual& x) {
+  typename A::Force F;
+  pack(x.derivatives().data(), F);
+  return F;
+}
+
+inline Eigen::Vector3d linear(const Spatial::Force& F) { return F.f; }
+inline Eigen::Vector3d linear(const Planar::Force& F) { return {F.x, F.y, 0}; }
+// The force f at p, about the origin, and a torque n.
+template <class A>
+typename A::Force force_at(const Eigen::Vector3d& p, const Eigen::Vector3d& f,
+                           const Eigen::Vector3d& n = Eigen::Vector3d::Zero()) {
+  if constexpr (A::planar) {
+    return {n.z() + p.x() * f.y() - p.y() * f.x(), f.x(), f.y()};
+  } else {
+    return {n + p.cross(f), f};
+  }
+}
+// F turned into the axes around, or the other way.
+template <class Pose>
+Pose turn_only(Pose X) {
+  if constexpr (requires { X.p; }) {
+    X.p.setZero();
+  } else {
+    X.px = X.py = 0;
+  }
+  return X;
+}
+
+}  // namespace detail
+
+template <class A>
+void RecursiveJacobians<A>::need(Pair& of, int a, int b, const Force& force) {
+  of.needed = force;
+  body_[b].against += force;
+  body_[a].against -= force;
+}
+
+// F's axes at M's origin.
+template <class A>
+typename A::Pose RecursiveJacobians<A>::at_M(int c) const {
+  const auto& cut = model_.cuts[c];
+  return body_[cut.link_a].X * cut.X_AF * kernels::shift_to_M<A>(ws_.X_FM[c]);
+}
+
+template <class A>
+template <bool damped, class Changes>
+void RecursiveJacobians<A>::add_pair(const Pair& of, const Motion& V_b, Changes changes, Jacobians& by) const {
+  const auto of_links = [&](const std::vector<int>& links, const std::vector<Run>& same, const std::vector<Run>& other,
+                            bool on_b) {
+    for (const int i : links) {
+      const auto& link = model_.links[i];
+      const int outwards = link.iv + link.nv;
+      for (int t = link.iv; t < outwards; ++t) {
+        const Change change = changes(S_of_[t]);
+        Force z = change.by_X;
+        if constexpr (damped) z += A::cross_force(V_b, change.by_U);
+        const Force both = z + A::cross_force(S_of_[t], of.needed);
+        double* const row = by.r.row(t).data();
+        for (const Run run : other) S_.add_dots(on_b ? both : z, -1, run, row);
+        for (const Run run : same) {
+          S_.add_dots(on_b ? both : z, 1, {run.first, std::min(run.last, outwards)}, row);
+          S_.add_dots(on_b ? z : both, 1, {std::max(run.first, outwards), run.last}, row);
+        }
+        if constexpr (!damped) continue;
+        for (const auto& [runs, sign] : {std::pair(&same, 1), std::pair(&other, -1)}) {
+          for (const Run run : *runs) {
+            P_.add_dots(change.by_U, sign, run, row);
+            S_.add_dots(change.by_U, sign, run, row + model_.nv);
+          }
+        }
+      }
+    }
+  };
+  of_links(of.a, of.runs_a, of.runs_b, false);
+  of_links(of.b, of.runs_b, of.runs_a, true);
+}
+
+template <class A>
+void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) {
+  std::size_t n = 0;
+  each_list(loads_.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      auto ports = ports_at(force);
+      force.element.act(ports.data(), at.u + force.input);
+      const auto& last = ports.back();
+      need(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
+           detail::force_at<A>(last.p(), -last.f, -last.n));
+    }
+  });
+  bool loaded = false;
+  for (const JointLoads& on : loads_.cuts) loaded = loaded || !on.empty();
+  if (!loaded) return;
+  u_.assign(at.u, at.u + inputs);
+  for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
+    if (loads_.cuts[c].empty()) continue;
+    const auto& cut = model_.cuts[c];
+    const Pose X = at_M(c);
+    const Motion V = X.to_child(body_[cut.link_b].V - body_[cut.link_a].V);
+    const auto F = cut_force(c, detail::constant(ws_.X_FM[c]), detail::constant(V), at);
+    need(cut_loads_[c], cut.link_a, cut.link_b, Force{} - X.to_parent(detail::values(F)));
+  }
+}
+
+template <class A>
+void RecursiveJacobians<A>::load_jacobians(const LinearizationPoint& at, Jacobians& by, Jacobians& out) {
+  std::size_t n = 0;
+  each_list(loads_.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      const Pair& of = forces_[n++];
+      force_jacobians(port_jacobians(force, at.u + force.input), force.at.back(), of, by);
+      if (out.of_inputs) force_input_derivatives(force, of, at.u, out);
+    }
+  });
+  for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
+    if (!loads_.cuts[c].empty()) cut_load_jacobians(c, at, by, out);
+  }
+}
+
+template <class A>
+template <class F>
+auto RecursiveJacobians<A>::ports_at(const PlacedForce<F>& force) const {
+  std::array<detail::PortAt<A>, PlacedForce<F>::ports> out;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Body& body = body_[force.at[k].link];
+    out[k] = {&force.at[k], &loads_, &body.X, &body.V};
+  }
+  return out;
+}
+
+// By hand, or by dual numbers.
+template <class A>
+template <class F>
+PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force, const double* u) const {
+  const auto ports = ports_at(force);
+  if constexpr (requires { force.element.slopes(ports.data(), u); }) {
+    return force.element.slopes(ports.data(), u);
+  } else {
+    const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
+    const Motion U = body_[force.at.back().link].V - body_[link_a].V;
+    const auto moved = detail::immobile_ports(ports, loads_);
+    return detail::derivatives_by_duals(force.element, moved, u, detail::angular(U),
+                                        detail::velocity(U, ports.back().p()));
+  }
+}
+
+// Of S . L, L being the force that the last port needs, f and n at its point p: with x = v + w x p, S = (w | v),
+//   d(x . f + w . n) = (f x w) . dp + x . df + w . dn.
+template <class A>
+void RecursiveJacobians<A>::force_jacobians(const PortJacobians& K, const Attachment& last, const Pair& of,
+                                            Jacobians& by) const {
+  const Body& on = body_[last.link];
+  const Eigen::Vector3d p = kernels::point<double>(on.X, last);
+  const Eigen::Vector3d f = detail::linear(of.needed);
+  const auto changes = [&](const Motion& S) -> Change {
+    const Eigen::Vector3d x = detail::velocity(S, p);
+    const Eigen::Vector3d w = detail::angular(S);
+    const Eigen::Vector3d by_p = f.cross(w) - K.f_p.transpose() * x;
+    if (K.of_points) {
+      return {detail::force_at<A>(p, by_p), detail::force_at<A>(p, Eigen::Vector3d(-K.f_v.transpose() * x))};
+    }
+    return {detail::force_at<A>(p, by_p - K.n_p.transpose() * w, -K.f_a.transpose() * x - K.n_a.transpose() * w),
+            detail::force_at<A>(p, -K.f_v.transpose() * x - K.n_v.transpose() * w,
+                                -K.f_w.transpose() * x - K.n_w.transpose() * w)};
+  };
+  if (K.damped) {
+    add_pair<true>(of, on.V, changes, by);
+  } else {
+    add_pair<false>(of, on.V, changes, by);
+  }
+}
+
+template <class A>
+template <class F>
+void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const Pair& of, const double* u,
+                                                    Jacobians& out) const {
+  const int inputs = count_of(own_inputs(force.element));
+  if (inputs == 0) return;
+  const auto ports = ports_at(force);
+  auto input = detail::constants(force.element, u + force.input);
+  for (int i = 0; i < inputs; ++i) input[i].derivatives()[i] = 1;
+  auto moved = detail::immobile_ports(ports, loads_);
+  force.element.act(moved.data(), input.data());
+  for (int i = 0; i < inputs; ++i) {
+    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(moved.back().f, i),
+                                               detail::derivatives_along(moved.back().n, i));
+    add_input_derivative(by_input, of, force.input + i, out);
+  }
+}
+
+// F: what an input adds to the force on the last link.
+template <class A>
+void RecursiveJacobians<A>::add_input_derivative(const Force& F, const Pair& of, int input, Jacobians& out) const {
+  for (const auto& [runs, sign] : {std::pair(&of.runs_a, 1), std::pair(&of.runs_b, -1)}) {
+    for (const Run run : *runs) {
+      for (int t = run.first; t < run.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
+    }
+  }
+}
+
+// What a cut joint's drives, springs and stops give on M, at M's origin in F's axes. V: V_FM.
+template <class A>
+typename RecursiveJacobians<A>::Dually::Force RecursiveJacobians<A>::cut_force(int c, const typename Dually::Pose& X,
+                                                                               const typename Dually::Motion& V,
+                                                                               const LinearizationPoint& at) const {
+  using D = Dually;
+  const auto& cut = model_.cuts[c];
+  const auto turn = detail::turn_only(X);
+  Dual q[max_cut_nq], v[6];
+  Dual tau[6];
+  return visit_joint<D>(cut.joint, [&](const auto& joint) -> typename D::Force {
+    for (int i = 0; i < cut.nq; ++i) q[i] = Dual(at.cut_reference[cut.iq + i]);
+    joint.template coordinates<D>(X, q);
+    for (int i = 0; i < cut.nq; ++i) {
+      const double turns = (at.cut_reference[cut.iq + i] - q[i].value()) / (2 * std::numbers::pi);
+      if (cut.turns[i]) q[i] += Dual(2 * std::numbers::pi * std::round(turns));
+    }
+    joint.template speeds<D>(q, turn.to_child(V), v);
+    const int* sides = at.cut_sides;
+    for (int before = 0; sides != nullptr && before < c; ++before) sides += loads_.cuts[before].branchings();
+    loads_.cuts[c].add(q, v, u_.data(), tau, sides);
+    return turn.to_parent(joint.template wrench_from_tau<D>(q, tau));
+  });
+}
+
+template <class A>
+void RecursiveJacobians<A>::cut_load_jacobians(int c, const LinearizationPoint& at, Jacobians& by, Jacobians& out) {
+  const auto& cut = model_.cuts[c];
+  const Pose X = at_M(c);
+  const Motion V_b = body_[cut.link_b].V;
+  const Motion V = X.to_child(V_b - body_[cut.link_a].V);
+  const auto by_X = cut_force(c, detail::moving(ws_.X_FM[c]), detail::constant(V), at);
+  const auto by_V = cut_force(c, detail::constant(ws_.X_FM[c]), detail::moving(V), at);
+  const Force force = X.to_child(cut_loads_[c].needed);
+  const auto changes = [&](const Motion& S_0) -> Change {
+    const Motion S = X.to_child(S_0);
+    double x[A::dimension], u[A::dimension];
+    for (int d = 0; d < A::dimension; ++d) {
+      x[d] = -A::dot(S, detail::derivatives_along(by_X, d));
+      u[d] = -A::dot(S, detail::derivatives_along(by_V, d));
+    }
+    Force of_X, of_V;
+    pack(x, of_X);
+    pack(u, of_V);
+    of_X -= detail::turned<A>(V, of_V) + detail::turned<A>(S, force);
+    return {X.to_parent(of_X), X.to_parent(of_V)};
+  };
+  add_pair<true>(cut_loads_[c], V_b, changes, by);
+  if (out.of_inputs) cut_input_derivatives(c, at, out);
+}
+
+template <class A>
+void RecursiveJacobians<A>::cut_input_derivatives(int c, const LinearizationPoint& at, Jacobians& out) {
+  const auto& cut = model_.cuts[c];
+  const Pose X = at_M(c);
+  const auto V = detail::constant(X.to_child(body_[cut.link_b].V - body_[cut.link_a].V));
+  each_list(loads_.cuts[c].lists, [&](const auto& list) {
+    for (const auto& force : list) {
+      for (int i = 0; i < count_of(own_inputs(force.element)); ++i)
+        cut_input_derivative(c, force.input + i, V, at, out);
+    }
+  });
+}
+
+template <class A>
+void RecursiveJacobians<A>::cut_input_derivative(int c, int input, const typename Dually::Motion& V,
+                                                 const LinearizationPoint& at, Jacobians& out) {
+  const Pose X = at_M(c);
+  u_[input].derivatives()[0] = 1;
+  const Force F = X.to_parent(detail::derivatives_along(cut_force(c, detail::constant(ws_.X_FM[c]), V, at), 0));
+  u_[input].derivatives()[0] = 0;
+  add_input_derivative(F, cut_loads_[c], input, out);
+}
+
+}  // namespace gelenk

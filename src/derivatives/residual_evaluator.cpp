@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "derivatives/residual_evaluator.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "kinematics/coordinate_rows.h"
+#include "kinematics/kernels.h"
+#include "kinematics/with_readings.h"
+#include "math/dual.h"
+#include "math/series.h"
+
+namespace gelenk {
+namespace {
+
+template <class A>
+class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typename A::Scalar>> {
+  using Base = WithReadings<A, ResidualEvaluator<typename A::Scalar>>;
+  using T = typename A::Scalar;
+  using Base::cut_reference_;
+  using Base::loads_;
+  using Base::model_;
+  using Base::q_;
+  using Base::targets_;
+  using Base::v_;
+  using Base::ws_;
+
+ public:
+  ResidualEvaluatorOf(const Mechanism& mechanism, const Loads& loads)
+      : Base(mechanism, loads),
+        links_(mechanism.links.size() - 1),
+        r_(mechanism.nv),
+        c_(mechanism.rows),
+        qdot_(mechanism.nq),
+        cut_q_(mechanism.cut_nq) {
+    std::iota(links_.begin(), links_.end(), 1);
+  }
+
+  void set_position(const T* q) override {
+    std::copy(q, q + model_.nq, q_.begin());
+    kernels::positions(model_, q, ws_);
+    kernels::root_poses(model_, links_, ws_);
+    kernels::loop_positions(model_, ws_);
+    kernels::coordinate_row_positions(model_, q, targets_, ws_);
+  }
+
+  void set_targets(const T* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
+
+  void set_velocity(const T* v) override {
+    std::copy(v, v + model_.nv, v_.begin());
+    kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
+    kernels::loop_velocities(model_, ws_);
+    kernels::coordinate_row_velocities(model_, v, targets_, ws_);
+    for (std::size_t i = 1; i < model_.links.size(); ++i) {
+      const auto& link = model_.links[i];
+      visit_joint<A>(link.joint,
+                     [&](const auto& joint) { joint.qdot_from_v(q_.data() + link.iq, v + link.iv, qdot_.data() + link.iq); });
+    }
+  }
+
+  void set_acceleration(const T* u, const T* vdot, const T* lambda) override {
+    kernels::link_loads(model_, loads_, u, ws_);
+    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
+    kernels::accelerations(model_, vdot, ws_);
+    kernels::loop_accelerations(model_, ws_, c_.data());
+    kernels::coordinate_row_accelerations(model_, vdot, targets_, c_.data());
+    // accelerations() leaves in ws_.F what each joint transmits; along its motions that is drives, springs and the
+    // forces of coordinate rows.
+    std::ranges::fill(r_, T(0));
+    loads_.tree.add(q_.data(), v_.data(), u, r_.data());
+    for (std::size_t i = 1; i < model_.links.size(); ++i) {
+      const auto& link = model_.links[i];
+      for (int k = link.iv; k < link.iv + link.nv; ++k) {
+        r_[k] = A::dot(ws_.S[k], ws_.F[i]) - r_[k] + loads_.added_inertia[k] * vdot[k];
+      }
+    }
+    for (std::size_t i = 0; i < model_.coordinate_rows.size(); ++i) {
+      const T& l = lambda[model_.first_coordinate_row + i];
+      for (const CoordinateRow::Term& term : model_.coordinate_rows[i].terms) r_[term.v] += T(term.factor) * l;
+    }
+  }
+
+  void set_cut_reference(const double* q) override { std::copy(q, q + model_.cut_nq, cut_reference_.begin()); }
+
+  const std::vector<T>& Phi() const override { return ws_.Phi; }
+  const std::vector<T>& row_rates() const override { return ws_.rate; }
+  const std::vector<T>& qdot() const override { return qdot_; }
+  const std::vector<T>& force_residual() const override { return r_; }
+  const std::vector<T>& acceleration_residual() const override { return c_; }
+  const std::vector<T>& cut_coordinates() override {
+    for (int c = 0; c < static_cast<int>(model_.cuts.size()); ++c) {
+      this->counted_coordinates(c, cut_q_.data() + model_.cuts[c].iq);
+    }
+    return cut_q_;
+  }
+
+ private:
+  std::vector<int> links_;
+  std::vector<T> r_, c_, qdot_, cut_q_;
+};
+
+}  // namespace
+
+template <class T>
+std::unique_ptr<ResidualEvaluator<T>> make_residual_evaluator(const Mechanism& mechanism, const Loads& loads) {
+  if (mechanism.planar) return std::make_unique<ResidualEvaluatorOf<PlanarAlgebra<T>>>(mechanism, loads);
+  return std::make_unique<ResidualEvaluatorOf<SpatialAlgebra<T>>>(mechanism, loads);
+}
+
+template std::unique_ptr<ResidualEvaluator<Dual>> make_residual_evaluator(const Mechanism&, const Loads&);
+template std::unique_ptr<ResidualEvaluator<Series>> make_residual_evaluator(const Mechanism&, const Loads&);
+
+}  // namespace gelenk

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equations of motion on numbers that carry derivatives (math/dual.h, math/series.h), as residuals
+//   r = M(q) vdot + h(q, v) + J(q)^T lambda - tau(q, v, u)     (nv)
+//   c = J(q) vdot - gamma(q, v)                                (rows)
+// and everything that outputs are read from.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kinematics/model.h"
+#include "kinematics/readings.h"
+
+namespace gelenk {
+
+// After construction nothing here allocates memory.
+template <class T>
+class ResidualEvaluator : public Readings<T> {
+ public:
+  // As Dynamics': from the next set_position on.
+  virtual void set_targets(const T* targets) = 0;
+  // --- in this order; each uses what the ones before have left, and any may be called again ---
+  virtual void set_position(const T* q) = 0;
+  virtual void set_velocity(const T* v) = 0;
+  // u: all inputs of the scene.
+  virtual void set_acceleration(const T* u, const T* vdot, const T* lambda) = 0;
+
+  // Angles of cut joints as last counted; cut_nq numbers.
+  virtual void set_cut_reference(const double* q) = 0;
+
+  virtual const std::vector<T>& Phi() const = 0;                    // after set_position
+  virtual const std::vector<T>& row_rates() const = 0;              // J v - b, after set_velocity
+  virtual const std::vector<T>& qdot() const = 0;                   // likewise
+  virtual const std::vector<T>& force_residual() const = 0;         // r, after set_acceleration
+  virtual const std::vector<T>& acceleration_residual() const = 0;  // c, likewise
+  // Coordinates of all cut joints, turns counted; after set_position. Overwritten by the next call.
+  virtual const std::vector<T>& cut_coordinates() = 0;
+};
+
+// T: Dual or Series.
+template <class T>
+std::unique_ptr<ResidualEvaluator<T>> make_residual_evaluator(const Mechanism& mechanism, const Loads& loads);
+
+}  // namespace gelenk

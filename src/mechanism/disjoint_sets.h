@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Disjoint sets of numbers 0 ... n-1 (Tarjan 1975).
+#pragma once
+
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+namespace gelenk {
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  int find(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  // False: they were together already.
+  bool join(int i, int k) {
+    const int a = find(i);
+    const int b = find(k);
+    parent_[a] = b;
+    return a != b;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace gelenk

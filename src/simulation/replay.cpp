@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/replay.h"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "simulation/simulation_impl.h"
+
+namespace gelenk {
+
+void ReplayPath::serialize(Archive& archive) {
+  int count = static_cast<int>(legs.size());
+  archive.within(count, 0, static_cast<int>(ReplayHistory::most_legs));
+  if (count == 0) return;
+  legs.resize(count);
+  long sum = 0;
+  for (ReplayStep& leg : legs) {
+    leg.serialize(archive);
+    if (!std::isfinite(leg.end) || leg.evaluations < 0) sum = LONG_MAX;
+    sum =
+        std::min(sum, ReplayHistory::most_evaluations + 1) + std::min(leg.evaluations, ReplayHistory::most_evaluations);
+  }
+  if (sum > ReplayHistory::most_evaluations) throw std::invalid_argument("it is not of this plant, or damaged");
+  archive.serialize(evaluations, jumped);
+}
+
+bool ReplayHistory::add(const ReplayStep& leg, bool continues) {
+  evaluations += leg.evaluations;
+  if (evaluations > most_evaluations) return false;
+  if (continues && !leg.jumped && !legs.empty()) {
+    legs.back().evaluations += leg.evaluations;
+    return true;
+  }
+  if (legs.size() == most_legs) return false;
+  legs.push_back(leg);
+  return true;
+}
+
+void InputLog::make_room() {
+  one_.write_anew();
+  last_.serialize(one_);
+  words_.resize(ReplayHistory::most_legs * one_.words().size());
+}
+
+void InputLog::add(const Inputs& u) {
+  if (words_.empty()) return;
+  last_ = u;
+  one_.write_anew();
+  last_.serialize(one_);
+  ++added_;
+  std::ranges::copy(one_.words(), words_.begin() + static_cast<std::ptrdiff_t>(place(1)));
+}
+
+Inputs InputLog::before(std::size_t ago) const {
+  const auto from = words_.begin() + static_cast<std::ptrdiff_t>(place(ago));
+  Archive archive({from, from + static_cast<std::ptrdiff_t>(width())});
+  Inputs u = last_;
+  u.serialize(archive);
+  return u;
+}
+
+void InputLog::serialize(Archive& archive, std::size_t count) {
+  if (archive.reading()) added_ = count;
+  for (std::size_t ago = count; ago > 0; --ago) {
+    const std::span<std::uint64_t> words(words_.data() + place(ago), width());
+    archive.serialize(words);
+  }
+  if (archive.reading() && count > 0) last_ = before(1);
+}
+
+// Behind the islands, which are written where their methods began anew. Nothing, where none has a history.
+void Simulation::Impl::exchange_past(Archive& archive) {
+  const bool reading = archive.reading();
+  if (reading ? archive.ended() : !any_integrator(islands, &Integrator::has_history)) return;
+  std::vector<ReplayPath> ways(islands.size());
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    if (!reading) ways[i] = islands[i]->replay_path();
+    ways[i].serialize(archive);
+    longest = std::max(longest, ways[i].legs.size());
+  }
+  if (longest == 0) throw std::invalid_argument("it is not of this plant, or damaged");
+  log.serialize(archive, longest);
+  if (reading) replay(ways);
+}
+
+void Simulation::Impl::replay(const std::vector<ReplayPath>& ways) {
+  Inputs present = u;
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const ReplayPath& way = ways[i];
+    for (std::size_t k = 0; k < way.legs.size(); ++k) {
+      u = log.before(way.legs.size() - k);
+      islands[i]->replay(way.legs[k]);
+    }
+    if (!way.legs.empty()) islands[i]->finish_replay(way, time);
+  }
+  u = std::move(present);
+}
+
+}  // namespace gelenk
