@@ -12,7 +12,7 @@ from gelenk import _core
 
 DOC = Path(__file__).parent.parent / "docs" / "scene-format.md"
 SECTIONS = ("motors", "forces", "constraints", "sensors")
-HEAD = "| type | key | | unit | if not given | |\n|---|---|---|---|---|---|\n"
+HEAD = "| type | key | description | unit | default | remark |\n|---|---|---|---|---|---|\n"
 
 
 def begin(section: str) -> str:
@@ -58,7 +58,7 @@ def default(field: dict[str, Any]) -> str:
     if field["required"]:
         return "required"
     if field["way"]:
-        return "another way"
+        return "alternative"
     value = field["default"]
     if field["type"] == "choice":
         return f"`{field['words'][value]}`"
@@ -82,7 +82,7 @@ def _port(port: dict[str, Any]) -> Iterator[Sequence[str]]:
     told = "" if text.startswith(port["kind"]) else f": a {port['kind']}"
     yield f"`{port['name']}`", text + told, "", missing, ""
     if port["has_coordinate"]:
-        yield "`coordinate`", "which of its coordinates", "", "its only one", ""
+        yield "`coordinate`", "name of the coordinate", "", "the only one", ""
 
 
 def _fields(fields: Sequence[dict[str, Any]], within: str) -> Iterator[Sequence[str]]:

@@ -21,7 +21,7 @@ END = "<!-- end of joints -->"
 def table() -> str:
     """One line per kind of joint: what it does, and its states with their units."""
     definitions = json.loads(export.schema())["$defs"]
-    lines = ["| type | | coordinates | speeds | accelerations |", "|---|---|---|---|---|"]
+    lines = ["| type | motion | coordinates | velocities | accelerations |", "|---|---|---|---|---|"]
     for kind in _core.joints.kinds():
         name = kind["name"]
         summary = definitions[f"joint_{name}"]["properties"]["type"]["description"]
