@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures what each reduction gains and writes the tables of docs/reductions.md: `make reductions`."""
+"""Measures the gain of each reduction and writes the tables of docs/reductions.md: `make reductions`."""
 
 from __future__ import annotations
 
@@ -102,13 +102,13 @@ def coupled_by_a_rod() -> Scene:
 
 
 BUILT: dict[str, Callable[[], Scene]] = {
-    "five parallelograms in a row": lambda: windows(5, upright=math.pi / 2 - 1.2, rate=0.0),
-    "Bricard's ring of six hinges": bricard,
-    "slider-crank in space, ball joint listed first": ball_first,
+    "chain of five parallelograms": lambda: windows(5, upright=math.pi / 2 - 1.2, rate=0.0),
+    "Bricard's linkage of six hinges": bricard,
+    "spatial slider-crank, ball joint listed first": ball_first,
     "pendulum of 50 welded pieces": lambda: welded_chain(50),
     "pendulum on a truss": on_a_truss,
     "four_bar and heavy_top in one scene": side_by_side,
-    "crank and rocker, a rod without mass between them": coupled_by_a_rod,
+    "crank and rocker coupled by a massless rod": coupled_by_a_rod,
 }
 
 
@@ -164,14 +164,14 @@ def tables() -> str:
         cost_rows.append(costs(name, scene, report))
     columns = [f"`{name}`" for name in REDUCTIONS]
     lines = [
-        "| scene | bodies | coordinates | rows | algebra | islands | freedoms |",
+        "| scene | bodies | coordinates | constraint equations | algebra | islands | DOF |",
         "|---|---|---|---|---|---|---|",
         *size_rows,
         "",
-        "CPU time of one evaluation of the equations of motion [µs], and how many times as long it takes",
-        "without one reduction and without all. Empty: the reduction finds nothing to do there. Least of "
-        f"{ROUNDS * 20} measurements",
-        f"on one core of {machine()}; ratios are good to about 5 %.",
+        "CPU time of one evaluation of the equations of motion [µs], and the factor by which it changes",
+        "without one reduction and without all of them. Empty: the reduction has nothing to do there. "
+        f"Minimum of {ROUNDS * 20} measurements",
+        f"on one core of {machine()}; ratios are accurate to about 5 %.",
         "",
         "| scene | µs | without " + " | ".join([*columns, "all"]) + " |",
         "|---" * (3 + len(columns)) + "|",
