@@ -244,7 +244,7 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
-    "tutorial-wheels",
+    "tutorial-wheels", "internals/architecture", "internals/notation",
 )  # fmt: skip
 
 
