@@ -55,11 +55,11 @@ def rows() -> list[str]:
 
 def main() -> None:
     lines = [
-        "| Scene | Mode | median | 99.9 % | 99.999 % | largest |",
+        "| Scene | Mode | median | 99.9 % | 99.999 % | maximum |",
         "|---|---|---|---|---|---|",
         *rows(),
         "",
-        f"µs of the thread's processor time, {ROUNDS:,} rounds each, the clock's own 0.3 µs included, "
+        f"CPU time of the thread in µs, {ROUNDS:,} cycles each, including 0.3 µs for reading the clock, "
         f"{platform.machine()}.",
     ]
     text = PAGE.read_text(encoding="utf-8")

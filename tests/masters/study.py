@@ -21,7 +21,7 @@ def main() -> None:
     begin = page.index(BEGIN) + len(BEGIN)
     end = page.index(END, begin)
     old = {line.split("|")[1].strip(): line for line in page[begin:end].splitlines() if line.startswith("|")}
-    lines = ["| Master | version | FMUs | runs | the same bits | warnings |", "|---|---|---|---|---|---|"]
+    lines = ["| Master | version | FMUs | runs | bitwise identical | warnings |", "|---|---|---|---|---|---|"]
     for master in MASTERS:
         if master.missing or master.name not in asked_for:
             print(f"{master.name}: {master.missing or 'not asked for'}")
