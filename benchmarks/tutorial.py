@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the pictures of the tutorials from what the pages' own code computes: `make tutorial`."""
+"""Draws the figures of the tutorials from the results of the code on these pages: `make tutorial`."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from gelenk.chart.style import save
 from gelenk.extras import pyplot
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = {"tutorial-lqr": "balancer.yaml", "tutorial-wheels": "robot.yaml"}  # and the scene that they make
-BLUE, RED, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
+PAGES = {"tutorial-lqr": "balancer.yaml", "tutorial-wheels": "robot.yaml"}  # page -> its scene file
+BLUE, RED, GREEN, GRAY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
 UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
 PUSHED = (0.5, 0.6)  # s
 
 
 def computed(page: str) -> dict[str, Any]:
-    """The names that the page's code leaves behind; what it writes goes to a folder of its own."""
+    """Run the code of a page in a temporary folder and return the names that it defines."""
     text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
 
     def blocks(language: str) -> list[str]:
@@ -42,7 +42,7 @@ def along(start: np.ndarray, length: float, angle: float) -> np.ndarray:
 
 
 def draw_pose(axis: Any, values: dict[str, float]) -> None:
-    """The mechanism where it is held, x and z in metres."""
+    """Draw the mechanism in its equilibrium pose, x and z in meters."""
     hands = []
     for side, x in (("left", -0.15), ("right", 0.15)):
         motor = np.array([x, 0.0])
@@ -50,43 +50,43 @@ def draw_pose(axis: Any, values: dict[str, float]) -> None:
         elbow = along(motor, UPPER, upper)
         lower = upper + values[f"elbow_{side}.phi"]
         hands.append((along(elbow, LOWER, lower), lower))
-        axis.plot(*np.array([motor, elbow, hands[-1][0]]).T, "-", color=GREY, lw=4, solid_capstyle="round")
-        axis.plot(*elbow, "o", color="white", mec=GREY, ms=6, zorder=3)
+        axis.plot(*np.array([motor, elbow, hands[-1][0]]).T, "-", color=GRAY, lw=4, solid_capstyle="round")
+        axis.plot(*elbow, "o", color="white", mec=GRAY, ms=6, zorder=3)
         axis.plot(*motor, "o", color=BLUE, ms=13, zorder=3)
     hand, lower = hands[0]
     top = along(hand, STICK, lower + values["foot.phi"])
     axis.plot(*np.array([hand, top]).T, "-", color=RED, lw=4, solid_capstyle="round")
     axis.plot(*hand, "o", color="white", mec=RED, ms=6, zorder=3)
     axis.annotate("push", top, (top[0] - 0.3, top[1]), va="center", arrowprops={"arrowstyle": "->"})
-    axis.axhline(-0.03, color=GREY, lw=1)
-    axis.set(aspect="equal", xlim=(-0.5, 0.5), xlabel="x [m]", ylabel="z [m]", title="The pose to hold")
+    axis.axhline(-0.03, color=GRAY, lw=1)
+    axis.set(aspect="equal", xlim=(-0.5, 0.5), xlabel="x [m]", ylabel="z [m]", title="Equilibrium pose")
 
 
 def draw_lean(axis: Any, names: dict[str, Any]) -> None:
     runs = (
         ("hard", "1 N", RED, "-"),
         ("calm", "0.5 N", BLUE, "-"),
-        ("counted", "0.5 N, encoders alone", GREEN, "--"),
+        ("counted", "0.5 N, encoders only", GREEN, "--"),
     )
-    for run, label, colour, line in runs:
-        axis.plot(names[run]["time"], names["lean"](names[run]), line, color=colour, label=label)
+    for run, label, color, line in runs:
+        axis.plot(names[run]["time"], names["lean"](names[run]), line, color=color, label=label)
     axis.axvspan(*PUSHED, color="#eeeeee")
     axis.legend(title="push for 0.1 s", frameon=False)
-    axis.set(xlabel="time [s]", title="How the stick leans [degrees]")
+    axis.set(xlabel="time [s]", title="Inclination of the stick [degrees]")
 
 
 def draw_decay(axis: Any, names: dict[str, Any]) -> None:
-    """The slowest mode's own coordinate over time, with the slope that its pole promises."""
+    """Draw the modal coordinate of the slowest mode over time and the decay predicted by its pole."""
     time = names["calm"]["time"]
-    size = abs(names["x"] @ names["own"])
+    size = abs(names["x"] @ names["left_eigenvector"])
     shown = time > PUSHED[1]
-    promised = names["promised"].real
+    predicted = names["predicted"].real
     at = int(np.searchsorted(time, 2.0))
     axis.semilogy(time[shown], size[shown], color=BLUE, label="FMU, push of 0.5 N")
-    line = size[at] * np.exp(promised * (time[shown] - time[at]))
-    axis.semilogy(time[shown], line, "--", color="black", label=f"exp({promised:.2f} t), the pole's")
+    line = size[at] * np.exp(predicted * (time[shown] - time[at]))
+    axis.semilogy(time[shown], line, "--", color="black", label=f"predicted, exp({predicted:.2f} t)")
     axis.legend(frameon=False)
-    axis.set(xlabel="time [s]", title="|ξ|, the slowest mode")
+    axis.set(xlabel="time [s]", title="Modal coordinate |ξ| of the slowest mode")
 
 
 def balancer(axes: Any) -> None:
@@ -101,25 +101,25 @@ def balancer(axes: Any) -> None:
 
 def robot(axes: Any) -> None:
     names = computed("tutorial-wheels")
-    for run, label, colour in (("near", "from 0.5 m", BLUE), ("far", "from 1 m", RED)):
-        axes[0].plot(names[run]["ride.s_x"], names[run]["ride.s_y"], color=colour, label=label)
-        axes[1].plot(names[run]["time"], names[run]["tyre_right.f_n"], color=colour, label=label)
-    axes[0].axhline(0, color=GREY, lw=1)
-    axes[0].set(xlabel="x [m]", title="The way to the line, y [m]", xlim=(0, 4))
+    for run, label, color in (("near", "from 0.5 m", BLUE), ("far", "from 1 m", RED)):
+        axes[0].plot(names[run]["ride.s_x"], names[run]["ride.s_y"], color=color, label=label)
+        axes[1].plot(names[run]["time"], names[run]["tyre_right.f_n"], color=color, label=label)
+    axes[0].axhline(0, color=GRAY, lw=1)
+    axes[0].set(xlabel="x [m]", title="Path to the line, y [m]", xlim=(0, 4))
     axes[0].legend(frameon=False)
     axes[1].axhspan(-40, 0, color="#eeeeee")
-    axes[1].text(2.9, -20, "the wheel has lifted off", ha="right", va="center", color=GREY)
-    axes[1].set(xlabel="time [s]", title="Load of the right wheel [N]", xlim=(0, 3), ylim=(-40, 80))
+    axes[1].text(2.9, -20, "the wheel has lifted off", ha="right", va="center", color=GRAY)
+    axes[1].set(xlabel="time [s]", title="Normal force of the right wheel [N]", xlim=(0, 3), ylim=(-40, 80))
     pushed = names["pushed"]
-    for name, scale, label, colour in (
-        ("pitch.phi", 180 / np.pi, "leans forward [degrees]", GREEN),
-        ("ride.s_x", 100, "is ahead [cm]", BLUE),
-        ("ride.s_y", 100, "is to the left [cm]", RED),
+    for name, scale, label, color in (
+        ("pitch.phi", 180 / np.pi, "pitch, forward [degrees]", GREEN),
+        ("ride.s_x", 100, "x, forward [cm]", BLUE),
+        ("ride.s_y", 100, "y, to the left [cm]", RED),
     ):
-        axes[2].plot(pushed["time"], scale * pushed[name], color=colour, label=label)
+        axes[2].plot(pushed["time"], scale * pushed[name], color=color, label=label)
     axes[2].axvspan(1.0, 1.2, color="#eeeeee")
     axes[2].legend(frameon=False)
-    axes[2].set(xlabel="time [s]", title="Standing, pushed at its left shoulder")
+    axes[2].set(xlabel="time [s]", title="Standing, pushed at the left shoulder")
 
 
 def main() -> None:

@@ -154,7 +154,7 @@ def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[s
     assert abs(lean(hard)).max() == pytest.approx(18.8, abs=0.05)
     assert np.ptp(hard["bottom.r[1]"]) == pytest.approx(0.32, abs=0.005)
     assert abs(lean(hard)[-1]) < 0.1
-    assert abs(names["seen"] / names["promised"] - 1) < 0.01
+    assert abs(names["measured"] / names["predicted"] - 1) < 0.01
     assert abs(lean(counted)).max() == pytest.approx(6.1, abs=0.3)  # noise: counts of the encoders
     assert 0.01 < abs(lean(counted)[-200:]).max() < 0.3
 
