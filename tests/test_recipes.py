@@ -186,7 +186,7 @@ def test_new_kinds_have_signals_with_units(told: dict[str, Any]) -> None:
         "level.h": "m", "level.rise": "m/s",
     }  # fmt: skip
     assert {name: units.get(name) for name in expected} == expected
-    assert told["inputs"] == {"turn.phi_wanted": ["rad", "turn: where joint A is to be"]}
+    assert told["inputs"] == {"turn.phi_wanted": ["rad", "turn: target position of joint A"]}
     assert told["outputs"]["band.tau"][1] == "band: torque of the belt on joint A"
     assert told["outputs"]["level.h"][1] == "level: height of a point of bead"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// told SCENE: reads a scene, JSON, and prints as JSON what follows from it: the scene as it is written back, its
-// signals, and what can be set in it.
+// told SCENE: reads a scene in JSON and prints, as JSON, the scene as it is written back, the schema, its input and
+// output signals, and its parameters.
 #include <exception>
 #include <fstream>
 #include <iostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a constraint between coordinates of joints; tests/test_recipes.py adds it.
+// Example of a constraint between joint coordinates; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/constraint.h"
@@ -9,13 +9,13 @@ namespace gelenk {
 // radius phi_joint = other_radius phi_with.
 struct Belt {
   static constexpr std::string_view kind = "belt";
-  static constexpr std::string_view summary = "two joints turn with one belt";
+  static constexpr std::string_view summary = "a belt couples the rotation of two joints";
   static constexpr auto turns = [](const JointKind& kind) {
     return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
   };
   static constexpr Port ports[] = {
-      {.kind = Port::Kind::joint, .name = "joint", .text = "Joint that turns", .fits = turns},
-      {.kind = Port::Kind::joint, .name = "with", .text = "Another", .fits = turns}};
+      {.kind = Port::Kind::joint, .name = "joint", .text = "First rotating joint", .fits = turns},
+      {.kind = Port::Kind::joint, .name = "with", .text = "Second rotating joint", .fits = turns}};
 
   double radius = 1, other_radius = 1;  // m
 
@@ -23,7 +23,7 @@ struct Belt {
     static constexpr Field all[] = {
         field<&Belt::radius>({.name = "radius",
                               .unit = "m",
-                              .text = "radius of the pulley that {joint} turns",
+                              .text = "radius of the pulley at {joint}",
                               .range = Range::positive,
                               .required = true}),
         field<&Belt::other_radius>(

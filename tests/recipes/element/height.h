@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a sensor; tests/test_recipes.py adds it.
+// Example of a sensor; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/sensor.h"
 
 namespace gelenk {
 
-// How high a point is, and how fast it rises.
+// The height of a point and its rate of change.
 struct Height {
   static constexpr std::string_view kind = "height";
   static constexpr std::string_view summary = "height of a point";
@@ -14,7 +14,7 @@ struct Height {
 
   static std::span<const Field> fields() { return {}; }
   static constexpr SignalGroup outputs[] = {{"h", 0, "m", "height of a point of {body}", Stage::position},
-                                            {"rise", 0, "m/s", "rate of that height", Stage::velocity}};
+                                            {"rise", 0, "m/s", "rate of change of the height", Stage::velocity}};
 
   template <class Seen>
   auto output(const Seen& seen, int group, int) const {

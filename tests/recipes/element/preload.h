@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of what acts along a joint, in a mapping of its own; tests/test_recipes.py adds it.
+// Example of an effort on a joint coordinate, with a mapping of its own in the scene; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/coordinate_force.h"
@@ -9,7 +9,7 @@ namespace gelenk {
 // tau = effort.
 struct Preload {
   static constexpr std::string_view group = "preload";
-  static constexpr std::string_view summary = "the same effort at every position";
+  static constexpr std::string_view summary = "a constant effort";
   static constexpr std::string_view misfit = "has more than one degree of freedom";
   static bool fits(const JointKind& kind) { return kind.stops(); }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a force; tests/test_recipes.py adds it.
+// Example of a force; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/force.h"
 
 namespace gelenk {
 
-// A force between two points, in their direction, whatever their distance.
+// A force of constant magnitude along the line between two points.
 struct Pull {
   static constexpr std::string_view kind = "pull";
   static constexpr std::string_view summary = "a constant force between two points";
@@ -17,7 +17,7 @@ struct Pull {
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
-        field<&Pull::size>({.name = "size", .unit = "N", .text = "force that pulls", .tunable = true})};
+        field<&Pull::size>({.name = "size", .unit = "N", .text = "tension force", .tunable = true})};
     return all;
   }
 

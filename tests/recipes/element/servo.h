@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a motor; tests/test_recipes.py adds it.
+// Example of a motor; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/coordinate_force.h"
@@ -9,7 +9,7 @@ namespace gelenk {
 // tau = gain (u - q).
 struct Servo {
   static constexpr std::string_view kind = "servo";
-  static constexpr std::string_view summary = "pulls a joint to where its input says";
+  static constexpr std::string_view summary = "proportional position control of a joint";
   static constexpr Port ports[] = {{.kind = Port::Kind::joint,
                                     .name = "joint",
                                     .text = "Joint with one degree of freedom",
@@ -20,14 +20,14 @@ struct Servo {
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Servo::gain>({.name = "gain",
                                                          .unit = "{f}/{q}",
-                                                         .text = "effort on joint {joint} for its deviation",
+                                                         .text = "proportional gain at joint {joint}",
                                                          .range = Range::positive,
                                                          .required = true})};
     return all;
   }
 
   std::span<const SignalGroup> inputs() const {
-    static constexpr SignalGroup all[] = {{"{coordinate}_wanted", 0, "{q}", "where joint {joint} is to be",
+    static constexpr SignalGroup all[] = {{"{coordinate}_wanted", 0, "{q}", "target position of joint {joint}",
                                            Stage::acceleration, SignalGroup::Start::coordinate}};
     return all;
   }

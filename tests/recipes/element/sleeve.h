@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a constraint between bodies; tests/test_recipes.py adds it.
+// Example of a constraint between bodies; tests/test_recipes.py adds it.
 #pragma once
 
 #include "element/constraint.h"
 
 namespace gelenk {
 
-// M's origin stays on the z axis of F: w = x and y of F, Phi = p_x and p_y.
+// The origin of M remains on the z axis of F: w = x and y of F, Phi = p_x and p_y.
 struct Sleeve : NoCoordinates {
   static constexpr std::string_view kind = "sleeve";
-  static constexpr std::string_view summary = "a point stays on a line";
+  static constexpr std::string_view summary = "a point remains on a line";
   static constexpr Port ports[] = {{.kind = Port::Kind::frame, .name = "", .text = "The point"},
                                    {.kind = Port::Kind::frame, .name = "on", .text = "The line, its z axis"}};
   static constexpr int row_count = 2;

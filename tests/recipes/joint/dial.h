@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An example of a joint with a number of its own; tests/test_recipes.py adds it.
+// Example of a joint with a parameter of its own; tests/test_recipes.py adds it.
 #pragma once
 
 #include "joint/base.h"
 
 namespace gelenk {
 
-// Dial: M turns about the common z axis of F and M by the ratio c for each radian of the coordinate.
+// Dial: M rotates about the common z axis of F and M by c times the coordinate.
 //   X_FM = Rot_z(c phi)      V_FM = (0 0 c w | 0 0 0)      q = phi [rad], v = w [rad/s]
 struct Dial : PlainJoint<1>, AlongZ {
   static constexpr std::string_view kind = "dial";
-  static constexpr std::string_view summary = "turns about an axis, geared";
+  static constexpr std::string_view summary = "geared rotation about an axis";
   static constexpr PlanarRole planar = PlanarRole::never;
   static constexpr Quantity q_names[] = {{"phi", "rad", "angle of the dial"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity of the dial, der(phi)"}};
@@ -22,7 +22,7 @@ struct Dial : PlainJoint<1>, AlongZ {
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Dial::ratio>({.name = "ratio",
                                                          .unit = "1",
-                                                         .text = "turns of M for a turn of the dial",
+                                                         .text = "rotation of M per rotation of the dial",
                                                          .range = Range::not_zero,
                                                          .required = true})};
     return all;
