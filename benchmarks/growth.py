@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a scene costs by its size: reading, initialising and exporting it, from 256 to 4096 bodies.
+"""Cost of reading, initializing and exporting a scene as a function of its size, from 256 to 4096 bodies.
 
-`make growth` writes the table of docs/performance.md. Each figure is that of a process of its own:
-processor time, and the most memory that it has held beyond what it held before.
+`make growth` writes the table of docs/performance.md. Each figure is measured in a separate process:
+processor time, and the increase of peak memory.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Scene = dict[str, Any]
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one scene: processor times [s] and memory [MB]."""
+    """Processor times [s] and memory [MB] of one scene."""
 
     initialize: float
     initialize_memory: float
@@ -39,7 +39,7 @@ class Cost:
 
 
 def grown(n: int, carried: int) -> Scene:
-    """Hinged rods of 0.1 m, each of which carries so many others at its end."""
+    """Return n hinged rods of 0.1 m, each of which carries `carried` others at its end."""
     joints = {
         f"j{i}": hinge(at(f"b{(i - 1) // carried}", 0.1) if i else "ground", f"b{i}", start={"phi": 0.01})
         for i in range(n)
@@ -48,12 +48,12 @@ def grown(n: int, carried: int) -> Scene:
 
 
 def chain(n: int) -> Scene:
-    """A chain of n rods."""
+    """Return a chain of n rods."""
     return grown(n, 1)
 
 
 def equipped(n: int) -> Scene:
-    """The chain with a motor at each joint, a frame sensor and a spring on each body, and all parameters."""
+    """Return a chain with a motor per joint, a frame sensor and a spring per body, and all parameters."""
     springs = {
         f"f{i}": {"type": "spring_damper", "from": {"body": f"b{i}"}, "to": "ground", "stiffness": 1.0}
         for i in range(n)
@@ -67,23 +67,23 @@ def equipped(n: int) -> Scene:
 
 
 def tree(n: int) -> Scene:
-    """Each rod carries two."""
+    """Return a binary tree of n rods."""
     return grown(n, 2)
 
 
 def islands(n: int) -> Scene:
-    """Pendulums that know nothing of each other."""
+    """Return n independent pendulums."""
     joints = {f"j{i}": hinge(at("ground", i), f"b{i}", start={"phi": 0.01}) for i in range(n)}
     return scene({f"b{i}": rod(0.1) for i in range(n)}, joints)
 
 
 def n_four_bar(n: int) -> Scene:
-    """The N-four-bar (IFToMM A02) of some n bodies."""
+    """Return the N-four-bar (IFToMM A02) with about n bodies."""
     return windows(n // 2, 0.3, 1.0)
 
 
 def scissors(n: int) -> Scene:
-    """A scissor lift of n / 2 crossed pairs."""
+    """Return a scissor lift of n / 2 crossed pairs."""
     angle = 0.7
     joints: Scene = {"base": hinge("ground", "l0", start={"phi": angle})}
     for i in range(n // 2):
@@ -109,7 +109,7 @@ FAMILIES: dict[str, Callable[[int], Scene]] = {
 
 
 def measured(family: str, n: int) -> Cost:
-    """In a process of its own."""
+    """Measure the cost of a scene in a separate process."""
     command = [sys.executable, "-m", "benchmarks.growth", family, str(n)]
     ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=PAGE.parent.parent)
     if ended.returncode != 0:
@@ -134,7 +134,7 @@ def measure_here(family: str, n: int) -> Cost:
         after = resource.getrusage(resource.RUSAGE_SELF)
         time = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         figures += [time, (after.ru_maxrss - before.ru_maxrss) / 1e3]
-    # What initialising has held may serve exporting again.
+    # The export may reuse the memory of the initialization.
     figures[3] += figures[1]
     return Cost(*figures)
 
@@ -145,7 +145,8 @@ def exponent(small: float, large: float, ratio: float) -> float:
 
 def table() -> str:
     lines = [
-        "| family | bodies | initialise [s] | memory [MB] | export [s] | memory [MB] | exponents of time |",
+        "| family | bodies | initialization [s] | memory [MB] | FMU export [s] | memory [MB] "
+        "| growth exponents: initialization, export |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for family in FAMILIES:
@@ -153,18 +154,17 @@ def table() -> str:
         for n in SIZES:
             print(f"{family} of {n}", flush=True)
             cost = measured(family, n)
-            lines.append(
-                f"| {family} | {n} | {cost.initialize:.3g} | {cost.initialize_memory:.0f} "
-                f"| {cost.export:.3g} | {cost.export_memory:.0f} | {growth(last, cost)} |"
-            )
+            if last is not None:
+                lines.append(
+                    f"| {family} | {n} | {cost.initialize:.3g} | {cost.initialize_memory:.0f} "
+                    f"| {cost.export:.3g} | {cost.export_memory:.0f} | {growth(last, cost)} |"
+                )
             last = cost
     return "\n".join(lines)
 
 
-def growth(last: Cost | None, cost: Cost) -> str:
-    """From one size to the next, of initialising and of exporting."""
-    if last is None:
-        return ""
+def growth(last: Cost, cost: Cost) -> str:
+    """Return the growth exponents of initialization and export from one size to the next."""
     pairs = ((last.initialize, cost.initialize), (last.export, cost.export))
     return ", ".join(f"{exponent(*pair, SIZES[1] / SIZES[0]):.2f}" for pair in pairs)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of docs/ of which parts are measured, between markers; what stands around is written by hand."""
+"""Pages of docs/ with measured parts between markers; the text around them is written by hand."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pathlib import Path
 
 
 def put(page: Path, maker: str, parts: Mapping[str, str], unread: str = "") -> None:
-    """Replaces the parts of a page that `maker` has made, by their names.
+    """Replace the parts of a page that `maker` generates, by name.
 
-    A part without a place goes to the end, with `unread` behind it.
+    A part that the page does not have yet is appended, followed by the text `unread`.
     """
     text = page.read_text(encoding="utf-8") if page.exists() else ""
     for name, content in parts.items():

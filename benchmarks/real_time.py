@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures a controller's loop around FMUs and writes the table of docs/fmu.md: `make real-time`.
+"""Measure a control loop around FMUs and write the table of docs/fmu.md: `make real-time`.
 
-Each round sets another torque, makes a step of 1 ms and reads all outputs. Bounded cost (rk4, one step, two
-corrections) against error control (auto).
+Each round sets a new torque, makes a step of 1 ms and reads all outputs. Bounded cost (rk4, one step, two
+corrections) is compared with error control (auto).
 """
 
 from __future__ import annotations

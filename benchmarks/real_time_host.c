@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * A controller's loop around an FMU: sets a torque, makes a step of 1 ms, reads the outputs, and times each round by the
- * thread's own clock, whose reading is part of it. Own argument: how many rounds. Prints the median, 99.9 %, 99.999 %
- * and the largest in microseconds. */
+ * A control loop around an FMU: sets a torque, makes a step of 1 ms, reads the outputs, and times each round by the
+ * thread's clock, including its reading. Additional argument: number of rounds. Prints the median, the 99.9 % and
+ * 99.999 % quantiles and the maximum in microseconds. */
 #define _GNU_SOURCE
 #include <time.h>
 
@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   fmi2GetRealTYPE* get_real = CALL(fmi2GetReal);
   fmi2DoStepTYPE* do_step = CALL(fmi2DoStep);
   for (long k = 0; k < rounds; ++k) {
-    const double torque = (double)(k * 7919 % 200 - 100) * 0.02; /* another in every step, 2 N.m at most */
+    const double torque = (double)(k * 7919 % 200 - 100) * 0.02; /* a new value in every step, 2 N.m at most */
     const double begin = now();
     int bad = set_real(c, &input, 1, &torque);
     bad |= do_step(c, 1e-3 * (double)k, 1e-3, fmi2True);

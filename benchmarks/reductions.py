@@ -17,16 +17,16 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "reductions.md"
 BEGIN = "<!-- tables: made by benchmarks/reductions.py -->\n"
 END = "<!-- end of tables -->"
-ROUNDS = 7  # each takes the least of 20 measurements of 1 ms; placement in memory differs from round to round
+ROUNDS = 7  # each the smallest of 20 measurements of 1 ms; the memory layout differs between rounds
 
 Scene = dict[str, Any]
 
 
-# --- scenes that show what the ready ones have no use for ---
+# --- scenes for reductions that the example scenes do not use ---
 
 
 def welded_chain(n: int) -> Scene:
-    """A pendulum of n pieces."""
+    """Return a pendulum of n welded pieces."""
     joints = {"pin": hinge("ground", "piece0", start={"phi": 0.3})}
     for i in range(1, n):
         joints[f"seam{i}"] = {"type": "weld", "parent": at(f"piece{i - 1}", 0.1), "child": f"piece{i}"}
@@ -35,7 +35,7 @@ def welded_chain(n: int) -> Scene:
 
 
 def side_by_side() -> Scene:
-    """The ready four-bar, in its plane, and the heavy top, in space."""
+    """Return the planar four-bar and the spatial heavy top in one scene."""
     first, second = (
         gelenk.load(ROOT / "scenes" / f"{name}.yaml").to_dict() for name in ("four_bar", "heavy_top")
     )
@@ -45,7 +45,7 @@ def side_by_side() -> Scene:
 
 
 def on_a_truss() -> Scene:
-    """A pendulum at the top of two rods that stand against each other."""
+    """Return a pendulum at the top of a truss of two rods."""
     phi = math.acos(0.6)
     joints = {
         "left": hinge("ground", "rod1", start={"phi": phi}),
@@ -58,9 +58,9 @@ def on_a_truss() -> Scene:
 
 
 def ball_first() -> Scene:
-    """A slider-crank in space, its ball joint before its universal joint in the file."""
-    n = [-2 / 3, 1 / 3, 2 / 3]  # along the rod, from the slider
-    b = [0.0, -2 / math.sqrt(5), 1 / math.sqrt(5)]  # across it and the slide
+    """Return a spatial slider-crank whose ball joint is listed before its universal joint."""
+    n = [-2 / 3, 1 / 3, 2 / 3]  # along the rod, away from the slider
+    b = [0.0, -2 / math.sqrt(5), 1 / math.sqrt(5)]  # normal to the rod and the slide
     c = [n[1] * b[2] - n[2] * b[1], n[2] * b[0] - n[0] * b[2], n[0] * b[1] - n[1] * b[0]]
     along = {"rotation": {"matrix": [n, b, c]}}
     joints = {
@@ -81,7 +81,7 @@ def ball_first() -> Scene:
 
 
 def coupled_by_a_rod() -> Scene:
-    """A crank about z and a rocker about x, a rod without mass between them."""
+    """Return a crank about z and a rocker about x, connected by a massless rod."""
     bodies = {
         "crank": {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.001, 0.01, 0.01]},
         "rod": {"mass": 0},
@@ -123,7 +123,7 @@ def scenes() -> Iterator[tuple[str, gelenk.Scene]]:
 
 
 def least_cost(scene: gelenk.Scene, *without: str) -> float | None:
-    """Of one evaluation [s]; None where the scene cannot be computed so."""
+    """Return the smallest time of one evaluation [s], or None if the scene cannot be computed."""
     costs = [evaluation_cost(scene, without).seconds for _ in range(ROUNDS)]
     return None if costs[0] is None else min(c for c in costs if c is not None)
 

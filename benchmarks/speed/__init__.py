@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What Gelenk's kernels and runs cost beside other engines: `make bench`."""
+"""Processor time of Gelenk's kernels and runs compared with other engines: `make bench`."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes the tables and pictures of docs/performance.md: `make bench`.
+"""Make the tables and pictures of docs/performance.md: `make bench`.
 
-Every figure goes as CSV to out/bench/, pictures to docs/pictures/. What stands between the markers of the
-page is made anew, all else stays. `--quick` does a small part, into out/bench/ alone.
+All figures are written as CSV to out/bench/, pictures to docs/pictures/. The text between the markers of the
+page is replaced; the rest is left unchanged. `--quick` measures a small part and writes to out/bench/ only.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def say(words: str) -> None:
 
 
 def chosen(quick: bool, only: str | None) -> list[str]:
-    """Names of the mechanisms, those of one size first."""
+    """Return the names of the mechanisms, those of one size first."""
     if only:
         return [name for name in families.MAKERS if any(part in name for part in only.split(","))]
     sized = [
@@ -59,21 +59,21 @@ type Parts = tuple[dict[str, str], list[aims.Aim]]
 
 
 def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> Parts:
-    """All kernels of Gelenk, and the accelerations of the peers."""
+    """Measure all kernels of Gelenk and the accelerations of the other engines."""
     found = timings.study(made, names, "forward", rounds, tell=say)
     timings.write_csv(found, OUT / "kernels.csv")
     return kernel_parts(found, names, pictures), aims.of_kernels(found)
 
 
 def steps(made: Tools, names: list[str]) -> Parts:
-    """What a master pays."""
+    """Measure communication steps."""
     found = masters.study(made, names, say)
     masters.write_csv(found, OUT / "steps.csv")
     return {"steps": page.step_table(found)}, aims.of_steps(found)
 
 
 def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> Parts:
-    """Processor time against error."""
+    """Measure processor time against error."""
     runs, truths = errors.study(made, names, rounds, say)
     errors.write_csv(runs, OUT / "errors.csv")
     parts = {"errors": page.error_table(runs, (1e-4, 1e-6, 1e-8))}
@@ -82,19 +82,20 @@ def precision(made: Tools, names: list[str], rounds: int, pictures: Path) -> Par
         figures.draw_errors([run for run in runs if run.scene == name], truths[name], picture)
         parts[f"errors-{name}"] = (
             f"![{name}: processor time against error](pictures/{picture.name})\n\n"
-            f"{families.make(name).stop:g} s; two programs at 1e-12 agree to {truths[name].digits:.1e}."
+            f"{families.make(name).stop:g} s; the reference solutions of two programs at "
+            f"1e-12 differ by {truths[name].digits:.1e}."
         )
     return parts, aims.of_runs(runs)
 
 
 def counted(made: Tools, names: list[str]) -> Parts:
-    """Instructions of an evaluation."""
+    """Count the instructions of an evaluation."""
     found = operations.study(made, names, say)
     return ({"operations": page.operations_table(found)} if found else {}), []
 
 
 def machine() -> str:
-    """What the figures were taken on."""
+    """Return a description of the machine."""
     return (
         f"{platform.machine().replace('_', '-')}, {os.cpu_count()} cores, Python {platform.python_version()}"
     )
@@ -108,13 +109,14 @@ def main() -> None:
     )
     parser.add_argument("--quick", action="store_true")
     parser.add_argument(
-        "--scenes", help="those whose names hold one of these words, A,B,...; into out/bench/ alone"
+        "--scenes",
+        help="mechanisms whose names contain one of these comma-separated words; writes to out/bench/ only",
     )
     parser.add_argument("--only", choices=["kernels", "steps", "errors", "operations"])
     parser.add_argument("--programs", type=Path, default=ROOT / "build" / "bench" / "benchmarks" / "speed",
-                        help="where gelenk-kernels and gelenk-runs are")  # fmt: skip
+                        help="folder of gelenk-kernels and gelenk-runs")  # fmt: skip
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "bench" / "speed",
-                        help="for the peers and what is compiled around them")  # fmt: skip
+                        help="folder for the other engines and the programs around them")  # fmt: skip
     given = parser.parse_args()
     begin = time.monotonic()
     private = given.quick or given.scenes
@@ -141,13 +143,15 @@ def main() -> None:
             aimed += made_aims
     if not given.only:
         parts["aims"] = aims.table(aimed)
-        parts["machine"] = f"{machine()}; {tools.versions(made)}. {time.monotonic() - begin:.0f} s in all."
+        parts["machine"] = (
+            f"{machine()}; {tools.versions(made)}. Total measuring time: {time.monotonic() - begin:.0f} s."
+        )
     say(aims.table(aimed))
     target = OUT / "performance.md" if private else ROOT / "docs" / "performance.md"
     if private:
         target.write_text("", encoding="utf-8")
     put(target, "benchmarks/speed", parts)
-    say(f"{target.relative_to(ROOT)}: {len(parts)} parts are new")
+    say(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DOP853 with error control as its authors have it (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations
-// I), around a PinocchioModel. The table comes from SciPy when this is built (dop853_table.h).
+// DOP853 with its authors' error control (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I) for a
+// PinocchioModel. The coefficients are generated from SciPy at build time (dop853_table.h).
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class Dop853 {
   VectorXd v() const { return y_.tail(n_); }
   long steps() const { return steps_; }
 
-  // False: the step has become too small, or evaluations too many.
+  // Returns false if the step becomes too small or the evaluations too many.
   bool advance(double end) {
     while (t_ < end - 1e-12) {
       const double h = std::min(step_, end - t_);
@@ -40,7 +40,7 @@ class Dop853 {
         const double factor = error == 0 ? 6 : std::clamp(0.9 * std::pow(error, -1.0 / 8), 0.2, 6.0);
         if (error <= 1) {
           accept(h);
-          // A step that was cut short tells nothing against the one before.
+          // A truncated step does not change the proposed step size.
           step_ = h < step_ ? std::max(step_, factor * h) : factor * h;
         } else {
           step_ = h * std::min(factor, 1.0);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Processor time against error: every engine at several settings, the largest error of a joint."""
+"""Processor time against error: every engine at several settings; the error is the largest of any joint."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from benchmarks.speed.tree import Array
 SCENES = ("fourbar", "slidercrank", "arm7", "chain_s_32", "stewart", "bricard", "governor")
 TOLERANCES = ("1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10", "1e-11")
 STEPS = ("0.01", "0.005", "0.002", "0.001", "0.0005", "0.0002")
-STIFF_STEPS = ("0.001", "0.0005", "0.0002", "0.0001", "5e-05")  # what explicit methods need in the governor
+# Of the governor: small enough for explicit methods
+STIFF_STEPS = ("0.001", "0.0005", "0.0002", "0.0001", "5e-05")
 TRUTH = "1e-12"
-LONGEST = 60.0  # s, of a process
-UNIT = ("simbody", "simbody (assertions on)")  # measured elsewhere: in units of the arithmetic kernel
+LONGEST = 60.0  # s, limit of a process
+UNIT = ("simbody", "simbody (assertions on)")  # measured elsewhere, in units of `ref`
 
 
 @dataclass(frozen=True)
 class Run:
-    """cost: processor time per simulated second, in ms."""
+    """A run: processor time per simulated second [ms] and the largest error of any joint [rad, m]."""
 
     scene: str
     engine: str
@@ -40,18 +41,18 @@ class Run:
 
 @dataclass(frozen=True)
 class Truth:
-    """Joints at the samples, and by how much two programs at 1e-12 differ."""
+    """Reference solution: joints at the samples, and the difference between two programs at 1e-12."""
 
     samples: Array
     digits: float
 
 
 class TruthError(RuntimeError):
-    """A scene without a truth is left out."""
+    """A scene has no reference solution."""
 
 
 def _settings(engine: str, scene: str) -> list[str]:
-    """METHOD=SETTING of all runs."""
+    """Return METHOD=SETTING of all runs of an engine."""
     tree = families.make(scene)
     loops, stiff = bool(tree.closures), scene == "governor"
     steps = STIFF_STEPS if stiff else STEPS
@@ -89,30 +90,30 @@ def _lines(tools: Tools, engine: str, scene: str, settings: Sequence[str]) -> li
 
 
 def _error(samples: Any, truth: Array) -> float:
-    """NaN where samples are missing."""
+    """Return the largest error; NaN if samples are missing."""
     found = np.asarray(samples, float)
     return float(np.max(np.abs(found - truth))) if found.shape == truth.shape else math.nan
 
 
 def truth_of(tools: Tools, scene: str) -> Truth:
-    """Gelenk's own at 1e-12; checked by Pinocchio's equations under DOP853, else by another formulation.
+    """Return Gelenk's run at 1e-12, checked by Pinocchio's equations with DOP853 or else by another
+    formulation.
 
-    Raises TruthError.
+    Raises:
+        TruthError: one of the runs did not finish.
     """
     mine = _lines(tools, "gelenk", scene, [f"projection+auto={TRUTH}"])
     other = _lines(tools, "pinocchio", scene, [TRUTH])
     if not other or not other[0]["finished"]:
         other = _lines(tools, "gelenk", scene, [f"udwadia-kalaba+erk={TRUTH}"])
     if not mine or not mine[0]["finished"] or not other:
-        raise TruthError(
-            f"{scene}: runs at {TRUTH} have not come to their end, there is nothing to compare with"
-        )
+        raise TruthError(f"{scene}: the runs at {TRUTH} did not finish; there is no reference solution")
     samples = np.asarray(mine[0]["samples"], float)
     return Truth(samples, _error(other[0]["samples"], samples))
 
 
 def _published(scene: str, ref_us: float) -> list[Run]:
-    """What was measured once (simbody.csv), in this machine's time."""
+    """Return the runs that were measured once (simbody.csv), scaled to this machine by `ref`."""
     with (HERE / "simbody.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["scene"] == scene]
     return [
@@ -123,7 +124,7 @@ def _published(scene: str, ref_us: float) -> list[Run]:
 
 
 def study_scene(tools: Tools, scene: str, rounds: int) -> tuple[list[Run], Truth]:
-    """All engines, in turns; of each setting the cheapest run."""
+    """Measure all engines on a scene, alternating; keep the cheapest run of each setting."""
     timings.write_scene(tools, scene)
     stop = families.make(scene).stop
     truth = truth_of(tools, scene)
@@ -159,7 +160,7 @@ def study(
             continue
         runs += found
         told = [f"{e} {x.cost:.3g} ms" for e in engines(found) if (x := cheapest(found, scene, e, 1e-6))]
-        tell(f"{scene}, to 1e-6: {', '.join(told)}; truth to {truths[scene].digits:.1e}")
+        tell(f"{scene}, to 1e-6: {', '.join(told)}; reference to {truths[scene].digits:.1e}")
     return runs, truths
 
 
@@ -168,7 +169,7 @@ def engines(runs: Sequence[Run]) -> list[str]:
 
 
 def cheapest(runs: Sequence[Run], scene: str, engine: str, error: float) -> Run | None:
-    """The cheapest run of an engine that errs by no more."""
+    """Return the cheapest run of an engine whose error is at most `error`, or None."""
     good = [r for r in runs if (r.scene, r.engine) == (scene, engine) and r.finished and r.error <= error]
     return min(good, key=lambda r: r.cost, default=None)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The mechanisms that are measured; SI units."""
+"""Mechanisms of the measurements; SI units."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ Z = (0.0, 0.0, 1.0)
 
 
 def rod(mass: float, length: float) -> Array:
-    """A thin rod along x about its middle; a ten-thousandth of m L2 about itself."""
+    """Return the inertia of a thin rod along x about its center; 1e-4 m L^2 about its axis."""
     across = mass * length**2 / 12
     return np.diag([1e-4 * mass * length**2, across, across])
 
 
 def chain(n: int, spatial: bool) -> Tree:
-    """Rods, n of them, of 1 m and 1 kg, let go in a line; in space every second hinge leans by 60 degrees."""
+    """Return n rods of 1 m and 1 kg in a line; spatial: every second axis is tilted by 60 degrees."""
     tree = Tree(f"chain_{'s' if spatial else 'p'}_{n}", 2.0, 0.1)
     inertia = rod(1, 1) + (np.diag([0.01, 0, 0]) if spatial else 0)
     for i in range(n):
@@ -34,7 +34,9 @@ def chain(n: int, spatial: bool) -> Tree:
 
 
 def four_bar() -> Tree:
-    """Crank 0.5, coupler 1.75, rocker 1.5, ground 2 m; 2 kg/m; constant torque and friction on the crank."""
+    """Return a four-bar: crank 0.5, coupler 1.75, rocker 1.5, ground 2 m; 2 kg/m; constant torque and
+    friction on the crank.
+    """
     a, b, c, d, density = 0.5, 1.75, 1.5, 2.0, 2.0
     crank = math.pi / 2
     to_rocker = np.array([d, 0.0]) - a * np.array([math.cos(crank), math.sin(crank)])
@@ -58,7 +60,7 @@ def four_bar() -> Tree:
 
 
 def slider_crank() -> Tree:
-    """Crank 0.3, rod 0.9 m; a constant torque and friction on the crank."""
+    """Return a slider-crank: crank 0.3, rod 0.9 m; constant torque and friction on the crank."""
     r, length, crank = 0.3, 0.9, math.pi / 4
     lean = -math.asin(r * math.sin(crank) / length)
     tree = Tree("slidercrank", 5.0, 0.1)
@@ -72,7 +74,7 @@ def slider_crank() -> Tree:
 
 
 def windows(n: int) -> Tree:
-    """N-four-bar (IFToMM benchmark A02): n + 1 cranks, upright at -1 rad/s, n couplers, all 1 m and 1 kg."""
+    """Return the N-four-bar (IFToMM A02): n + 1 upright cranks at -1 rad/s, n couplers; 1 m and 1 kg each."""
     tree = Tree(f"nfourbar_{n}", 10.0, 0.1)
     cranks, couplers = [], []
     for i in range(n + 1):
@@ -97,8 +99,8 @@ def _leg_frame(base: Array, top: Array, angle: float) -> tuple[Array, float]:
 
 
 def stewart() -> Tree:
-    """Six legs of two hinges and a slide; the first carries the platform by three hinges, five meet it in
-    balls. Springs, dampers and sines of force along the legs.
+    """Return a Stewart platform: six legs of two hinges and a slide; the first carries the platform by three
+    hinges, the others end in ball joints at it. Springs, dampers and sinusoidal forces along the legs.
     """
     tree = Tree("stewart", 2.0, 0.1, GRAVITY_Z)
     height, platform = 1.0, 40.0
@@ -130,9 +132,9 @@ def stewart() -> Tree:
     return tree
 
 
-# Franka Emika's Panda, hand and fingers on its last link: position of the joint in its parent, a quarter turn
-# about x (0, 1, -1), mass, centre of mass, inertia about it (xx, yy, zz, xy, xz, yz). From the URDF of the
-# Python package example-robot-data, by pinocchio.buildReducedModel.
+# Franka Emika's Panda, hand and fingers fixed to its last link: position of the joint in its parent, rotation
+# about x in quarter turns (0, 1, -1), mass, center of mass, inertia about it (xx, yy, zz, xy, xz, yz). From
+# the URDF of the Python package example-robot-data, by pinocchio.buildReducedModel.
 PANDA: Sequence[tuple[Sequence[float], int, float, Sequence[float], Sequence[float]]] = (
     ((0, 0, 0.333), 0, 4.970684, (0.003875, 0.002081, -0.04762),
      (0.70337, 0.70661, 0.009117, -0.000139, 0.006772, 0.019169)),
@@ -153,7 +155,7 @@ PANDA: Sequence[tuple[Sequence[float], int, float, Sequence[float], Sequence[flo
 
 
 def arm() -> Tree:
-    """Panda, all seven joints driven by sines of torque, friction in each."""
+    """Return the Panda arm with sinusoidal torques and friction in all seven joints."""
     tree = Tree("arm7", 2.0, 0.1, GRAVITY_Z)
     starts = (0, -0.785, 0, -2.356, 0, 1.571, 0.785)
     amplitudes = (20, 20, 15, 15, 3, 3, 2)
@@ -168,8 +170,8 @@ def arm() -> Tree:
 
 
 def governor() -> Tree:
-    """Flyball governor (IFToMM benchmark A05): a shaft at 1 turn/s, a slider on it, two rods with balls,
-    springs and dampers of 8e5 N/m and 4e4 N s/m between the rods and the slider.
+    """Return the flyball governor (IFToMM benchmark A05): a shaft at 1 revolution/s, a slider on it, two rods
+    with balls, springs and dampers of 8e5 N/m and 4e4 N s/m between the rods and the slider.
     """
     tree = Tree("governor", 10.0, 0.1)
     m = 3000 * 0.01**2
@@ -191,7 +193,7 @@ def governor() -> Tree:
 
 
 def bricard() -> Tree:
-    """Rectangular Bricard mechanism (IFToMM benchmark A04): rods of 1 m, 1 kg, 0.1 m thick."""
+    """Return the rectangular Bricard mechanism (IFToMM benchmark A04): rods of 1 m, 1 kg, 0.1 m thick."""
     tree = Tree("bricard", 10.0, 0.1)
     points = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1.0]])
     axes = [(0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -210,7 +212,7 @@ def bricard() -> Tree:
 
 
 def andrews() -> Tree:
-    """Andrews' squeezing mechanism (Schiehlen 1990; Test Set for IVP Solvers): seven bodies, three loops."""
+    """Return Andrews' squeezer (Schiehlen 1990; Test Set for IVP Solvers): seven bodies, three loops."""
     tree = Tree("andrews", 0.03, 1e-3, (0.0, 0.0, 0.0))
 
     def bar(name: str, parent: int, place: tuple[float, float], mass: float, com: tuple[float, float],
@@ -253,5 +255,5 @@ MAKERS: dict[str, Callable[[], Tree]] = SINGLE | {
 
 
 def make(name: str) -> Tree:
-    """One of MAKERS."""
+    """Return the mechanism with this name."""
     return MAKERS[name]()

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * A master's round through the C interface of an FMU: sets torques, makes a step of 1 ms, reads all outputs.
- * Own arguments: TORQUES INPUTS ROUNDS; TORQUES is a file of numbers, a line for each round. Prints what a round takes,
- * what reading takes of it, and the outputs at the end, as JSON. */
+ * Communication steps through the C interface of an FMU: sets torques, makes a step of 1 ms, reads all outputs.
+ * Additional arguments: TORQUES INPUTS ROUNDS; TORQUES is a file of numbers, a line for each step. Prints the time of a
+ * step, its share of reading outputs, and the outputs at the end, as JSON. */
 #define _GNU_SOURCE
 #include "c_host.h"
 #include "ref_kernel.h"
@@ -19,7 +19,7 @@ static double* read_torques(const char* path, long count) {
   return out;
 }
 
-/* us of a round, of `rounds` on a new instance. */
+/* Mean time [us] of a step, over `rounds` steps of a new instance. */
 static double run(const double* torques, size_t inputs, long rounds) {
   fmi2ValueReference driven[16];
   for (size_t i = 0; i < inputs; ++i) driven[i] = input + (fmi2ValueReference)i;

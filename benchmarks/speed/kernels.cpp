@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the kernels of Gelenk on a scene: gelenk-kernels SCENE.json SECONDS_OF_A_CALL, the longest that is waited for.
-// gelenk-kernels SCENE.json evaluate CALLS: forward dynamics so many times, for a profiler.
-// Prints a line of JSON for each: {"kernel": ..., "us": ..., "ref_us": ...}, or why there is none. What includes what:
-//   positions         set_position: poses, errors of the rows
-//   constraint rows   positions, and set_velocity: velocities, rates of the rows and their velocity products
-//   inverse dynamics  constraint rows, and set_acceleration: accelerations and the wrench of every joint
-//   mass matrix       constraint rows, and assemble: M (full), J, tau - h
+// Times the kernels of Gelenk on a scene: gelenk-kernels SCENE.json SECONDS_OF_A_CALL, the longest that is measured.
+// gelenk-kernels SCENE.json evaluate CALLS: repeats forward dynamics for a profiler.
+// Prints a line of JSON for each: {"kernel": ..., "us": ..., "ref_us": ...}, or the reason of a failure. The kernels:
+//   positions         set_position: poses and constraint errors
+//   constraint equations  positions, and set_velocity: velocities, rates of the constraints and velocity products
+//   inverse dynamics  constraint equations, and set_acceleration: accelerations and the wrench of every joint
+//   mass matrix       constraint equations, and assemble: M (full), J, tau - h
 //   factorize         positions, and M, J and their factors
 //   forward dynamics  one evaluation of ydot = f(t, y), all islands, as an integrator calls it
 //   derivatives       df/dy, exact
-//   projection        back onto the constraints from beside them
-//   step METHOD       1 ms of the simulation after an input has jumped
+//   projection        projection onto the constraints from a nearby state
+//   step METHOD       1 ms of the simulation after a jump of an input
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -41,7 +41,7 @@ void print(const std::string& kernel, double seconds) {
   std::fflush(stdout);
 }
 
-// Of an exception or a reason; quotes would end the string.
+// Prints the reason of a failure; quotation marks would end the JSON string.
 void print_fault(const std::string& kernel, std::string why) {
   for (char& c : why) {
     if (c == '"' || c == '\\' || c == '\n') c = ' ';
@@ -64,7 +64,7 @@ void measure(const std::string& kernel, Call&& call) {
   }
 }
 
-// The state of an island; moved by a hair before each call, so that nothing found before can be taken again.
+// The state of an island; it changes slightly before each call, so that no cached result can be reused.
 struct State {
   explicit State(std::vector<double> at) : start(std::move(at)), y(start), out(y.size()) {}
   const double* next() {
@@ -78,7 +78,7 @@ struct State {
 void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& loads, int rank, State& state,
                       const std::vector<double>& u) {
   const auto dynamics = gelenk::make_dynamics(mechanism, loads);
-  dynamics->set_max_rank(rank);
+  dynamics->limit_rank(rank);
   const auto nv = static_cast<std::size_t>(mechanism.nv);
   const double* v = state.start.data() + mechanism.nq;
   std::vector<double> vdot(nv), f(nv);
@@ -91,12 +91,12 @@ void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& l
     dynamics->set_position(state.next());
     dynamics->set_velocity(v);
   };
-  measure("constraint rows", rows);
+  measure("constraint equations", rows);
   measure("inverse dynamics", [&] {
     rows();
     dynamics->set_acceleration(vdot.data());
   });
-  measure("factorise", [&] {
+  measure("factorize", [&] {
     dynamics->set_position(state.next());
     dynamics->factorize();
   });
@@ -134,7 +134,7 @@ void measure_derivatives(Simulation& simulation, std::vector<State>& states) {
   });
 }
 
-// A millisecond at a time, as a master steps: the first input jumps a little before each.
+// Communication steps of 1 ms: the first input jumps slightly before each.
 void measure_step(gelenk::Scene scene, const std::string& method) {
   const std::string kernel = "step " + method;
   try {
@@ -155,7 +155,7 @@ void measure_step(gelenk::Scene scene, const std::string& method) {
   }
 }
 
-// Methods that factorize a full matrix of all speeds are not asked of the largest scenes.
+// Methods that factorize a full matrix in all velocities are not measured on the largest scenes.
 constexpr int implicit_at_most = 64;
 
 gelenk::Scene scene_of(const char* file) {
@@ -206,7 +206,7 @@ void run(const char* file) {
       measure_step(scene, method);
     }
   }
-  measure_derivatives(simulation, states);  // last: a matrix of all numbers, too large in the largest scenes
+  measure_derivatives(simulation, states);  // last: a full matrix, which may not fit into memory for the largest scenes
 }
 
 }  // namespace

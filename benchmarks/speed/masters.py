@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A step of 1 ms under another torque: Gelenk through its FMU's C interface, others in their own loops."""
+"""Communication steps of 1 ms with a new torque: Gelenk through the FMU's C interface, others in their own
+loops.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +28,17 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from fmu.c_hosts import compiled, extracted
 
-# The name of the row, what is set, and the tolerance.
+# Name of the method, parameters and tolerance
 MODES: dict[str, tuple[dict[str, str | float], float]] = {
     "FMU, auto at 1e-6": ({}, 1e-6),
     "FMU, rk4": ({"solver.integrator": "rk4", "solver.step": 1e-3}, 1e-6),
 }
-TRUTH = 1e-12  # tolerance of the run that tells errors
+TRUTH = 1e-12  # tolerance of the reference run
 
 
 @dataclass(frozen=True)
 class Step:
-    """A round [us], and the largest error of the joints' coordinates after all rounds."""
+    """Time of a round [us] and the largest error of the joint coordinates after all rounds."""
 
     scene: str
     engine: str
@@ -48,7 +50,7 @@ class Step:
 
 @dataclass
 class Host:
-    """The program that runs FMUs, and a folder for them."""
+    """The program that runs FMUs, and their folder."""
 
     program: Path
     folder: Path
@@ -56,7 +58,7 @@ class Host:
     def run(
         self, name: str, settings: dict[str, str | float], tolerance: float
     ) -> tuple[float, float, list[float]]:
-        """What a round takes, the arithmetic kernel [us], the joints' coordinates at the end."""
+        """Return the time of a round and of `ref` [us], and the joint coordinates at the end."""
         tree = families.make(name)
         data = to_scene(tree)
         data["experiment"]["tolerance"] = tolerance
@@ -79,7 +81,7 @@ def _error(end: Sequence[float], truth: Sequence[float]) -> float:
 
 
 def own(host: Host, name: str, truth: Sequence[float]) -> list[Step]:
-    """Gelenk's FMU. Raises CalledProcessError."""
+    """Measure Gelenk's FMU. Raises CalledProcessError."""
     out = []
     for method, (settings, tolerance) in MODES.items():
         us, ref, end = host.run(name, settings, tolerance)
@@ -88,7 +90,7 @@ def own(host: Host, name: str, truth: Sequence[float]) -> list[Step]:
 
 
 def peers(tools: Tools, name: str, truth: Sequence[float]) -> list[Step]:
-    """Every peer that runs the mechanism."""
+    """Measure all other engines that run the mechanism."""
     out = []
     for engine in timings.ENGINES[1:]:
         if engine in tools.missing:
@@ -112,7 +114,7 @@ def peers(tools: Tools, name: str, truth: Sequence[float]) -> list[Step]:
 
 
 def study(tools: Tools, names: Sequence[str], tell: Callable[[str], None]) -> list[Step]:
-    """All engines on the mechanisms."""
+    """Measure all engines on the mechanisms."""
     out: list[Step] = []
     with TemporaryDirectory() as folder:
         program = compiled("fmu_step", Path(folder), "-O2", str(HERE / "ref_kernel.c"), "-lm", where=HERE)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * What MuJoCo must not be charged for: loops in Python. Loaded beside the wheel's library. */
+ * Loops around MuJoCo in C, so that the time of Python loops is not measured. Loaded next to the wheel's library. */
 #include <math.h>
 #include <mujoco/mujoco.h>
 
 #include "ref_kernel.h"
 
-/* By joint of the model: tau, amplitude, omega, phase, stiffness, reference. Friction is the joint's own. */
+/* By joint of the model: tau, amplitude, omega, phase, stiffness, reference. Damping is part of the model's joints. */
 static double* motors;
 static int joints;
 
@@ -20,14 +20,14 @@ static void drive(const mjModel* m, mjData* d) {
   }
 }
 
-/* numbers: kept, not copied; n = 0: no motors. */
+/* The pointer is kept, the numbers are not copied; n = 0: no motors. */
 void set_motors(int n, double* numbers) {
   joints = n;
   motors = numbers;
   mjcb_control = n > 0 ? drive : 0;
 }
 
-/* s of one mj_forward. */
+/* Time of one mj_forward [s]. */
 double time_forward(const mjModel* m, mjData* d, int calls) {
   const double q = d->qpos[0], begin = cpu_seconds();
   for (int i = 0; i < calls; ++i) {
@@ -38,14 +38,14 @@ double time_forward(const mjModel* m, mjData* d, int calls) {
   return (cpu_seconds() - begin) / calls;
 }
 
-/* s of `steps` mj_step. */
+/* Time of `steps` calls of mj_step [s]. */
 double time_steps(const mjModel* m, mjData* d, int steps) {
   const double begin = cpu_seconds();
   for (int i = 0; i < steps; ++i) mj_step(m, d);
   return cpu_seconds() - begin;
 }
 
-/* s of one mj_step under other forces, by the row of the table; motors keep their springs. */
+/* Time of one mj_step [s] with new forces from the rows of the table; the springs of the motors remain. */
 double time_driven_steps(const mjModel* m, mjData* d, int steps, const double* forces) {
   const int n = m->nv;
   const double begin = cpu_seconds();

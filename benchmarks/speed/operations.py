@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What an evaluation costs in instructions, and where they go: callgrind's counts do not jitter."""
+"""Instructions of one evaluation and of its functions, counted by callgrind, which is reproducible."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CALLS = 500
 
 @dataclass(frozen=True)
 class Cost:
-    """Instructions of one evaluation: in all, and in each function itself."""
+    """Instructions of one evaluation, in total and in each function itself."""
 
     scene: str
     instructions: float
@@ -30,7 +30,7 @@ class Cost:
 
 
 def short(name: str) -> str:
-    """The function without its namespace, template arguments and parameters."""
+    """Return a function's name without namespace, template arguments and parameters."""
     before, name = "", re.sub(r" \[clone [^\]]*\]", "", name)
     while before != name:
         before, name = name, re.sub(r"<[^<>]*>|\([^()]*\)", "", name)
@@ -39,7 +39,7 @@ def short(name: str) -> str:
 
 
 def read(path: Path) -> Counter[str]:
-    """Own instructions by function, from callgrind's file (its manual, "Callgrind Format Specification")."""
+    """Return the exclusive instructions by function ("Callgrind Format Specification" in its manual)."""
     names: dict[str, str] = {}
     found: Counter[str] = Counter()
     function, is_call = "", False
@@ -54,7 +54,7 @@ def read(path: Path) -> Counter[str]:
             if name and line.startswith("cfn="):
                 names[number] = name
         elif line.startswith("calls="):
-            is_call = True  # the line to come is what was called, not the function's own
+            is_call = True  # the next line is the cost of the called function
         elif re.match(r"[+\-*0-9]", line):
             if not is_call:
                 found[short(function)] += int(line.split()[1])
@@ -75,9 +75,9 @@ def _count(tools: Tools, scene: Path, calls: int) -> Counter[str]:
 
 
 def measure(tools: Tools, scene: str) -> Cost:
-    """Raises CalledProcessError, OSError."""
+    """Count the instructions of one evaluation. Raises CalledProcessError, OSError."""
     path, _ = timings.write_scene(tools, scene)
-    # Preparing the run makes evaluations, too: the same in both.
+    # The evaluations that prepare a run are the same in both counts.
     found = _count(tools, path, CALLS + 1)
     found.subtract(_count(tools, path, 1))
     functions = {name: n / CALLS for name, n in found.items()}
@@ -85,9 +85,9 @@ def measure(tools: Tools, scene: str) -> Cost:
 
 
 def study(tools: Tools, scenes: Sequence[str], tell: Callable[[str], None]) -> list[Cost]:
-    """Empty without valgrind."""
+    """Return the instructions of all scenes; nothing if Valgrind is not installed."""
     if shutil.which("valgrind") is None:
-        tell("valgrind is not there: instructions are not counted")
+        tell("Valgrind is not installed: instructions are not counted")
         return []
     out = []
     for scene in scenes:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the scripts that run another engine share; they run in a virtualenv of their own, without Gelenk.
+"""Common parts of the scripts that run other engines, in a virtual environment without Gelenk.
 
-Arguments: forward NAME ..., step NAME ..., or run NAME METHOD=SETTING ... A line of JSON for each figure,
-with the mechanism under "scene"; of what fails one with the reason under "fault".
+Arguments: forward NAME ..., step NAME ..., or run NAME METHOD=SETTING ... Each figure is printed as a line of
+JSON with the mechanism under "scene"; a failure is printed with its reason under "fault".
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ import numpy as np
 from benchmarks.speed import families
 from benchmarks.speed.tree import Array, Tree
 
-# Of joints at every sample, the start first.
+# Joint coordinates at every sample, the start first
 type Samples = list[list[float]]
-LONGEST = 20.0  # s, of one run
-ROUNDS = 500  # of 1 ms, of a master
+LONGEST = 20.0  # s, limit of one run
+ROUNDS = 500  # communication steps of 1 ms
 
 
 def library(name: str) -> ctypes.CDLL:
-    """A library that the study has compiled."""
+    """Load a library that the study has compiled."""
     return ctypes.CDLL(str(os.environ["GELENK_BENCH_LIBRARIES"]) + f"/{name}", mode=ctypes.RTLD_GLOBAL)
 
 
 def ref_us() -> float:
-    """The arithmetic kernel, now."""
+    """Time the arithmetic kernel `ref` now [us]."""
     kernel = library("libref_kernel.so").ref_kernel
     kernel.restype = ctypes.c_double
     return 1e6 * float(kernel(100))
@@ -42,7 +42,7 @@ def tell(**line: Any) -> None:
 
 
 def tell_time(scene: str, kernel: str, seconds: float, end: Sequence[float] = ()) -> None:
-    """A kernel's time; end: the joints' coordinates after the rounds of a master."""
+    """Print a kernel's time; `end` are the joint coordinates after the communication steps."""
     tell(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us(), end=list(end))
 
 
@@ -58,13 +58,13 @@ def tell_run(scene: str, method: str, setting: float, cpu: float, samples: Sampl
     )
 
 
-type Run = tuple[float, Samples, bool]  # s; whether it came to its end
+type Run = tuple[float, Samples, bool]  # processor time [s], samples, whether it finished
 
 
 def sampled(
     tree: Tree, coordinates: Callable[[], list[float]], advance: Callable[[float], tuple[float, bool]]
 ) -> Run:
-    """One run. advance: to a time [s]; returns the seconds it took, and whether the motion is still one."""
+    """Run once. `advance` steps to a time [s] and returns (processor time [s], whether the run is valid)."""
     samples, cpu = [coordinates()], 0.0
     for k in range(round(tree.stop / tree.sample)):
         taken, sound = advance((k + 1) * tree.sample)
@@ -76,7 +76,7 @@ def sampled(
 
 
 def tell_least(tree: Tree, method: str, setting: float, once: Callable[[], Run], rounds: int) -> None:
-    """The quickest of so many runs, or of those made until one took 0.3 s."""
+    """Print the fastest of `rounds` runs, or of fewer if one takes more than 0.3 s."""
     best: Run = (np.inf, [], False)
     for _ in range(rounds):
         made = once()
@@ -88,7 +88,7 @@ def tell_least(tree: Tree, method: str, setting: float, once: Callable[[], Run],
 
 
 def torques(tree: Tree, steps: int, step: float = 1e-3) -> Array:
-    """A master's: another at each step; by joint."""
+    """Return the torques of the communication steps, shape (steps, joints): a new value at each step."""
     moved = [i for i, b in enumerate(tree.bodies) if b.driven]
     out = np.zeros((steps, len(tree.bodies)))
     for k in range(steps):
@@ -111,7 +111,7 @@ type Measure = Callable[[Tree], None]
 
 
 def main(forward: Measure, step: Measure, run: Callable[[Tree, str, float], None]) -> None:
-    """Does what the arguments say."""
+    """Run the measurement that the command line selects."""
     what, *rest = sys.argv[1:]
     if what == "run":
         name, *settings = rest
@@ -124,7 +124,7 @@ def main(forward: Measure, step: Measure, run: Callable[[Tree, str, float], None
 
 
 def attempt(scene: str, measure: Callable[..., None], *arguments: Any) -> None:
-    """A fault of one mechanism is told, and no hindrance to the next."""
+    """Measure a mechanism; print a failure, so that the next one can still be measured."""
     try:
         measure(families.make(scene), *arguments)
     except Exception as fault:

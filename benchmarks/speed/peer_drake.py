@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Drake: trees as continuous systems, loops by its discrete solver, which alone takes ball constraints."""
+"""Drake: trees as continuous systems, loops by the discrete solver, the only one with ball constraints."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ DISCRETE = "discrete"
 
 @dataclass
 class Plant:
-    """A mechanism in a diagram with its motors, at its start. step: of the discrete solver; 0: continuous."""
+    """A mechanism in a diagram with its motors, at its start. step [s]: of the discrete solver; 0:
+    continuous.
+    """
 
     tree: Tree
     step: float = 0.0
@@ -113,7 +115,7 @@ class Plant:
         self.builder.Connect(total.get_output_port(), self.plant.get_actuation_input_port())
 
     def coordinates(self) -> list[float]:
-        """By body."""
+        """Return the joint coordinates by body."""
         return [
             float(joint.get_translation(self.own) if b.slides else joint.get_angle(self.own))
             for joint, b in zip(self.joints, self.tree.bodies, strict=True)
@@ -121,7 +123,7 @@ class Plant:
 
 
 def forward(tree: Tree) -> None:
-    """A step of the explicit Euler method in its own loop: one evaluation."""
+    """Time a step of the explicit Euler method in Drake's loop: one evaluation."""
     if tree.closures:
         return
     plant = Plant(tree)
@@ -138,7 +140,7 @@ def forward(tree: Tree) -> None:
 
 
 def step(tree: Tree) -> None:
-    """One millisecond under another torque: the loop is in Python, as its users' loops are."""
+    """Time a step of 1 ms with a new torque, in a loop in Python as users write it."""
     discrete = bool(tree.closures)
     plant = Plant(tree, 1e-3 if discrete else 0.0, motors=False)
     simulator = Simulator(plant.diagram, plant.context)

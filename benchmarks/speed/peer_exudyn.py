@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exudyn: the tree in its joints' coordinates, loops by point joints."""
+"""Exudyn: the tree in joint coordinates, loops closed by point joints."""
 
 from __future__ import annotations
 
@@ -24,21 +24,25 @@ SOLVERS = {
 
 
 def turned_to(axis: Any) -> tuple[int, Array]:
-    """Exudyn has no axes but x, y and z: which one, and the turn of the frame that takes it onto `axis`."""
+    """Return the index of the nearest axis x, y or z, the only ones in Exudyn, and the rotation that takes it
+    onto `axis`.
+    """
     a = np.asarray(axis, float)
     k = int(np.argmax(np.abs(a)))
     e = np.eye(3)[k]
     if np.allclose(a, e):
         return k, np.eye(3)
     v, c = np.cross(e, a), float(e @ a)
-    if c < -1 + 1e-12:  # half a turn about another axis
+    if c < -1 + 1e-12:  # rotation by pi about another axis
         return k, np.diag([1.0 if i == (k + 1) % 3 else -1.0 for i in range(3)])
     K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
     return k, np.eye(3) + K + K @ K / (1 + c)
 
 
 class Model:
-    """A mechanism assembled at its start. motors: they follow their sines; else they hold what is set."""
+    """A mechanism assembled at its start. motors: the torques are the mechanism's sines; otherwise they are
+    constant.
+    """
 
     def __init__(self, tree: Tree, motors: bool = True) -> None:
         self.tree = tree
@@ -126,7 +130,7 @@ class Model:
             )
 
     def solve(self, settings: Any, method: str, **more: Any) -> float:
-        """Processor time [s]. Raises what Exudyn raises."""
+        """Run and return the processor time [s]. Exudyn's exceptions are passed on."""
         with contextlib.redirect_stdout(io.StringIO()):
             begin = time.process_time()
             self.system.SolveDynamic(
@@ -135,7 +139,7 @@ class Model:
             return time.process_time() - begin
 
     def samples(self) -> peer.Samples:
-        """Fewer, where it has ended early."""
+        """Return the joint coordinates at the samples; fewer if the run ended early."""
         data = self.system.GetSensorStoredData(self.sensor)
         out = []
         for k in range(round(self.tree.stop / self.tree.sample) + 1):
@@ -166,7 +170,9 @@ def settings(stop: float, sample: float, step: float) -> Any:
 
 
 def forward(tree: Tree) -> None:
-    """A step, of explicit Euler or, with loops, of generalized-alpha: many in one run, less a run of one."""
+    """Time a step of explicit Euler or, with loops, of generalized-alpha: a run of many steps minus a run of
+    one.
+    """
     method = "GenAlpha" if tree.closures else "Euler"
     calls = max(20, min(500, 2000 // len(tree.bodies)))
 
@@ -178,7 +184,7 @@ def forward(tree: Tree) -> None:
 
 
 def step(tree: Tree) -> None:
-    """One step of 1 ms, another torque before each by its hook for that."""
+    """Time a step of 1 ms with a new torque before each, set by the pre-step user function."""
     method = "GenAlpha" if tree.closures else "RK44"
     torques = peer.torques(tree, peer.ROUNDS + 1).tolist()
     end: list[float] = []
@@ -187,7 +193,7 @@ def step(tree: Tree) -> None:
         model = Model(tree, motors=False)
 
         def before(mbs: Any, t: float) -> bool:
-            # t is the end of the step to come.
+            # t is the end of the next step.
             now = min(peer.ROUNDS, max(0, round(1000 * t) - 1))
             mbs.SetObjectParameter(model.object, "jointForceVector", torques[now])
             return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""MuJoCo: loops are equality constraints, as stiff as its steps allow."""
+"""MuJoCo: loop closures are equality constraints, as stiff as the step size allows."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _sites(tree: Tree, body: int) -> str:
 
 
 def _bodies(tree: Tree) -> str:
-    """Depth first, without a call for each level: chains are deep."""
+    """Return the bodies depth first, without recursion: chains are deep."""
     children: dict[int, list[int]] = {}
     for i, b in enumerate(tree.bodies):
         children.setdefault(b.parent, []).append(i)
@@ -68,7 +68,7 @@ def _bodies(tree: Tree) -> str:
 
 
 def xml(tree: Tree, step: float, integrator: str) -> str:
-    """The model; a loop's stiffness goes with the step, MuJoCo's own rule for the stiffest."""
+    """Return the model; loops are as stiff as MuJoCo's documentation allows for the step size."""
     connects = "".join(
         f'<connect site1="c{k}a" site2="c{k}b" solref="{2 * step} 1" solimp="0.9999 0.9999 0.001 0.5 2"/>'
         for k in range(len(tree.closures))
@@ -88,7 +88,9 @@ def xml(tree: Tree, step: float, integrator: str) -> str:
 
 
 class Model:
-    """A model at its start, its callback set. motors: they follow their sines; else what is set."""
+    """A model at its start. motors: the torques are the mechanism's sines; otherwise they are set by the
+    caller.
+    """
 
     def __init__(self, tree: Tree, step: float, integrator: str = "RK4", motors: bool = True) -> None:
         self.tree = tree
@@ -105,18 +107,18 @@ class Model:
         LOOP.set_motors(len(table) if moved else 0, table.ctypes.data_as(ctypes.c_void_p))
 
     def restart(self) -> None:
-        """Back to the start."""
+        """Reset to the start."""
         mujoco.mj_resetData(self.model, self.data)
         for joint, b in zip(self.joints, self.tree.bodies, strict=True):
             self.data.qpos[joint], self.data.qvel[joint] = b.q, b.v
 
     def coordinates(self) -> list[float]:
-        """By body."""
+        """Return the joint coordinates by body."""
         return [float(self.data.qpos[j]) for j in self.joints]
 
     @property
     def pointers(self) -> tuple[ctypes.c_void_p, ctypes.c_void_p]:
-        """Of the C structures."""
+        """Pointers to the C structures of model and data."""
         return ctypes.c_void_p(self.model._address), ctypes.c_void_p(self.data._address)
 
 
@@ -148,7 +150,7 @@ def run(tree: Tree, method: str, setting: float) -> None:
 
         def advance(end: float) -> tuple[float, bool]:
             taken = float(LOOP.time_steps(*m.pointers, steps))
-            return taken, abs(m.data.time - end) < 1e-6  # it begins anew by itself where it has come to grief
+            return taken, abs(m.data.time - end) < 1e-6  # MuJoCo resets itself when the simulation diverges
 
         return peer.sampled(tree, m.coordinates, advance)
 

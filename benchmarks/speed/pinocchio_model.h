@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tree in Pinocchio, and the equations of its loops around it: Pinocchio has no integrator and no projection. Written
-// for these measurements; what a careful user would write by hand.
+// A tree in Pinocchio with the constraint equations of its loops: Pinocchio has no integrator and no projection.
+// Written for these measurements as a careful user would.
 #pragma once
 
 #include <Eigen/Dense>
@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 
 class PinocchioModel {
  public:
-  // proximal: loops by constraintDynamics; else M by crba, a dense Cholesky factor and the rows' own equations.
+  // proximal: loops by constraintDynamics; otherwise crba, a dense Cholesky factor and the constraint equations.
   PinocchioModel(TreeFile tree, bool proximal) : tree_(std::move(tree)), proximal_(proximal && has_loops()) {
     add_bodies();
     data_ = std::make_unique<pin::Data>(model_);
@@ -48,7 +48,7 @@ class PinocchioModel {
   VectorXd q0() const { return start(&TreeBody::q); }
   VectorXd v0() const { return start(&TreeBody::v); }
 
-  // From now on motors give this instead of what they are to give at t.
+  // Replaces the torques as functions of time by these constants.
   void hold(const VectorXd& torque) {
     held_ = torque;
     holds_ = true;
@@ -71,7 +71,7 @@ class PinocchioModel {
     }
   }
 
-  // By the least change of the numbers; false: not reached.
+  // Projects by the least change; returns false if it does not converge.
   bool project(VectorXd& q, VectorXd& v) {
     for (int k = 0; k < 8; ++k) {
       look(q, v);
@@ -109,7 +109,7 @@ class PinocchioModel {
     for (const TreeBody& b : tree_.bodies) {
       const pin::SE3 place(matrix(b.R), vector(b.position));
       const pin::JointIndex joint = model_.addJoint(joint_number(b.parent), joint_of(b), place, b.name);
-      // Else columns of J are not in the order of bodies.
+      // Otherwise the columns of J are not in the order of the bodies.
       if (joint != static_cast<pin::JointIndex>(&b - tree_.bodies.data()) + 1)
         throw std::logic_error("order of joints");
       model_.appendBodyToJoint(joint, pin::Inertia(b.mass, vector(b.com), matrix(b.inertia)));
@@ -127,7 +127,7 @@ class PinocchioModel {
     pin::initConstraintDynamics(model_, *data_, constraints_, constraint_data_);
   }
 
-  // A point of a body at the last forwardKinematics(q, v, 0), in the world.
+  // A point of a body after forwardKinematics(q, v, 0), in the world frame.
   struct Place {
     Vector3d x, rate, bias, w, w_bias;
     Matrix3d R;
@@ -162,7 +162,7 @@ class PinocchioModel {
     forces_[joint_number(body)] += pin::Force(F, vector(at).cross(F));
   }
 
-  // Phi, J and rates of all rows, and gamma.
+  // Phi, J, the rates of all constraints, and gamma.
   void look(const VectorXd& q, const VectorXd& v) {
     pin::forwardKinematics(model_, *data_, q, v, zero_);
     pin::computeJointJacobians(model_, *data_);
@@ -178,7 +178,7 @@ class PinocchioModel {
         rate_[row + k] = axis.dot(turned);
         gamma_[row + k] = -axis.dot(bias);
         add_path(row + k, c.first, axis, a.x, 1);
-        add_path(row + k, c.second, axis, a.x, -1);  // b's own point, turned with e: a.x
+        add_path(row + k, c.second, axis, a.x, -1);  // the point of b rotates with e: a.x
       }
       row += n;
     }
@@ -214,7 +214,7 @@ class PinocchioModel {
       f_[i] += data_->J.col(i).dot(at_origin.toVector());
     }
   }
-  // G_ x = b; the least x where rows repeat others.
+  // Solves G_ x = b; the least-norm x if constraints are redundant.
   const VectorXd& solve_symmetric(const VectorXd& b) {
     factor_.compute(G_);
     const auto d = factor_.vectorD().cwiseAbs();

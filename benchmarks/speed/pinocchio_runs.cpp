@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pinocchio on a tree:
-//   pinocchio-runs forward TREE            us of one evaluation, by every way that serves the mechanism
-//   pinocchio-runs step TREE               us of 1 ms under another torque: rk4, and DOP853 at 1e-6
+//   pinocchio-runs forward TREE            us of one evaluation, by every algorithm for the mechanism
+//   pinocchio-runs step TREE               us of 1 ms with a new torque: rk4, and DOP853 at 1e-6
 //   pinocchio-runs run TREE TOLERANCE ...  DOP853 with projection after each step
 //   pinocchio-runs accelerations TREE      vdot at the start
 #include <cstdlib>
@@ -15,7 +15,7 @@
 
 namespace {
 
-// end: the joints' coordinates after a master's rounds.
+// end: the joint coordinates after the communication steps.
 void print_time(const char* kernel, double seconds, const VectorXd& end = {}) {
   std::printf(R"({"kernel": "%s", "us": %.6g, "ref_us": %.6g, "end": [)", kernel, 1e6 * seconds, 1e6 * ref_kernel(100));
   for (int i = 0; i < end.size(); ++i) std::printf(i == 0 ? "%.17g" : ", %.17g", end[i]);
@@ -71,7 +71,7 @@ void step(const TreeFile& tree) {
     return out;
   };
   const auto one = [&](auto&& advance) {
-    // The torque is the master's affair, its sines no part of what is measured.
+    // The torques are computed by the caller and not part of the measurement.
     double spent = 0;
     for (int i = 0; i < 500; ++i) {
       model.hold(torque());

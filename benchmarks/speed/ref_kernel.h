@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The unit of time of the measurements, `ref`: a symmetric positive definite system of 24 equations factorised by
- * Cholesky and solved, in plain C. Times of two machines, or of one busy machine at two moments, compare by it. */
+ * The unit of time of the measurements, `ref`: Cholesky factorization and solution of a symmetric
+ * positive definite system of 24 equations, in plain C. It makes times comparable between machines and under load. */
 #pragma once
 #ifdef __cplusplus
 extern "C" {
 #endif
-/* s of this thread's processor time. */
+/* Processor time of this thread [s]. */
 double cpu_seconds(void);
-/* s for one: the least mean of ten blocks of `repetitions`. */
+/* Time of one call [s]: the smallest mean of ten blocks of `repetitions`. */
 double ref_kernel(int repetitions);
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-runs SCENE.json TREE.txt METHOD=SETTING ...: runs the scene as a master would, and prints its joints at the
-// samples of TREE.
+// gelenk-runs SCENE.json TREE.txt METHOD=SETTING ...: runs the scene as a co-simulation master would, and prints
+// its joint coordinates at the samples of TREE.
 //   METHOD   FORMULATION+INTEGRATOR, as "projection+auto"
 //   SETTING  tolerance; the step [s] of methods with fixed steps
 #include <cmath>
@@ -27,7 +27,7 @@ gelenk::Scene read_scene(const char* file) {
   return gelenk::read_scene_json(text.str(), file);
 }
 
-// Indices of the outputs that are the joints' coordinates, in the order of the tree's bodies.
+// Indices of the outputs with the joint coordinates, in the order of the bodies.
 std::vector<int> coordinates(const Simulation& simulation, const TreeFile& tree) {
   std::vector<int> found;
   for (const TreeBody& b : tree.bodies) {
@@ -36,7 +36,7 @@ std::vector<int> coordinates(const Simulation& simulation, const TreeFile& tree)
       if (simulation.outputs()[i].name == name) found.push_back(static_cast<int>(i));
     }
   }
-  if (found.size() != tree.bodies.size()) throw std::runtime_error("the scene has other joints than the tree");
+  if (found.size() != tree.bodies.size()) throw std::runtime_error("scene and tree have different joints");
   return found;
 }
 
@@ -67,8 +67,8 @@ std::vector<Drive> drives(const Simulation& simulation, const TreeFile& tree) {
   return found;
 }
 
-// Communication steps per sample: sines of torque are followed by their Taylor polynomials of order 5, whose error
-// over a step, (omega h)^6 / 720 of the amplitude, has to stay below what is asked.
+// Communication steps per sample: sinusoidal torques are passed as Taylor polynomials of order 5, whose relative error
+// over a step, (omega h)^6 / 720, has to be below the tolerance.
 int steps_per_sample(const std::vector<Drive>& drives, const TreeFile& tree, double tolerance) {
   double fastest = 0;
   for (const Drive& drive : drives) {
@@ -121,7 +121,7 @@ void run(gelenk::Scene scene, const TreeFile& tree, const std::string& method, d
   const auto plus = method.find('+');
   scene.solver.formulation = method.substr(0, plus);
   scene.solver.integrator = method.substr(plus + 1);
-  // Of fixed steps the setting is the step; torques are followed to 1e-8 then.
+  // With fixed steps the setting is the step; torques are then accurate to 1e-8.
   const std::string& integrator = scene.solver.integrator;
   const bool fixed = integrator == "rk4" || integrator == "euler" || integrator == "generalized-alpha";
   if (fixed) scene.solver.step = setting;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What programs print of a run: joint coordinates at the times at which runs are compared.
+// Output of a run: the joint coordinates at the samples at which runs are compared.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@
 struct RunRecord {
   std::string method;
   double setting = 0;  // tolerance, or step [s]
-  double cpu = 1e30;   // s, of the steps
+  double cpu = 1e30;   // s, of the steps alone
   long steps = 0, evaluations = 0;
   bool finished = false;
-  std::vector<std::vector<double>> samples;  // coordinates by sample, that of the start first
+  std::vector<std::vector<double>> samples;  // coordinates by sample, the start first
 };
 
 inline void print(const RunRecord& run) {

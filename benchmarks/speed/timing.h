@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How every program of the measurements times a call: the least mean of some blocks, each long against the clock's
-// grain and short against whatever interrupts.
+// Timing of a call in all programs of the measurements: the smallest mean of several blocks, each long compared with
+// the resolution of the clock and short compared with interruptions.
 #pragma once
 
 #include <algorithm>
 
 #include "ref_kernel.h"
 
-// s of one call. budget [s]: what measuring may take, about; at least one call is made.
+// Returns the time of one call [s]. budget [s]: approximate measuring time; at least one call is made.
 template <class Call>
 double least_time(Call&& call, double budget = 0.03) {
   const auto mean = [&](long calls) {
@@ -17,7 +17,7 @@ double least_time(Call&& call, double budget = 0.03) {
   };
   double least = std::max(mean(1), 1e-9);
   double spent = least;
-  // The first call finds cold caches: the length of a block goes by one warm block.
+  // The caches are cold in the first call: a warm block determines the length of a block.
   if (spent < budget) least = std::min(least, mean(std::clamp(static_cast<long>(1e-4 / least), 1L, 1000L)));
   const long calls = std::clamp(static_cast<long>(budget / 15 / least), 1L, 1000000L);
   for (int i = 0; i < 15 && spent < budget; ++i) {

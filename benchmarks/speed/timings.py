@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What kernels cost: every engine on every mechanism, in turns, the least of all rounds."""
+"""Processor time of kernels: the smallest of all rounds, with alternating engines."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from benchmarks.speed import families, tree
 from benchmarks.speed.tools import Tools
 
 ENGINES = ("gelenk", "pinocchio", "mujoco", "drake", "exudyn")
-# s of processor time: a kernel whose one call takes longer is given up, and a process that runs on.
+# s of processor time: limits of one call of a kernel and of a process
 LONGEST_CALL, LONGEST_PROCESS = 0.3, 60.0
-# Bodies beyond which an engine takes minutes; and engines that are measured once.
+# Numbers of bodies above which an engine takes minutes, and engines that are measured only once
 LARGEST = {"exudyn": 130, "drake": 300}
 ONCE = ("drake", "exudyn")
-MOST_MEMORY = 6 << 30  # bytes: Pinocchio asks for nv^3 numbers, more than there are at n = 1024
+MOST_MEMORY = 6 << 30  # bytes; Pinocchio allocates 4 nv^3 numbers, which exceeds this at n = 1024
 
 
 def _limit_memory() -> None:
@@ -30,7 +30,7 @@ def _limit_memory() -> None:
 
 @dataclass(frozen=True)
 class Timing:
-    """A kernel of an engine on a mechanism, and `ref` beside it [us]; or why there is none."""
+    """Time of an engine's kernel on a mechanism and of `ref` next to it [us], or why there is none."""
 
     scene: str
     engine: str
@@ -41,12 +41,12 @@ class Timing:
 
     @property
     def ratio(self) -> float:
-        """To the arithmetic kernel."""
+        """The time over `ref`."""
         return self.us / self.ref_us
 
 
 def write_scene(tools: Tools, name: str) -> tuple[Path, Path]:
-    """The mechanism as a scene of Gelenk, and as plain numbers."""
+    """Write the mechanism as a scene and as plain numbers; return both paths."""
     made = families.make(name)
     scene, text = tools.scenes / f"{name}.json", tools.scenes / f"{name}.txt"
     scene.write_text(json.dumps(tree.to_scene(made)), encoding="utf-8")
@@ -55,7 +55,7 @@ def write_scene(tools: Tools, name: str) -> tuple[Path, Path]:
 
 
 def command(tools: Tools, engine: str, what: str, name: str) -> list[str]:
-    """Of the process that measures `forward` or `step`."""
+    """Return the command of the process that measures `forward` or `step`."""
     scene, text = tools.scenes / f"{name}.json", tools.scenes / f"{name}.txt"
     if engine == "gelenk":
         return [str(tools.gelenk_kernels), str(scene), str(LONGEST_CALL)]
@@ -65,7 +65,7 @@ def command(tools: Tools, engine: str, what: str, name: str) -> list[str]:
 
 
 def lines(tools: Tools, command: Sequence[str], timeout: float) -> tuple[list[dict[str, object]], str]:
-    """The lines of JSON that a process prints, and what went wrong."""
+    """Run a process; return the JSON lines that it prints and an error text, empty if it succeeded."""
     fault = ""
     try:
         done = subprocess.run(
@@ -83,17 +83,17 @@ def lines(tools: Tools, command: Sequence[str], timeout: float) -> tuple[list[di
     except subprocess.TimeoutExpired as late:
         raw = late.stdout or b""
         out = raw.decode() if isinstance(raw, bytes) else raw
-        fault = f"no end within {timeout:.0f} s"
+        fault = f"timed out after {timeout:.0f} s"
     found = [json.loads(line) for line in out.splitlines() if line.startswith("{") and line.endswith("}")]
     return found, fault
 
 
 def measure(tools: Tools, engine: str, what: str, name: str) -> list[Timing]:
-    """One process."""
+    """Measure an engine on a mechanism in one process."""
     if engine in tools.missing:
         return [Timing(name, engine, what, fault=tools.missing[engine])]
     if len(families.make(name).bodies) > LARGEST.get(engine, 1 << 30):
-        return [Timing(name, engine, what, fault="not asked: takes minutes")]
+        return [Timing(name, engine, what, fault="not measured: takes minutes")]
     found, fault = lines(tools, command(tools, engine, what, name), LONGEST_PROCESS)
     out = []
     for line in found:
@@ -109,7 +109,7 @@ def measure(tools: Tools, engine: str, what: str, name: str) -> list[Timing]:
 
 
 def least(timings: Iterable[Timing]) -> list[Timing]:
-    """Of each kernel on each mechanism; of `ref` over all engines, since they ran in turns."""
+    """Return the smallest time of each kernel on each mechanism; `ref` is the smallest over all engines."""
     best: dict[tuple[str, str, str], Timing] = {}
     refs: dict[str, float] = {}
     for t in timings:
@@ -129,7 +129,7 @@ def study(
     engines: Sequence[str] = ENGINES,
     tell: Callable[[str], None] = print,
 ) -> list[Timing]:
-    """All engines on all mechanisms, in turns."""
+    """Measure all engines on all mechanisms, alternating."""
     out: list[Timing] = []
     for name in names:
         write_scene(tools, name)
@@ -141,7 +141,7 @@ def study(
                     continue
                 mine = measure(tools, engine, what, name)
                 found += mine
-                if any(t.fault.startswith("no end") for t in mine):
+                if any(t.fault.startswith("timed out") for t in mine):
                     hopeless.add(engine)
         out += least(found)
         tell(f"{name}: {told(out, name)}")
@@ -149,7 +149,7 @@ def study(
 
 
 def forward_of(timings: Iterable[Timing], scene: str, engine: str) -> Timing | None:
-    """The cheapest way to an engine's accelerations."""
+    """Return the fastest measurement of an engine's accelerations on a mechanism."""
     kernels = {"gelenk": {"forward dynamics"}}.get(engine)
     mine = [
         t
@@ -163,13 +163,13 @@ def forward_of(timings: Iterable[Timing], scene: str, engine: str) -> Timing | N
 
 
 def told(timings: Sequence[Timing], scene: str) -> str:
-    """Microseconds of the accelerations, by engine."""
+    """Return the times [us] of the accelerations by engine, as text."""
     found = {engine: forward_of(timings, scene, engine) for engine in ENGINES}
     return ", ".join(f"{engine} {t.us:.3g} us" for engine, t in found.items() if t is not None)
 
 
 def slope(sizes: Sequence[int], values: Sequence[float]) -> float:
-    """The exponent of the power of n that fits best, over the pairs that are there."""
+    """Return the exponent of the power law of n fitted to the finite values (least squares in logarithms)."""
     pairs = [(math.log(n), math.log(x)) for n, x in zip(sizes, values, strict=True) if math.isfinite(x)]
     if len(pairs) < 2:
         return math.nan

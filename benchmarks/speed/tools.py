@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The programs that are run: Gelenk's own, and the peers in a virtualenv of their own, from PyPI."""
+"""Programs of the measurements: Gelenk's, and other engines from PyPI in a separate virtual environment."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PEERS = {"pinocchio": "pin>=4", "mujoco": "mujoco>=3.3", "drake": "drake>=1.40", "exudyn": "exudyn>=1.9"}
-COMPILING = 1500.0  # s, at most: Pinocchio's headers take minutes
+COMPILING = 1500.0  # s, limit; Pinocchio's headers take minutes
 
 
 @dataclass
 class Tools:
-    """Where things are. A peer that is not there is in `missing`, with the reason."""
+    """Paths of programs and folders. `missing` has the reason for each engine that is not available."""
 
     folder: Path
     gelenk_kernels: Path
@@ -31,27 +31,27 @@ class Tools:
 
     @property
     def pinocchio(self) -> Path:
-        """The program around it."""
+        """The program around Pinocchio's library."""
         return self.folder / "pinocchio-runs"
 
     @property
     def scenes(self) -> Path:
-        """The folder of the mechanisms."""
+        """The folder of the mechanisms' files."""
         return self.folder / "scenes"
 
     def peer(self, name: str, *arguments: str) -> list[str]:
-        """The command that runs one of the scripts peer_NAME.py."""
+        """Return the command that runs the script peer_NAME.py."""
         return [str(self.python), "-m", f"benchmarks.speed.peer_{name}", *arguments]
 
     @property
     def environment(self) -> dict[str, str]:
-        """Of all programs: one thread each."""
+        """Environment variables of all programs; one thread each."""
         single = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
         return os.environ | single | {"GELENK_BENCH_LIBRARIES": str(self.folder), "PYTHONPATH": str(ROOT)}
 
 
 def _quiet(command: Sequence[str], timeout: float = COMPILING) -> str:
-    """Empty, or the end of what the command complained of."""
+    """Run a command; return an empty string, or the end of its error output."""
     try:
         done = subprocess.run(list(command), capture_output=True, text=True, timeout=timeout, cwd=ROOT)
     except (OSError, subprocess.TimeoutExpired) as fault:
@@ -70,14 +70,14 @@ def _compiler(kind: str) -> str:
 
 
 def _place(python: Path, package: str) -> Path:
-    """The folder of an installed package."""
+    """Return the folder of an installed package."""
     code = f"import importlib.util as u; print(u.find_spec({package!r}).submodule_search_locations[0])"
     out = subprocess.run([str(python), "-c", code], capture_output=True, text=True, check=True)
     return Path(out.stdout.strip())
 
 
 def versions(tools: Tools) -> str:
-    """Of the peers that are there."""
+    """Return the names and versions of the available engines."""
     packages = [PEERS[name].split(">")[0] for name in PEERS if name not in tools.missing]
     code = f"import importlib.metadata as m; print(', '.join(p + ' ' + m.version(p) for p in {packages!r}))"
     out = subprocess.run([str(tools.python), "-c", code], capture_output=True, text=True, check=False)
@@ -105,7 +105,7 @@ def _mujoco(tools: Tools) -> str:
 
 
 def _table() -> str:
-    """DOP853's coefficients as a header, from SciPy."""
+    """Return DOP853's coefficients, from SciPy, as a C++ header."""
     from scipy.integrate import DOP853
 
     def numbers(array: np.ndarray) -> str:
@@ -122,7 +122,7 @@ def _table() -> str:
 
 
 def _pinocchio(tools: Tools) -> str:
-    """Around the wheel's own compiled library, for the vector width that the wheel was built for."""
+    """Compile the program around the wheel's library, for the vector width of the wheel."""
     sources = [HERE / name for name in ("pinocchio_runs.cpp", "pinocchio_model.h", "dop853.h", "runs.h",
                                         "timing.h", "tree_file.h")]  # fmt: skip
     if _newer(tools.pinocchio, *sources):
@@ -130,7 +130,7 @@ def _pinocchio(tools: Tools) -> str:
     (tools.folder / "dop853_table.h").write_text(_table(), encoding="utf-8")
     place = _place(tools.python, "pinocchio")
     prefix = next(p for p in place.parents if p.name == "cmeel.prefix")
-    # What Pinocchio's own build and its CMake files say of boost.
+    # Definitions for Boost from Pinocchio's build and its CMake files
     boost = ["BOOST_MPL_LIMIT_LIST_SIZE=30", "BOOST_MPL_LIMIT_VECTOR_SIZE=30",
              "BOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "BOOST_FUSION_INVOKE_MAX_ARITY=12"]  # fmt: skip
     defines = [f"-D{d}" for d in (*boost, "NDEBUG", "PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION")]
@@ -161,20 +161,20 @@ def _install(tools: Tools, tell: Callable[[str], None]) -> None:
 
 
 def prepare(folder: Path, programs: Path, python: Path | None, tell: Callable[[str], None]) -> Tools:
-    """Makes what is not there yet.
+    """Install and compile what is missing.
 
     Args:
-        folder: for programs, libraries and scenes.
-        programs: of gelenk-kernels and gelenk-runs.
-        python: of the peers; None: they are installed into a virtualenv in the folder.
-        tell: called with what takes time.
+        folder: Folder for programs, libraries and scenes.
+        programs: Folder of gelenk-kernels and gelenk-runs.
+        python: Interpreter of the other engines; None: they are installed into the folder.
+        tell: Called with a message before each long operation.
     """
     folder.mkdir(parents=True, exist_ok=True)
     own = folder / "peers" / "bin" / "python"
     tools = Tools(folder, programs / "gelenk-kernels", programs / "gelenk-runs", python or own)
     for program in (tools.gelenk_kernels, tools.gelenk_runs):
         if not program.exists():
-            sys.exit(f"{program} is not there: `make bench` builds it")
+            sys.exit(f"{program} does not exist; `make bench` builds it")
     _install(tools, tell)
     fault = _reference(tools)
     if fault:
@@ -183,7 +183,7 @@ def prepare(folder: Path, programs: Path, python: Path | None, tell: Callable[[s
     for name, build in (("mujoco", _mujoco), ("pinocchio", _pinocchio)):
         if name in tools.missing:
             continue
-        tell(f"compiling around {name}")
+        tell(f"compiling the program for {name}")
         fault = build(tools)
         if fault:
             tools.missing[name] = f"not compiled: {fault}"

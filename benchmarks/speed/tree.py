@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A mechanism as every engine can be told it: a tree of hinges and slides, points that close loops."""
+"""A description of mechanisms for all engines: a tree of hinges and slides, and loop closures at points."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ type Array = npt.NDArray[np.float64]
 
 @dataclass
 class Body:
-    """A body and the joint that carries it; the joint's frame is the body's where its coordinate is 0.
+    """A body and the joint that carries it; the frames of both coincide when the joint coordinate is 0.
 
     Force along the joint: tau + amplitude sin(omega t + phase) - damping v - stiffness (q - reference).
     """
@@ -41,7 +41,7 @@ class Body:
 
     @property
     def driven(self) -> bool:
-        """Whether a motor moves it."""
+        """Whether the joint has a motor."""
         return self.tau != 0 or self.amplitude != 0
 
     @property
@@ -52,7 +52,7 @@ class Body:
 
 @dataclass
 class Closure:
-    """Points of two bodies meet: in the rows named, along the axes of the second."""
+    """Points of two bodies coincide in the directions `rows`, the axes of the second body."""
 
     first: int
     at_first: Sequence[float]
@@ -63,7 +63,7 @@ class Closure:
 
 @dataclass
 class Spring:
-    """Between points of two bodies, with a damper beside it."""
+    """A spring and a damper in parallel between points of two bodies."""
 
     first: int
     at_first: Sequence[float]
@@ -76,7 +76,7 @@ class Spring:
 
 @dataclass
 class Tree:
-    """A mechanism, how long it runs and at which times it is compared."""
+    """A mechanism, the duration of its run and the sampling interval."""
 
     name: str
     stop: float  # s
@@ -87,12 +87,12 @@ class Tree:
     springs: list[Spring] = field(default_factory=list)
 
     def add(self, body: Body) -> int:
-        """Returns the body's number."""
+        """Add a body and return its index."""
         self.bodies.append(body)
         return len(self.bodies) - 1
 
     def torque(self, i: int, t: float) -> float:
-        """What the motor of body i gives at t."""
+        """Return the torque or force of the motor of body i at time t [s]."""
         b = self.bodies[i]
         return float(b.tau + b.amplitude * np.sin(b.omega * t + b.phase))
 
@@ -127,8 +127,8 @@ def _joint(tree: Tree, body: Body) -> dict[str, Any]:
 
 
 def _closing_joint(tree: Tree, closures: Sequence[Closure]) -> dict[str, Any]:
-    """One joint for the closures of one pair of bodies: a ball, a hinge in the plane, or a hinge about the
-    line through two points.
+    """Return one joint for the closures of a pair of bodies: a ball joint, a planar hinge, or a hinge about
+    the line through two points.
     """
     first, rows = closures[0], [c.rows for c in closures]
     ends = {
@@ -141,7 +141,7 @@ def _closing_joint(tree: Tree, closures: Sequence[Closure]) -> dict[str, Any]:
         return {"type": "spherical", **ends}
     if rows == ["xyz", "yz"]:
         return {"type": "revolute", "axis": [1, 0, 0], **ends}
-    raise ValueError(f"{tree.name}: no joint is known for the rows {rows}")
+    raise ValueError(f"{tree.name}: there is no joint for the constraint directions {rows}")
 
 
 def _pairs(closures: Iterable[Closure]) -> list[list[Closure]]:
@@ -152,7 +152,7 @@ def _pairs(closures: Iterable[Closure]) -> list[list[Closure]]:
 
 
 def to_scene(tree: Tree) -> dict[str, Any]:
-    """The mechanism in the scene format; joint j_NAME carries body NAME, motor m_NAME moves it."""
+    """Return the mechanism in the scene format; joint j_NAME carries body NAME, motor m_NAME drives it."""
     bodies, joints = {}, {}
     for b in tree.bodies:
         I = np.asarray(b.inertia, float)  # noqa: E741 (inertia)
@@ -192,7 +192,7 @@ def to_scene(tree: Tree) -> dict[str, Any]:
     return scene
 
 
-# --- as plain numbers, for programs without a reader of JSON ---
+# --- as plain numbers, for programs without a JSON parser ---
 
 
 def _words(*parts: Any) -> str:
@@ -203,7 +203,7 @@ def _words(*parts: Any) -> str:
 
 
 def to_text(tree: Tree) -> str:
-    """What benchmarks/speed/tree_file.h reads: a line for each body, closure and spring."""
+    """Return the text that benchmarks/speed/tree_file.h reads: a line for each body, closure and spring."""
     lines = [
         f"{tree.name} {len(tree.bodies)} {len(tree.closures)} {len(tree.springs)} "
         + _words(tree.stop, tree.sample, tree.gravity)

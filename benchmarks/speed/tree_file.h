@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A mechanism as tree.py writes it in plain numbers (to_text there).
+// Reader of mechanisms in plain numbers, as `to_text` of tree.py writes them.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ struct TreeBody {
   std::string name;
   int parent;  // -1: the ground
   bool slides;
-  double axis[3], position[3], R[9], mass, com[3], inertia[9];  // R, inertia: by rows
+  double axis[3], position[3], R[9], mass, com[3], inertia[9];  // R, inertia: row by row
   double q, v, tau, amplitude, omega, phase, damping, stiffness, reference;
 
   double torque(double t) const { return amplitude == 0 ? tau : tau + amplitude * std::sin(omega * t + phase); }
@@ -21,7 +21,7 @@ struct TreeBody {
 
 struct TreeClosure {
   int first, second;  // bodies; -1: the ground
-  std::string rows;   // of "xyz", in the second's axes
+  std::string rows;   // directions out of "xyz", in the axes of the second body
   double at_first[3], at_second[3];
 };
 
@@ -75,6 +75,6 @@ inline TreeFile read_tree(const std::string& path) {
     take(s.at_second, 3);
     in >> s.stiffness >> s.damping >> s.length;
   }
-  if (!in) throw std::runtime_error(path + ": not a tree");
+  if (!in) throw std::runtime_error(path + ": not a valid file of a mechanism");
   return tree;
 }
