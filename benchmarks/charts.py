@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes the charts and tables of docs/work-precision.md and docs/stability.md: `make charts`.
+"""Make the charts and tables of docs/work-precision.md and docs/stability.md: `make charts`.
 
-Pictures go to docs/pictures/, every figure as CSV to out/charts/. What stands between the markers of a page
-is made anew, all else stays: each chart's paragraph of reading is written by hand.
+Pictures are written to docs/pictures/, all figures as CSV to out/charts/. The text between the markers of a
+page is replaced; the rest, including the discussion of each chart, is written by hand.
 
-`--quick` does a small part of everything, into out/charts/ alone, to see that it runs.
+`--quick` runs a small part of everything and writes to out/charts/ only, as a test.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ NUMBERS = ROOT / "out" / "charts"
 
 
 def machine() -> str:
-    """What the times were taken on."""
+    """Return a description of the machine."""
     return f"{platform.machine().replace('_', '-')}, Python {platform.python_version()}"
 
 
 def milliseconds(cpu: float) -> str:
-    return "no end" if math.isnan(cpu) else f"{1e3 * cpu:.3g}"
+    return "not finished" if math.isnan(cpu) else f"{1e3 * cpu:.3g}"
 
 
 def regret_table(regrets: Sequence[wp.Regret]) -> str:
-    """Rows: scenes; columns: auto's CPU time and what it is to the best, at each tolerance."""
+    """Return the CPU time of `auto` and its ratio to the best method, by scene and tolerance."""
     tolerances = list(dict.fromkeys(r.tolerance for r in regrets))
     header = ["scene"]
     for tolerance in tolerances:
-        header += [f"`auto` at {tolerance:.0e} [ms]", "best", "ratio", "ratio, fixed steps too"]
+        header += [f"`auto` at {tolerance:.0e} [ms]", "best", "ratio", "ratio incl. fixed steps"]
     lines = []
     for scene in dict.fromkeys(r.scene for r in regrets):
         cells = [scene]
@@ -63,19 +63,19 @@ def ratio(x: float) -> str:
 
 
 def study_part(study: wp.Study, picture: Path) -> str:
-    """A chart with the sentence on its scene and the outcomes of its runs."""
+    """Return a chart with the description of its scene and the outcomes of its runs."""
     counts = Counter(run.outcome for run in study.runs)
-    told = ", ".join(f"{counts[o]} {o}" for o in Outcome if counts[o])
+    outcomes = ", ".join(f"{counts[o]} {o}" for o in Outcome if counts[o])
     name = study.case.name
     return (
-        f"![{name}: error against CPU time and evaluations](pictures/{picture.name})\n\n"
-        f"{study.case.about} {study.case.stop:g} s, {len(study.runs)} runs: {told}.\n"
+        f"![{name}: CPU time and evaluations against error](pictures/{picture.name})\n\n"
+        f"{study.case.about} {study.case.stop:g} s, {len(study.runs)} runs: {outcomes}.\n"
         f"Reference: {study.reference.words}."
     )
 
 
 def orders_table(cases: Sequence[Case], settings: wp.Settings) -> str:
-    """Observed orders of the methods with fixed steps, over the first twentieth of each case."""
+    """Return the observed orders of the methods with fixed steps over the first 5 % of each case."""
     methods = [method for method in all_methods() if method.fixed_step]
     short = [replace(c, stop=c.stop / 20, step=c.stop / 20, published=(), truth=None) for c in cases]
     studies = wp.study(short, methods, replace(settings, rounds=0))
@@ -88,15 +88,15 @@ def orders_table(cases: Sequence[Case], settings: wp.Settings) -> str:
 
 
 def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
-    """Parts of docs/work-precision.md."""
+    """Return the parts of docs/work-precision.md."""
     cases = reference_set()
     settings = replace(wp.QUICK, jobs=jobs) if quick else wp.Settings(jobs=jobs)
     if quick:
         cases = [case for case in cases if case.name in ("four_bar", "andrews")]
     parts, studies = {}, []
     for case in cases:
-        with status_line(sys.stderr) as tell:
-            (study,) = wp.study([case], all_methods(), settings, tell)
+        with status_line(sys.stderr) as progress:
+            (study,) = wp.study([case], all_methods(), settings, progress)
         studies.append(study)
         runs_csv.write(study.runs, NUMBERS / f"work-precision-{study.case.name}.csv")
         picture = pictures / f"work-precision-{study.case.name}.png"
@@ -105,14 +105,14 @@ def work_precision(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
         print(f"{picture.relative_to(ROOT)}: {len(study.runs)} runs", flush=True)
     regrets = wp.regrets([run for study in studies for run in study.runs])
     parts["regret"] = (
-        regret_table(regrets) + f"\nCPU time of the steps, least of {settings.rounds} rounds; {machine()}."
+        regret_table(regrets) + f"\nCPU time of the steps, minimum of {settings.rounds} rounds; {machine()}."
     )
     parts["orders"] = orders_table(cases, settings)
     return parts
 
 
 def masters(jobs: int, quick: bool) -> dict[str, str]:
-    """What a master pays, and the published counts."""
+    """Return the cost per communication step and the comparison with published figures."""
     case = master.master_case()
     case = replace(case, stop=0.2) if quick else case
     runs, reference = master.master_runs(all_methods(), jobs=jobs, case=case)
@@ -121,8 +121,8 @@ def masters(jobs: int, quick: bool) -> dict[str, str]:
     cpu, error = master.share_of_ida(runs, 1e-6)
     text = (
         master.master_table(runs, steps)
-        + f"\nPer step of H = 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of the CPU "
-        f"time of projection+ida at {error:.1e} of its error. Reference: {reference.words}."
+        + f"\nPer communication step of 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of the CPU "
+        f"time of projection+ida with {error:.1e} of its error. Reference: {reference.words}."
     )
     andrews = published.andrews_table(published.andrews_efforts())
     pole = published.cart_pole_table(published.cart_pole_efforts(0.01), published.cart_pole_efforts(0.5))
@@ -130,10 +130,10 @@ def masters(jobs: int, quick: bool) -> dict[str, str]:
 
 
 def stability_map(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
-    """Parts of docs/stability.md."""
+    """Return the parts of docs/stability.md."""
     settings = replace(stability.QUICK if quick else stability.Settings(), jobs=jobs)
-    with status_line(sys.stderr) as tell:
-        found = stability.stability(stability.natural_methods(), settings, None, tell)
+    with status_line(sys.stderr) as progress:
+        found = stability.stability(stability.natural_methods(), settings, None, progress)
     runs_csv.write(found.runs, NUMBERS / "stability.csv")
     parts = {}
     for tolerance in settings.tolerances:
@@ -143,7 +143,7 @@ def stability_map(pictures: Path, jobs: int, quick: bool) -> dict[str, str]:
         parts[f"map-{label}"] = f"![methods against scenes at {label}](pictures/{picture.name})"
     parts["tables"] = tables.stability(found, settings.tolerances)
     parts["scenes"] = tables.rows(
-        ["scene", "what it is about", "reference"],
+        ["scene", "description", "reference"],
         [[case.name, case.about, found.words[case.name]] for case in found.cases],
     )
     parts["words"] = tables.reasons(found)
@@ -173,8 +173,8 @@ def main() -> None:
         if given.quick:
             page = NUMBERS / name
             page.write_text("", encoding="utf-8")
-        put(page, "benchmarks/charts.py", parts, "\n*To be read.*\n")
-        print(f"{page.relative_to(ROOT)}: {len(parts)} parts are new")
+        put(page, "benchmarks/charts.py", parts, "\n*Not discussed yet.*\n")
+        print(f"{page.relative_to(ROOT)}: {len(parts)} parts updated")
 
 
 if __name__ == "__main__":

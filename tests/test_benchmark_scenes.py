@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make bench` measures what it says: accelerations of its mechanisms against Pinocchio's equations."""
+"""The mechanisms of `make bench`: accelerations against Pinocchio's equations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 class Reference:
-    """M vdot + h + J^T lambda = tau, J vdot = gamma with Pinocchio's M, h and motions of points."""
+    """M vdot + h + J^T lambda = tau, J vdot = gamma with Pinocchio's M, h and accelerations of points."""
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
@@ -41,7 +41,7 @@ class Reference:
         return int(self.model.addFrame(pin.Frame(name, body + 1, 0, place, pin.FrameType.OP_FRAME)))
 
     def _motion(self, frame: int) -> tuple[Array, Array, Array]:
-        """Position, Jacobian and the acceleration for vdot = 0 of a point."""
+        """Return position, Jacobian and acceleration for vdot = 0 of a point."""
         J = pin.getFrameJacobian(self.model, self.data, frame, FRAME)[:3]
         bias = pin.getFrameClassicalAcceleration(self.model, self.data, frame, FRAME).linear
         return self.data.oMf[frame].translation, J, bias
@@ -69,7 +69,7 @@ class Reference:
             gamma += list(-axes @ (a[2] - b[2]))
         J = np.vstack(rows)
         whole = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]])
-        # The least solution: where rows repeat others lambda is open, vdot is not.
+        # Least-norm solution: with redundant constraints lambda is not unique, but vdot is.
         solution: Array = np.linalg.lstsq(whole, np.concatenate([force, gamma]), rcond=1e-12)[0]
         return solution[: len(q)]
 
@@ -79,7 +79,7 @@ def readings(plant: gelenk.Simulation, tree: Tree, turning: str, sliding: str) -
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_accelerations_at_the_start_and_on_the_way_are_pinocchios(name: str) -> None:
+def test_accelerations_at_the_start_and_later_are_pinocchios(name: str) -> None:
     tree = families.make(name)
     plant = gelenk.Simulation(to_scene(tree))
     torque = np.array([tree.torque(i, 0.0) for i in range(len(tree.bodies))])
@@ -95,11 +95,11 @@ def test_accelerations_at_the_start_and_on_the_way_are_pinocchios(name: str) -> 
         q, v = readings(plant, tree, "phi", "s"), readings(plant, tree, "w", "v")
         expected = reference.accelerations(q, v, torque)
         found = readings(plant, tree, "a", "a")
-        # Loops are closed to 1e-12, and accelerations of light parts lose some digits to heavy ones' forces.
+        # Loops are closed to 1e-12, and accelerations of light parts lose digits to the forces of heavy ones.
         assert np.max(np.abs(found - expected)) <= 1e-9 * max(1.0, np.max(np.abs(expected)))
 
 
-def test_the_text_for_other_programs_has_a_word_for_each_number() -> None:
+def test_the_text_for_other_programs_has_all_numbers() -> None:
     tree = families.make("stewart")
     first, *lines = to_text(tree).splitlines()
     assert first.split()[1:4] == [str(len(tree.bodies)), str(len(tree.closures)), str(len(tree.springs))]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Charts: outcomes told apart, figures complete, pictures drawn."""
+"""Charts: outcomes are distinguished, figures complete, pictures drawn."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def truth(four_bar_case: Case) -> dict[str, Reference | Failure]:
     return reference.references([four_bar_case], 1, 60.0, quick=True)
 
 
-def test_outcomes_are_told_apart(four_bar_case: Case, truth: dict[str, Reference | Failure]) -> None:
-    """On real runs: one is good, one has no two digits, one is refused, one has no end."""
+def test_outcomes_are_distinguished(four_bar_case: Case, truth: dict[str, Reference | Failure]) -> None:
+    """Real runs: one is good, one has no two correct digits, one is refused, one times out."""
     refused = STABLE["contradictory-speeds"]
     endless = replace(four_bar_case, name="endless", stop=1e4, step=1e4)
     tasks = [
@@ -53,17 +53,17 @@ def test_outcomes_are_told_apart(four_bar_case: Case, truth: dict[str, Reference
     good, wrong, no, none = work_precision.run_all(tasks, truth, 1, 2.0)
     assert (good.outcome, good.reason) == (Outcome.GOOD, "")
     assert 0 < good.error < 1e-4
-    assert (wrong.outcome, wrong.reason) == (Outcome.WRONG, "no two digits")
+    assert (wrong.outcome, wrong.reason) == (Outcome.WRONG, "no two correct digits")
     assert wrong.error > 1e-2
     assert no.outcome == Outcome.REFUSED
     assert "the fixed start speeds of A, D contradict the loops" in no.reason
     assert no.reached == 0
-    assert (none.outcome, none.reason) == (Outcome.FAILED, "no end within 2 s")
+    assert (none.outcome, none.reason) == (Outcome.FAILED, "timed out after 2 s")
     assert math.isnan(none.error)
 
 
-def test_a_refusal_on_the_way_tells_the_time_reached() -> None:
-    """The augmented Lagrangian's iteration does not settle on rows that repeat others."""
+def test_a_refusal_during_a_run_has_the_time_reached() -> None:
+    """The augmented Lagrangian iteration does not converge with redundant constraints."""
     run = measured(Task(STABLE["bricard"], Method("augmented-lagrangian", "erk"), 1e-8), None)
     assert run.outcome == Outcome.REFUSED
     assert run.reason
@@ -95,10 +95,10 @@ def test_a_crash_and_a_hang_end_their_own_run_only() -> None:
     first, crashed, hung, last = work_off(calls, 2)
     assert (first, last) == (2, 8)
     assert crashed == Failure("the process ended with signal 6")
-    assert hung == Failure("no end within 0.5 s")
+    assert hung == Failure("timed out after 0.5 s")
 
 
-def test_what_comes_to_no_end_is_not_tried_more_tightly(
+def test_runs_after_a_timeout_are_skipped_at_smaller_steps(
     four_bar_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     endless = replace(four_bar_case, name="endless", stop=1e4, step=1e4)
@@ -110,19 +110,19 @@ def test_what_comes_to_no_end_is_not_tried_more_tightly(
         return work_off(calls, jobs)
 
     monkeypatch.setattr(work_precision, "work_off", noted)
-    # A limit [s] before the evaluations allowed are spent.
+    # The limit [s] is reached before the evaluation budget is exhausted.
     runs = work_precision.run_all([*tasks, Task(four_bar_case, ERK, 1e-6)], {}, 1, 2.0)
     assert tried == [1e-6, None]
-    assert [r.reason for r in runs] == ["no end within 2 s"] * 3 + [""]
+    assert [r.reason for r in runs] == ["timed out after 2 s"] * 3 + [""]
     assert [r.step for r in runs[:3]] == [1e-6, 1e-7, 1e-8]
 
 
 @pytest.mark.parametrize(
     ("error", "tolerance", "digits", "expected"),
     [
-        (0.9e-4, 1e-6, 1e-12, Outcome.GOOD),  # 100 times what was asked
+        (0.9e-4, 1e-6, 1e-12, Outcome.GOOD),  # 100 times the tolerance
         (1.1e-4, 1e-6, 1e-12, Outcome.WRONG),
-        (1e-9, 1e-12, 2e-9, Outcome.GOOD),  # the reference knows no better
+        (1e-9, 1e-12, 2e-9, Outcome.GOOD),  # below the accuracy of the reference
         (0.9e-2, None, 1e-12, Outcome.GOOD),  # fixed steps: two digits
         (1.1e-2, None, 1e-12, Outcome.WRONG),
     ],
@@ -136,8 +136,8 @@ def course(states: Array, total: Array | None = None) -> Course:
     return Course(states, kinetic, np.zeros(3) if total is None else total, 1e-9, 1e-8, {})
 
 
-def test_error_is_the_largest_by_the_signal_s_own_size() -> None:
-    """0.2 of a signal that goes to 50: 4e-3, and 3e-3 of one that stays below 1."""
+def test_error_is_the_largest_relative_to_the_size_of_the_signal() -> None:
+    """0.2 of a signal of up to 50 is 4e-3; 0.003 of a signal below 1 is 3e-3."""
     states = np.array([[0.5, 50.0], [0.2, -10.0]])
     found = Reference(states, np.array([1.0, 50.0]), np.array([0.0, 2.0, 1.0]), np.zeros(3), 1e-12, "")
     off = states + np.array([[0.003, 0.0], [0.0, 0.2]])
@@ -148,11 +148,11 @@ def test_error_is_the_largest_by_the_signal_s_own_size() -> None:
     assert (lost.outcome, lost.reason) == (Outcome.FAILED, "the states are not finite")
 
 
-def test_energy_is_compared_with_its_start_where_it_stays_and_with_the_reference_elsewhere() -> None:
+def test_energy_is_compared_with_its_start_if_conserved_and_else_with_the_reference() -> None:
     states, kinetic = np.ones((2, 1)), np.array([0.0, 2.0, 1.0])
     kept = Reference(states, np.ones(1), kinetic, np.full(3, 5.0), 1e-12, "")
     lost = Reference(states, np.ones(1), kinetic, np.array([5.0, 4.0, 3.0]), 1e-12, "")
-    total = np.array([7.0, 7.0, 7.5])  # the run's own zero of energy may differ
+    total = np.array([7.0, 7.0, 7.5])  # the zero of the potential energy may differ
     run = Run("s", "m", "f", "i", 1e-4)
     assert compared(run, course(states, total), kept).energy_error == pytest.approx(0.25)
     assert compared(run, course(states, total), lost).energy_error == pytest.approx(2.25)
@@ -171,7 +171,7 @@ def test_references_carry_the_digits_in_which_unrelated_methods_agree(
 
 
 def test_quadrature_finds_the_pendulum_s_rates_and_period() -> None:
-    """A rod turning in a plane without gravity goes evenly; with it, energy ties rate to angle."""
+    """A rod rotates uniformly without gravity; with gravity, energy relates rate and angle."""
     times = np.linspace(0.1, 20, 50)
     phi, w = turning(np.ones_like, np.zeros_like, 0.3, -2.0, times)
     np.testing.assert_allclose(phi, 0.3 - 2 * times, rtol=0, atol=1e-12)  # rounding of 40 rad
@@ -184,7 +184,7 @@ def test_quadrature_finds_the_pendulum_s_rates_and_period() -> None:
 
 
 def test_light_cart_pole_swings_as_published() -> None:
-    """Printed with 15 digits, of which 9e-12 are good by their author."""
+    """Published with 15 digits and an accuracy of 9e-12."""
     times = np.array(list(LIGHT_CART_POLE))
     found = light_cart_pole_truth(times)
     printed = np.array(list(LIGHT_CART_POLE.values()))
@@ -193,8 +193,8 @@ def test_light_cart_pole_swings_as_published() -> None:
 
 
 @pytest.mark.parametrize("name", ["n-four-bar-2", "parallelogram", "equal-slider-crank"])
-def test_closed_forms_are_what_the_equations_give_at_first(name: str) -> None:
-    """Before the first singular position: an integration at 1e-12 that knows of loops."""
+def test_closed_forms_satisfy_the_equations_of_motion_at_first(name: str) -> None:
+    """Before the first singular configuration: an integration of the loops at 1e-12."""
     case = replace(STABLE[name], stop=0.1)
     found = reference.recorded(Task(case, Method("independent", "cvode-adams"), 1e-12))
     assert isinstance(found, reference.Recording)
@@ -241,14 +241,14 @@ def test_regret_is_against_the_cheapest_that_is_good_at_the_same_tolerance() -> 
         run("slow", 1e-6, 9.0, 1e-9),
         run("best", 1e-8, 0.1, 1e-8),  # another tolerance
         run("fixed", math.nan, 1.5, 0.9e-4, step=0.1),
-        run("fixed", math.nan, 0.5, 2e-4, step=0.2),  # errs more than 100 times 1e-6
+        run("fixed", math.nan, 0.5, 2e-4, step=0.2),  # error of more than 100 times 1e-6
     ]
     (found,) = work_precision.regrets(runs, (1e-6, 1e-4))
     assert (found.best, found.ratio) == ("best", 1.5)
     assert (found.best_of_all, found.ratio_of_all) == ("fixed", 2.0)
 
 
-def test_regret_without_rivals() -> None:
+def test_regret_without_other_methods() -> None:
     (found,) = work_precision.regrets([run("auto", 1e-6, 3.0, 1.0)], (1e-6,))
     assert found.outcome == Outcome.WRONG
     assert found.best == "none"
@@ -256,7 +256,7 @@ def test_regret_without_rivals() -> None:
 
 
 def test_observed_order() -> None:
-    """Errors 3 h^4, but for one at rounding and one beyond all digits."""
+    """Errors of 3 h^4, except one at rounding and one without correct digits."""
     steps = [0.8, 0.1, 0.05, 0.025, 1e-4]
     runs = [run("rk4", math.nan, 1.0, max(3 * h**4, 1e-14), step=h, digits=1e-14) for h in steps]
     assert work_precision.observed_order(runs) == pytest.approx(4)
@@ -264,7 +264,7 @@ def test_observed_order() -> None:
 
 
 def test_orders_are_those_of_the_methods(four_bar_case: Case, truth: dict[str, Reference | Failure]) -> None:
-    """Rk4: 4, improved Euler: 1, within 10 % of 2^p: 0.14 of p."""
+    """rk4: 4, improved Euler: 1, within 10 % of 2^p: 0.14 of p."""
     for name, order, step in (("rk4", 4, 2.5e-3), ("euler", 1, 1e-3)):
         tasks = [Task(four_bar_case, Method("projection", name), None, step / n) for n in (1, 2)]
         assert work_precision.observed_order(work_precision.run_all(tasks, truth, 1, 60.0)) == pytest.approx(
@@ -287,7 +287,7 @@ def test_csv_holds_every_figure(tmp_path: Path) -> None:
     assert back[1].reason == "x, y"
 
 
-def test_inputs_jump_at_every_communication_step_and_alike_at_every_run() -> None:
+def test_inputs_jump_at_every_communication_step_reproducibly() -> None:
     torque = Jumps(3.0, 10.0)
     values = np.array([torque.at(k) for k in range(1000)])
     assert values.min() >= -7
@@ -296,7 +296,7 @@ def test_inputs_jump_at_every_communication_step_and_alike_at_every_run() -> Non
     assert abs(values.mean() - 3) < 0.1
 
 
-def test_what_a_master_pays_is_told_per_step() -> None:
+def test_costs_are_reported_per_communication_step() -> None:
     case = replace(master.master_case(), stop=0.05)
     runs, found = master.master_runs(chosen(["auto", "rk4"]), (1e-6,), rounds=1, case=case)
     assert [r.method for r in runs] == ["auto", "projection+rk4"]
@@ -307,7 +307,7 @@ def test_what_a_master_pays_is_told_per_step() -> None:
     assert "| 4.0 |" in table
 
 
-def test_published_tables_take_the_least_effort_with_as_many_digits() -> None:
+def test_published_tables_have_the_cheapest_run_that_is_accurate_enough() -> None:
     given = ((1e-3, 100, 1e-3), (1e-6, 300, 1e-5), (1e-7, 200, 1e-6))
     efforts = [published.Effort(*figures) for figures in given]
     found = published.least(efforts, 1e-4)
@@ -320,7 +320,7 @@ def test_published_tables_take_the_least_effort_with_as_many_digits() -> None:
 
 
 def assert_drawn(path: Path) -> None:
-    """A picture of some size that is not of one colour."""
+    """A picture of sufficient size with more than one color."""
     from matplotlib import image
 
     pixels = image.imread(path)
@@ -363,7 +363,7 @@ def test_stability_from_the_command_line(tmp_path: Path) -> None:
         (["stability", "bricart"], "bricart: no such scene of the map; did you mean bricard?"),
     ],
 )
-def test_wrong_calls_are_told_in_one_line(arguments: list[str], words: str, tmp_path: Path) -> None:
+def test_usage_errors_are_reported_in_one_line(arguments: list[str], words: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["chart", *arguments, "-o", str(tmp_path)])
     assert result.exit_code == 1
     assert words in result.stderr
@@ -378,8 +378,8 @@ def test_without_matplotlib_the_extra_is_named(tmp_path: Path, monkeypatch: pyte
     assert not (tmp_path / "none").exists()
 
 
-def test_every_scene_of_the_map_says_what_it_is_about() -> None:
-    """One sentence each; all that this version can read start, but for the one that must not."""
+def test_every_scene_of_the_map_has_a_description() -> None:
+    """One sentence each; all readable scenes can be initialized except the one that must be refused."""
     for case in stability_cases():
         assert case.about.endswith((".", "?"))
         assert len(case.about) < 170

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a scene costs grows as its size: initialising and exporting, time and memory."""
+"""Time and memory of initialization and export grow linearly with the size of a scene."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ LINEAR = ["chain", "equipped chain", "tree", "N-four-bar"]
 @pytest.mark.clock
 @pytest.mark.parametrize("family", LINEAR)
 def test_cost_grows_as_the_number_of_bodies(family: str) -> None:
-    """Processor time, the least of two processes each: an N-four-bar's initialising grew as the cube."""
+    """Processor time, the smaller of two processes; initializing an N-four-bar was once cubic."""
     small, large = ([measured(family, n) for _ in range(2)] for n in (SMALL, LARGE))
     for what in ("initialize", "export"):
         times = [min(getattr(cost, what) for cost in costs) for costs in (small, large)]
         found = exponent(times[0], times[1], LARGE / SMALL)
-        assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 where nothing else runs"
+        assert found < 1.5, f"{what}: from {times[0]:.2f} s to {times[1]:.2f} s; 1.3 on an idle machine"
 
 
 @pytest.mark.parametrize("family", LINEAR)
 def test_memory_of_many_bodies_has_a_bound(family: str) -> None:
-    """A matrix of their speeds alone would be 130 MB."""
+    """A full matrix in their velocities alone would take 130 MB."""
     large = measured(family, LARGE)
     assert large.initialize_memory < MOST_MEMORY
     assert large.export_memory < MOST_MEMORY
@@ -41,7 +41,7 @@ def test_memory_of_many_bodies_has_a_bound(family: str) -> None:
 
 @pytest.mark.parametrize("family", ["N-four-bar", "scissors"])
 def test_many_loops_are_assembled_as_few_are(family: str) -> None:
-    """Rows of more than 300 speeds are factorised sparsely: the loops close at the same place."""
+    """More than 300 velocities use a sparse factorization: the assembly is the same."""
     source = FAMILIES[family](700)
     first = next(iter(source["joints"]))
     source["joints"][first]["start"] = {"phi": 1.1, "fixed": True}
@@ -60,9 +60,9 @@ def test_many_loops_are_assembled_as_few_are(family: str) -> None:
 
 
 @pytest.mark.parametrize("n", [40, 400])
-def test_guesses_of_many_degrees_of_freedom_are_met_by_the_least_change(n: int) -> None:
-    """An arch of n rods between two pins has n - 2: up to 64 a basis of the free motions is used, beyond it
-    the sparse equations of the least change. The change from the guesses has no part along its motions.
+def test_assembly_of_many_degrees_of_freedom_is_the_least_change_of_the_guesses(n: int) -> None:
+    """An arch of n rods between two pins has n - 2 degrees of freedom: up to 64 a basis of the null space is
+    used, for more the sparse least-change equations. The change is orthogonal to the null space.
     """
     length, span = 1.0 / n, 0.6
     random = np.random.default_rng(3)
@@ -83,17 +83,17 @@ def test_guesses_of_many_degrees_of_freedom_are_met_by_the_least_change(n: int) 
     q = np.array([plant.output(f"j{k}.phi") for k in range(n)])
     tips = length * np.exp(1j * np.cumsum(q))
     assert abs(tips.sum() - span) < 1e-13 * n  # rounding of n sums
-    to_end = np.cumsum(tips[::-1])[::-1] * 1j  # of the arch's end by each angle
+    to_end = np.cumsum(tips[::-1])[::-1] * 1j  # derivatives of the end point of the arch
     jacobian = np.array([to_end.real, to_end.imag])
     change = q - guesses
     by_the_rows = np.linalg.lstsq(jacobian.T, change, rcond=None)[0] @ jacobian
     along = np.linalg.norm(change - by_the_rows)
-    # What nobody gave, the closing joint's angle, counts a hundred-millionth: it draws by no more than 1e-5.
+    # The closing joint's angle has no guess and the weight 1e-8: its influence is below 1e-5.
     assert along < 1e-5 * np.linalg.norm(change)
 
 
 def two_chains(n: int) -> dict[str, Any]:
-    """On the ground, each of n bodies, that know nothing of each other."""
+    """Return two independent chains of n bodies on the ground."""
     out = FAMILIES["chain"](n)
     other = FAMILIES["chain"](n)
     out["bodies"] |= {f"other_{name}": body for name, body in other["bodies"].items()}
@@ -106,9 +106,10 @@ def two_chains(n: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("n", "listed"), [(40, True), (600, False)])
-def test_lists_that_would_grow_as_a_square_are_left_out(n: int, listed: bool, tmp_path: Path) -> None:
-    """An acceleration depends on the 2 n states of its chain, of 4 n. All lists together are 6 n^2 numbers
-    and more: beyond a million they are left out, which FMI takes for all there are.
+def test_dependency_lists_of_quadratic_size_are_omitted(n: int, listed: bool, tmp_path: Path) -> None:
+    """An acceleration depends on the 2 n states of its chain, out of 4 n. All lists together have at least 6
+    n^2
+    numbers: beyond a million they are omitted, which means all dependencies in FMI.
     """
     gelenk.export_fmu(two_chains(n), tmp_path / "x.fmu")
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
@@ -122,4 +123,4 @@ def test_lists_that_would_grow_as_a_square_are_left_out(n: int, listed: bool, tm
         assert len(dependencies.split()) == 2 * n
     position = root.find(f"ModelStructure/Outputs/Unknown[@index='{names.index('j3.phi') + 1}']")
     assert position is not None
-    assert position.get("dependencies") == str(names.index("j3.phi") + 1), "short lists stay"
+    assert position.get("dependencies") == str(names.index("j3.phi") + 1), "short lists are kept"

@@ -60,7 +60,7 @@ type Parts = tuple[dict[str, str], list[aims.Aim]]
 
 def kernels(made: Tools, names: list[str], rounds: int, pictures: Path) -> Parts:
     """Measure all kernels of Gelenk and the accelerations of the other engines."""
-    found = timings.study(made, names, "forward", rounds, tell=say)
+    found = timings.study(made, names, "forward", rounds, report=say)
     timings.write_csv(found, OUT / "kernels.csv")
     return kernel_parts(found, names, pictures), aims.of_kernels(found)
 

@@ -148,7 +148,7 @@ def study_scene(tools: Tools, scene: str, rounds: int) -> tuple[list[Run], Truth
 
 
 def study(
-    tools: Tools, scenes: Sequence[str], rounds: int, tell: Callable[[str], None]
+    tools: Tools, scenes: Sequence[str], rounds: int, report: Callable[[str], None]
 ) -> tuple[list[Run], dict[str, Truth]]:
     runs: list[Run] = []
     truths: dict[str, Truth] = {}
@@ -156,11 +156,11 @@ def study(
         try:
             found, truths[scene] = study_scene(tools, scene, rounds)
         except TruthError as fault:
-            tell(str(fault))
+            report(str(fault))
             continue
         runs += found
-        told = [f"{e} {x.cost:.3g} ms" for e in engines(found) if (x := cheapest(found, scene, e, 1e-6))]
-        tell(f"{scene}, to 1e-6: {', '.join(told)}; reference to {truths[scene].digits:.1e}")
+        summary = [f"{e} {x.cost:.3g} ms" for e in engines(found) if (x := cheapest(found, scene, e, 1e-6))]
+        report(f"{scene}, to 1e-6: {', '.join(summary)}; reference to {truths[scene].digits:.1e}")
     return runs, truths
 
 

@@ -113,7 +113,7 @@ def peers(tools: Tools, name: str, truth: Sequence[float]) -> list[Step]:
     return out
 
 
-def study(tools: Tools, names: Sequence[str], tell: Callable[[str], None]) -> list[Step]:
+def study(tools: Tools, names: Sequence[str], report: Callable[[str], None]) -> list[Step]:
     """Measure all engines on the mechanisms."""
     out: list[Step] = []
     with TemporaryDirectory() as folder:
@@ -128,11 +128,11 @@ def study(tools: Tools, names: Sequence[str], tell: Callable[[str], None]) -> li
                 truth = host.run(name, {}, TRUTH)[2]
                 out += own(host, name, truth)
             except subprocess.CalledProcessError as fault:
-                tell(f"{name}: {fault}")
+                report(f"{name}: {fault}")
                 continue
             out += peers(tools, name, truth)
-            told = [f"{s.engine} {s.method} {s.us:.3g} us" for s in out if s.scene == name]
-            tell(f"{name}: {', '.join(told)}")
+            summary = [f"{s.engine} {s.method} {s.us:.3g} us" for s in out if s.scene == name]
+            report(f"{name}: {', '.join(summary)}")
     return out
 
 

@@ -84,17 +84,17 @@ def measure(tools: Tools, scene: str) -> Cost:
     return Cost(scene, sum(functions.values()), functions)
 
 
-def study(tools: Tools, scenes: Sequence[str], tell: Callable[[str], None]) -> list[Cost]:
+def study(tools: Tools, scenes: Sequence[str], report: Callable[[str], None]) -> list[Cost]:
     """Return the instructions of all scenes; nothing if Valgrind is not installed."""
     if shutil.which("valgrind") is None:
-        tell("Valgrind is not installed: instructions are not counted")
+        report("Valgrind is not installed: instructions are not counted")
         return []
     out = []
     for scene in scenes:
         try:
             out.append(measure(tools, scene))
         except subprocess.CalledProcessError as fault:
-            tell(f"{scene}: {fault}")
+            report(f"{scene}: {fault}")
             continue
-        tell(f"{scene}: {out[-1].instructions:.0f} instructions")
+        report(f"{scene}: {out[-1].instructions:.0f} instructions")
     return out

@@ -37,17 +37,17 @@ def ref_us() -> float:
     return 1e6 * float(kernel(100))
 
 
-def tell(**line: Any) -> None:
+def print_line(**line: Any) -> None:
     print(json.dumps(line), flush=True)
 
 
-def tell_time(scene: str, kernel: str, seconds: float, end: Sequence[float] = ()) -> None:
+def print_time(scene: str, kernel: str, seconds: float, end: Sequence[float] = ()) -> None:
     """Print a kernel's time; `end` are the joint coordinates after the communication steps."""
-    tell(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us(), end=list(end))
+    print_line(scene=scene, kernel=kernel, us=1e6 * seconds, ref_us=ref_us(), end=list(end))
 
 
-def tell_run(scene: str, method: str, setting: float, cpu: float, samples: Samples, finished: bool) -> None:
-    tell(
+def print_run(scene: str, method: str, setting: float, cpu: float, samples: Samples, finished: bool) -> None:
+    print_line(
         scene=scene,
         method=method,
         setting=setting,
@@ -75,7 +75,7 @@ def sampled(
     return cpu, samples, True
 
 
-def tell_least(tree: Tree, method: str, setting: float, once: Callable[[], Run], rounds: int) -> None:
+def print_fastest(tree: Tree, method: str, setting: float, once: Callable[[], Run], rounds: int) -> None:
     """Print the fastest of `rounds` runs, or of fewer if one takes more than 0.3 s."""
     best: Run = (np.inf, [], False)
     for _ in range(rounds):
@@ -84,7 +84,7 @@ def tell_least(tree: Tree, method: str, setting: float, once: Callable[[], Run],
             best = made
         if made[0] > 0.3:
             break
-    tell_run(tree.name, method, setting, *best)
+    print_run(tree.name, method, setting, *best)
 
 
 def torques(tree: Tree, steps: int, step: float = 1e-3) -> Array:
@@ -128,4 +128,4 @@ def attempt(scene: str, measure: Callable[..., None], *arguments: Any) -> None:
     try:
         measure(families.make(scene), *arguments)
     except Exception as fault:
-        tell(scene=scene, fault=f"{type(fault).__name__}: {' '.join(str(fault).split())[:200]}")
+        print_line(scene=scene, fault=f"{type(fault).__name__}: {' '.join(str(fault).split())[:200]}")

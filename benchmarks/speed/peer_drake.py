@@ -136,7 +136,7 @@ def forward(tree: Tree) -> None:
         end = plant.context.get_time() + 1e-6 * calls
         return peer.timed(lambda: simulator.AdvanceTo(end)) / calls
 
-    peer.tell_time(tree.name, "explicit_euler step", peer.least(once))
+    peer.print_time(tree.name, "explicit_euler step", peer.least(once))
 
 
 def step(tree: Tree) -> None:
@@ -165,7 +165,7 @@ def step(tree: Tree) -> None:
         return taken
 
     taken = peer.least(once, 3)
-    peer.tell_time(tree.name, DISCRETE if discrete else CONTINUOUS, taken, end[: len(tree.bodies)])
+    peer.print_time(tree.name, DISCRETE if discrete else CONTINUOUS, taken, end[: len(tree.bodies)])
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
@@ -182,7 +182,7 @@ def run(tree: Tree, method: str, setting: float) -> None:
             tree, plant.coordinates, lambda end: (peer.timed(partial(simulator.AdvanceTo, end)), True)
         )
 
-    peer.tell_least(tree, method, setting, once, 2)
+    peer.print_fastest(tree, method, setting, once, 2)
 
 
 if __name__ == "__main__":

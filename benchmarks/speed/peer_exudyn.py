@@ -180,7 +180,7 @@ def forward(tree: Tree) -> None:
         many = Model(tree).solve(settings(1e-6 * calls, 1.0, 1e-6), method)
         return (many - Model(tree).solve(settings(1e-6, 1.0, 1e-6), method)) / (calls - 1)
 
-    peer.tell_time(tree.name, f"{method} step", peer.least(once, 3))
+    peer.print_time(tree.name, f"{method} step", peer.least(once, 3))
 
 
 def step(tree: Tree) -> None:
@@ -204,7 +204,7 @@ def step(tree: Tree) -> None:
         end[:] = [float(x) for x in model.system.GetSensorStoredData(model.sensor)[-1, 1:]]
         return taken
 
-    peer.tell_time(tree.name, method, peer.least(once, 3), end)
+    peer.print_time(tree.name, method, peer.least(once, 3), end)
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
@@ -214,7 +214,7 @@ def run(tree: Tree, method: str, setting: float) -> None:
         samples = model.samples()
         return cpu, samples, len(samples) == round(tree.stop / tree.sample) + 1
 
-    peer.tell_least(tree, method, setting, once, 2)
+    peer.print_fastest(tree, method, setting, once, 2)
 
 
 if __name__ == "__main__":

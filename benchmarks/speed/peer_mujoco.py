@@ -126,7 +126,7 @@ def forward(tree: Tree) -> None:
     m = Model(tree, 1e-3, "Euler")
     once = LOOP.time_forward(*m.pointers, 3)
     calls = max(3, min(20000, int(3e-3 / once)))
-    peer.tell_time(tree.name, "mj_forward", peer.least(lambda: LOOP.time_forward(*m.pointers, calls), 15))
+    peer.print_time(tree.name, "mj_forward", peer.least(lambda: LOOP.time_forward(*m.pointers, calls), 15))
 
 
 def step(tree: Tree) -> None:
@@ -139,7 +139,7 @@ def step(tree: Tree) -> None:
             m.restart()
             return float(LOOP.time_driven_steps(*m.pointers, peer.ROUNDS, pointer))
 
-        peer.tell_time(tree.name, integrator, peer.least(once), m.coordinates())
+        peer.print_time(tree.name, integrator, peer.least(once), m.coordinates())
 
 
 def run(tree: Tree, method: str, setting: float) -> None:
@@ -154,7 +154,7 @@ def run(tree: Tree, method: str, setting: float) -> None:
 
         return peer.sampled(tree, m.coordinates, advance)
 
-    peer.tell_least(tree, method, setting, once, 3)
+    peer.print_fastest(tree, method, setting, once, 3)
 
 
 if __name__ == "__main__":

@@ -127,7 +127,7 @@ def study(
     what: str = "forward",
     rounds: int = 3,
     engines: Sequence[str] = ENGINES,
-    tell: Callable[[str], None] = print,
+    report: Callable[[str], None] = print,
 ) -> list[Timing]:
     """Measure all engines on all mechanisms, alternating."""
     out: list[Timing] = []
@@ -144,7 +144,7 @@ def study(
                 if any(t.fault.startswith("timed out") for t in mine):
                     hopeless.add(engine)
         out += least(found)
-        tell(f"{name}: {told(out, name)}")
+        report(f"{name}: {summary(out, name)}")
     return out
 
 
@@ -162,7 +162,7 @@ def forward_of(timings: Iterable[Timing], scene: str, engine: str) -> Timing | N
     return min(mine, key=lambda t: t.us, default=None)
 
 
-def told(timings: Sequence[Timing], scene: str) -> str:
+def summary(timings: Sequence[Timing], scene: str) -> str:
     """Return the times [us] of the accelerations by engine, as text."""
     found = {engine: forward_of(timings, scene, engine) for engine in ENGINES}
     return ", ".join(f"{engine} {t.us:.3g} us" for engine, t in found.items() if t is not None)

@@ -144,7 +144,7 @@ def _pinocchio(tools: Tools) -> str:
     ])  # fmt: skip
 
 
-def _install(tools: Tools, tell: Callable[[str], None]) -> None:
+def _install(tools: Tools, report: Callable[[str], None]) -> None:
     venv = tools.python.parent.parent
     if not tools.python.exists():
         subprocess.run([sys.executable, "-m", "venv", str(venv)], check=True)
@@ -153,21 +153,21 @@ def _install(tools: Tools, tell: Callable[[str], None]) -> None:
         module = {"drake": "pydrake"}.get(name, name)
         if _quiet([str(tools.python), "-c", f"import {module}"]) == "":
             continue
-        tell(f"installing {package}")
+        report(f"installing {package}")
         more = ["cmeel-eigen>=3.4,<4"] if name == "pinocchio" else []
         fault = _quiet([*pip, package, *more])
         if fault:
             tools.missing[name] = f"not installed: {fault}"
 
 
-def prepare(folder: Path, programs: Path, python: Path | None, tell: Callable[[str], None]) -> Tools:
+def prepare(folder: Path, programs: Path, python: Path | None, report: Callable[[str], None]) -> Tools:
     """Install and compile what is missing.
 
     Args:
         folder: Folder for programs, libraries and scenes.
         programs: Folder of gelenk-kernels and gelenk-runs.
         python: Interpreter of the other engines; None: they are installed into the folder.
-        tell: Called with a message before each long operation.
+        report: Called with a message before each long operation.
     """
     folder.mkdir(parents=True, exist_ok=True)
     own = folder / "peers" / "bin" / "python"
@@ -175,7 +175,7 @@ def prepare(folder: Path, programs: Path, python: Path | None, tell: Callable[[s
     for program in (tools.gelenk_kernels, tools.gelenk_runs):
         if not program.exists():
             sys.exit(f"{program} does not exist; `make bench` builds it")
-    _install(tools, tell)
+    _install(tools, report)
     fault = _reference(tools)
     if fault:
         sys.exit(f"the reference kernel was not compiled: {fault}")
@@ -183,7 +183,7 @@ def prepare(folder: Path, programs: Path, python: Path | None, tell: Callable[[s
     for name, build in (("mujoco", _mujoco), ("pinocchio", _pinocchio)):
         if name in tools.missing:
             continue
-        tell(f"compiling the program for {name}")
+        report(f"compiling the program for {name}")
         fault = build(tools)
         if fault:
             tools.missing[name] = f"not compiled: {fault}"

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Charts of what methods cost and where they fail: `gelenk chart`."""
+"""Work-precision diagrams and stability maps of the solver methods: `gelenk chart`."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is run: a scene, for how long, with which inputs, and against which truth."""
+"""Test cases: a scene with its duration, inputs and reference solution."""
 
 from __future__ import annotations
 
@@ -20,27 +20,31 @@ from gelenk.simulation.run import grid
 type Array = NDArray[np.float64]
 
 MOST_SAMPLES = 1000
-SAMPLES = 20  # of a scene whose inputs never jump: few, for each cuts an integrator's step
+SAMPLES = 20  # of a scene without input jumps; few, because each truncates a step of the integrator
 
 
 @dataclass(frozen=True)
 class Jumps:
-    """Another value at every communication step, the same at every run: mean + amplitude x in [-1, 1],
-    x by the golden ratio (Weyl's sequence), so that neighbours differ and nothing repeats.
+    """An input with a new value at every communication step, reproducible between runs.
+
+    The values are mean + amplitude x, with x in [-1, 1] from Weyl's sequence of the golden ratio, so that
+    neighbors differ and no value repeats.
     """
 
     mean: float
     amplitude: float
 
     def at(self, k: int) -> float:
-        """The value held from communication step k on."""
+        """Return the value during communication step k (from 0)."""
         return self.mean + self.amplitude * (2.0 * ((k + 1) * 0.6180339887498949 % 1.0) - 1.0)
 
 
 @dataclass(frozen=True)
 class Smooth:
-    """mean + amplitude sin(rate t), given at the start of each communication step with three time
-    derivatives, so that within the step the input is a cubic polynomial.
+    """The input mean + amplitude sin(rate t).
+
+    It is set with three time derivatives at the start of each communication step, so that it is a cubic
+    polynomial within the step.
     """
 
     mean: float
@@ -48,7 +52,7 @@ class Smooth:
     rate: float  # rad/s
 
     def at(self, t: float) -> tuple[float, ...]:
-        """Value and derivatives of orders 1 to 3 at t [s]."""
+        """Return the value and the time derivatives of orders 1 to 3 at time t [s]."""
         waves = (self.amplitude * self.rate**n * math.sin(self.rate * t + n * math.pi / 2) for n in range(4))
         first, *others = waves
         return self.mean + first, *others
@@ -56,7 +60,7 @@ class Smooth:
 
 @dataclass(frozen=True)
 class Case:
-    """A run that every method is put through. Times in s."""
+    """A test case: one run that is repeated with every method. Times are in s."""
 
     name: str
     about: str
@@ -64,39 +68,44 @@ class Case:
     stop: float
     step: float  # communication step
     inputs: Mapping[str, float | Jumps | Smooth] = field(default_factory=dict)
-    #: Joint states in closed form by output name, from the times; None: integrated, see `reference`.
+    #: Closed-form solution: joint states by output name at given times; None: computed, see `reference`.
     truth: Callable[[Array], dict[str, Array]] | None = None
-    #: Published joint states (time, output, value) that a reference is checked against, and their source.
+    #: Published joint states (time, output, value) for checking a reference, and their source.
     published: tuple[tuple[float, str, float], ...] = ()
     source: str = ""
-    expected: str = "good"  # or "refused": where equations have no solution
-    times: tuple[float, ...] = ()  # communication points without 0; empty: every `step`
-    saved: bool = False  # the state is saved after every communication step, and never restored
-    by_energy: bool = False  # a run without a drive so long that its phase says little: its energy is judged
+    expected: str = "good"  # or "refused": the equations have no solution
+    times: tuple[float, ...] = ()  # communication points except 0; empty: every `step`
+    saved: bool = False  # the state is saved after every communication step but never restored
+    by_energy: bool = False  # a long run without inputs is judged by its energy, not its states
 
     @property
     def grid(self) -> Array:
-        """Communication points [s], 0 and `stop` included."""
+        """Communication points [s], including 0 and `stop`; shape (points,)."""
         return np.array([0.0, *self.times]) if self.times else grid(self.stop, self.step)
 
     @property
     def jumps(self) -> bool:
-        """An input jumps at every communication point."""
+        """Whether an input jumps at every communication point."""
         return any(isinstance(value, Jumps) for value in self.inputs.values())
 
     def samples(self) -> list[int]:
-        """Communication points at which states are compared, by index; the start is not one of them."""
+        """Return the indices of the communication points, except the start, at which states are compared."""
         count = len(self.grid) - 1
         every = -(-count // MOST_SAMPLES)
         return sorted({*range(every, count + 1, every), count})
 
 
 def case_of(source: str | Path, inputs: Mapping[str, float] | None = None) -> Case:
-    """A scene file as a case: its own experiment, sampled 20 times, its inputs constant.
+    """Return a scene file as a test case: its own experiment, 20 samples, constant inputs.
+
+    Args:
+        source: Path of the scene file.
+        inputs: Values of inputs by name; the others are 0.
 
     Raises:
-        SceneError, OSError: the scene is wrong.
-        UsageError: an input that it does not have.
+        SceneError: the scene is invalid.
+        OSError: the file cannot be read.
+        UsageError: the scene does not have one of the inputs.
     """
     scene = gelenk.load(source)
     known = [s.name for s in gelenk.Simulation(scene).inputs]

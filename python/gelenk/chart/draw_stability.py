@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The picture of a stability map: a table of cells by outcome."""
+"""The picture of a stability map: a table of cells colored by outcome."""
 
 from __future__ import annotations
 
@@ -21,15 +21,20 @@ FILL = {
 }  # fmt: skip
 MEANING = {
     Outcome.GOOD: "good",
-    Outcome.WRONG: "finished but wrong: error over 100 × tolerance, over 0.01 with fixed steps",
-    Outcome.REFUSED: "refused, in words (framed: as it should be)",
-    Outcome.FAILED: "failed: no end in time, or a crash",
+    Outcome.WRONG: "wrong: error over 100 × tolerance, over 0.01 with fixed steps",
+    Outcome.REFUSED: "refused with an error message (framed: as expected)",
+    Outcome.FAILED: "failed: timeout or crash",
 }  # fmt: skip
-WIDTH, HEIGHT, LEFT, TOP = 0.82, 0.52, 4.3, 0.85  # inches: cells, room for the scenes' and methods' names
+WIDTH, HEIGHT, LEFT, TOP = 0.82, 0.52, 4.3, 0.85  # inches: cells, margins for the names of scenes and methods
 
 
 def draw(found: Map, tolerance: float, path: Path) -> None:
-    """Writes the PNG for one tolerance. Raises UsageError without matplotlib, OSError."""
+    """Write the picture of one tolerance as PNG.
+
+    Raises:
+        UsageError: matplotlib is not installed.
+        OSError: the file cannot be written.
+    """
     plt = pyplot()
     rows, columns = len(found.cases), len(found.methods)
     width, height = LEFT + WIDTH * columns + 0.1, TOP + HEIGHT * rows + 0.75
@@ -53,13 +58,13 @@ def draw(found: Map, tolerance: float, path: Path) -> None:
             axis.add_patch(plt.Rectangle((j + 0.02, i + 0.03), 0.96, 0.94, facecolor=fill, linewidth=0))
             if run is not None:
                 _cell(axis, j, i, run)
-            if run is not None and run.outcome == case.expected == Outcome.REFUSED:  # as it should be
+            if run is not None and run.outcome == case.expected == Outcome.REFUSED:
                 frame = plt.Rectangle(
                     (j + 0.04, i + 0.05), 0.92, 0.9, fill=False, edgecolor="#2e8b46", lw=1.8
                 )
                 axis.add_patch(frame)
     figure.text(0.008, 1 - 0.12 / height,
-                f"Where methods fail: tolerance {tolerance:.0e}, fixed steps of 1 ms", va="top",
+                f"Stability map: tolerance {tolerance:.0e}, fixed steps of 1 ms", va="top",
                 fontsize=13, fontweight="bold")  # fmt: skip
     _legend(figure, plt, height)
     save(figure, path, 80)
@@ -67,7 +72,7 @@ def draw(found: Map, tolerance: float, path: Path) -> None:
 
 
 def heading(method: Method) -> str:
-    """A method's name in the width of a column."""
+    """Return a method's name, broken to the width of a column."""
     if method.automatic:
         return "auto"
     upper = "" if method.formulation == DEFAULT else method.formulation.replace("-", "-\n") + "\n"
@@ -75,18 +80,18 @@ def heading(method: Method) -> str:
 
 
 def cell_lines(run: Run) -> tuple[str, ...]:
-    """(what stands out, gap, energy) of a run, short."""
+    """Return the lines of a cell: error, closure error and energy error, or outcome and reason."""
     if run.finished:
-        return short(run.error), f"gap {short(run.position_residual)}", f"E {short(run.energy_error)}"
+        return short(run.error), f"closure {short(run.position_residual)}", f"E {short(run.energy_error)}"
     if run.outcome == SKIPPED:
-        return ("not yet",)
+        return ("skipped",)
     if run.outcome == Outcome.REFUSED:
         return ("refused", f"at {run.reached:.3g} s")
     return ("failed", *textwrap.wrap(run.reason, 15)[:2])
 
 
 def short(value: float) -> str:
-    """Two digits at most: 3e-9."""
+    """Format a number with one digit and a short exponent, for instance 3e-9; NaN is `?`."""
     if math.isnan(value):
         return "?"
     if value == 0:
@@ -105,11 +110,11 @@ def _legend(figure: Any, plt: Any, height: float) -> None:
     handles = [plt.Rectangle((0, 0), 1, 1, facecolor=FILL[o]) for o in MEANING]
     figure.legend(
         handles, list(MEANING.values()), loc="lower left", bbox_to_anchor=(0.0, 0.28 / height), ncols=4,
-        fontsize=8,        frameon=False,
+        fontsize=8, frameon=False,
     )  # fmt: skip
     figure.text(
         0.008, 0.1 / height,
-        "In a cell: largest error of joint positions and speeds; gap: largest closure error of the loops; "
-        "E: largest energy error, by the largest kinetic energy. "
-        "Methods with projection unless another is named.", fontsize=8, color="#333333",
+        "Cells: largest error of joint positions and speeds; largest closure error of the loops [m, rad]; "
+        "E: largest energy error relative to the largest kinetic energy. "
+        "Formulation: projection unless another is named.", fontsize=8, color="#333333",
     )  # fmt: skip

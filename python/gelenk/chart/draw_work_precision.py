@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The picture of a study: error against CPU time and against evaluations."""
+"""The work-precision diagram of a study: CPU time and evaluations against error."""
 
 from __future__ import annotations
 
@@ -15,18 +15,23 @@ from gelenk.chart.style import look, save
 from gelenk.chart.work_precision import Study
 from gelenk.extras import pyplot
 
-LIMIT = 3.0  # errors below this many times the reference's own are shown at its limit
-LOST = 10.0  # errors above are drawn here: every digit is gone
-WRONG = "finished but wrong:\nerror > 100 × tolerance,\nor > 0.01 with fixed steps"
-ROW = 0.16  # inches, of the band of runs without an end
+LIMIT = 3.0  # the gray area ends at this multiple of the reference's error
+LOST = 10.0  # larger errors are drawn at this value: no correct digit
+WRONG = "wrong:\nerror > 100 × tolerance,\nor > 0.01 with fixed steps"
+ROW = 0.16  # inches, height of a method in the band of runs that did not finish
 
 
 def draw(study: Study, path: Path) -> None:
-    """Writes the PNG. Raises UsageError without matplotlib, OSError."""
+    """Write the diagram as PNG.
+
+    Raises:
+        UsageError: matplotlib is not installed.
+        OSError: the file cannot be written.
+    """
     plt = pyplot()
     methods = list(dict.fromkeys(Method(run.formulation, run.integrator) for run in study.runs))
-    endless = [m for m in methods if any(not run.finished for run in _of(study.runs, m))]
-    band = ROW * max(1, len(endless)) + 0.1
+    unfinished = [m for m in methods if any(not run.finished for run in _of(study.runs, m))]
+    band = ROW * max(1, len(unfinished)) + 0.1
     height = 5.6 + band
     figure, axes = plt.subplots(
         2, 2, figsize=(12.5, height), sharex=True, layout="constrained",
@@ -34,15 +39,17 @@ def draw(study: Study, path: Path) -> None:
     )  # fmt: skip
     for column, (field, label) in enumerate((("cpu", "CPU time [ms]"), ("evaluations", "evaluations"))):
         _lines(axes[1][column], study, methods, field, label)
-        _band(axes[0][column], study.runs, endless, named=column == 0)
-    axes[0][0].set_title("no end: refused ×, failed ▲ (by the tolerance asked)", fontsize=8, loc="left")
+        _band(axes[0][column], study.runs, unfinished, named=column == 0)
+    axes[0][0].set_title(
+        "not finished: refused ×, failed ▲ (at the requested tolerance)", fontsize=8, loc="left"
+    )
     _legend(figure, axes[1][0], methods)
     figure.suptitle(
-        f"{study.case.name}: work against precision, {study.case.stop:g} s\n\n",
+        f"{study.case.name}: work–precision diagram, {study.case.stop:g} s\n\n",
         fontsize=13,
         fontweight="bold",
     )
-    figure.text(0.01, 0.955, _told(study), fontsize=8, color="#444444", va="top")
+    figure.text(0.01, 0.955, _subtitle(study), fontsize=8, color="#444444", va="top")
     save(figure, path, 85)
     plt.close(figure)
 
@@ -53,7 +60,7 @@ def _of(runs: Sequence[Run], method: Method) -> list[Run]:
     ]
 
 
-def _told(study: Study) -> str:
+def _subtitle(study: Study) -> str:
     about = f"{study.case.about}\n" if study.case.about else ""
     return f"{about}Reference: {study.reference.words}."
 
@@ -80,10 +87,10 @@ def _lines(axis: Any, study: Study, methods: Sequence[Method], field: str, label
     axis.set_xscale("log")
     axis.set_yscale("log")
     low = min(0.5 * digits, 5e-13)
-    axis.set_xlim(20.0, low)  # more digits to the right
+    axis.set_xlim(20.0, low)  # accuracy increases to the right
     axis.axvspan(low, LIMIT * digits, color="#dddddd", zorder=0)
-    axis.text(LIMIT * digits, 0.99, " at the reference's limit", rotation=90, fontsize=7, va="top", ha="left",
-              color="#666666", transform=axis.get_xaxis_transform())  # fmt: skip
+    axis.text(LIMIT * digits, 0.99, " accuracy limit of the reference", rotation=90, fontsize=7,
+              va="top", ha="left", color="#666666", transform=axis.get_xaxis_transform())  # fmt: skip
     axis.set_xlabel("largest error of joint positions and speeds")
     axis.set_ylabel(label)
     axis.grid(which="major", alpha=0.35)
@@ -104,7 +111,7 @@ def _band(axis: Any, runs: Sequence[Run], methods: Sequence[Method], named: bool
             place = LOST if math.isnan(run.tolerance) else run.tolerance
             axis.plot([place], [row], marker=marker, color=look(method)["color"], markersize=5)
     if not methods:
-        axis.text(0.5, 0.5, "every run came to its end", transform=axis.transAxes, ha="center",
+        axis.text(0.5, 0.5, "all runs finished", transform=axis.transAxes, ha="center",
                   va="center", fontsize=8, color="#666666")  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a master pays: another torque at every communication step."""
+"""Cost per communication step with a new torque at every step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TOLERANCES = (1e-4, 1e-6, 1e-8)
 
 
 def master_case() -> Case:
-    """The four-bar for 5 s at H = 1 ms."""
+    """Return the test case: the four-bar for 5 s with communication steps of 1 ms."""
     (case,) = (case for case in stability_cases() if case.name == "torque-steps-1e-3")
     return case
 
@@ -33,10 +33,21 @@ def master_runs(
     rounds: int = 5,
     case: Case | None = None,
 ) -> tuple[list[Run], Reference]:
-    """Every method over the tolerances; one step per communication step where steps are fixed.
+    """Run and time every method at the tolerances; methods with fixed steps take one per communication step.
+
+    Args:
+        methods: Methods to be compared.
+        tolerances: Relative tolerances.
+        jobs: Number of concurrent processes.
+        limit: Wall-clock limit of one run [s].
+        rounds: Number of timing rounds; the smallest time counts.
+        case: Test case; `master_case()` by default.
+
+    Returns:
+        The runs, and the reference solution from which their errors are measured.
 
     Raises:
-        UsageError: no two methods agree on the motion.
+        UsageError: there is no reference solution because no two methods agree.
     """
     case = master_case() if case is None else case
     truth = references([case], jobs, max(60.0, limit))
@@ -53,7 +64,13 @@ def master_runs(
 
 
 def master_table(runs: Sequence[Run], steps: int, tolerances: Sequence[float] = TOLERANCES) -> str:
-    """CPU time [µs] and evaluations per communication step, of which there are `steps`, and the error."""
+    """Return the table of CPU time [µs] and evaluations per communication step and of the errors.
+
+    Args:
+        runs: Runs of `master_runs`.
+        steps: Number of communication steps of a run.
+        tolerances: Tolerances in the columns.
+    """
     header = ["method"]
     for tolerance in tolerances:
         header += [f"{tolerance:.0e}: µs", "evaluations", "error"]
@@ -75,7 +92,7 @@ def _cells(run: Run, steps: int) -> tuple[str, str, str]:
 
 
 def share_of_ida(runs: Sequence[Run], tolerance: float) -> tuple[float, float]:
-    """(CPU time, error) of `auto` by those of projection+ida at the same tolerance, or NaN."""
+    """Return CPU time and error of `auto` relative to projection+ida at a tolerance, or NaN."""
     found = {run.method: run for run in runs if run.asked == tolerance}
     auto, ida = found.get("auto"), found.get("projection+ida")
     if auto is None or ida is None or not (auto.finished and ida.finished):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One run of one method through one case: what it cost, how far it was off, how it ended."""
+"""One run of a method on a test case: its cost, its errors and its outcome."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from gelenk.chart.methods import Method
 from gelenk.chart.outcome import Outcome, judged
 from gelenk.errors import GelenkError
 
-ENERGY_KEPT = 1e-8  # of the largest kinetic energy: what a reference loses by rounding and tolerance
+ENERGY_KEPT = 1e-8  # energy variation of a conservative reference / largest kinetic energy
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked: of an adaptive method a tolerance, of one with fixed steps its step [s]."""
+    """A run to be made: `tolerance` for methods with error control, `step` [s] for those with fixed steps."""
 
     case: Case
     method: Method
@@ -32,37 +32,37 @@ class Task:
 
 @dataclass(frozen=True)
 class Course:
-    """Joint states (positions and speeds) at the samples, shape (samples, signals), and health."""
+    """The result of a run: joint positions and speeds at the samples, energies and constraint errors."""
 
-    states: Array
-    kinetic: Array  # [J], the start included
-    total: Array
-    gap: float  # largest closure error of positions, and of velocities
-    rate: float
+    states: Array  # joint positions and speeds, shape (samples, signals)
+    kinetic: Array  # kinetic energy [J], shape (samples + 1,): the start is included
+    total: Array  # total energy [J], shape (samples + 1,)
+    gap: float  # largest closure error of the loops [m, rad]
+    rate: float  # largest constraint error of the velocities [m/s, rad/s]
     counts: dict[str, float]
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The truth, and how well it is known: `digits` is its largest error, in the measure of `error`."""
+    """A reference solution; `digits` is its largest error, measured as that of runs."""
 
-    states: Array
-    scales: Array  # 1 unit, or the signal's largest value
-    kinetic: Array
-    total: Array
+    states: Array  # shape (samples, signals)
+    scales: Array  # 1 unit, or the largest value of the signal if that is greater; shape (signals,)
+    kinetic: Array  # [J], shape (samples + 1,)
+    total: Array  # [J], shape (samples + 1,)
     digits: float
-    words: str  # how it was found and checked
-    by_energy: bool = False  # runs are judged by their energy, which stays, not by their states
+    words: str  # how it was computed and checked
+    by_energy: bool = False  # runs are judged by their energy, which is conserved, not by their states
 
     @property
     def conserves(self) -> bool:
-        """Energy stays: then that of a run is compared with its own start."""
+        """Whether the energy is conserved; that of a run is then compared with its own start."""
         return bool(np.ptp(self.total) <= ENERGY_KEPT * max(1e-12, self.kinetic.max()))
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a run gave; numbers that it did not come to are NaN. Times in s, energy by the largest kinetic."""
+    """The figures of a run; NaN if missing. Times are in s, energy errors relative to the kinetic maximum."""
 
     scene: str
     method: str
@@ -86,17 +86,17 @@ class Run:
 
     @property
     def finished(self) -> bool:
-        """To the end of the experiment, right or wrong."""
+        """Whether the run reached the end of the experiment, accurately or not."""
         return self.outcome in (Outcome.GOOD, Outcome.WRONG)
 
     @property
     def asked(self) -> float | None:
-        """The tolerance; None for fixed steps."""
+        """The requested tolerance; None for fixed steps."""
         return None if math.isnan(self.tolerance) else self.tolerance
 
 
 def blank(task: Task) -> Run:
-    """The run of a task before anything is known of it."""
+    """Return a run of the task without any results."""
     return Run(
         task.case.name,
         task.method.name,
@@ -108,7 +108,7 @@ def blank(task: Task) -> Run:
 
 
 def scene_of(task: Task) -> dict[str, Any]:
-    """The case's scene with the method for its solver; reductions stay as they are."""
+    """Return the scene of the test case with the method as its solver; its reductions are kept."""
     data = copy.deepcopy(task.case.scene)
     kept = {k: v for k, v in data.get("solver", {}).items() if k == "reductions"}
     data["solver"] = {**kept, **task.method.solver(task.step)}
@@ -117,10 +117,10 @@ def scene_of(task: Task) -> dict[str, Any]:
 
 
 class Runner:
-    """A task made ready: compiled once, run as often as asked."""
+    """A task compiled once, which can be run repeatedly."""
 
     def __init__(self, task: Task) -> None:
-        """Raises SceneError: the scene does not go with the method."""
+        """Compile the scene. Raises SceneError: the method cannot solve the scene."""
         self._tolerance = task.tolerance or 1e-6
         self._case = task.case
         self.simulation = gelenk.Simulation(scene_of(task))
@@ -134,12 +134,12 @@ class Runner:
         self._values = [[x.at(k) for _, x in self._jumps] for k in range(len(self._ends))]
 
     def _inputs[T](self, kind: type[T] | tuple[type[T], ...]) -> list[tuple[int, T]]:
-        """Those of the case that are given in this way, with their places among the plant's."""
+        """Return (index, value) of the inputs whose values have this type."""
         places = {signal.name: k for k, signal in enumerate(self.simulation.inputs)}
         return [(places[name], x) for name, x in self._case.inputs.items() if isinstance(x, kind)]
 
     def start(self) -> None:
-        """At t = 0. Raises AssemblyError."""
+        """Initialize at t = 0. Raises AssemblyError."""
         for index, value in self._constants:
             self._core.set_input(index, value)
         for (index, _), value in zip(self._jumps, self._values[0], strict=True):
@@ -148,7 +148,7 @@ class Runner:
         self._core.initialize(0.0, self._tolerance)
 
     def record(self) -> Course:
-        """Runs to the end and reads at the samples. Raises GelenkError."""
+        """Run to the end and record the states at the samples. Raises GelenkError."""
         self.start()
         samples = set(self._case.samples())
         health = [self.simulation.diagnostics]
@@ -183,7 +183,7 @@ class Runner:
                 self._core.set_input_derivative(index, order, derivative)
 
     def timed(self) -> float:
-        """CPU time of the steps alone [s]: no assembly, nothing read, Python's share taken off."""
+        """Return the CPU time of the steps [s], without assembly, outputs and Python's overhead."""
         self.start()
         core, inputs = self._core, [index for index, _ in self._jumps]
         begun = time.thread_time()
@@ -192,7 +192,8 @@ class Runner:
                 core.set_input(index, value)
             core.step_to(end)
         between = time.thread_time()
-        last = self._values[-1]  # the plant stands at its end and has these inputs: nothing is done
+        # The simulation is at its end and has these inputs: only the overhead of the calls is measured.
+        last = self._values[-1]
         end = self._ends[-1]
         for _ in self._ends:
             for index, value in zip(inputs, last, strict=True):
@@ -202,7 +203,10 @@ class Runner:
 
 
 def measured(task: Task, reference: Reference | None) -> Run:
-    """Runs once. Without a reference no error is told, and a finished run is called good."""
+    """Run a task once; refusals become results.
+
+    Without a reference the run has no error, and a finished run counts as good.
+    """
     run = blank(task)
     runner = None
     begun = time.thread_time()
@@ -229,7 +233,7 @@ def measured(task: Task, reference: Reference | None) -> Run:
 
 
 def compared(run: Run, course: Course, reference: Reference) -> Run:
-    """A finished run with its errors and its outcome."""
+    """Return a finished run completed with its errors and its outcome."""
     error = difference(course.states, reference.states, reference.scales)
     if not math.isfinite(error):
         return replace(run, outcome=Outcome.FAILED, reason="the states are not finite")
@@ -241,7 +245,9 @@ def compared(run: Run, course: Course, reference: Reference) -> Run:
     reason = ""
     if outcome is Outcome.WRONG:
         reason = (
-            "no two digits" if run.asked is None else f"error {error / run.asked:.0f} times the tolerance"
+            "no two correct digits"
+            if run.asked is None
+            else f"error {error / run.asked:.0f} times the tolerance"
         )
     return replace(
         run, outcome=outcome, error=error, digits=reference.digits, energy_error=drift, reason=reason
@@ -249,18 +255,24 @@ def compared(run: Run, course: Course, reference: Reference) -> Run:
 
 
 def difference(states: Array, truth: Array, scales: Array) -> float:
-    """The largest over times and joint states of |x - truth|, in units or parts of the largest value."""
+    """Return the largest |x - truth| / scale over samples and signals.
+
+    Args:
+        states: Shape (samples, signals).
+        truth: Reference states, same shape.
+        scales: Shape (signals,), see `scales_of`.
+    """
     return float((np.abs(states - truth) / scales).max())
 
 
 def scales_of(states: Array) -> Array:
-    """1 unit, or the largest value of the signal if that is more: shape (signals,)."""
+    """Return 1 unit or, if greater, the largest value of each signal: shape (signals,)."""
     largest: Array = np.maximum(1.0, np.abs(states).max(axis=0))
     return largest
 
 
 def first_sentence(words: str) -> str:
-    """Of a message: its first line, to the first full stop that ends a sentence."""
+    """Return the first sentence of the first line of a message, without its period."""
     line = (words.strip().splitlines() or [""])[0]
     return line.split(". ")[0].rstrip(".")
 

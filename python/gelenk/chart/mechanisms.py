@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms of the studies, in the scene format: SI units, angles in radians."""
+"""Mechanisms of the studies as scenes; SI units, angles in radians."""
 
 from __future__ import annotations
 
@@ -21,45 +21,50 @@ DOWN_Z = [0.0, 0.0, -GRAVITY]
 
 
 def body(mass: float, com: Sequence[float] = (0, 0, 0), inertia: Sequence[float] = (0, 0, 0)) -> Scene:
-    """Mass [kg], centre of mass [m], moments of inertia about it [kg m2]."""
+    """Return a body: mass [kg], center of mass [m], moments of inertia about it [kg m²]."""
     return {"mass": mass, "com": list(com), "inertia": list(inertia)}
 
 
 def rod(length: float, mass: float = 1.0) -> Scene:
-    """A slender rod along x from its frame's origin."""
+    """Return a slender rod of this length [m] and mass [kg] along x, starting at the origin of its frame."""
     across = mass * length**2 / 12
     return body(mass, (length / 2, 0, 0), (0, across, across))
 
 
 def at(name: str, x: float, y: float = 0.0, z: float = 0.0) -> Scene:
-    """A point of a body, the frame in line with the body's."""
+    """Return a frame at a point [m] of a body, parallel to the body's frame."""
     return {"body": name, "position": [x, y, z]}
 
 
 def hinge(parent: Any, child: Any, **fields: Any) -> Scene:
-    """A revolute joint, about z unless `axis` is among the fields."""
+    """Return a revolute joint; its axis is z unless `fields` has `axis`."""
     return {"type": "revolute", "parent": parent, "child": child, **fields}
 
 
 def slide(parent: Any, child: Any, **fields: Any) -> Scene:
-    """A prismatic joint, along x unless `axis` is among the fields."""
+    """Return a prismatic joint; its axis is x unless `fields` has `axis`."""
     return {"type": "prismatic", "axis": [1, 0, 0], "parent": parent, "child": child, **fields}
 
 
 def scene(bodies: Scene, joints: Scene, **fields: Any) -> Scene:
-    """Without gravity unless `gravity` is among the fields."""
+    """Return a scene; it has no gravity unless `fields` has `gravity`."""
     return {"gelenk": 1, "bodies": bodies, "joints": joints, **fields}
 
 
 def shipped(name: str) -> Scene:
-    """One of the scenes that come with the package."""
+    """Return one of the example scenes of the package."""
     return gelenk.load(Path(str(resources.files("gelenk") / f"scenes/{name}.yaml"))).to_dict()
 
 
 def windows(n: int, upright: float = 0.0, rate: float = 1.0) -> Scene:
-    """N-four-bar (IFToMM benchmark A02; Gonzalez et al. 2006): n + 1 cranks of 1 m, 1 kg from (0,0) .. (n,0),
-    n couplers on their tips. Cranks lean `upright` from the vertical to the right, turn at `rate` to the
-    right.
+    """Return the N-four-bar (IFToMM benchmark A02; Gonzalez et al. 2006), a chain of n four-bars.
+
+    It has n + 1 cranks of 1 m and 1 kg from (0, 0) to (n, 0), and n couplers between their tips.
+
+    Args:
+        n: Number of four-bars.
+        upright: Angle of the cranks from the vertical to the right [rad].
+        rate: Angular rate of the cranks to the right [rad/s].
     """
     bodies = {f"crank{i}": rod(1) for i in range(n + 1)} | {f"coupler{i}": rod(1) for i in range(n)}
     phi = math.pi / 2 - upright
@@ -75,8 +80,8 @@ def windows(n: int, upright: float = 0.0, rate: float = 1.0) -> Scene:
 
 
 def parallelogram(phi: float, rate: float) -> Scene:
-    """Cranks of 0.3 m, 0.5 kg, 0.37 m apart; a coupler of 0.8 kg whose mass centre lies off its line of
-    pins.
+    """Return a parallelogram: cranks of 0.3 m and 0.5 kg, 0.37 m apart; the center of mass of the coupler
+    (0.8 kg) is not on the line of its pins. phi [rad] and rate [rad/s] are those of the cranks.
     """
     crank = body(0.5, (0.15, 0, 0), (0.001, 0.0195, 0.01875))
     start = {"phi": -phi, "w": -rate}
@@ -92,8 +97,9 @@ def parallelogram(phi: float, rate: float) -> Scene:
 
 
 def equal_slider_crank(phi: float, rate: float) -> Scene:
-    """Crank and rod of 1 m and 1 kg each, a slider of 1 kg, no gravity (after Bayo & Avello 1994). With the
-    crank across the slide the slider is at the crank's pin, and both bars may as well go round together.
+    """Return a slider-crank with crank and rod of 1 m and 1 kg, a slider of 1 kg and no gravity (after Bayo &
+    Avello 1994). When the crank is normal to the slide, the slider is at the crank's pin, and both bars could
+    also rotate together. phi [rad] and rate [rad/s] are those of the crank.
     """
     joints = {
         "A": hinge("ground", "crank", start={"phi": phi, "w": rate, "fixed": True}),
@@ -106,8 +112,8 @@ def equal_slider_crank(phi: float, rate: float) -> Scene:
 
 
 def bricard() -> Scene:
-    """Rectangular Bricard mechanism (IFToMM benchmark A04): six hinges in a ring along the edges of a cube,
-    rods of 1 m, 1 kg and 0.1 m x 0.1 m; it moves although counting freedoms says that it is rigid.
+    """Return the rectangular Bricard linkage (IFToMM benchmark A04): six hinges in a ring along the edges of
+    a cube, rods of 1 m, 1 kg and 0.1 m x 0.1 m. It moves although its counted degrees of freedom are 0.
     """
     points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
     axes = [[0, 1, 0], [0, 0, 1], [1, 0, 0]] * 2
@@ -125,8 +131,8 @@ def bricard() -> Scene:
 
 
 def governor() -> Scene:
-    """Stiff flyball governor (IFToMM benchmark A05): 8e5 N/m and 4e4 N s/m between collar and rods."""
-    mass, ball = 0.3, 5.0  # kg: rod, and point at its tip
+    """Return the stiff flyball governor (IFToMM benchmark A05): 8e5 N/m, 4e4 N s/m to the collar."""
+    mass, ball = 0.3, 5.0  # kg: rod, and point mass at its tip
     whole = mass + ball
     com = (mass * 0.5 + ball) / whole
     across = mass * (1 + 1e-4) / 12 + mass * (0.5 - com) ** 2 + ball * (1 - com) ** 2
@@ -154,8 +160,9 @@ def governor() -> Scene:
 
 
 def light_cart_pole() -> Scene:
-    """A pole of 1 m with 1 kg at its tip on a cart of 1 mg (N. Parsons 2026, light-cartpole-benchmark), let
-    go from the horizontal; phi from the downward vertical. Rates peak at 4429 rad/s for a microsecond.
+    """Return a pole of 1 m with 1 kg at its tip on a cart of 1 mg (N. Parsons 2026,
+    light-cartpole-benchmark), released from the horizontal; phi is measured from the downward vertical. The
+    rate peaks at 4429 rad/s for a microsecond.
     """
     joints = {
         "track": slide("ground", "cart", start={"s": 0, "v": 0, "fixed": True}),
@@ -165,7 +172,7 @@ def light_cart_pole() -> Scene:
 
 
 def heavy_top(spin: float) -> Scene:
-    """The fast heavy top (Brüls & Cardona 2010) with this spin [rad/s] about its axis."""
+    """Return the fast heavy top (Brüls & Cardona 2010) with this spin [rad/s] about its axis."""
     top = shipped("heavy_top")
     (joint,) = top["joints"].values()
     joint["start"]["w"] = [0, spin, -4.61538]
@@ -173,7 +180,7 @@ def heavy_top(spin: float) -> Scene:
 
 
 def four_bar(**start: Any) -> Scene:
-    """The ready four-bar without its damper; fields of the crank's start."""
+    """Return the four-bar scene without its damper; `start` replaces start values of the crank."""
     out = shipped("four_bar")
     out["joints"]["A"]["damping"] = 0
     out["joints"]["A"]["start"].update(start)
@@ -181,7 +188,7 @@ def four_bar(**start: Any) -> Scene:
 
 
 def uneven_four_bar(ratio: float) -> Scene:
-    """The ready four-bar, its coupler `ratio` times as heavy as crank and rocker each."""
+    """Return the undamped four-bar whose coupler is `ratio` times as heavy as the crank and as the rocker."""
     out = four_bar()
     for name in ("crank", "rocker"):
         given = out["bodies"][name]
@@ -192,9 +199,10 @@ def uneven_four_bar(ratio: float) -> Scene:
 
 
 def blocked_crank() -> Scene:
-    """A crank of 0.3 m and a rod of 0.9 m stand in line; 1000 N pull at the slider along that line, 5 N m
-    turn the crank: it gets 0.025 rad far. The slider's motor, which idles, makes its position an inviting
-    coordinate.
+    """Return a slider-crank at its dead center: crank of 0.3 m and rod of 0.9 m in line.
+
+    1000 N pull the slider along that line; 5 N m at the crank turn it by only 0.025 rad. The idle motor of
+    the slider suggests its position as independent coordinate.
     """
     joints = {
         "A": hinge("ground", "crank", start={"phi": 0, "w": 0, "fixed": True}),
@@ -211,15 +219,17 @@ def blocked_crank() -> Scene:
 
 
 def stopped_four_bar() -> Scene:
-    """The ready four-bar, its rocker's swing cut short by a stop: a one-sided spring of 1e6 N m/rad."""
+    """Return the four-bar scene with a stop of 1e6 N m/rad that limits the swing of the rocker."""
     out = shipped("four_bar")
     out["joints"]["D"]["stop"] = {"lower": 1.0, "upper": 2.3, "stiffness": 1e6, "damping": 1e3}
     return out
 
 
 def contradictory_four_bar(fixed: bool) -> Scene:
-    """The ready four-bar, started with crank and rocker at 1 rad/s each, which its loop does not allow.
-    fixed: both are to be kept exactly; else they are guesses.
+    """Return the undamped four-bar with start speeds of 1 rad/s of crank and rocker, which violate its loop.
+
+    Args:
+        fixed: The speeds are fixed values; otherwise they are initial guesses.
     """
     out = four_bar(w=1.0, fixed=["phi", "w"] if fixed else ["phi"])
     out["joints"]["D"]["start"].update({"w": 1.0, "fixed": ["w"] if fixed else []})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Methods that charts compare: a formulation with an integrator, and `auto`."""
+"""The methods that are compared: formulations combined with integrators, and `auto`."""
 
 from __future__ import annotations
 
@@ -14,39 +14,43 @@ from gelenk.errors import UsageError
 from gelenk.model.values import unknown
 
 FIXED_STEP = frozenset({"rk4", "euler", "generalized-alpha", "hht", "newmark"})
-# Formulations that are no ordinary differential equations, and their partners on charts; others go with all.
+# Formulations that are differential-algebraic equations and their integrators; the others can use any.
 OWN_INTEGRATORS = {
     "stabilized-index2": ("ida",),
     "index3": ("ida", "generalized-alpha"),
 }
-NATURAL = ("erk", "ida")  # what a formulation is charted with, where it goes with all
+NATURAL = ("erk", "ida")  # integrators compared for formulations that can use any
 DEFAULT = "projection"
 
 
 @dataclass(frozen=True)
 class Method:
-    """A formulation with an integrator; `auto` leaves both to Gelenk."""
+    """A formulation and an integrator; `auto` leaves both to Gelenk."""
 
     formulation: str
     integrator: str
 
     @property
     def name(self) -> str:
-        """As on charts: `auto`, or `formulation+integrator`."""
+        """The name on charts: `auto`, or `formulation+integrator`."""
         return "auto" if self.automatic else f"{self.formulation}+{self.integrator}"
 
     @property
     def automatic(self) -> bool:
-        """Gelenk chooses."""
+        """Whether Gelenk chooses formulation and integrator."""
         return self.integrator == "auto"
 
     @property
     def fixed_step(self) -> bool:
-        """Without error control: nothing can be asked of it but a step."""
+        """Whether the integrator has fixed steps, without error control."""
         return self.integrator in FIXED_STEP
 
     def solver(self, step: float | None) -> dict[str, Any]:
-        """The scene's section `solver`."""
+        """Return the section `solver` of a scene.
+
+        Args:
+            step: Step size [s] of integrators with fixed steps; None for those with error control.
+        """
         if self.automatic:
             return {}
         chosen: dict[str, Any] = {"formulation": self.formulation, "integrator": self.integrator}
@@ -58,7 +62,7 @@ AUTO = Method("auto", "auto")
 
 @cache
 def registered() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of (formulations, integrators) that the core has, in its order, without `auto`."""
+    """Return the names of the core's formulations and integrators, in its order, without `auto`."""
     smallest = gelenk.load("gelenk: 1\nbodies: {b: {mass: 1}}\njoints: {j: {type: prismatic, parent: ground, "
                            "child: b}}\n")  # fmt: skip
     items = {p.name: p.items for p in _core.list_parameters(smallest._core)}
@@ -69,7 +73,7 @@ def registered() -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def all_methods() -> list[Method]:
-    """`auto`, projection with every integrator, every other formulation with those natural to it."""
+    """Return `auto`, projection with every integrator, and the other formulations with their usual ones."""
     formulations, integrators = registered()
     methods = [AUTO]
     methods += [Method(DEFAULT, integrator) for integrator in integrators]
@@ -82,10 +86,13 @@ def all_methods() -> list[Method]:
 
 
 def chosen(names: Iterable[str] | None) -> list[Method]:
-    """Methods by name: `auto`, `formulation+integrator`, or one of both, the other as it is natural.
+    """Return methods by name: `auto`, `formulation+integrator`, or one of the two with its usual partner.
+
+    Args:
+        names: Names of methods; None or empty: all methods.
 
     Raises:
-        UsageError: a name that stands for no method.
+        UsageError: there is no method with one of the names.
     """
     if not names:
         return all_methods()

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How a run ended, told apart four ways."""
+"""The four outcomes of a run."""
 
 from __future__ import annotations
 
 from enum import StrEnum
 
-FACTOR = 100.0  # an error over this many times what was asked is wrong
-NO_TWO_DIGITS = 1e-2  # the same for methods of which no error can be asked
+FACTOR = 100.0  # largest acceptable error / tolerance
+NO_TWO_DIGITS = 1e-2  # largest acceptable error of methods with fixed steps
 
 
 class Outcome(StrEnum):
-    """Good; finished but wrong; refused, in words; failed: no end within the limit, or a crash."""
+    """Good; finished but wrong; refused with an error message; failed by a timeout or a crash."""
 
     GOOD = "good"
     WRONG = "wrong"
@@ -19,10 +19,16 @@ class Outcome(StrEnum):
 
 
 def allowed(tolerance: float | None) -> float:
-    """The largest error that is still good; tolerance None: of a method with fixed steps."""
+    """Return the largest acceptable error; tolerance None: of a method with fixed steps."""
     return NO_TWO_DIGITS if tolerance is None else FACTOR * tolerance
 
 
 def judged(error: float, tolerance: float | None, digits: float) -> Outcome:
-    """Of a finished run. digits: error of the reference itself, which a run is not blamed for."""
+    """Return the outcome of a finished run.
+
+    Args:
+        error: Largest error of the run.
+        tolerance: Requested tolerance; None for fixed steps.
+        digits: Error of the reference solution; smaller errors are always acceptable.
+    """
     return Outcome.GOOD if error <= max(allowed(tolerance), digits) else Outcome.WRONG

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a long study is at, on one line of a terminal."""
+"""Progress of a long study on one line of a terminal."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from typing import IO
 
 @contextmanager
 def status_line(stream: IO[str]) -> Iterator[Callable[[str, float], None]]:
-    """A function to be called with what is done and its share in [0, 1]; silent where no one would see it."""
+    """Yield a function that shows the current activity and the completed share in [0, 1].
+
+    It prints nothing if the stream is not a terminal.
+    """
     shown = stream.isatty()
 
-    def tell(words: str, share: float) -> None:
+    def show(activity: str, share: float) -> None:
         if shown:
-            print(f"\r\033[K{words} {100 * share:.0f} %", end="", file=stream, flush=True)
+            print(f"\r\033[K{activity} {100 * share:.0f} %", end="", file=stream, flush=True)
 
     try:
-        yield tell
+        yield show
     finally:
         if shown:
             print("\r\033[K", end="", file=stream, flush=True)

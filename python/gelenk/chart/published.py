@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Evaluations per digit against what others published."""
+"""Evaluations against published figures of other solvers at equal accuracy."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ MEBDFI = (
 # SciPy's DOP853 on the light cart-pole (N. Parsons 2026): rtol, right-hand sides, e.
 DOP853 = ((1e-4, 10352, 7.289e-3), (1e-6, 15923, 1.077e-4), (1e-8, 25574, 1.451e-7), (1e-10, 43154, 2.021e-9),
           (1e-12, 53240, 1.222e-10))  # fmt: skip
-CRITERION = 1e-6  # e that is accepted
+CRITERION = 1e-6  # acceptable e of the publication
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(6, 25))
 
 
 @dataclass(frozen=True)
 class Effort:
-    """A run of ours, its error measured as the publishers do."""
+    """A run of Gelenk; its error is measured as in the publication."""
 
     tolerance: float
     evaluations: float
@@ -39,12 +39,14 @@ class Effort:
 
 
 def andrews_case() -> Case:
-    """30 ms without a stop on the way."""
+    """Return Andrews' squeezer for 30 ms in one communication step."""
     return Case("andrews", "", mechanisms.shipped("andrews"), 0.03, 0.03)
 
 
 def andrews_efforts(method: Method = AUTO) -> list[Effort]:
-    """Error: the largest relative one of the seven angles at 30 ms against PSIDE's."""
+    """Run a method at all tolerances; the error is the largest relative one of the seven angles at 30 ms
+    against PSIDE's solution.
+    """
     efforts = []
     for tolerance in TOLERANCES:
         runner = Runner(Task(andrews_case(), method, tolerance))
@@ -59,12 +61,14 @@ def andrews_efforts(method: Method = AUTO) -> list[Effort]:
 
 
 def cart_pole_case(step: float) -> Case:
-    """10 s, seen at every `step` [s]; published: at every 0.01 s."""
+    """Return the light cart-pole for 10 s with this communication step [s]; 0.01 s in the publication."""
     return Case("light-cart-pole", "", mechanisms.light_cart_pole(), 10.0, step)
 
 
 def cart_pole_efforts(step: float, method: Method = AUTO) -> list[Effort]:
-    """Error: the root of the mean square of (x, theta) over the samples, against the closed form."""
+    """Run a method at all tolerances; the error is the root mean square of (x, theta) over the samples
+    against the closed form. step: communication step [s].
+    """
     case = cart_pole_case(step)
     truth = light_cart_pole_truth(case.grid[case.samples()])
     efforts = []
@@ -84,12 +88,12 @@ def cart_pole_efforts(step: float, method: Method = AUTO) -> list[Effort]:
 
 
 def least(efforts: list[Effort], error: float) -> Effort | None:
-    """The one with the fewest evaluations that errs no more."""
+    """Return the run with the fewest evaluations whose error is at most `error`, or None."""
     return min((e for e in efforts if e.error <= error), key=lambda e: e.evaluations, default=None)
 
 
 def andrews_table(efforts: list[Effort]) -> str:
-    """MEBDFI's rows beside the least of ours with as many digits."""
+    """Return a table of MEBDFI's figures and of Gelenk's cheapest runs with at least as many digits."""
     lines = []
     for tolerance, residuals, jacobians, digits in MEBDFI:
         ours = least(efforts, 10.0**-digits)
@@ -109,7 +113,12 @@ def andrews_table(efforts: list[Effort]) -> str:
 
 
 def cart_pole_table(at_samples: list[Effort], free: list[Effort]) -> str:
-    """DOP853's rows beside the least of ours that err no more: stopping at every sample, and every 0.5 s."""
+    """Return a table of DOP853's figures and of Gelenk's cheapest runs that are at least as accurate.
+
+    Args:
+        at_samples: Runs with a communication step for each sample.
+        free: Runs with communication steps of 0.5 s.
+    """
     lines = []
     criterion = ("published criterion", None, CRITERION)
     for name, count, error in (criterion, *((f"{tolerance:.0e}", n, e) for tolerance, n, e in DOP853)):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reference solutions: found by one method, checked by others that share neither formulation nor integrator.
+"""Reference solutions: computed by one method, checked by others with another formulation and integrator.
 
-What they agree to is what a reference claims to know.
+The difference between them is the accuracy of the reference.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ TIGHTEST = (1e-13, 1e-12, 1e-11, 1e-10)
 CHECKS = (("independent", "cvode-adams"), ("independent", "ida"), ("independent", "dirk"))
 CHECK_TOLERANCE = 1e-12
 FIXED_CHECK = ("independent", "rk4")
-FIXED_STEPS = 2**15  # over a run, of the check with fixed steps
+FIXED_STEPS = 2**15  # number of steps of the check with fixed steps
 ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A course with the names of its states and the method that found it."""
+    """The result of a run, the names of its states and its method."""
 
     course: Course
     names: tuple[str, ...]
@@ -38,7 +38,7 @@ class Recording:
 
 
 def recorded(task: Task) -> Recording | Failure:
-    """Runs a task for its states; refusals are failures here."""
+    """Run a task and record its states; return a Failure if it is refused or diverges."""
     try:
         runner = Runner(task)
         course = runner.record()
@@ -51,7 +51,7 @@ def recorded(task: Task) -> Recording | Failure:
 
 
 def main_recording(case: Case) -> Recording | Failure:
-    """By the first of the tightest tolerances that works."""
+    """Run the main method at the tightest tolerance at which it finishes."""
     result: Recording | Failure = Failure("not tried")
     for tolerance in TIGHTEST:
         result = recorded(Task(case, MAIN, tolerance))
@@ -61,7 +61,7 @@ def main_recording(case: Case) -> Recording | Failure:
 
 
 def checks(case: Case, quick: bool) -> list[Task]:
-    """Runs whose agreement with the main one tells its digits."""
+    """Return the runs that check the accuracy of the main one; fewer if `quick`."""
     formulations, integrators = registered()
     known = [(f, i) for f, i in CHECKS if f in formulations and i in integrators]
     tasks = [Task(case, Method(*pair), CHECK_TOLERANCE) for pair in known[: 2 if quick else None]]
@@ -76,9 +76,19 @@ def references(
     jobs: int,
     limit: float,
     quick: bool = False,
-    told: Callable[[], None] | None = None,
+    done: Callable[[], None] | None = None,
 ) -> dict[str, Reference | Failure]:
-    """Of every case by its name; a Failure where no two ways agree. limit: of each run [s]."""
+    """Return the reference solutions of the cases by name, or a Failure if there is none.
+
+    Cases that must be refused have no entry.
+
+    Args:
+        cases: Test cases.
+        jobs: Number of concurrent processes.
+        limit: Wall-clock limit of each run [s].
+        quick: Use fewer checks.
+        done: Called after each run.
+    """
     calls: list[tuple[Callable[..., Any], tuple[Any, ...], float]] = []
     owners: list[str] = []
     for case in cases:
@@ -90,7 +100,7 @@ def references(
             tasks = checks(case, quick)
             calls += [(recorded, (task,), limit) for task in tasks]
             owners += [case.name] * len(tasks)
-    results = work_off(calls, jobs, None if told is None else lambda _i, _r: told())
+    results = work_off(calls, jobs, None if done is None else lambda _i, _r: done())
     found: dict[str, Reference | Failure] = {}
     for case in cases:
         mine = [result for owner, result in zip(owners, results, strict=True) if owner == case.name]
@@ -100,7 +110,7 @@ def references(
 
 
 def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
-    """The first of the results, with the digits in which the best of the others and it agree."""
+    """Return the first result as reference; its accuracy is the difference to the closest of the others."""
     main, *others = results
     if isinstance(main, Failure):
         return Failure(f"no reference: {main.reason}")
@@ -125,7 +135,7 @@ def agreed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
 
 
 def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
-    """By the closed form; energies by the method that also runs."""
+    """Return the closed form as reference, with the energies of the run."""
     assert case.truth is not None
     main = results[0]
     if isinstance(main, Failure):
@@ -139,19 +149,19 @@ def closed(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fa
     published = against_published(case, Recording(replace(main.course, states=states), main.names, ""))
     if published is not None:
         words += f"; {published[1]}: to {published[0]:.1e}"
-    # Quadrature and Newton's method go on to rounding, which grows with the angle turned through.
+    # Quadrature and Newton's method are accurate to rounding, which grows with the angle.
     digits = 100 * float(np.finfo(float).eps) * float(np.abs(states).max())
     return Reference(states, scales, main.course.kinetic, main.course.total, digits, words)
 
 
 def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Failure:
-    """A motion that keeps its energy: no more is asked of a run. States are those of the method that runs."""
+    """Return a reference for the conservation of energy only; its states are those of the run."""
     main = results[0]
     if isinstance(main, Failure):
         return Failure(f"no reference: {main.reason}")
     course = main.course
     drift = float(np.abs(course.total - course.total[0]).max() / course.kinetic.max())
-    words = f"energy at the start, of which {main.by} loses {drift:.1e} in {case.stop:g} s"
+    words = f"initial energy; {main.by} changes it by {drift:.1e} in {case.stop:g} s"
     return Reference(
         course.states, scales_of(course.states), course.kinetic, np.full_like(course.total, course.total[0]),
         ROUNDING, words, by_energy=True,
@@ -159,7 +169,7 @@ def kept(case: Case, results: Sequence[Recording | Failure]) -> Reference | Fail
 
 
 def against_published(case: Case, main: Recording) -> tuple[float, str] | None:
-    """(largest error against those published values that fall on samples, their source); None without any."""
+    """Return (largest error against published values at samples, their source), or None without any."""
     times: Array = case.grid[case.samples()]
     seen = [p for p in case.published if np.abs(times - p[0]).min() < 1e-9 * case.stop]
     if not seen:

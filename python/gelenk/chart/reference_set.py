@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The scenes on which `docs/work-precision.md` compares methods: the ready ones, and what these leave out."""
+"""The test cases of `docs/work-precision.md`: the example scenes and some of the stability map."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from gelenk.chart import mechanisms
 from gelenk.chart.case import SAMPLES, Case
 from gelenk.chart.scenes import stability_cases
 
-# The ready scenes, what drives them [N m, N], and a sentence on each.
+# The example scenes, their constant inputs [N m, N] and descriptions
 READY: dict[str, tuple[dict[str, float], str]] = {
-    "pendulum": ({}, "A damped rod swings about a pin: one freedom, no loop."),
-    "double_pendulum": ({}, "Two rods in a row, chaotic: errors grow by themselves."),
-    "free_body": ({}, "A body turns about its middle axis for 100 s and tumbles over, again and again."),
-    "cart_pole": ({"drive.f": 0.7}, "A pole falls from a cart that 0.7 N push."),
-    "four_bar": ({}, "A planar loop falls and swings."),
+    "pendulum": ({}, "Damped pendulum: one degree of freedom, no loop."),
+    "double_pendulum": ({}, "Double pendulum; chaotic, so that errors grow exponentially."),
+    "free_body": ({}, "A free body rotates about its intermediate axis for 100 s and tumbles repeatedly."),
+    "cart_pole": ({"drive.f": 0.7}, "A pole falls from a cart under a force of 0.7 N."),
+    "four_bar": ({}, "A planar four-bar falls and swings."),
     "five_bar": (
         {"motor_left.tau": 0.004, "motor_right.tau": -0.003},
-        "A planar parallel robot, two geared motors: one loop, two freedoms.",
+        "Planar parallel robot with two geared motors: one loop, two degrees of freedom.",
     ),
     "slider_crank": (
         {"starter.tau": 1.0, "gas.f[1]": -50.0},
-        "A piston engine is turned up to some 30 rad/s.",
+        "A piston engine is accelerated to about 30 rad/s.",
     ),
     "stewart": (
         {f"drive{i}.f": 80.0 + 3 * i for i in range(1, 7)},
-        "Six legs push a platform: five loops in space, six freedoms, dampers in the legs.",
+        "Stewart platform: five spatial loops, six degrees of freedom, dampers in the legs.",
     ),
-    "andrews": ({}, "Seven bars, three loops, all within 30 ms; starts in a dead point."),
+    "andrews": ({}, "Seven bodies, three loops, 30 ms; starts at a dead center."),
 }
-# Of the stability map's scenes, and how long they run here [s].
+# Scenes of the stability map and their durations here [s]
 MORE = {
     "n-four-bar-2": 10.0,
     "bricard": 10.0,
@@ -41,7 +41,7 @@ MORE = {
 
 
 def reference_set() -> list[Case]:
-    """All cases, their states compared at 20 times each; inputs constant."""
+    """Return all cases, with 20 samples each and constant inputs."""
     cases = []
     for name, (inputs, about) in READY.items():
         scene = mechanisms.shipped(name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs as a CSV file: one line each, every figure."""
+"""Runs as a CSV file with one line for each."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WORDS = ("scene", "method", "formulation", "integrator", "outcome", "reason")
 
 
 def write(runs: Iterable[Run], path: Path) -> None:
-    """Numbers that a run did not come to are empty. Raises OSError."""
+    """Write runs; missing numbers are empty cells. Raises OSError."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
@@ -25,7 +25,7 @@ def write(runs: Iterable[Run], path: Path) -> None:
 
 
 def read(path: Path) -> list[Run]:
-    """The same runs again. Raises OSError."""
+    """Read runs that `write` has written. Raises OSError."""
     with path.open(encoding="utf-8", newline="") as file:
         return [
             Run(**{k: v if k in WORDS else float(v) if v else math.nan for k, v in row.items()})  # type: ignore[arg-type]

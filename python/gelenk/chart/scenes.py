@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The scenes of the stability map: each is about one way in which methods fail."""
+"""The test cases of the stability map: each provokes one kind of failure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ANDREWS = {
     "Omega": (0.5347301163226948, -19.29337464421385),
     "epsilon": (1.048080741042263, 0.3231791658026955),
 }
-# x [m] and theta [rad] of the light cart-pole, printed by its author (N. Parsons 2026).
+# x [m] and theta [rad] of the light cart-pole by time [s], published by its author (N. Parsons 2026).
 LIGHT_CART_POLE = {
     9.3: (0.0656191393387692, 1.20651709172129),
     9.5: (1.38736119304381, -0.397769100457376),
@@ -37,15 +37,16 @@ TORQUE = Jumps(3.0, 10.0)  # N m
 
 
 class WindowsTruth:
-    """All cranks of an N-four-bar lean alike, so it is a pendulum: I phi'' = P g sin phi, phi from upright,
-    I = (N+1)/3 + N kg m2, P = (N+1)/2 + N kg m.
+    """Closed form of the N-four-bar: all cranks are parallel, so that it is a pendulum.
+
+    I phi'' = P g sin phi with phi from the upright, I = (N+1)/3 + N [kg m²], P = (N+1)/2 + N [kg m].
     """
 
     def __init__(self, n: int, rate: float) -> None:
         self.n, self.rate = n, rate
 
     def __call__(self, times: Array) -> dict[str, Array]:
-        """Joint states at times [s]."""
+        """Return the joint states by output name at times [s], each of shape (times,)."""
         moment, weight = (self.n + 1) / 3 + self.n, GRAVITY * ((self.n + 1) / 2 + self.n)
         phi, w = turning(
             lambda x: np.full_like(x, moment), lambda x: weight * np.cos(x), 0.0, self.rate, times
@@ -60,7 +61,11 @@ class WindowsTruth:
 
 
 def parallelogram_truth(times: Array) -> dict[str, Array]:
-    """The coupler only translates: a pendulum with I = 2 I_O + m_c L2 = 0.132 kg m2, 3.8259 N m of weight."""
+    """Return the joint states of the parallelogram at times [s].
+
+    The coupler only translates: a pendulum with I = 2 I_O + m_c L² = 0.132 kg m² and a weight moment of
+    3.8259 N m.
+    """
     phi, w = turning(
         lambda x: np.full_like(x, 2 * 0.03 + 0.8 * 0.09),
         lambda x: GRAVITY * (2 * 0.5 * 0.15 + 0.8 * 0.3) * np.sin(x),
@@ -77,8 +82,10 @@ def parallelogram_truth(times: Array) -> dict[str, Array]:
 
 
 def equal_slider_crank_truth(times: Array) -> dict[str, Array]:
-    """The rod leans as the crank does, mirrored, and the slider is at 2 cos phi. Generalised mass of phi:
-    crank 1/3, rod 1/12 and its centre at (1.5 cos, 0.5 sin), slider.
+    """Return the joint states of the equal-link slider-crank at times [s].
+
+    The rod mirrors the crank, and the slider is at 2 cos phi. Generalized mass of phi: crank 1/3, rod 1/12
+    and its center at (1.5 cos phi, 0.5 sin phi), slider.
     """
 
     def mass(x: Array) -> Array:
@@ -94,8 +101,10 @@ def equal_slider_crank_truth(times: Array) -> dict[str, Array]:
 
 
 def light_cart_pole_truth(times: Array) -> dict[str, Array]:
-    """theta'^2 = 2 g (M+m) cos theta / (l (M + m sin2 theta)), x = m l (1 - sin theta) / (M+m), from the
-    horizontal (N. Parsons 2026). theta = pi/2 sin psi makes of the swing a coordinate psi that only grows.
+    """Return the joint states of the light cart-pole at times [s].
+
+    theta'^2 = 2 g (M+m) cos theta / (l (M + m sin² theta)), x = m l (1 - sin theta) / (M+m), released from
+    the horizontal (N. Parsons 2026). With theta = pi/2 sin psi the coordinate psi grows monotonically.
     """
     cart, bob, length = 1e-6, 1.0, 1.0
     whole, narrow = (
@@ -104,9 +113,9 @@ def light_cart_pole_truth(times: Array) -> dict[str, Array]:
     )  # rad: half the width of the dip in the mass at theta = 0
 
     def slowness(psi: Array) -> Array:
-        delta = np.abs((psi % math.pi) - math.pi / 2)  # from the end of the swing
+        delta = np.abs((psi % math.pi) - math.pi / 2)  # distance from the end of the swing
         delta = np.maximum(delta, 1e-30)
-        lean = math.pi * np.sin(delta / 2) ** 2  # of the pole from the horizontal
+        lean = math.pi * np.sin(delta / 2) ** 2  # angle of the pole from the horizontal
         mass = length * (cart + bob * np.cos(lean) ** 2)
         found: Array = np.sqrt(mass / (2 * GRAVITY * whole * np.sin(lean))) * math.pi / 2 * np.sin(delta)
         return found
@@ -126,12 +135,12 @@ def light_cart_pole_truth(times: Array) -> dict[str, Array]:
 
 
 def singular() -> list[Case]:
-    """Mechanisms at positions where rows of their loops lose rank."""
+    """Return mechanisms at singular configurations, where the constraint Jacobian loses rank."""
     cases = [
         Case(
             f"n-four-bar-{n}",
-            f"Equal bars in {n} window{'s' if n > 1 else ''} fall through positions, all bars in line, where "
-            f"{n} more freedom{'s open' if n > 1 else ' opens'} for a moment.",
+            f"{f'A chain of {n} four-bars' if n > 1 else 'A four-bar'} with equal bars crosses singular "
+            f"configurations with {n} additional instantaneous degree{'s' if n > 1 else ''} of freedom.",
             mechanisms.windows(n),
             20.0,
             0.01,
@@ -143,24 +152,24 @@ def singular() -> list[Case]:
         *cases,
         Case(
             "parallelogram",
-            "Cranks go round thirteen times through change points, where the coupler could as well "
-            "begin to turn; momentum says that it does not.",
+            "The cranks make thirteen revolutions through change points, where the coupler could also "
+            "start to rotate; by its momentum it does not.",
             mechanisms.parallelogram(-math.pi / 2, 12.0), 10.0, 0.01, truth=parallelogram_truth,
         ),
         Case(
             "equal-slider-crank",
-            "Crank and rod are equally long: at the dead centre the slider could stay for good.",
+            "Crank and rod of equal length: at the dead center the slider could remain at rest.",
             mechanisms.equal_slider_crank(0.3, 2.0), 10.0, 0.01, truth=equal_slider_crank_truth,
         ),
         Case(
-            "bricard", "A ring of six hinges: one row of its loop repeats the others at every position.",
+            "bricard", "Bricard's linkage of six hinges: one constraint equation is redundant everywhere.",
             mechanisms.bricard(), 10.0, 0.01,
         ),
     ]  # fmt: skip
 
 
 def stiff_and_uneven() -> list[Case]:
-    """Scales of time and mass far apart."""
+    """Return mechanisms with widely different scales of time and mass."""
     andrews = tuple(
         (0.03, f"{joint}.{kind}", value)
         for joint, both in ANDREWS.items()
@@ -174,81 +183,81 @@ def stiff_and_uneven() -> list[Case]:
     return [
         Case(
             "governor",
-            "Dampers decay within 0.1 ms in motions of a second: explicit methods step as they do.",
+            "Stiff: damped modes decay within 0.1 ms in a motion of seconds, which limits explicit steps.",
             mechanisms.governor(), 10.0, 0.1,
             published=((10.0, "P.s", 0.6196229170613126),),
             source="a reduction to two coordinates, Radau at 1e-10",
         ),
         Case(
             "light-cart-pole",
-            "The mass matrix is nearly singular for a microsecond at a time, rates reach 4429 rad/s.",
+            "The mass matrix is nearly singular for microseconds, at rates of up to 4429 rad/s.",
             mechanisms.light_cart_pole(), 10.0, 0.1,
             truth=light_cart_pole_truth, published=pole, source="Parsons 2026",
         ),
         Case(
-            "heavy-top", "A top spins at 200 rad/s under gravity: fast rotation beside slow.",
+            "heavy-top", "A top spins at 200 rad/s under gravity: fast and slow rotation.",
             mechanisms.heavy_top(200.0), 2.0, 0.01,
         ),
         Case(
-            "andrews", "Seven bars, three loops, all within 30 ms at 1400 rad/s; it starts in a dead point.",
+            "andrews", "Seven bodies, three loops, 30 ms at up to 1400 rad/s; starts at a dead center.",
             mechanisms.shipped("andrews"), 0.03, 1e-3, published=andrews,
             source="IVP Test Set, PSIDE at 1e-14",
         ),
         Case(
-            "mass-ratio-1e8", "A coupler 1e8 times as heavy as the crank and the rocker that carry it.",
+            "mass-ratio-1e8", "The coupler is 1e8 times as heavy as the crank and the rocker that carry it.",
             mechanisms.uneven_four_bar(1e8), 5.0, 0.01,
         ),
         Case(
             "joint-stop",
-            "A rocker strikes a stop of 1e6 N m/rad: forces with a corner, gone in a millisecond.",
+            "A rocker strikes a stop of 1e6 N m/rad: non-smooth forces that last for a millisecond.",
             mechanisms.stopped_four_bar(), 5.0, 0.01,
         ),
     ]  # fmt: skip
 
 
 def masters() -> list[Case]:
-    """What a co-simulation master does, and for how long."""
+    """Return runs as in co-simulation: input jumps at each communication step, and a long run."""
     four_bar = mechanisms.shipped("four_bar")
     spans = ((1e-4, 1.0), (1e-3, 5.0), (1e-2, 5.0), (1e-1, 5.0))
     return [
         *(
             Case(
                 f"torque-steps-{step:.0e}".replace("e-0", "e-"),
-                f"Another torque at every communication step of {step:g} s: the past tells a method nothing.",
+                f"A new torque at every communication step of {step:g} s invalidates the solver's history.",
                 four_bar, stop, step, {"drive.tau": TORQUE},
             )
             for step, stop in spans
         ),
         Case(
-            "an-hour", "A four-bar without friction for an hour, judged by its energy: does error pile up?",
+            "an-hour", "A frictionless four-bar for an hour, judged by its energy: accumulation of errors.",
             mechanisms.four_bar(), 3600.0, 1.0, by_energy=True,
         ),
     ]  # fmt: skip
 
 
 def awkward_starts() -> list[Case]:
-    """Starts that do not fit, and one that is a dead point."""
+    """Return runs with inconsistent start values, and one that starts at a dead center."""
     return [
         Case(
             "contradictory-speeds",
-            "Crank and rocker are to keep start speeds that their loop does not allow: "
-            "there is no such motion, which is to be told.",
+            "Fixed start speeds of crank and rocker violate the loop: "
+            "there is no such motion, which must be reported.",
             mechanisms.contradictory_four_bar(fixed=True), 5.0, 0.01, expected="refused",
         ),
         Case(
-            "inconsistent-speeds", "The same start speeds as guesses: they have to be made consistent first.",
+            "inconsistent-speeds", "The same start speeds as initial guesses, which must be made consistent.",
             mechanisms.contradictory_four_bar(fixed=False), 5.0, 0.01,
         ),
         Case(
-            "blocked-crank", "A crank pushes from its dead point against a load that it cannot overcome; the "
-            "slider's place, which tells nothing there, suggests itself as coordinate.",
+            "blocked-crank", "A crank pushes from its dead center against a load that it cannot overcome; "
+            "the slider position, the obvious coordinate, does not determine the motion there.",
             mechanisms.blocked_crank(), 2.0, 0.01,
         ),
     ]  # fmt: skip
 
 
 def stability_cases() -> list[Case]:
-    """All of them."""
+    """Return all test cases of the stability map."""
     return [*singular(), *stiff_and_uneven(), *masters(), *awkward_starts()]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stability map: methods against scenes where methods fail."""
+"""The stability map: all methods on scenes that provoke failures."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from gelenk.errors import SceneError
 from gelenk.model.scene import load
 
 TOLERANCES = (1e-6, 1e-8)
-STEP = 1e-3  # s, of methods with fixed steps
-SKIPPED = "skipped"  # a scene that this version cannot read
+STEP = 1e-3  # s, step size of methods with fixed steps
+SKIPPED = "skipped"  # outcome for a scene that this version cannot read
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How the map is made. limit: wall time of one run [s]."""
+    """Settings of the map; `limit` is the wall-clock time of one run [s]."""
 
     tolerances: tuple[float, ...] = TOLERANCES
     jobs: int = 1
@@ -37,7 +37,7 @@ QUICK = Settings((1e-6,), limit=5.0, quick=True)
 
 @dataclass(frozen=True)
 class Map:
-    """Cases, methods and every run; words on each case's reference by its name."""
+    """Cases, methods and all runs; `words` describes the reference of each case by its name."""
 
     cases: list[Case]
     methods: list[Method]
@@ -45,7 +45,7 @@ class Map:
     words: dict[str, str]
 
     def cell(self, case: Case, method: Method, tolerance: float) -> Run | None:
-        """The run of a method in a case; of fixed steps the one that stands for every tolerance."""
+        """Return the run of a method on a case; methods with fixed steps have one run for all tolerances."""
         for run in self.runs:
             same = run.scene == case.name and run.method == method.name
             if same and (run.asked is None or run.asked == tolerance):
@@ -54,11 +54,11 @@ class Map:
 
 
 def natural_methods() -> list[Method]:
-    """`auto`, projection with every integrator, every other formulation with the first that suits it."""
+    """Return `auto`, projection with every integrator, and the other formulations with their first one."""
     chosen: list[Method] = []
     for method in all_methods():
-        rival = not method.automatic and method.formulation != DEFAULT and not method.fixed_step
-        if rival and any(m.formulation == method.formulation for m in chosen):
+        alternative = not method.automatic and method.formulation != DEFAULT and not method.fixed_step
+        if alternative and any(m.formulation == method.formulation for m in chosen):
             continue
         chosen.append(method)
     return chosen
@@ -68,17 +68,27 @@ def stability(
     methods: Sequence[Method],
     settings: Settings,
     names: Sequence[str] | None = None,
-    told: Callable[[str, float], None] | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> Map:
-    """Every method through every scene, or through those named."""
-    tell = told or (lambda _words, _share: None)
+    """Run every method on every scene.
+
+    Args:
+        methods: Methods to be compared.
+        settings: Tolerances, processes and limits.
+        names: Names of scenes; None: all, or the quick selection.
+        progress: Called with the current activity and the completed share.
+
+    Returns:
+        The map with all runs.
+    """
+    report = progress or (lambda _activity, _share: None)
     cases = cases_of(names or (QUICK_CASES if settings.quick else None))
     reasons = {case.name: unreadable(case) for case in cases}
     runnable = [case for case in cases if not reasons[case.name]]
-    tell("references", 0.0)
+    report("references", 0.0)
     truth = references(runnable, settings.jobs, 5 * settings.limit, settings.quick)
     tasks = [task for case in runnable for task in tasks_of(case, methods, settings.tolerances)]
-    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: tell("runs", share))
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: report("runs", share))
     runs = [without_truth(run, truth.get(run.scene)) for run in runs]
     words = {}
     for case in cases:
@@ -90,12 +100,15 @@ def stability(
 
 
 def cases_of(names: Sequence[str] | None) -> list[Case]:
-    """Those of these names; None: all."""
+    """Return the cases with these names; None: all."""
     return [case for case in stability_cases() if names is None or case.name in names]
 
 
 def tasks_of(case: Case, methods: Sequence[Method], tolerances: Sequence[float]) -> list[Task]:
-    """A run per tolerance; one of a method with fixed steps, none longer than the communication step."""
+    """Return the runs of a case: one per tolerance, and one for each method with fixed steps.
+
+    A fixed step is not longer than the communication step.
+    """
     return [
         Task(case, method, tolerance, min(STEP, case.step) if method.fixed_step else None)
         for method in methods
@@ -104,14 +117,14 @@ def tasks_of(case: Case, methods: Sequence[Method], tolerances: Sequence[float])
 
 
 def skipped(case: Case, methods: Sequence[Method], tolerances: Sequence[float], reason: str) -> list[Run]:
-    """In the place of its runs."""
+    """Return skipped runs for a scene that cannot be read."""
     return [
         replace(blank(task), outcome=SKIPPED, reason=reason) for task in tasks_of(case, methods, tolerances)
     ]
 
 
 def unreadable(case: Case) -> str:
-    """Why the scene cannot be read by this version; empty where it can."""
+    """Return why this version cannot read the scene; an empty string if it can."""
     try:
         load(case.scene)
     except SceneError as e:
@@ -120,16 +133,16 @@ def unreadable(case: Case) -> str:
 
 
 def words_on(found: Reference | Failure | None) -> str:
-    """What a case's runs are compared with."""
+    """Describe the reference of a case."""
     if found is None:
-        return "to be refused"
+        return "must be refused"
     return found.words if isinstance(found, Reference) else found.reason
 
 
 def without_truth(run: Run, found: Reference | Failure | None) -> Run:
-    """Where there is nothing to compare with, a run to the end is not called good."""
+    """Return the run; if it finished without a reference, it is wrong or failed instead of good."""
     if isinstance(found, Reference) or not run.finished:
         return run
     if found is None:
-        return replace(run, outcome=Outcome.WRONG, reason="ran where there is no motion")
+        return replace(run, outcome=Outcome.WRONG, reason="finished although no motion exists")
     return replace(run, outcome=Outcome.FAILED, reason=found.reason)

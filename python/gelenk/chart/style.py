@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How methods look on charts: the same on every one."""
+"""Colors, lines and markers of the methods, the same on all charts."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 
 from gelenk.chart.methods import AUTO, DEFAULT, Method
 
-# Integrators by colour, formulations by line and marker. Colours after Okabe & Ito and their darker kin.
-COLOURS = {
+# Colors distinguish integrators (after Okabe & Ito), lines and markers distinguish formulations.
+COLORS = {
     "erk": "#0072B2", "ida": "#D55E00", "rk4": "#009E73", "euler": "#999999", "cvode": "#E69F00",
     "cvode-adams": "#56B4E9", "dirk": "#CC79A7", "generalized-alpha": "#7F3C8D", "hht": "#8C564B",
     "newmark": "#BCBD22",
@@ -22,26 +22,26 @@ LINES = {
     "index3": ((0, (3, 3)), ">"),
 }  # fmt: skip
 SPARE = "#4B4B4B"
-COLOURS_KEPT = 128
+PALETTE_SIZE = 128
 
 
 def look(method: Method) -> dict[str, Any]:
-    """Of a line of matplotlib."""
+    """Return the line properties of a method for matplotlib."""
     if method == AUTO:
         return {"color": "black", "linestyle": "-", "marker": "o", "linewidth": 2.6, "markersize": 6,
                 "zorder": 5}  # fmt: skip
     line, marker = LINES.get(method.formulation, ("-", "X"))
     plain = method.formulation == DEFAULT
-    return {"color": COLOURS.get(method.integrator, SPARE), "linestyle": line, "marker": marker,
+    return {"color": COLORS.get(method.integrator, SPARE), "linestyle": line, "marker": marker,
             "linewidth": 1.5 if plain else 1.0, "markersize": 4.5, "zorder": 3 if plain else 2}  # fmt: skip
 
 
 def save(figure: Any, path: Path, dpi: int) -> None:
-    """Writes a PNG of few colours, a third of the size. Raises OSError."""
+    """Write a figure as PNG with a palette, which has a third of the size. Raises OSError."""
     from PIL import Image
 
     whole = io.BytesIO()
     figure.savefig(whole, format="png", dpi=dpi)
-    # By coverage: rare colours stay what they are.
-    few = Image.open(whole).convert("RGB").quantize(COLOURS_KEPT, Image.Quantize.MAXCOVERAGE)
+    # Quantization by coverage keeps rare colors.
+    few = Image.open(whole).convert("RGB").quantize(PALETTE_SIZE, Image.Quantize.MAXCOVERAGE)
     few.save(path, optimize=True)

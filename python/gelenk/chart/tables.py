@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs as tables of Markdown."""
+"""Runs as Markdown tables."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from gelenk.chart.outcome import Outcome
 from gelenk.chart.stability import SKIPPED, Map
 
 SIGNS = {Outcome.GOOD: "", Outcome.WRONG: "wrong ", Outcome.REFUSED: "refused", Outcome.FAILED: "failed",
-         SKIPPED: "not yet"}  # fmt: skip
+         SKIPPED: "skipped"}  # fmt: skip
 
 
 def rows(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """A table, its header first."""
+    """Return a Markdown table."""
     whole = [header, ["---"] * len(header), *lines]
     return "\n".join("| " + " | ".join(line) + " |" for line in whole) + "\n"
 
 
 def stability(found: Map, tolerances: Sequence[float]) -> str:
-    """Error / largest closure error / energy error of every cell, and what was refused and failed."""
+    """Return a table per tolerance: error, closure error and energy error, or the outcome."""
     parts = []
     for tolerance in tolerances:
         header = ["scene", *(method.name for method in found.methods)]
@@ -31,13 +31,13 @@ def stability(found: Map, tolerances: Sequence[float]) -> str:
             for case in found.cases
         ]
         parts.append(
-            f"Tolerance {tolerance:.0e}; error, closure gap, energy error.\n\n" + rows(header, lines)
+            f"Tolerance {tolerance:.0e}: error, closure error, energy error.\n\n" + rows(header, lines)
         )
     return "\n".join(parts)
 
 
 def cell(run: Run | None) -> str:
-    """One run in few characters."""
+    """Return the text of a cell."""
     if run is None:
         return ""
     sign = SIGNS[Outcome(run.outcome) if run.outcome != SKIPPED else SKIPPED]
@@ -48,7 +48,7 @@ def cell(run: Run | None) -> str:
 
 
 def counts(found: Map) -> str:
-    """For a terminal: how often each method was good, wrong, refused, failed."""
+    """Return a text table of the numbers of outcomes by method."""
     width = max(len(method.name) for method in found.methods)
     lines = [f"{'':{width}}  " + " ".join(f"{outcome:>8}" for outcome in Outcome)]
     for method in found.methods:
@@ -58,18 +58,18 @@ def counts(found: Map) -> str:
 
 
 def reasons(found: Map) -> str:
-    """What was refused and what failed, in the words of the run, as it was told first."""
+    """Return a table of refused and failed runs with their messages."""
     lines = []
     for case in found.cases:
-        told: dict[tuple[str, str], list[str]] = {}
+        runs: dict[tuple[str, str], list[str]] = {}
         for run in found.runs:
             if run.scene == case.name and run.outcome in (Outcome.REFUSED, Outcome.FAILED):
-                told.setdefault((run.outcome, run.reason), []).append(f"{run.method} {_asked(run)}")
+                runs.setdefault((run.outcome, run.reason), []).append(f"{run.method} {_asked(run)}")
         lines += [
             [case.name, outcome, reason, ", ".join(methods) if len(methods) <= 4 else f"{len(methods)} runs"]
-            for (outcome, reason), methods in told.items()
+            for (outcome, reason), methods in runs.items()
         ]
-    return rows(["scene", "outcome", "why", "runs"], lines)
+    return rows(["scene", "outcome", "message", "runs"], lines)
 
 
 def _asked(run: Run) -> str:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms with one freedom: their motion by quadrature, without integrating anything.
+"""Motion of conservative mechanisms with one degree of freedom by quadrature, without time integration.
 
-Energy E = M(x) x'^2 / 2 + V(x) gives dt = s(x) dx, s = sqrt(M / (2 (E - V))), for a coordinate x that only
-grows; t(x) by Gauss and Legendre's rule in panels, x(t) by Newton's method. It knows nothing of loops or of
-the singular positions that these pass.
+Energy E = M(x) x'^2 / 2 + V(x) gives dt = s(x) dx, s = sqrt(M / (2 (E - V))), for a monotonically growing
+coordinate x; t(x) is computed by Gauss-Legendre quadrature in panels, x(t) by Newton's method. Loops and
+their singular configurations do not enter.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from gelenk.chart.case import Array
 
 PANEL = 0.05  # rad
-POINTS = 16  # of the rule in a panel: beyond rounding for functions that are smooth over a radian
-NEWTON = 8  # steps, from within a panel
+POINTS = 16  # nodes per panel: exact to rounding for functions that are smooth over a radian
+NEWTON = 8  # iterations, starting within the panel
 
 type Profile = Callable[[Array], Array]
 
@@ -24,13 +24,13 @@ type Profile = Callable[[Array], Array]
 def passing(
     slowness: Profile, start: float, times: Array, panel: Callable[[float], float] | None = None
 ) -> Array:
-    """Coordinates at times [s] >= 0 of a motion that starts at `start` and goes on growing; shape (times,).
+    """Return the coordinate of a monotonically growing motion at given times; shape (times,).
 
     Args:
-        slowness: dt/dx > 0 [s].
-        start: coordinate at t = 0.
-        times: [s].
-        panel: width over which the slowness is smooth, of the place.
+        slowness: dt/dx > 0 [s/rad] as a function of the coordinate.
+        start: Coordinate at t = 0 [rad].
+        times: Times >= 0 [s], shape (times,).
+        panel: Width [rad] of the quadrature panel that starts at a coordinate; `PANEL` by default.
     """
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
 
@@ -55,17 +55,17 @@ def passing(
 
 
 def turning(mass: Profile, potential: Profile, phi: float, w: float, times: Array) -> tuple[Array, Array]:
-    """Angle [rad] and rate [rad/s] at times [s] of a motion that never turns back; shapes (times,).
+    """Return angle [rad] and rate [rad/s] of a motion without reversal; shapes (times,).
 
     Args:
-        mass: generalised mass [kg m2] of the angle.
-        potential: energy [J] of the angle.
-        phi: angle at t = 0 [rad].
-        w: rate at t = 0 [rad/s], not 0.
-        times: [s].
+        mass: Generalized mass [kg m²] as a function of the angle.
+        potential: Potential energy [J] as a function of the angle.
+        phi: Angle at t = 0 [rad].
+        w: Rate at t = 0 [rad/s], not 0.
+        times: Times >= 0 [s], shape (times,).
 
     Raises:
-        ValueError: the energy does not suffice to turn on.
+        ValueError: the energy does not suffice to continue the rotation.
     """
     direction = 1.0 if w > 0 else -1.0
     here = np.array([phi])
@@ -75,7 +75,7 @@ def turning(mass: Profile, potential: Profile, phi: float, w: float, times: Arra
         angle = phi + direction * way
         spare = energy - potential(angle)
         if not (spare > 0).all():
-            raise ValueError("the energy does not suffice to turn on")
+            raise ValueError("the energy does not suffice to continue the rotation")
         found: Array = np.sqrt(mass(angle) / (2 * spare))
         return found
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Work against precision: every method over its tolerances or steps, on a scene."""
+"""Work-precision diagrams: every method at several tolerances or step sizes on a scene."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from gelenk.chart.workers import Failure, work_off
 from gelenk.errors import UsageError
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
-PARTS = tuple(2**k for k in range(2, 12))  # of a communication step, for methods with fixed steps
+PARTS = tuple(2**k for k in range(2, 12))  # steps per communication step, of methods with fixed steps
 QUICK_TOLERANCES = (1e-4, 1e-6, 1e-8)
 QUICK_PARTS = (8, 32)
 REGRETTED = (1e-4, 1e-6, 1e-8)
 
 ROUNDS = 7
-LONG = 1.0  # s: runs that take longer are timed once
-SHORT = 2e-3  # s: runs that take less are timed several times a round
-TIMING_LIMIT = 1800.0  # s, of all timing of a scene
+LONG = 1.0  # s; longer runs are timed only once
+SHORT = 2e-3  # s; shorter runs are timed several times per round
+TIMING_LIMIT = 1800.0  # s, limit of the timing of one scene
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a study is done. limit: wall time of one run [s]."""
+    """Settings of a study; `parts` are fixed steps per communication step, `limit` is wall-clock time [s]."""
 
     tolerances: tuple[float, ...] = TOLERANCES
     parts: tuple[int, ...] = PARTS
@@ -47,7 +47,7 @@ QUICK = Settings(QUICK_TOLERANCES, QUICK_PARTS, 2, limit=5.0, quick=True)
 
 @dataclass(frozen=True)
 class Study:
-    """A case with its reference and its runs."""
+    """A test case with its reference solution and its runs."""
 
     case: Case
     reference: Reference
@@ -55,8 +55,9 @@ class Study:
 
 
 def tasks_of(case: Case, methods: Sequence[Method], settings: Settings) -> list[Task]:
-    """What is run: each method over the tolerances, or over steps that divide the communication step. Without
-    loops formulations are one and the same, and only the default is run.
+    """Return the runs of a case: each method at the tolerances, or with fixed steps of several sizes.
+
+    Without constraints all formulations are identical, and only the default is run.
     """
     tasks = []
     loops = gelenk.Simulation(case.scene).size.rows > 0
@@ -74,24 +75,30 @@ def study(
     cases: Sequence[Case],
     methods: Sequence[Method],
     settings: Settings,
-    told: Callable[[str, float], None] | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> list[Study]:
-    """Runs all, checks all against references, then times alternately what came to its end.
+    """Run all methods on all cases, compare them with reference solutions and time the finished runs.
+
+    Args:
+        cases: Test cases.
+        methods: Methods to be compared.
+        settings: Tolerances, steps, processes and limits.
+        progress: Called with the current activity and the completed share.
 
     Raises:
-        UsageError: a case without a reference to measure errors against.
+        UsageError: a case has no reference solution.
     """
-    tell = told or (lambda _words, _share: None)
-    tell("references", 0.0)
+    report = progress or (lambda _activity, _share: None)
+    report("references", 0.0)
     truth = references(cases, settings.jobs, max(60.0, settings.limit), settings.quick)
     faults = [f"{name}: {found.reason}" for name, found in truth.items() if isinstance(found, Failure)]
     if faults:
         raise UsageError("\n".join(faults))
     tasks = [task for case in cases for task in tasks_of(case, methods, settings)]
-    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: tell("runs", share))
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: report("runs", share))
     studies = []
     for i, case in enumerate(cases):
-        tell(f"timing {case.name}", i / len(cases))
+        report(f"timing {case.name}", i / len(cases))
         mine = [k for k, task in enumerate(tasks) if task.case is case]
         timed_runs = timed([tasks[k] for k in mine], [runs[k] for k in mine], settings.rounds)
         reference = truth[case.name]
@@ -105,10 +112,22 @@ def run_all(
     truth: dict[str, Reference | Failure],
     jobs: int,
     limit: float,
-    told: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> list[Run]:
-    """One run of each task in processes of their own, no longer than `limit` [s] each. What came to no end is
-    not tried at the tighter tolerances or steps that follow among the tasks: it fails for the same reason.
+    """Run each task once in separate processes.
+
+    If a task times out or crashes, those of the same case and method that follow it, with tighter tolerances
+    or smaller steps, are not run: they fail for the same reason.
+
+    Args:
+        tasks: Tasks, ordered from loose to tight for each case and method.
+        truth: References by the name of the case.
+        jobs: Number of concurrent processes.
+        limit: Wall-clock limit of each run [s].
+        progress: Called with the completed share.
+
+    Returns:
+        The runs in the order of the tasks.
     """
     runs: dict[int, Run] = {}
     for wave in waves(tasks):
@@ -124,13 +143,13 @@ def run_all(
             calls.append((measured, (tasks[k], found if isinstance(found, Reference) else None), limit))
         for k, result in zip(fresh, work_off(calls, jobs), strict=True):
             runs[k] = result if isinstance(result, Run) else replace(blank(tasks[k]), reason=result.reason)
-        if told is not None:
-            told(len(runs) / len(tasks))
+        if progress is not None:
+            progress(len(runs) / len(tasks))
     return [runs[k] for k in range(len(tasks))]
 
 
 def waves(tasks: Sequence[Task]) -> list[list[tuple[int, int | None]]]:
-    """Tasks by index, each with the one before it of the same case and method: first those without one."""
+    """Return waves of concurrent tasks: (index, index of the previous task of the same case and method)."""
     last: dict[tuple[str, Method], tuple[int, int]] = {}  # index and wave
     found: list[list[tuple[int, int | None]]] = []
     for k, task in enumerate(tasks):
@@ -144,7 +163,7 @@ def waves(tasks: Sequence[Task]) -> list[list[tuple[int, int | None]]]:
 
 
 def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
-    """The runs with the least CPU time of several, all of a scene in one process, by turns."""
+    """Return the runs with the smallest CPU time of several rounds in one process."""
     places = [k for k, run in enumerate(runs) if run.finished and run.cpu <= LONG]
     if not places or rounds == 0:
         return list(runs)
@@ -159,7 +178,7 @@ def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
 
 
 def by_turns(tasks: Sequence[Task], expected: Sequence[float], rounds: int) -> list[float]:
-    """The least CPU time [s] of each task: one after the other, and all over again."""
+    """Return the smallest CPU time [s] of each task; all tasks are run in each round."""
     runners = [Runner(task) for task in tasks]
     least = [math.inf] * len(tasks)
     for _ in range(rounds):
@@ -169,36 +188,36 @@ def by_turns(tasks: Sequence[Task], expected: Sequence[float], rounds: int) -> l
     return least
 
 
-# --- what `auto` loses against the best ---
+# --- cost of `auto` relative to the best method ---
 
 
 @dataclass(frozen=True)
 class Regret:
-    """CPU time of `auto` against the cheapest that is good. Times in s; NaN where there is none."""
+    """CPU time [s] of `auto` and of the cheapest good methods on a scene; NaN if there is none."""
 
     scene: str
     tolerance: float
     outcome: str
     cpu: float
     error: float
-    best: str  # of the methods that were asked for this tolerance
+    best: str  # cheapest good method with error control at this tolerance
     best_cpu: float
-    best_of_all: str  # of those, and of any run with fixed steps that errs no more
+    best_of_all: str  # the same including runs with fixed steps that are accurate enough
     best_of_all_cpu: float
 
     @property
     def ratio(self) -> float:
-        """To the best that was asked for this tolerance."""
+        """CPU time of `auto` / best with error control at this tolerance."""
         return self.cpu / self.best_cpu
 
     @property
     def ratio_of_all(self) -> float:
-        """To the best, fixed steps included."""
+        """CPU time of `auto` / best including fixed steps."""
         return self.cpu / self.best_of_all_cpu
 
 
 def regrets(runs: Sequence[Run], tolerances: Sequence[float] = REGRETTED) -> list[Regret]:
-    """Of `auto` on every scene among the runs, at every tolerance at which it was run."""
+    """Return the cost of `auto` relative to the best method on every scene at these tolerances."""
     found = []
     for scene in dict.fromkeys(run.scene for run in runs):
         mine = [run for run in runs if run.scene == scene]
@@ -225,14 +244,16 @@ def _regret(auto: Run, tolerance: float, asked: Sequence[Run], fixed: Sequence[R
 
 
 def _cheapest(runs: Sequence[Run]) -> tuple[str, float]:
-    """Its method and CPU time [s]."""
+    """Return method and CPU time [s] of the cheapest run."""
     best = min(runs, key=lambda run: run.cpu, default=None)
     return (best.method, best.cpu) if best else ("none", math.nan)
 
 
 def observed_order(runs: Sequence[Run]) -> float:
-    """Of a method with fixed steps: the median of log2(error(h) / error(h/2)) over neighbouring steps whose
-    errors lie between rounding and the reference's digits below and 0.1 above. NaN where no two do.
+    """Return the observed order of a method with fixed steps.
+
+    It is the median of log2(error(h) / error(h/2)) over neighboring steps whose errors are below 0.1 and well
+    above rounding and the error of the reference; NaN if there are no two of them.
     """
     clear = [r for r in runs if r.finished and max(1e-11, 30 * r.digits) < r.error < 0.1]
     usable = sorted(clear, key=lambda r: -r.step)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Processes that work off jobs within limits of time: a run that hangs or crashes ends its own only."""
+"""Worker processes with time limits: a hang or a crash affects only its own job."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
-PATIENCE = 60.0  # s for a process to come up, on a busy machine
+PATIENCE = 60.0  # s, limit for the start of a process on a busy machine
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A job without a result, and why."""
+    """A job without a result and the reason."""
 
     reason: str
 
@@ -36,7 +36,7 @@ class _Worker:
         except EOFError:
             ready = False
         if not ready:
-            raise OSError("a process for the runs did not start; a script needs `if __name__ == '__main__':`")
+            raise OSError("a worker process did not start; a script needs `if __name__ == '__main__':`")
 
     def give(self, job: int, call: tuple[Callable[..., Any], tuple[Any, ...]], limit: float) -> None:
         self.job, self.limit = job, limit
@@ -52,14 +52,19 @@ class _Worker:
 def work_off(
     calls: Iterable[tuple[Callable[..., Any], tuple[Any, ...], float]],
     jobs: int,
-    told: Callable[[int, Any], None] | None = None,
+    done: Callable[[int, Any], None] | None = None,
 ) -> list[Any]:
-    """Results of function(*arguments) in the order of the calls; a Failure for each that did not end well.
+    """Call functions in worker processes and return their results in the order of the calls.
+
+    A call that raises an exception, crashes or exceeds its limit has a Failure as result.
 
     Args:
-        calls: (function, arguments, limit [s]); functions and arguments that can be pickled.
-        jobs: processes at a time.
-        told: called with the index and the result of each as it ends.
+        calls: (function, arguments, wall-clock limit [s]); functions and arguments must be picklable.
+        jobs: Number of concurrent processes.
+        done: Called with index and result of each call when it finishes.
+
+    Raises:
+        OSError: a worker process did not start.
     """
     waiting = list(enumerate(calls))[::-1]
     results: list[Any] = [None] * len(waiting)
@@ -79,8 +84,8 @@ def work_off(
                     continue
                 busy.remove(worker)
                 results[worker.job] = result
-                if told is not None:
-                    told(worker.job, result)
+                if done is not None:
+                    done(worker.job, result)
                 if alive:
                     idle.append(worker)
                 else:
@@ -92,7 +97,7 @@ def work_off(
 
 
 def _answer(worker: _Worker) -> tuple[Any, bool]:
-    """(result or None, whether the process can go on)."""
+    """Return (result or None, whether the process can be reused)."""
     if worker.pipe.poll():
         try:
             return worker.pipe.recv(), True
@@ -100,7 +105,7 @@ def _answer(worker: _Worker) -> tuple[Any, bool]:
             worker.process.join()
             return Failure(f"the process ended with {_end(worker.process.exitcode)}"), False
     if time.monotonic() >= worker.deadline:
-        return Failure(f"no end within {worker.limit:g} s"), False
+        return Failure(f"timed out after {worker.limit:g} s"), False
     return None, True
 
 
@@ -117,6 +122,6 @@ def _serve(pipe: Connection) -> None:
             return
         try:
             result = function(*arguments)
-        except Exception as e:  # whatever it is, it is told as a failure and the next job goes on
+        except Exception as e:  # any error is returned as a failure; the worker continues
             result = Failure(f"{type(e).__name__}: {e}")
         pipe.send(result)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`gelenk chart`: the commands."""
+"""The commands of `gelenk chart`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gelenk.chart import work_precision as work_precision_study
 
 app = typer.Typer(
-    help="Charts: what methods cost for how many digits, and where they fail.",
+    help="Plot work-precision diagrams and stability maps of the solver methods.",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -32,18 +32,18 @@ app = typer.Typer(
 Methods = Annotated[
     list[str] | None,
     typer.Option(
-        "--method", metavar="NAME", help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; by default all."
+        "--method", metavar="NAME", help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; default: all."
     ),
 ]
 Tolerances = Annotated[
     list[float] | None, typer.Option("--tolerance", metavar="X", help="Relative tolerance; repeatable.")
 ]
-Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where files are written.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")]
-Quick = Annotated[bool, typer.Option("--quick", help="Few runs, for a first look.")]
-Limit = Annotated[float | None, typer.Option("--limit", metavar="S", help="Wall time of one run [s].")]
+Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Output folder.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of concurrent runs.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Make a few runs only.")]
+Limit = Annotated[float | None, typer.Option("--limit", metavar="S", help="Wall-clock limit of one run [s].")]
 
-SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # runs at a time where nobody says
+SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # default number of concurrent runs
 
 
 @app.command("work-precision")
@@ -51,34 +51,38 @@ SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # runs at a time where nobody s
 def work_precision(
     scenes: Annotated[
         list[str],
-        typer.Argument(metavar="SCENE...", help="Scene files, or scenes of the docs: four_bar, bricard, ..."),
+        typer.Argument(
+            metavar="SCENE...", help="Scene files, or scenes of the documentation: four_bar, bricard, ..."
+        ),
     ],
     methods: Methods = None,
     tolerances: Tolerances = None,
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--input", metavar="NAME=VALUE", help="An input, constant; repeatable; others stay 0."),
+        typer.Option(
+            "--input", metavar="NAME=VALUE", help="Constant value of an input; repeatable; default: 0."
+        ),
     ] = None,
     output: Output = Path("charts"),
     jobs: Jobs = SOME_JOBS,
     quick: Quick = False,
     limit: Limit = None,
 ) -> None:
-    """Draw error against CPU time and evaluations: every method over its tolerances or steps."""
+    """Plot work-precision diagrams: CPU time and evaluations of every method against its error."""
     from gelenk.chart.case import case_of
     from gelenk.chart.methods import chosen
     from gelenk.chart.reference_set import reference_set
     from gelenk.chart.work_precision import QUICK, Settings, study
 
-    pyplot()  # told before anything is run
+    pyplot()  # reports missing matplotlib before anything is run
     settings = _changed(QUICK if quick else Settings(), tolerances, jobs, limit)
     values = _values(inputs or [])
     ready = {case.name: case for case in reference_set()}
     cases = [ready[name] if name in ready and not values else case_of(name, values) for name in scenes]
-    _told_apart([case.name for case in cases])
+    _require_distinct([case.name for case in cases])
     wanted = chosen(methods)
-    with status_line(sys.stderr) as tell:
-        studies = study(cases, wanted, settings, tell)
+    with status_line(sys.stderr) as progress:
+        studies = study(cases, wanted, settings, progress)
     output.mkdir(parents=True, exist_ok=True)
     for one in studies:
         _written(one, output)
@@ -87,9 +91,13 @@ def work_precision(
 def _changed[S: (work_precision_study.Settings, stability_study.Settings)](
     settings: S, tolerances: list[float] | None, jobs: int, limit: float | None
 ) -> S:
-    """Settings with what the command line says. Raises UsageError: a tolerance or limit that cannot be."""
+    """Return the settings with the options of the command line.
+
+    Raises:
+        UsageError: a tolerance or the limit is out of range.
+    """
     if limit is not None and not limit > 0:
-        raise UsageError(f"--limit: found {limit}, expected more than 0")
+        raise UsageError(f"--limit: found {limit}, expected a number greater than 0")
     wrong = [x for x in tolerances or [] if not 0 < x < 1]
     if wrong:
         raise UsageError(f"--tolerance: found {wrong[0]}, expected a number between 0 and 1")
@@ -111,10 +119,10 @@ def _values(given: list[str]) -> dict[str, float]:
     return values
 
 
-def _told_apart(names: list[str]) -> None:
+def _require_distinct(names: list[str]) -> None:
     for name in names:
         if names.count(name) > 1:
-            raise UsageError(f"{name}: two scenes with this name; their charts would be one file")
+            raise UsageError(f"{name}: two scenes with this name; their charts would have the same file name")
 
 
 def _written(one: work_precision_study.Study, folder: Path) -> None:
@@ -127,14 +135,12 @@ def _written(one: work_precision_study.Study, folder: Path) -> None:
     runs_csv.write(one.runs, table)
     draw_work_precision.draw(one, picture)
     count = Counter(str(run.outcome) for run in one.runs)
-    told_counts = ", ".join(f"{count[outcome]} {outcome}" for outcome in Outcome if count[outcome])
-    print(f"{name}: {len(one.runs)} runs, {told_counts}; reference {one.reference.words}")
+    counts = ", ".join(f"{count[outcome]} {outcome}" for outcome in Outcome if count[outcome])
+    print(f"{name}: {len(one.runs)} runs, {counts}; reference {one.reference.words}")
     print(f"  {table}, {picture}")
     for regret in regrets(one.runs):
-        cpu = "no end" if math.isnan(regret.cpu) else f"{1e3 * regret.cpu:.3g} ms"
-        best = (
-            "none is good" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
-        )
+        cpu = "not finished" if math.isnan(regret.cpu) else f"{1e3 * regret.cpu:.3g} ms"
+        best = "none" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
         print(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")
 
 
@@ -142,7 +148,7 @@ def _written(one: work_precision_study.Study, folder: Path) -> None:
 @told
 def stability(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; by default all.")
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; default: all.")
     ] = None,
     methods: Methods = None,
     tolerances: Tolerances = None,
@@ -151,13 +157,13 @@ def stability(
     quick: Quick = False,
     limit: Limit = None,
 ) -> None:
-    """Draw which method survives which scene: a table, coloured by outcome."""
+    """Plot a stability map: the outcome of every method on every scene, as a colored table."""
     from gelenk.chart import draw_stability, runs_csv, tables
     from gelenk.chart import stability as stability_study
     from gelenk.chart.methods import chosen
     from gelenk.chart.scenes import stability_cases
 
-    pyplot()  # told before anything is run
+    pyplot()  # reports missing matplotlib before anything is run
     known = [case.name for case in stability_cases()]
     faults = [unknown(name, "scene of the map", known) for name in scenes or [] if name not in known]
     if faults:
@@ -166,8 +172,8 @@ def stability(
         stability_study.QUICK if quick else stability_study.Settings(), tolerances, jobs, limit
     )
     wanted = chosen(methods) if methods else stability_study.natural_methods()
-    with status_line(sys.stderr) as tell:
-        found = stability_study.stability(wanted, settings, scenes, tell)
+    with status_line(sys.stderr) as progress:
+        found = stability_study.stability(wanted, settings, scenes, progress)
     output.mkdir(parents=True, exist_ok=True)
     table, page = output / "stability.csv", output / "stability.md"
     runs_csv.write(found.runs, table)
