@@ -121,8 +121,8 @@ def masters(jobs: int, quick: bool) -> dict[str, str]:
     cpu, error = master.share_of_ida(runs, 1e-6)
     text = (
         master.master_table(runs, steps)
-        + f"\nPer communication step of 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of the CPU "
-        f"time of projection+ida with {error:.1e} of its error. Reference: {reference.words}."
+        + f"\nPer communication step of 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of "
+        f"the CPU time of projection+ida with {error:.1e} of its error. Reference: {reference.words}."
     )
     andrews = published.andrews_table(published.andrews_efforts())
     pole = published.cart_pole_table(published.cart_pole_efforts(0.01), published.cart_pole_efforts(0.5))
