@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The study behind docs/accuracy.md runs what it says."""
+"""The study of docs/accuracy.md makes the runs that the page describes."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from gelenk.chart.outcome import Outcome
 ERK = Method("projection", "erk")
 
 
-def test_it_covers_what_the_page_promises() -> None:
-    """40 scenes and more, each loads in each of its ways; 5 sorts of communication points, 3 of inputs."""
+def test_the_study_covers_the_conditions_of_the_page() -> None:
+    """At least 40 scenes load under all conditions: 5 sets of communication points, 3 kinds of inputs."""
     plants = scenes.plants()
     assert len({plant.name for plant in plants}) == len(plants) >= 40
     assert (len(TOLERANCES), len(scenes.GRIDS), len(scenes.INPUTS), len(INTEGRATORS)) == (7, 5, 3, 6)
@@ -38,13 +38,13 @@ def test_smooth_inputs_are_given_with_their_derivatives() -> None:
     """Central differences, h = 1e-4: errors of h^2 times the third derivative, 1e-8 of each."""
     wave, h = Smooth(0.3, 2.0, 3.0), 1e-4
     for order in range(3):
-        slope = (wave.at(0.7 + h)[order] - wave.at(0.7 - h)[order]) / (2 * h)
-        assert slope == pytest.approx(wave.at(0.7)[order + 1], rel=1e-6)
+        derivative = (wave.at(0.7 + h)[order] - wave.at(0.7 - h)[order]) / (2 * h)
+        assert derivative == pytest.approx(wave.at(0.7)[order + 1], rel=1e-6)
 
 
 def test_smooth_inputs_move_within_a_communication_step() -> None:
-    """A disc without spring: w is the integral of the sine over its moment of inertia, up to what the cubics
-    leave out, 5 7^4 h^5 / 120 / 0.02 a step of 1 ms: 5e-9 of 1000. Held inputs err by some 0.1.
+    """A disk without spring: w is the integral of the sine over its moment of inertia. The cubic polynomials
+    have an error of 5 7^4 h^5 / 120 / 0.02 per step of 1 ms: 5e-9 of 1000; held inputs one of about 0.1.
     """
     plant = next(p for p in scenes.plants() if p.name == "torsion-soft")
     scene = {**plant.scene, "joints": {"A": {**plant.scene["joints"]["A"], "stiffness": 0, "damping": 0}}}
@@ -57,8 +57,8 @@ def test_smooth_inputs_move_within_a_communication_step() -> None:
     assert difference(found[:, None], exact[:, None], np.ones(1)) < 100 * 1e-10 * 50  # solver
 
 
-def test_outcomes_and_ways_reach_the_tables() -> None:
-    """Of one scene, sampled: counts on the page add up; the saved and the irregular ones are among them."""
+def test_outcomes_and_conditions_are_in_the_tables() -> None:
+    """Sampled runs of one scene: their counts add up and include saved and irregular ones."""
     plant = next(p for p in scenes.plants() if p.name == "torsion-overdamped")
     runs = runs_of(
         replace(plant, drives={}), Settings(tolerances=(1e-4, 1e-6), integrators=("erk", "dirk"), jobs=1)
@@ -66,13 +66,13 @@ def test_outcomes_and_ways_reach_the_tables() -> None:
     assert len(runs) == 5 * 2 * 2 * 2
     assert {page.way_of(run).saved for run in runs} == {True, False}
     assert all(run.outcome == Outcome.GOOD for run in runs)
-    spoilt = [replace(runs[0], outcome=Outcome.WRONG, error=1.0), *runs[1:]]
-    assert "1 wrong | 1.0e4" in page.outliers(spoilt).replace("1e+04", "1.0e4")
-    assert page.outliers(runs).count("\n") == 2  # the header alone
+    spoiled = [replace(runs[0], outcome=Outcome.WRONG, error=1.0), *runs[1:]]
+    assert "1 wrong | 1.0e4" in page.outliers(spoiled).replace("1e+04", "1.0e4")
+    assert page.outliers(runs).count("\n") == 2  # only the header
 
 
 def test_signals_are_measured_by_their_largest_value_in_any_run() -> None:
-    """Looked at once, at its end, a spring may stand near zero."""
+    """At the end of a run, its only sample, a spring may be near zero."""
     plant = next(p for p in scenes.plants() if p.name == "torsion-soft")
     found = references_of([c for c in plant.cases() if "constant" in c.name], 1)
     scales = [reference.scales for reference in found.values() if isinstance(reference, Reference)]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What adaptive integrators make of the tolerance that is asked of them: docs/accuracy.md."""
+"""Error of adaptive integrators relative to the tolerance: docs/accuracy.md."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures what adaptive integrators make of a tolerance, for docs/accuracy.md: `make accuracy`.
+"""Measure the error of adaptive integrators relative to the tolerance, for docs/accuracy.md: `make accuracy`.
 
-Scenes one after another; the runs of each go to out/accuracy/NAME.csv, and a scene that is there already is
-not run again. `--fresh` forgets them; `--page` makes the tables of what is there, without running anything.
-`--quick` does a small part, into out/accuracy-quick/ alone, to see that it runs.
+The runs of each scene are written to out/accuracy/NAME.csv; scenes with such a file are not run again.
+`--fresh` deletes the files; `--page` makes the tables from the files without running anything.
+`--quick` runs a small part and writes to out/accuracy-quick/ only, as a test.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ def asked() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--fresh", action="store_true")
-    parser.add_argument("--page", action="store_true", help="no runs: the page alone")
-    parser.add_argument("--scenes", help="names with commas between them; all if not given")
-    parser.add_argument("--integrators", help="likewise")
-    parser.add_argument("--every", type=int, default=1, help="of so many runs one, picked evenly")
+    parser.add_argument("--page", action="store_true", help="update the page without running anything")
+    parser.add_argument("--scenes", help="comma-separated names; default: all")
+    parser.add_argument("--integrators", help="comma-separated names; default: all")
+    parser.add_argument("--every", type=int, default=1, help="run one of so many runs, evenly distributed")
     parser.add_argument("--jobs", type=int, default=2)
     return parser.parse_args()
 
 
 def sampled(count: int, found: list[scenes.Plant]) -> str:
-    """How many runs these are of how many."""
+    """Return the number of runs, and of how many they are a sample."""
     ways = 2 * len(Settings.integrators) * len(Settings.tolerances)  # saved or not
     whole = ways * sum(len(list(plant.cases())) for plant in found)
     part = "" if count == whole else f", a sample of {whole}"
@@ -65,8 +65,8 @@ def main() -> None:
         file = numbers / f"{plant.name}.csv"
         if file.exists():
             continue
-        with status_line(sys.stderr) as tell:
-            runs = runs_of(plant, settings, partial(tell, plant.name))
+        with status_line(sys.stderr) as progress:
+            runs = runs_of(plant, settings, partial(progress, plant.name))
         runs_csv.write(runs, file)
         wrong = sum(run.outcome == "wrong" for run in runs)
         print(f"{file.relative_to(ROOT)}: {len(runs)} runs, {wrong} wrong", flush=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Equations of motion of three ready scenes, written by hand and integrated with SciPy's DOP853 at 1e-13."""
+"""Hand-written equations of motion of three example scenes, integrated with SciPy's DOP853 at 1e-13."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _integrated(rates: Callable[[float, Array], list[float]], start: list[float]
 
 
 def pendulum(times: Array) -> dict[str, Array]:
-    """Scene pendulum: a rod of 0.256 kg m2 about its pin, 0.3 rad from the horizontal."""
+    """Return the states of the scene pendulum: a rod of 0.256 kg m², phi from the horizontal."""
 
     def rates(_t: float, y: Array) -> list[float]:
         return [y[1], (-1.2 * GRAVITY * 0.4 * np.cos(y[0]) - 0.02 * y[1]) / 0.256]
@@ -29,7 +29,7 @@ def pendulum(times: Array) -> dict[str, Array]:
 
 
 def double_pendulum(times: Array) -> dict[str, Array]:
-    """Scene double_pendulum by Lagrange's equations in the angles a, b of both rods from the horizontal."""
+    """Return the states of the scene double_pendulum; a, b are the angles of the rods from the horizontal."""
     of_a = 0.0408333333333333 + 1.0 * 0.35**2 + 0.6 * 0.7**2
     of_b, both = 0.0125 + 0.6 * 0.25**2, 0.6 * 0.7 * 0.25
     weight_a, weight_b = GRAVITY * (1.0 * 0.35 + 0.6 * 0.7), GRAVITY * 0.6 * 0.25
@@ -45,7 +45,7 @@ def double_pendulum(times: Array) -> dict[str, Array]:
 
 
 def cart_pole(times: Array) -> dict[str, Array]:
-    """Scene cart_pole under 0.7 N, by Lagrange's equations; theta from the upright."""
+    """Return the states of the scene cart_pole under 0.7 N; theta is measured from the upright."""
     mass, moment, whole = 0.2 * 0.3, 0.006 + 0.2 * 0.3**2, 1.2
 
     def rates(_t: float, y: Array) -> list[float]:

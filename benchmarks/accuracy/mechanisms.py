@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms that only this study needs; SI units, angles in radians."""
+"""Mechanisms of this study only; SI units, angles in radians."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ FIXED = {"fixed": True}
 
 
 def driven(source: Scene, joint: str, **motor: Any) -> Scene:
-    """The scene with a motor `drive` at a joint."""
+    """Return the scene with a motor `drive` at a joint."""
     return source | {"motors": {"drive": {"joint": joint, **motor}}}
 
 
 def torsion_spring(stiffness: float, damping: float, phi: float) -> Scene:
-    """A disc of 0.02 kg m2 on a torsion spring-damper, let go at `phi`."""
+    """Return a disk of 0.02 kg m² on a torsional spring-damper, released at the angle `phi` [rad]."""
     start = {"phi": phi, "w": 0, **FIXED}
     joints = {"A": hinge("ground", "disc", stiffness=stiffness, damping=damping, start=start)}
     return driven(scene({"disc": body(1, inertia=(0.02, 0.02, 0.02))}, joints), "A")
 
 
 def two_masses(stiff: float, soft: float, damping: float) -> Scene:
-    """Two masses of 1 kg in a row, the first on a stiff spring with a damper, the second on a soft one."""
+    """Return two masses of 1 kg, the first on a stiff spring and damper, the second on a soft spring."""
     joints = {
         "P": slide("ground", "first", stiffness=stiff, damping=damping, start={"s": 0, "v": 0, **FIXED}),
         "Q": slide("first", "second", stiffness=soft, start={"s": 0.1, "v": 1, **FIXED}),
@@ -37,14 +37,14 @@ def two_masses(stiff: float, soft: float, damping: float) -> Scene:
 
 
 class Linear:
-    """x' = A x + b in closed form, for the names of x."""
+    """Closed-form solution of x' = A x + b; `names` are the outputs of x."""
 
     def __init__(self, names: tuple[str, ...], A: Any, b: Any, x: Any) -> None:
         self.names = names
         self.A, self.b, self.x = (np.array(value, float) for value in (A, b, x))
 
     def __call__(self, times: Array) -> dict[str, Array]:
-        """Joint states at times [s]."""
+        """Return the joint states by output name at times [s], each of shape (times,)."""
         rest = -np.linalg.solve(self.A, self.b)
         rates, modes = np.linalg.eig(self.A.astype(complex))
         parts = np.linalg.solve(modes, self.x - rest)
@@ -53,20 +53,20 @@ class Linear:
 
 
 def torsion_truth(stiffness: float, damping: float, phi: float) -> Linear:
-    """Of `torsion_spring`."""
+    """Return the closed-form solution of `torsion_spring`."""
     A = [[0, 1], [-stiffness / 0.02, -damping / 0.02]]
     return Linear(("A.phi", "A.w"), A, [0, 0], [phi, 0])
 
 
 def two_masses_truth(stiff: float, soft: float, damping: float) -> Linear:
-    """Of `two_masses`; Q.s is the second's place against the first."""
+    """Return the closed-form solution of `two_masses`; Q.s is relative to the first mass."""
     first = [-stiff, soft, -damping, 0]
     A = [[0, 0, 1, 0], [0, 0, 0, 1], first, [stiff, -2 * soft, damping, 0]]
     return Linear(("P.s", "Q.s", "P.v", "Q.v"), A, [0, 0, 0, 0], [0, 0.1, 0, 1])
 
 
 def stiff_pendulum(stiffness: float) -> Scene:
-    """A mass on an arm without mass that can stretch, on a stiff spring: fast beside slow, no damping."""
+    """Return a pendulum whose bob is on a stiff undamped spring along a light arm: fast and slow motion."""
     joints = {
         "A": hinge("ground", "arm", start={"phi": -0.4, "w": 0.3, **FIXED}),
         "S": slide(
@@ -78,7 +78,7 @@ def stiff_pendulum(stiffness: float) -> Scene:
 
 
 def slider_crank(rate: float) -> Scene:
-    """Crank 0.1 m, rod 0.4 m, a slider of 0.8 kg, through its dead centres."""
+    """Return a slider-crank that crosses its dead centers: crank 0.1 m, rod 0.4 m, slider 0.8 kg."""
     phi = 0.7
     lean = -math.asin(0.25 * math.sin(phi))
     joints = {
@@ -92,7 +92,7 @@ def slider_crank(rate: float) -> Scene:
 
 
 def v6(rate: float) -> Scene:
-    """A V6 engine at 60 degrees: cranks of 40 mm every 60 degrees, rods of 150 mm, six loops in one plane."""
+    """Return a 60-degree V6 engine: throws of 40 mm every 60 degrees, rods of 150 mm, six planar loops."""
     crank, length = 0.04, 0.15
     joints: Scene = {"main": hinge("ground", "shaft", damping=0.05, start={"phi": 0.0, "w": rate, **FIXED})}
     bodies = {"shaft": body(12, inertia=(0.05, 0.05, 0.06))}
@@ -113,7 +113,7 @@ def v6(rate: float) -> Scene:
 
 
 def chain(n: int) -> Scene:
-    """Rods of 0.4 m and 0.5 kg in a row with a little damping, let go bent."""
+    """Return a chain of n rods of 0.4 m and 0.5 kg with light damping, released in a bent position."""
     joints = {}
     for i in range(n):
         parent: Any = at(f"rod{i - 1}", 0.4) if i else "ground"
@@ -124,7 +124,7 @@ def chain(n: int) -> Scene:
 
 
 def arm() -> Scene:
-    """Six hinges about alternating axes in space, with dampers."""
+    """Return a spatial arm of six hinges about alternating axes with dampers."""
     axes = ([0, 0, 1], [0, 1, 0], [0, 1, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0])
     joints = {}
     for i, axis in enumerate(axes):
@@ -136,7 +136,7 @@ def arm() -> Scene:
 
 
 def gears() -> Scene:
-    """A flywheel and a pendulum on a pair of gears, the pendulum's shaft on a spring of 2e4 N m/rad."""
+    """Return a flywheel and a pendulum coupled by gears; the pendulum's shaft is a spring of 2e4 N m/rad."""
     joints = {
         "A": hinge("ground", "wheel", start={"phi": 0, "w": 2, **FIXED}),
         "B": hinge(at("ground", 0.3), "pinion"),
@@ -152,7 +152,7 @@ def gears() -> Scene:
 
 
 def rack() -> Scene:
-    """A pinion with an eccentric mass rolls a rack along against a spring."""
+    """Return a pinion with an eccentric mass that drives a rack against a spring."""
     joints = {
         "S": slide("ground", "bar", stiffness=300, start={"s": 0.05, "v": 0, **FIXED}),
         "R": hinge("ground", "pinion"),
@@ -163,7 +163,7 @@ def rack() -> Scene:
 
 
 def given_crank(**motion: Any) -> Scene:
-    """The ready four-bar without its motor, its crank's motion given."""
+    """Return the four-bar scene with a prescribed motion of the crank instead of its motor."""
     out = four_bar()
     out["joints"]["A"].pop("start")
     out.pop("motors")
@@ -173,7 +173,7 @@ def given_crank(**motion: Any) -> Scene:
 
 
 def rolling_disc() -> Scene:
-    """A disc of 0.3 m wobbles over the ground: a chain of yaw, height, lean and spin, one contact."""
+    """Return a wobbling disk of 0.3 m that rolls on the ground: coordinates yaw, height, lean and spin."""
     joints = {
         "base": {"type": "planar", "parent": "ground", "child": "a",
                  "start": {"phi": 0.0, "w": 1.0, "fixed": ["phi", "w"]}},
@@ -187,7 +187,7 @@ def rolling_disc() -> Scene:
 
 
 def sleigh() -> Scene:
-    """Chaplygin's sleigh: its blade, behind the mass centre, does not slip sideways."""
+    """Return Chaplygin's sleigh: its blade, behind the center of mass, does not slip sideways."""
     joints = {"P": {"type": "planar", "parent": "ground", "child": "sleigh",
                     "start": {"s_x": 0, "s_y": 0, "phi": 0.2, "w": 3.0,
                               "fixed": ["s_x", "s_y", "phi", "w"]}}}  # fmt: skip
@@ -196,21 +196,21 @@ def sleigh() -> Scene:
 
 
 def bouncing() -> Scene:
-    """A mass falls on a stop of 1e5 N/m with a little damping."""
+    """Return a mass that falls onto a stop of 1e5 N/m with light damping."""
     stop = {"lower": 0.0, "stiffness": 1e5, "damping": 20}
     joints = {"Z": slide("ground", "ball", axis=[0, 1, 0], stop=stop, start={"s": 0.5, "v": 0, **FIXED})}
     return scene({"ball": body(1.5, inertia=(0.1, 0.1, 0.1))}, joints, gravity=DOWN_Y)
 
 
 def pendulum_at_stop() -> Scene:
-    """A rod swings against an elastic stop of 500 N m/rad."""
+    """Return a rod that swings against an elastic stop of 500 N m/rad."""
     stop = {"upper": -1.2, "stiffness": 500}
     joints = {"A": hinge("ground", "rod", stop=stop, start={"phi": -2.6, "w": 0, **FIXED})}
     return driven(scene({"rod": rod(0.6)}, joints, gravity=DOWN_Y), "A")
 
 
 def spring_triangle() -> Scene:
-    """Two carts and a pendulum tied by springs between points, one of them stiff and damped."""
+    """Return two carts and a pendulum connected by springs between points, one of them stiff and damped."""
     joints = {
         "X": slide("ground", "cart", start={"s": 0, "v": 0.2, **FIXED}),
         "Y": slide("ground", "block", start={"s": 0.8, "v": 0, **FIXED}),

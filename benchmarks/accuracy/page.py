@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs as the tables of docs/accuracy.md."""
+"""Tables of docs/accuracy.md."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from gelenk.chart.tables import rows
 
 @dataclass(frozen=True)
 class Way:
-    """Of a run: its scene, inputs, communication points, and whether its state was saved."""
+    """The conditions of a run: scene, inputs, communication points, and whether its state was saved."""
 
     scene: str
     inputs: str
@@ -29,35 +29,35 @@ class Way:
 
 
 def way_of(run: Run) -> Way:
-    """Out of its name, see `scenes.Plant.cases`."""
+    """Return the conditions of a run from its name, see `scenes.Plant.cases`."""
     scene, inputs, grid, *saved = run.scene.split("/")
     return Way(scene, inputs, grid, bool(saved))
 
 
 def ratio(run: Run) -> float:
-    """Error in tolerances."""
+    """Return error / tolerance."""
     return run.error / run.tolerance
 
 
 def figure(x: float) -> str:
-    """Two digits."""
+    """Format with two digits; return an empty string for NaN."""
     if math.isnan(x):
         return ""
     return f"{x:.2g}" if x < 1e4 else f"{x:.1e}".replace("e+0", "e")
 
 
 def by_tolerance(runs: Sequence[Run]) -> str:
-    """A line for each integrator and tolerance."""
+    """Return a table of the errors and outcomes by integrator and tolerance."""
     lines = []
     for name in INTEGRATORS:
         for tolerance in sorted({run.tolerance for run in runs}, reverse=True):
             mine = [run for run in runs if run.integrator == name and run.tolerance == tolerance]
-            lines.append([name, f"{tolerance:.0e}".replace("e-0", "e-"), *_told(mine)])
-    return rows(["integrator", "tolerance", *TOLD], lines)
+            lines.append([name, f"{tolerance:.0e}".replace("e-0", "e-"), *_columns(mine)])
+    return rows(["integrator", "tolerance", *COLUMNS], lines)
 
 
 def by_way(runs: Sequence[Run]) -> str:
-    """The worst error/tolerance, and how many are wrong of how many, by the ways of being driven."""
+    """Return a table of the largest error/tolerance and the number of wrong runs by conditions."""
     ways: list[tuple[str, Callable[[Way], bool]]] = [
         *((f"{kind} inputs", lambda way, kind=kind: way.inputs == kind) for kind in INPUTS),
         *((f"{kind} grid", lambda way, kind=kind: way.grid == kind) for kind in GRIDS),
@@ -76,10 +76,10 @@ def by_way(runs: Sequence[Run]) -> str:
     return rows(["runs with", *INTEGRATORS], lines)
 
 
-TOLD = ("runs", "median error/tolerance", "95 %", "worst", "good", "wrong", "refused", "no end")
+COLUMNS = ("runs", "median error/tolerance", "95 %", "maximum", "good", "wrong", "refused", "failed")
 
 
-def _told(runs: Sequence[Run]) -> list[str]:
+def _columns(runs: Sequence[Run]) -> list[str]:
     ratios = sorted(ratio(run) for run in runs if run.finished)
     counts = Counter(run.outcome for run in runs)
     figures = ["", "", ""]
@@ -93,7 +93,7 @@ def _told(runs: Sequence[Run]) -> list[str]:
 
 
 def outliers(runs: Iterable[Run]) -> str:
-    """What is wrong, refused or came to no end: scene, integrator, inputs, saved or not, and why."""
+    """Return a table of wrong, refused and failed runs by integrator, scene and inputs, with explanations."""
     groups: dict[tuple[str, ...], list[Run]] = {}
     for run in runs:
         if run.outcome != Outcome.GOOD:
@@ -108,12 +108,12 @@ def outliers(runs: Iterable[Run]) -> str:
         why = explanation(name, scene, inputs, saved == "yes", outcome)
         lines.append([name, scene, inputs, saved, f"{len(mine)} {outcome}", much, at, why])
     return rows(
-        ["integrator", "scene", "inputs", "saved", "runs", "worst error/tolerance", "at", "why"], lines
+        ["integrator", "scene", "inputs", "saved", "runs", "max. error/tolerance", "at", "explanation"], lines
     )
 
 
 def scenes(runs: Sequence[Run], about: Sequence[tuple[str, float, str]]) -> str:
-    """Each scene with its time, inputs, and what its references claim to know."""
+    """Return a table of the scenes with duration, inputs, accuracy of the references and outcomes."""
     lines = []
     for name, stop, inputs in about:
         mine = [run for run in runs if way_of(run).scene == name]
@@ -122,4 +122,4 @@ def scenes(runs: Sequence[Run], about: Sequence[tuple[str, float, str]]) -> str:
         lines.append(
             [name, f"{stop:g}", inputs, f"{max(digits):.0e}" if digits else "", str(len(mine)), str(wrong)]
         )
-    return rows(["scene", "time [s]", "inputs", "references agree to", "runs", "wrong"], lines)
+    return rows(["scene", "duration [s]", "inputs", "reference error", "runs", "wrong"], lines)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All runs of a scene, against references of their own."""
+"""All runs of a scene and their reference solutions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gelenk.chart.workers import Failure, work_off
 
 INTEGRATORS = ("auto", "erk", "dirk", "ida", "cvode", "cvode-adams")
 TOLERANCES = tuple(10.0**-k for k in range(4, 11))
-# What has to agree with erk at 1e-13; the best counts. Wheels do not go with `independent`.
+# Checks of erk at 1e-13; the closest counts. `independent` cannot solve wheels.
 CHECKS = (
     Method("independent", "cvode-adams"),
     Method("independent", "erk"),
@@ -33,7 +33,7 @@ REFERENCE_LIMIT = 120.0  # s
 
 @dataclass(frozen=True)
 class Settings:
-    """How much is run. every: of so many runs, one; limit: wall time of one [s]."""
+    """Extent of the study; one of `every` runs is made, `limit` is the wall-clock time of one [s]."""
 
     tolerances: tuple[float, ...] = TOLERANCES
     integrators: tuple[str, ...] = INTEGRATORS
@@ -43,7 +43,7 @@ class Settings:
 
 
 def reference_of(case: Case) -> Reference | Failure:
-    """By the closed form, or by erk at 1e-13 with the digits to which another way agrees."""
+    """Return the closed form, or erk at 1e-13 checked by another method, as reference."""
     main = main_recording(case)
     if case.truth is not None:
         return closed(case, [main])
@@ -56,8 +56,9 @@ def reference_of(case: Case) -> Reference | Failure:
 
 
 def references_of(cases: Sequence[Case], jobs: int) -> dict[str, Reference | Failure]:
-    """Of every case by name. A signal is measured by its largest value in any of them: where a run is looked
-    at once it may be near zero.
+    """Return the references of the cases by name.
+
+    The scale of a signal is its largest value in all cases, since it may be near zero at a run's only sample.
     """
     results = work_off([(reference_of, (case,), REFERENCE_LIMIT) for case in cases], jobs)
     known = [result.scales for result in results if isinstance(result, Reference)]
@@ -68,8 +69,8 @@ def references_of(cases: Sequence[Case], jobs: int) -> dict[str, Reference | Fai
     }
 
 
-def runs_of(plant: Plant, settings: Settings, told: Callable[[float], None] | None = None) -> list[Run]:
-    """Every integrator over tolerances, inputs, communication points, with and without saving."""
+def runs_of(plant: Plant, settings: Settings, progress: Callable[[float], None] | None = None) -> list[Run]:
+    """Make all runs of a scene, with and without saving states; return them with their errors."""
     cases = list(plant.cases())
     truth = references_of(cases, settings.jobs)
     tasks = []
@@ -81,10 +82,10 @@ def runs_of(plant: Plant, settings: Settings, told: Callable[[float], None] | No
                 for method in methods.chosen(settings.integrators)
                 for tolerance in settings.tolerances
             ]
-    # Weyl's sequence picks without favouring a tolerance or an integrator, and other runs of each scene.
+    # Weyl's sequence samples tolerances and integrators evenly, and differently for each scene.
     phase = zlib.crc32(plant.name.encode()) / 2**32
     tasks = [
         task for k, task in enumerate(tasks) if (phase + k * 0.6180339887498949) % 1.0 < 1 / settings.every
     ]
-    runs = run_all(tasks, truth, settings.jobs, settings.limit, told)
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, progress)
     return [without_truth(run, truth[run.scene]) for run in runs]

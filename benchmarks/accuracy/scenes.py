@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The scenes of the study: small, none chaotic within its time, and the ways in which each is run."""
+"""The scenes of the study and the conditions of their runs; none is chaotic within its duration."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ INDEPENDENT: dict[str, Truth] = {
 }
 INPUTS = ("constant", "smooth", "jumping")
 GRIDS = ("fine", "middle", "coarse", "irregular", "whole")
-FINE = 1e-3  # s, between communication points; middle and coarse: 10 and 100 times as much
-IRREGULAR = 60  # communication steps, the longest some hundred times the shortest
+FINE = 1e-3  # s, communication step; 10 and 100 times as long for the middle and coarse grids
+IRREGULAR = 60  # number of irregular communication steps; the longest is about 100 times the shortest
 
 
 @dataclass(frozen=True)
 class Plant:
-    """A scene with its time [s], and for each input mean, amplitude and rate [rad/s] of its motion."""
+    """A scene with its duration [s], and mean, amplitude and rate [rad/s] of each input."""
 
     name: str
     scene: Scene
     stop: float
     drives: dict[str, tuple[float, float, float]] = field(default_factory=dict)
-    truth: Truth | None = None  # with the inputs at their means
+    truth: Truth | None = None  # closed form for inputs at their means
     fine: float = FINE
 
     def grid(self, kind: str) -> tuple[float, tuple[float, ...]]:
-        """(communication step, communication points where these are not equally far apart)."""
+        """Return (communication step, communication points if these are not equidistant)."""
         steps = {"fine": self.fine, "middle": 10 * self.fine, "coarse": 100 * self.fine}
         if kind in steps:
             return steps[kind], ()
@@ -54,7 +54,7 @@ class Plant:
         return self.stop / IRREGULAR, (*points, self.stop)
 
     def inputs(self, kind: str) -> dict[str, float | Jumps | Smooth]:
-        """What is set: held, a wave with its derivatives, or another value at each communication point."""
+        """Return inputs: constant, sines with derivatives, or a new value at each communication point."""
         found: dict[str, float | Jumps | Smooth] = {}
         for name, (mean, amplitude, rate) in self.drives.items():
             wave, jumps = Smooth(mean, amplitude, rate), Jumps(mean, amplitude)
@@ -62,11 +62,11 @@ class Plant:
         return found
 
     def cases(self) -> Iterator[Case]:
-        """All runs, named scene/inputs/grid; `with_saving` makes those that save from them."""
+        """Yield all test cases, named scene/inputs/grid; `with_saving` derives those that save states."""
         for inputs in INPUTS if self.drives else INPUTS[:1]:
             for grid in GRIDS:
                 if inputs != "constant" and grid == "whole":
-                    continue  # one communication step: nothing jumps, and a wave is no cubic over seconds
+                    continue  # in one communication step nothing jumps, and a cubic is no good sine
                 step, times = self.grid(grid)
                 yield Case(
                     f"{self.name}/{inputs}/{grid}", "", self.scene, self.stop, step, self.inputs(inputs),
@@ -75,12 +75,12 @@ class Plant:
 
 
 def with_saving(case: Case) -> Case:
-    """The same run, its state saved at each communication point."""
+    """Return the same test case with the state saved at each communication point."""
     return replace(case, name=case.name + "/saved", saved=True)
 
 
 def _ready() -> Iterator[Plant]:
-    """The scenes that come with the package."""
+    """Yield the example scenes of the package."""
     for name, stop, drives in (
         ("pendulum", 3.0, {}),
         ("double_pendulum", 2.0, {}),
@@ -98,10 +98,10 @@ def _ready() -> Iterator[Plant]:
 
 
 def _known() -> Iterator[Plant]:
-    """Those of the charts."""
+    """Yield scenes of the charts and reductions."""
     top = common.heavy_top
-    yield Plant("windows-1", common.windows(1), 2.0, truth=WindowsTruth(1, 1.0))
-    yield Plant("windows-3", common.windows(3), 2.0, truth=WindowsTruth(3, 1.0))
+    yield Plant("n-four-bar-1", common.windows(1), 2.0, truth=WindowsTruth(1, 1.0))
+    yield Plant("n-four-bar-3", common.windows(3), 2.0, truth=WindowsTruth(3, 1.0))
     yield Plant("parallelogram", common.parallelogram(-math.pi / 2, 12.0), 2.0, truth=parallelogram_truth)
     yield Plant(
         "equal-slider-crank", common.equal_slider_crank(0.3, 2.0), 2.0, truth=equal_slider_crank_truth
@@ -122,7 +122,7 @@ def _known() -> Iterator[Plant]:
 
 
 def _more() -> Iterator[Plant]:
-    """Stiff springs, dead centres, six loops, gears, given motions, wheels, stops."""
+    """Yield scenes with stiff springs, dead centers, six loops, gears, given motions, wheels and stops."""
     torque = {"drive.tau": (0.0, 5.0, 7.0)}
     for name, k, c, phi in (("torsion-overdamped", 2e3, 500.0, 95.0), ("torsion-stiff", 3e4, 3.0, 95.0),
                             ("torsion-soft", 3.0, 0.01, 95.0)):  # fmt: skip
@@ -148,7 +148,7 @@ def _more() -> Iterator[Plant]:
 
 
 def plants() -> list[Plant]:
-    """All of them."""
+    """Return all scenes."""
     return [*_ready(), *_known(), *_more()]
 
 
@@ -156,14 +156,14 @@ QUICK = ("torsion-soft", "two-masses-damped", "pendulum", "four_bar")
 
 
 def chosen(names: list[str] | None) -> list[Plant]:
-    """By name. Raises ValueError: an unknown name."""
+    """Return scenes by name; None: all. Raises ValueError: a name is unknown."""
     found = {plant.name: plant for plant in plants()}
     unknown = [name for name in names or [] if name not in found]
     if unknown:
-        raise ValueError(f"unknown scene {', '.join(unknown)}; there are: {', '.join(found)}")
+        raise ValueError(f"unknown scene {', '.join(unknown)}; known scenes: {', '.join(found)}")
     return [found[name] for name in names] if names else list(found.values())
 
 
 def described(plant: Plant) -> Any:
-    """Name, time and inputs for the page."""
+    """Return name, duration and inputs for the page."""
     return plant.name, plant.stop, ", ".join(plant.drives)
