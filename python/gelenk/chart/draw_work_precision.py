@@ -118,7 +118,7 @@ def _band(axis: Any, runs: Sequence[Run], methods: Sequence[Method], named: bool
 def _legend(figure: Any, axis: Any, methods: Sequence[Method]) -> None:
     handles = [axis.plot([], [], label=m.name, **look(m))[0] for m in [AUTO, *methods] if m in methods]
     handles = list({handle.get_label(): handle for handle in handles}.values())
-    grey = {"color": "#444444", "linestyle": "", "marker": "o", "markersize": 5}
-    handles.append(axis.plot([], [], label="good", **grey)[0])
-    handles.append(axis.plot([], [], label=WRONG, markerfacecolor="white", **grey)[0])
+    gray = {"color": "#444444", "linestyle": "", "marker": "o", "markersize": 5}
+    handles.append(axis.plot([], [], label="good", **gray)[0])
+    handles.append(axis.plot([], [], label=WRONG, markerfacecolor="white", **gray)[0])
     figure.legend(handles=handles, loc="outside right center", fontsize=8, handlelength=3.2)

@@ -37,8 +37,8 @@ class Course:
     states: Array  # joint positions and speeds, shape (samples, signals)
     kinetic: Array  # kinetic energy [J], shape (samples + 1,): the start is included
     total: Array  # total energy [J], shape (samples + 1,)
-    gap: float  # largest closure error of the loops [m, rad]
-    rate: float  # largest constraint error of the velocities [m/s, rad/s]
+    position_residual: float  # largest closure error of the loops [m, rad]
+    velocity_residual: float  # largest constraint error of the velocities [m/s, rad/s]
     counts: dict[str, float]
 
 
@@ -225,8 +225,8 @@ def measured(task: Task, reference: Reference | None) -> Run:
         steps=course.counts["solver.steps"],
         rejected=course.counts["solver.rejected_steps"],
         jacobians=course.counts.get("solver.jacobians", math.nan),
-        position_residual=course.gap,
-        velocity_residual=course.rate,
+        position_residual=course.position_residual,
+        velocity_residual=course.velocity_residual,
         reached=task.case.stop,
     )
     return run if reference is None else compared(run, course, reference)

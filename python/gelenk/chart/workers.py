@@ -22,6 +22,8 @@ class Failure:
 
 
 class _Worker:
+    """A process that runs one call at a time, with a deadline."""
+
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, far = context.Pipe()

@@ -41,7 +41,9 @@ Tolerances = Annotated[
 Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Output folder.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of concurrent runs.")]
 Quick = Annotated[bool, typer.Option("--quick", help="Make a few runs only.")]
-Limit = Annotated[float | None, typer.Option("--limit", metavar="S", help="Wall-clock limit of one run [s].")]
+Limit = Annotated[
+    float | None, typer.Option("--limit", metavar="S", help="Wall-clock limit of one run in seconds.")
+]
 
 SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # default number of concurrent runs
 
