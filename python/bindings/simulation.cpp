@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -212,19 +213,33 @@ void bind_signal(nb::module_& m) {
       .def("__repr__", [](const Signal& s) { return "<Signal " + s.name + " [" + s.unit + "]>"; });
 }
 
+// Old names of sizes, which warn.
+template <int ModelSize::* member>
+void add_deprecated(nb::class_<ModelSize>& size, const char* old_name, const char* name) {
+  const std::string message = std::string("ModelSize.") + old_name + " is deprecated and will be removed in the next " +
+                              "release; use ModelSize." + name;
+  size.def_prop_ro(old_name, [message](const ModelSize& self) {
+    if (PyErr_WarnEx(PyExc_DeprecationWarning, message.c_str(), 1) < 0) throw nb::python_error();
+    return self.*member;
+  });
+}
+
 void bind_size(nb::module_& m) {
-  nb::class_<ModelSize>(m, "ModelSize", "Sizes of the model behind a scene.")
-      .def_ro("bodies", &ModelSize::bodies, "Bodies that can move, welded ones counted once.")
-      .def_ro("coordinates", &ModelSize::coordinates)
-      .def_ro("speeds", &ModelSize::speeds)
-      .def_ro("rows", &ModelSize::rows, "Constraint rows of the loops.")
-      .def_ro("rank", &ModelSize::rank, "Rank of these rows.")
-      .def_ro("degrees_of_freedom", &ModelSize::degrees_of_freedom)
+  nb::class_<ModelSize> size(m, "ModelSize", "Sizes of the model of a scene.");
+  size.def_ro("bodies", &ModelSize::bodies, "Number of bodies that can move; welded bodies count as one.")
+      .def_ro("coordinates", &ModelSize::coordinates, "Number of joint coordinates of the tree.")
+      .def_ro("velocities", &ModelSize::speeds, "Number of generalized velocities of the tree.")
+      .def_ro("constraint_equations", &ModelSize::rows, "Number of constraint equations.")
+      .def_ro("rank", &ModelSize::rank, "Rank of the constraint equations.")
+      .def_ro("degrees_of_freedom", &ModelSize::degrees_of_freedom, "velocities - rank.")
       .def_ro("free_coordinates", &ModelSize::free_coordinates,
-              "Independent coordinates: as many as freedoms, more where wheels roll.")
-      .def_ro("islands", &ModelSize::islands, "Parts without coupling, solved apart.")
-      .def_ro("planar_islands", &ModelSize::planar_islands)
-      .def_ro("planar", &ModelSize::planar, "Whether all of them are computed in their plane.");
+              "Number of independent coordinates: degrees_of_freedom, and more where wheels roll.")
+      .def_ro("islands", &ModelSize::islands, "Number of islands: parts without coupling, integrated separately.")
+      .def_ro("planar_islands", &ModelSize::planar_islands, "Number of islands that are computed in their plane.")
+      .def_ro("planar", &ModelSize::planar, "Whether all islands are computed in their plane.");
+  add_deprecated<&ModelSize::speeds>(size, "speeds", "velocities");
+  add_deprecated<&ModelSize::rows>(size, "rows", "constraint_equations");
+  add_deprecated<&ModelSize::degrees_of_freedom>(size, "freedoms", "degrees_of_freedom");
 }
 
 void bind_inputs(nb::class_<Plant>& simulation) {

@@ -21,7 +21,7 @@ def sizes(source: Scene, **reductions: bool) -> tuple[int, int, int]:
     simulation = gelenk.Simulation(gelenk.load(made))
     simulation.initialize()
     size = simulation.size
-    return size.speeds, size.rows, size.degrees_of_freedom
+    return size.velocities, size.constraint_equations, size.degrees_of_freedom
 
 
 def planar_four_bar(**fields: Any) -> Scene:

@@ -81,7 +81,7 @@ def test_what_stands_still_alone_can_be_wanted() -> None:
     plant.initialize()
     assert [s.name for s in plant.outputs] == ["where.r[1]"]
     assert plant.values() == [1.0]
-    assert plant.size.speeds == 0
+    assert plant.size.velocities == 0
 
 
 @pytest.mark.parametrize("wanted", [["all.total"], ["all.kinetic", "L.phi"]])

@@ -60,7 +60,7 @@ def tasks_of(case: Case, methods: Sequence[Method], settings: Settings) -> list[
     Without constraints all formulations are identical, and only the default is run.
     """
     tasks = []
-    loops = gelenk.Simulation(case.scene).size.rows > 0
+    loops = gelenk.Simulation(case.scene).size.constraint_equations > 0
     for method in methods:
         if not loops and not method.automatic and method.formulation != DEFAULT:
             continue

@@ -104,8 +104,8 @@ def check(scene: SceneFile, assembly_tolerance: AssemblyTolerance = None) -> Non
     size = plant.size
     algebra = "planar" if size.planar else "spatial"
     print(f"{plant.scene!r}")
-    rows = f"{_count(size.rows, 'loop row')} of rank {size.rank}"
-    print(f"{_count(size.degrees_of_freedom, 'freedom')}: {_count(size.speeds, 'speed')}, {rows}, "
+    rows = f"{_count(size.constraint_equations, 'loop row')} of rank {size.rank}"
+    print(f"{_count(size.degrees_of_freedom, 'freedom')}: {_count(size.velocities, 'speed')}, {rows}, "
           f"{_count(size.bodies, 'moving body')}, {algebra}")  # fmt: skip
     print(f"inputs: {', '.join(s.name for s in plant.inputs) or 'none'}")
     report = plant.assembly_report()

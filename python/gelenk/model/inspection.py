@@ -120,7 +120,7 @@ def inspect(scene: Source, without: Iterable[str] = (), outputs: Iterable[str] |
         UsageError: a name that is no reduction, an entry of `outputs` that names no output.
 
     >>> report = gelenk.inspect(four_bar)
-    >>> report.described.rows, report.reduced.rows, report.freedoms
+    >>> report.described.constraint_equations, report.reduced.constraint_equations, report.freedoms
     (5, 2, 1)
     """
     asked = load(scene).without(without)
@@ -180,8 +180,8 @@ def _sizes(size: _core.ModelSize, degrees_of_freedom: int, cost: Cost) -> dict[s
     return {
         "bodies": size.bodies,
         "coordinates": size.coordinates,
-        "speeds": size.speeds,
-        "rows": size.rows,
+        "speeds": size.velocities,
+        "rows": size.constraint_equations,
         "freedoms": degrees_of_freedom,
         "algebra": _algebra(size),
         "islands": size.islands,

@@ -27,7 +27,7 @@ def started(source: Scene, *off: str, tolerance: float = 1e-11) -> gelenk.Simula
 
 def quaternions(plant: gelenk.Simulation) -> int:
     """Each has one coordinate more than speeds."""
-    return plant.size.coordinates - plant.size.speeds
+    return plant.size.coordinates - plant.size.velocities
 
 
 def assert_moves_alike(found: gelenk.Simulation, expected: gelenk.Simulation, stop: float) -> None:
@@ -46,8 +46,8 @@ def test_unlucky_order_of_a_spatial_loop_costs_a_row_and_a_quaternion() -> None:
     joints = source["joints"]
     source["joints"] = {name: joints[name] for name in ("S", "A", "P", "U")}
     chosen, by_file = started(source), started(source, "cut_choice")
-    assert (chosen.size.rows, quaternions(chosen)) == (3, 0)
-    assert (by_file.size.rows, quaternions(by_file)) == (4, 1)
+    assert (chosen.size.constraint_equations, quaternions(chosen)) == (3, 0)
+    assert (by_file.size.constraint_equations, quaternions(by_file)) == (4, 1)
     assert chosen.size.degrees_of_freedom == by_file.size.degrees_of_freedom == 1
     assert_moves_alike(chosen, by_file, 0.5)
 
@@ -56,8 +56,8 @@ def test_platform_on_balls_is_cut_at_all_balls_but_one() -> None:
     """In the file's order six quaternions and 20 rows; chosen, one and 15."""
     source = platform_on_balls()
     chosen, by_file = started(source), started(source, "cut_choice")
-    assert (chosen.size.rows, quaternions(chosen)) == (15, 1)
-    assert (by_file.size.rows, quaternions(by_file)) == (20, 6)
+    assert (chosen.size.constraint_equations, quaternions(chosen)) == (15, 1)
+    assert (by_file.size.constraint_equations, quaternions(by_file)) == (20, 6)
     assert chosen.size.degrees_of_freedom == by_file.size.degrees_of_freedom == 6
     note = gelenk.inspect(source).reductions["cut_choice"].notes[-1]
     assert "20 rows and 32 coordinates" in note
@@ -71,7 +71,7 @@ def test_stewart_platform_has_one_quaternion_in_any_order(seed: int) -> None:
     ready = gelenk.load(scene_files.SCENES / "stewart.yaml").to_dict()
     plain, shuffled = started(ready), started(reordered(ready, seed))
     for plant in (plain, shuffled):
-        assert (plant.size.rows, quaternions(plant), plant.size.degrees_of_freedom) == (15, 1, 6)
+        assert (plant.size.constraint_equations, quaternions(plant), plant.size.degrees_of_freedom) == (15, 1, 6)
     assert_moves_alike(shuffled, plain, 0.2)
 
 

@@ -42,8 +42,8 @@ def test_four_bar_in_space_has_three_repeated_rows() -> None:
     across the plane is forbidden already; forces across it and torques in it are anyone's guess.
     """
     report = told(reducible.tilted_four_bar())
-    assert (report.described.rows, report.counted_degrees_of_freedom) == (5, -2)
-    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
+    assert (report.described.constraint_equations, report.counted_degrees_of_freedom) == (5, -2)
+    assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
     assert report.reduced.planar
     assert {motion for _, motion in report.redundant_rows} == {
         "sliding along z",
@@ -63,7 +63,7 @@ def test_four_bar_told_by_turned_frames_has_the_same_counts() -> None:
     B["axis"] = [1, 0, 0]
     B["parent"]["rotation"] = B["child"]["rotation"] = matrix(R)
     report = told(source)
-    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
+    assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
     assert len(report.redundant_rows) == 3
     assert set(report.undetermined_reactions) == (
         open_reactions("ACD", "f[3]", "t[1]", "t[2]") | open_reactions("B", "f[1]", "t[2]", "t[3]")
@@ -83,7 +83,7 @@ def test_four_bar_moves_alike_with_more_rows(off: list[str], rows: int, planar: 
     """In space the repeated rows are found by their rank; if they stay, the solver finds the rank."""
     source = reducible.tilted_four_bar()
     report = told(source, *off)
-    assert (report.reduced.rows, report.reduced.planar) == (rows, planar)
+    assert (report.reduced.constraint_equations, report.reduced.planar) == (rows, planar)
     assert (report.reduced.rank, report.degrees_of_freedom) == (2, 1)
     assert len(report.redundant_rows) == 3
     expected, found = end_of(source), end_of(source, *off)
@@ -97,8 +97,8 @@ def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
     """
     source = reducible.ball_four_bar()
     report = told(source)
-    assert (report.described.rows, report.counted_degrees_of_freedom) == (3, 0)
-    assert (report.reduced.coordinates, report.reduced.rows, report.degrees_of_freedom) == (3, 2, 1)
+    assert (report.described.constraint_equations, report.counted_degrees_of_freedom) == (3, 0)
+    assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
     assert [joint for joint, _ in report.redundant_rows] == ["C"]
     assert set(report.undetermined_reactions) == (
         open_reactions("ABD", "f[3]", "t[1]", "t[2]") | open_reactions("C", "f[1]", "f[2]", "f[3]")
@@ -117,7 +117,7 @@ def test_bricard_has_a_freedom_that_counting_does_not_see() -> None:
     """Issue 3. All five rows stay: which of them is spare changes on the way."""
     report = told(bricard())
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom, report.initial_degrees_of_freedom) == (0, 1, 1)
-    assert (report.reduced.rows, report.reduced.rank) == (5, 4)
+    assert (report.reduced.constraint_equations, report.reduced.rank) == (5, 4)
     assert report.redundant_rows == ()
     assert any("with factors that change" in cause and "J1" in cause for cause in report.mobility)
 
@@ -145,10 +145,10 @@ def test_windows_keep_the_rows_they_need(n: int, start: str) -> None:
     """
     upright, rate = STARTS[start]
     report = told(windows(n, upright, rate))
-    assert (report.reduced.rows, report.reduced.rank, report.degrees_of_freedom) == (2 * n, 2 * n, 1)
+    assert (report.reduced.constraint_equations, report.reduced.rank, report.degrees_of_freedom) == (2 * n, 2 * n, 1)
     in_space = gelenk.Simulation(gelenk.load(windows(n, upright, rate)).without(["planar"]))
     in_space.initialize()
-    assert (in_space.size.rows, in_space.size.degrees_of_freedom) == (2 * n, 1)
+    assert (in_space.size.constraint_equations, in_space.size.degrees_of_freedom) == (2 * n, 1)
     assert report.initial_degrees_of_freedom == (1 + n if upright == SINGULAR else 1)
     assert any("singular" in cause for cause in report.mobility) == (upright == SINGULAR)
     assert len(report.redundant_rows) == 3 * n
@@ -160,7 +160,7 @@ def test_third_crank_of_a_parallelogram_adds_no_freedom(coupler_is_parent: bool,
     other, everywhere, and is left out; along the coupler they differ by sines and cosines: all stay.
     """
     report = told(reducible.triple_crank(coupler_is_parent))
-    assert (report.reduced.coordinates, report.reduced.rows, report.reduced.rank) == (4, rows, 3)
+    assert (report.reduced.coordinates, report.reduced.constraint_equations, report.reduced.rank) == (4, rows, 3)
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-6, 1)
     assert len(report.redundant_rows) == 10 - rows
     changing = any("with factors that change" in cause for cause in report.mobility)
@@ -200,7 +200,7 @@ def test_second_guide_repeats_the_first(make: Any, open_components: tuple[str, .
     """Two hinges in line, or two rails: 5 rows more, all repeated, and still 1 freedom."""
     report = told(make(), *off)
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-4, 1)
-    assert (report.described.rows, report.reduced.rows, report.reduced.rank) == (5, 0, 0)
+    assert (report.described.constraint_equations, report.reduced.constraint_equations, report.reduced.rank) == (5, 0, 0)
     assert len(report.redundant_rows) == 5
     joints = make()["joints"]
     assert set(report.undetermined_reactions) == {f"{j}.{c}" for j in joints for c in open_components}
@@ -213,7 +213,7 @@ def test_second_guide_repeats_the_first_but_for_rounding(kind: str, seed: int, o
     """Along an axis of no simple numbers the two guides agree to rounding only, and must not jam."""
     source = reducible.held_twice(kind, seed)
     report = told(source, *off)
-    assert (report.reduced.rows, report.degrees_of_freedom) == (0, 1)
+    assert (report.reduced.constraint_equations, report.degrees_of_freedom) == (0, 1)
     end = end_of(source, *off, stop=0.2)
     single = reducible.held_twice(kind, seed)
     del single["joints"]["upper"]

@@ -136,7 +136,7 @@ def test_joint_under_test_is_the_one_that_is_cut(kind: str) -> None:
     degrees_of_freedom = next(k["nv"] for k in registry.kinds() if k["name"] == kind)
     simulation = gelenk.Simulation(gelenk.load(in_loop(kind)))
     simulation.initialize()
-    assert simulation.size.rows == 6 - degrees_of_freedom
+    assert simulation.size.constraint_equations == 6 - degrees_of_freedom
     assert simulation.size.degrees_of_freedom == 1 + degrees_of_freedom
 
 

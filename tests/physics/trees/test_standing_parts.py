@@ -43,7 +43,7 @@ def test_truss_in_the_plane_stands_where_geometry_has_it() -> None:
     """Two rods pinned to the ground and to each other; the guesses were 0.05 and 0.1 rad off."""
     plant = started(triangle())
     size = plant.size
-    assert (size.bodies, size.coordinates, size.rows, size.degrees_of_freedom, size.islands) == (0, 0, 0, 0, 0)
+    assert (size.bodies, size.coordinates, size.constraint_equations, size.degrees_of_freedom, size.islands) == (0, 0, 0, 0, 0)
     springs = 40.0 / 2 * (PHI_LEFT - 0.2) ** 2 + 25.0 / 2 * (PHI_RIGHT - PHI_LEFT) ** 2
     energy = springs + (2.0 + 1.5) * GRAVITY * TOP[1] / 2
     expected = {
@@ -133,7 +133,7 @@ def test_mechanism_on_a_truss_moves_as_on_the_ground(off: tuple[str, ...]) -> No
     turned = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     on_ground = started(pendulum_on(frame("ground", TOP, turned)))
     if not off:
-        assert (on_truss.size.bodies, on_truss.size.coordinates, on_truss.size.rows) == (2, 3, 0)
+        assert (on_truss.size.bodies, on_truss.size.coordinates, on_truss.size.constraint_equations) == (2, 3, 0)
     assert on_truss.size.degrees_of_freedom == 3
     for plant in (on_truss, on_ground):
         plant.set_input("arm.tau", 0.2)
@@ -157,7 +157,7 @@ def hung_triangle() -> Scene:
 def test_joints_inside_a_rigid_part_stand_still_though_it_moves() -> None:
     """An equilateral triangle of rods swings about a corner: I = (1/3 + 1/3 + (1/12 + 3/4)) m L2."""
     plant, computed = started(hung_triangle()), started(hung_triangle(), "all")
-    assert (plant.size.bodies, plant.size.coordinates, plant.size.rows) == (1, 1, 0)
+    assert (plant.size.bodies, plant.size.coordinates, plant.size.constraint_equations) == (1, 1, 0)
     assert (computed.size.bodies, computed.size.degrees_of_freedom) == (3, 1)
     torque = -3 * GRAVITY * math.cos(-1.0 + math.pi / 6) / math.sqrt(3)
     assert_close("pin.a", plant.output("pin.a"), torque / 1.5, 1e-11, "by hand")
