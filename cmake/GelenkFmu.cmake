@@ -13,7 +13,9 @@ set(fmu_once ${fmu_sources})
 list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|states)\\.cpp$")  # called once, or not often
 set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
-add_library(gelenk_fmu MODULE ${fmu_sources})
+# The objects of the core, in their order: from an archive the linker takes them in the order in which they are needed, and
+# which of several copies of a template it keeps would depend on that.
+add_library(gelenk_fmu MODULE ${fmu_sources} $<TARGET_OBJECTS:gelenk_core>)
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)
 target_link_options(gelenk_fmu PRIVATE

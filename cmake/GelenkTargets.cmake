@@ -9,6 +9,13 @@ file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}
 set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene_file/yaml.cpp)
 set(stubs_source ${CMAKE_CURRENT_SOURCE_DIR}/src/integrator/sundials_wheel_stubs.cpp)
 list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
+# Of a template that several files instantiate, the linker keeps the first copy. What dual numbers, series and the search for
+# equilibria instantiate is not needed in every step: the copies of these files, compiled for size, are kept (90 kB less).
+set(first ${CMAKE_CURRENT_SOURCE_DIR}/src/analysis/equilibrium.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/src/derivatives/residual_evaluator.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/src/derivatives/residual_kernels.cpp)
+list(REMOVE_ITEM core_sources ${first})
+list(PREPEND core_sources ${first})
 
 # What reads, reduces and describes scenes runs once: made small, since every FMU carries it. So is what power series go
 # through, when a master asks for output derivatives.
