@@ -22,13 +22,13 @@ void bind_answers(nb::class_<Factor>& c) {
       .def(
           "constrain",
           [](const Factor& f, Numbers w, const Numbers& gamma, const std::optional<Numbers>& expected) {
-            f.constrain(w.data(), gamma.data(), expected ? expected->data() : nullptr);
+            f.solve_constrained(w.data(), gamma.data(), expected ? expected->data() : nullptr);
             return w;
           },
           "w"_a, "gamma"_a, "expected"_a.none() = nb::none())
       .def("constrain_columns",
            [](const Factor& f, Numbers w, const Numbers& gamma, int columns, bool follows) {
-             f.constrain(w.data(), gamma.data(), columns, follows);
+             f.solve_constrained(w.data(), gamma.data(), columns, follows);
              return w;
            })
       .def("multipliers",
@@ -39,7 +39,7 @@ void bind_answers(nb::class_<Factor>& c) {
            })
       .def("shortest", [](const Factor& f, const Numbers& residual, int speeds) {
         Numbers out(speeds);
-        f.shortest(residual.data(), out.data());
+        f.min_norm(residual.data(), out.data());
         return out;
       });
 }

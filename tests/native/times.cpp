@@ -126,7 +126,7 @@ void bind_times(nb::module_& m) {
       .def("drop", &Computed::drop);
 
   auto passages = nb::class_<SingularityMonitor>(m, "Passages").def(nb::init<>());
-  passages.def("seen", &SingularityMonitor::seen)
+  passages.def("seen", &SingularityMonitor::observe)
       .def("accepted", &SingularityMonitor::accepted)
       .def("restart", &SingularityMonitor::restart);
   passages.def_prop_ro("count", &SingularityMonitor::count).def_prop_ro("last", &SingularityMonitor::last);
