@@ -80,7 +80,7 @@ void bind_whitened_rows(nb::module_& m) {
       .def_prop_ro("by_pattern", [](const Rows& rows) { return by_pattern(*rows.whitened); })
       .def_prop_ro("rank", [](const Rows& rows) { return rows.whitened->rank(); })
       .def("solve", [](const Rows& rows, Numbers w, const Numbers& gamma) {
-        rows.whitened->constrain(w.data(), gamma.data(), nullptr);
+        rows.whitened->solve_constrained(w.data(), gamma.data(), nullptr);
         Numbers lambda(rows.J.rows());
         rows.whitened->multipliers(lambda.data());
         return std::pair(w, lambda);
