@@ -145,12 +145,12 @@ void Instance::restore(SavedState& state) {
 }
 
 void Instance::write(Archive& archive) {
-  archive.write_anew();
+  archive.start_writing();
   serialize(archive);
 }
 
 void Instance::read(Archive& archive) {
-  archive.read_anew();
+  archive.start_reading();
   serialize(archive);
   archive.finish();
 }
@@ -158,7 +158,7 @@ void Instance::read(Archive& archive) {
 void Instance::serialize(Archive& archive) {
   constexpr int last = std::countr_zero(static_cast<unsigned>(Mode::terminated));
   int bit = std::countr_zero(static_cast<unsigned>(mode_));
-  archive.within(bit, 0, last);
+  archive.serialize_in_range(bit, 0, last);
   archive.serialize(stuck_, stop_);
   clock_.serialize(archive);
   plant_.serialize(archive);

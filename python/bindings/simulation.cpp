@@ -138,7 +138,7 @@ void restore(Plant& plant, const nb::bytes& saved) {
       s.serialize(archive);
       archive.finish();
     } catch (const std::invalid_argument& error) {
-      before.read_anew();
+      before.start_reading();
       s.serialize(before);
       throw gelenk::UsageError(std::string("saved: ") + error.what());
     }

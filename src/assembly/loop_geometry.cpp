@@ -182,7 +182,7 @@ void LoopGeometry::move(const VectorXd& d) {
     Pose3& X = frames_[i].X;
     X.p += X.R * shift;
     if (const double angle = turn.norm(); angle > 0) {
-      X.R = settled(Eigen::Matrix3d(X.R * Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()));
+      X.R = orthonormalized(Eigen::Matrix3d(X.R * Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()));
     }
   }
 }

@@ -113,7 +113,7 @@ Step Locator::step_from_start(Stepping& method, double end) {
 Step Locator::search(std::size_t i, Stepping& method) {
   Bracket bracket(course_.start(), course_.at_start(i), high_t_, course_.at_end(i));
   const double nearest = std::max(nearest_share * (high_t_ - course_.start()), rounding(high_t_));
-  double next = bracket.kept(course_.zero(i), nearest);
+  double next = bracket.clamped(course_.zero(i), nearest);
   for (int k = 0; k < most_trials && bracket.width() > 2 * nearest; ++k) {
     if (const Step step = step_from_start(method, next); step != Step::made) return step;
     const double t = method.time();
@@ -123,7 +123,7 @@ Step Locator::search(std::size_t i, Stepping& method) {
       return Step::made;
     }
     if (course_.changed(i)) keep_high(method);
-    bracket.put(t, course_.at_end(i));
+    bracket.update(t, course_.at_end(i));
     next = bracket.next(nearest);
   }
   course_.end(high_t_, high_y_.data());

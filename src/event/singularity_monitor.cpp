@@ -70,8 +70,8 @@ void SingularityMonitor::accepted(double t) {
 
 void SingularityMonitor::serialize(Archive& archive) {
   const int most = static_cast<int>(samples_.size());
-  archive.within(size_, 0, most);
-  archive.within(next_, 0, most - 1);
+  archive.serialize_in_range(size_, 0, most);
+  archive.serialize_in_range(next_, 0, most - 1);
   for (int i = 0; i < size_; ++i) archive.serialize(samples_[i].t, samples_[i].square);
   archive.serialize(best_pivot_ratio_, near_, sound_from_, armed_, count_, last_);
 }

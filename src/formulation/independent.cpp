@@ -62,11 +62,11 @@ class Partition final : public Corrector {
 
   void serialize(Archive& archive) {
     int rank = static_cast<int>(needed_.size());
-    archive.within(rank, 0, std::min(mechanism_.rows, mechanism_.nv));
+    archive.serialize_in_range(rank, 0, std::min(mechanism_.rows, mechanism_.nv));
     needed_.resize(rank);
     dependent_.resize(rank);
-    for (int& row : needed_) archive.within(row, 0, mechanism_.rows - 1);
-    for (int& speed : dependent_) archive.within(speed, 0, mechanism_.nv - 1);
+    for (int& row : needed_) archive.serialize_in_range(row, 0, mechanism_.rows - 1);
+    for (int& speed : dependent_) archive.serialize_in_range(speed, 0, mechanism_.nv - 1);
     archive.serialize(smallest_, chosen_);
   }
 

@@ -178,7 +178,7 @@ void Projection::inputs_changed(double t, const double* y) {
 void Projection::serialize(Archive& archive) {
   Formulation::serialize(archive);
   rows_.serialize(archive);
-  archive.within(remembered_, 0, memory);
+  archive.serialize_in_range(remembered_, 0, memory);
   archive.serialize(launched_);
   if (remembered_ == 0) return;
   seen_.serialize(archive);

@@ -90,7 +90,7 @@ class Automatic final : public Integrator {
 
   void serialize(Archive& archive) override {
     Integrator::serialize(archive);
-    archive.within(current_, 0, 1);
+    archive.serialize_in_range(current_, 0, 1);
     bool both = methods_[implicit_method] != nullptr;
     archive.serialize(both);
     if (both) make_implicit();

@@ -83,13 +83,13 @@ class Erk final : public ArkodeIntegrator {
   }
 
   void serialize(Archive& archive) override {
-    archive.within(pair_, 0, top_);
+    archive.serialize_in_range(pair_, 0, top_);
     use(pair_, 0);
     long since = attempts() - attempts_before_;
     ArkodeIntegrator::serialize(archive);
     for (int i = 0; i <= top_; ++i) sundials::serialize(controllers_[i], archive);
     archive.serialize(since, length_, trial_, cost_before_);
-    archive.within(pair_before_, 0, top_);
+    archive.serialize_in_range(pair_before_, 0, top_);
     trials_.serialize(archive);
     attempts_before_ = attempts() - since;
   }

@@ -66,7 +66,7 @@ class Started final : public Integrator {
   void serialize(Archive& archive) override {
     Integrator::serialize(archive);
     archive.serialize(jumped_, starting_);
-    archive.within(left_, 0L, starting_steps);
+    archive.serialize_in_range(left_, 0L, starting_steps);
     if (archive.reading() && starting_) erk_->restart(t_, y_.data());
     erk_->serialize(archive);
     multistep_->serialize(archive);

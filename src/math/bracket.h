@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a function changes its sign: by inverse quadratic interpolation, or by halves where three points do not tell
-// enough (Chandrupatla 1997, Advances in Engineering Software 28, 145-149).
+// Bracketed root finding by inverse quadratic interpolation where it is reliable, and by bisection elsewhere
+// (Chandrupatla 1997, Advances in Engineering Software 28, 145-149).
 #pragma once
 
 #include <algorithm>
@@ -10,53 +10,55 @@ namespace gelenk {
 
 class Bracket {
  public:
-  // f has other signs at low < high.
+  // f_low and f_high, the function values at low < high, have opposite signs.
   Bracket(double low, double f_low, double high, double f_high)
-      : at_(high), f_at_(f_high), other_(low), f_other_(f_low), last_(low), f_last_(f_low) {}
+      : latest_(high), f_latest_(f_high), opposite_(low), f_opposite_(f_low), third_(low), f_third_(f_low) {}
 
-  double low() const { return std::min(at_, other_); }
-  double high() const { return std::max(at_, other_); }
-  double width() const { return std::abs(other_ - at_); }
+  double low() const { return std::min(latest_, opposite_); }
+  double high() const { return std::max(latest_, opposite_); }
+  double width() const { return std::abs(opposite_ - latest_); }
 
-  // Where to look next, no nearer to an end than `nearest`, if the width allows it.
-  double next(double nearest) const { return kept(at_ + share() * (other_ - at_), nearest); }
-  // x, likewise.
-  double kept(double x, double nearest) const {
-    nearest = std::min(nearest, width() / 2);
-    return std::clamp(x, low() + nearest, high() - nearest);
+  // Returns the point at which to evaluate next, at least `margin` away from both ends or, if the bracket is too narrow
+  // for this, its center.
+  double next(double margin) const { return clamped(latest_ + fraction() * (opposite_ - latest_), margin); }
+  // Returns x moved into the bracket with the same margin.
+  double clamped(double x, double margin) const {
+    margin = std::min(margin, width() / 2);
+    return std::clamp(x, low() + margin, high() - margin);
   }
 
-  // f(x), low < x < high.
-  void put(double x, double f) {
-    if ((f < 0) == (f_at_ < 0)) {
-      last_ = at_;
-      f_last_ = f_at_;
+  // Shrinks the bracket by the function value f at x, low < x < high.
+  void update(double x, double f) {
+    if ((f < 0) == (f_latest_ < 0)) {
+      third_ = latest_;
+      f_third_ = f_latest_;
     } else {
-      last_ = other_;
-      f_last_ = f_other_;
-      other_ = at_;
-      f_other_ = f_at_;
+      third_ = opposite_;
+      f_third_ = f_opposite_;
+      opposite_ = latest_;
+      f_opposite_ = f_latest_;
     }
-    at_ = x;
-    f_at_ = f;
+    latest_ = x;
+    f_latest_ = f;
   }
 
  private:
-  // Of the way from at_ to other_.
-  double share() const {
-    const double a = at_ - other_;
-    const double b = last_ - other_;
+  // Position of the next point as a fraction of the way from latest_ to opposite_.
+  double fraction() const {
+    const double a = latest_ - opposite_;
+    const double b = third_ - opposite_;
     const double xi = a / b;
-    const double phi = (f_at_ - f_other_) / (f_last_ - f_other_);
-    const bool tells = phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi;
-    if (!tells) return 0.5;
-    return f_at_ / (f_other_ - f_at_) * f_last_ / (f_other_ - f_last_) +
-           (last_ - at_) / (other_ - at_) * f_at_ / (f_last_ - f_at_) * f_other_ / (f_last_ - f_other_);
+    const double phi = (f_latest_ - f_opposite_) / (f_third_ - f_opposite_);
+    const bool can_interpolate = phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi;
+    if (!can_interpolate) return 0.5;
+    return f_latest_ / (f_opposite_ - f_latest_) * f_third_ / (f_opposite_ - f_third_) +
+           (third_ - latest_) / (opposite_ - latest_) * f_latest_ / (f_third_ - f_latest_) * f_opposite_ /
+               (f_third_ - f_opposite_);
   }
 
-  double at_, f_at_;        // looked at last
-  double other_, f_other_;  // of the other sign
-  double last_, f_last_;    // beyond one of them; none: as other_
+  double latest_, f_latest_;      // end of the bracket that was evaluated last
+  double opposite_, f_opposite_;  // other end, where the function has the opposite sign
+  double third_, f_third_;        // previous end, outside the bracket; at first the same as opposite_
 };
 
 }  // namespace gelenk

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers that carry their derivatives along some directions (forward-mode automatic differentiation; Griewank &
-// Walther 2008, ch. 3). Plain values, no expression templates: what reads as a number in code for double is one here,
-// also where it is returned, compared or passed on.
+// Dual numbers: a value and its derivatives in several directions (forward-mode automatic differentiation; Griewank &
+// Walther 2008, ch. 3). There are no expression templates, so that every expression has the type Dual and code written
+// for double also compiles where results are returned, compared or passed to functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace gelenk {
 
-// Directions carried at a time: what a few vector registers hold.
+// Number of directions differentiated at a time; their derivatives fit into a few vector registers.
 inline constexpr int dual_directions = 8;
 
 class Dual {
@@ -18,7 +18,7 @@ class Dual {
 
   Dual() = default;
   Dual(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): constants are numbers too
-  Dual(double value, const Directions& slope) : value_(value), derivatives_(slope) {}
+  Dual(double value, const Directions& derivatives) : value_(value), derivatives_(derivatives) {}
 
   double value() const { return value_; }
   const Directions& derivatives() const { return derivatives_; }
@@ -48,13 +48,13 @@ class Dual {
     return {quotient, (a.derivatives_ - quotient * b.derivatives_) / b.value_};
   }
 
-  // By value.
+  // Comparisons use the values only.
   friend bool operator==(const Dual& a, const Dual& b) { return a.value_ == b.value_; }
   friend auto operator<=>(const Dual& a, const Dual& b) { return a.value_ <=> b.value_; }
 
   friend Dual sin(const Dual& a) { return {std::sin(a.value_), std::cos(a.value_) * a.derivatives_}; }
   friend Dual cos(const Dual& a) { return {std::cos(a.value_), -std::sin(a.value_) * a.derivatives_}; }
-  // Of 0: slope 0, not infinite: callers treat a vanishing length apart.
+  // At 0 the derivatives are set to 0, not infinity: callers treat a length of zero separately.
   friend Dual sqrt(const Dual& a) {
     const double root = std::sqrt(a.value_);
     return {root, root > 0 ? Directions(a.derivatives_ / (2 * root)) : Directions(Directions::Zero())};

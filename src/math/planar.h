@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planar algebra: what spatial.h does in space with 6-vectors, in a plane with 3-vectors:
-// motions (w | vx, vy), forces (n | fx, fy). The plane's normal is the common z axis.
+// Planar algebra: the counterpart of spatial.h with 3-vectors, for mechanisms that move in a plane:
+// motions (w | vx, vy), forces (n | fx, fy). The plane's normal is the common z axis. Units as in spatial.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,7 +52,8 @@ struct PlanarAlgebra {
     friend Force operator*(const T& s, const Force& a) { return {s * a.n, s * a.x, s * a.y}; }
   };
 
-  // X_AB: B's axes are A's turned by the angle with cosine c and sine s; p is B's origin in A.
+  // X_AB: pose of frame B in frame A. The axes of B are those of A rotated by the angle with cosine c and sine s; p is
+  // the origin of B in A.
   struct Pose {
     T c{1};
     T s{0};
@@ -105,10 +106,10 @@ struct PlanarAlgebra {
     }
   };
 
-  // Inertia of a body that others hang on: any symmetric 3x3 matrix (Featherstone 2008, sec. 7.1).
+  // Articulated-body inertia: any symmetric 3x3 matrix (Featherstone 2008, sec. 7.1).
   struct ArticulatedInertia {
-    T nw{0};         // torque for an angular acceleration
-    T xw{0}, yw{0};  // forces for it; torques for accelerations along x, y
+    T nw{0};         // torque per angular acceleration
+    T xw{0}, yw{0};  // forces per angular acceleration; torques per acceleration along x, y
     T xx{0}, xy{0}, yy{0};
 
     ArticulatedInertia() = default;
@@ -116,7 +117,7 @@ struct PlanarAlgebra {
     Force operator*(const Motion& V) const {
       return {nw * V.w + xw * V.x + yw * V.y, xw * V.w + xx * V.x + xy * V.y, yw * V.w + xy * V.x + yy * V.y};
     }
-    // Less U (s U)^T.
+    // Subtracts U (s U)^T.
     void subtract(const Force& U, const T& s) {
       const T n = s * U.n;
       const T x = s * U.x;
@@ -128,7 +129,7 @@ struct PlanarAlgebra {
       xy -= x * U.y;
       yy -= y * U.y;
     }
-    // Adds one given at B in B, told at A in A (X = X_AB).
+    // Adds b, given about the origin of B in the axes of B, after transformation to A (X = X_AB).
     void add_moved(const ArticulatedInertia& b, const Pose& X) {
       const T tx = -X.py;
       const T ty = X.px;

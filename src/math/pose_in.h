@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From space to the algebra of a mechanism. In a plane, z is its normal, and what lies along it is left out.
+// Conversion of a spatial pose to the algebra A of a mechanism. In planar algebra z is the normal of the plane, and the
+// position along it is dropped.
 #pragma once
 
 #include "math/planar.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rotation matrices and directions that were given by numbers with rounding.
+// Correction of rotation matrices and unit vectors that are given with rounding errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,15 @@
 
 namespace gelenk {
 
-// How far R^T R is from 1: largest entry of the difference.
+// Returns the largest absolute entry of R^T R - 1; NaN if R contains one.
 double rotation_error(const Eigen::Matrix3d& R);
 
-// R made a rotation to rounding. One that is so already keeps its bits: what was written reads back the same.
-Eigen::Matrix3d settled(const Eigen::Matrix3d& R);
-Pose3 settled(const Pose3& X);
+// Returns the rotation nearest to R. If R is a rotation to within rounding error, it is returned bitwise unchanged, so
+// that a scene that is written and read again remains the same.
+Eigen::Matrix3d orthonormalized(const Eigen::Matrix3d& R);
+Pose3 orthonormalized(const Pose3& X);
 
-// x / |x| for any finite x but zero; a unit vector keeps its bits.
+// Returns x / |x| for a finite nonzero x; a unit vector is returned bitwise unchanged.
 Eigen::VectorXd unit(const Eigen::VectorXd& x);
 
 }  // namespace gelenk

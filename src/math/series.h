@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers that are functions of time: their power series x0 + x1 t + x2 t^2, cut off there (Griewank & Walther 2008,
-// ch. 13). The k-th time derivative is k! x_k.
+// Functions of time as truncated power series x0 + x1 t + x2 t^2 (Griewank & Walther 2008, ch. 13). The k-th time
+// derivative at t = 0 is k! x_k.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,13 +46,13 @@ class Series {
     return Series(Coefficients{q0, q1, (a[2] - q0 * b[2] - q1 * b[1]) / b[0]});
   }
 
-  // By value.
+  // Comparisons use the values only.
   friend bool operator==(const Series& a, const Series& b) { return a[0] == b[0]; }
   friend auto operator<=>(const Series& a, const Series& b) { return a[0] <=> b[0]; }
 
   friend Series sin(const Series& a) { return a.composed(std::sin(a[0]), std::cos(a[0]), -std::sin(a[0])); }
   friend Series cos(const Series& a) { return a.composed(std::cos(a[0]), -std::sin(a[0]), -std::cos(a[0])); }
-  // Of 0: constant, not infinitely steep: callers treat a vanishing length apart.
+  // At 0 the derivatives are set to 0, not infinity: callers treat a length of zero separately.
   friend Series sqrt(const Series& a) {
     const double root = std::sqrt(a[0]);
     if (!(root > 0)) return root;
@@ -60,16 +60,16 @@ class Series {
   }
   friend Series abs(const Series& a) { return a[0] < 0 ? -a : a; }
   friend Series abs2(const Series& a) { return a * a; }
-  // Turned by its value, so that what is left is the arc tangent of a small quotient z: z - z^3 / 3 ...
+  // Rotated by the angle at t = 0, which leaves the arc tangent of a small quotient z: z - z^3 / 3 ...
   friend Series atan2(const Series& y, const Series& x) {
     const Series z = (x[0] * y - y[0] * x) / (x[0] * x + y[0] * y);
     return z + std::atan2(y[0], x[0]);
   }
 
  private:
-  // f(a), from f, f' and f'' at its value.
-  Series composed(double f, double derivative, double bend) const {
-    return Series(Coefficients{f, derivative * x_[1], derivative * x_[2] + bend / 2 * x_[1] * x_[1]});
+  // The composition f(x(t)) from f, f' and f'' at x0.
+  Series composed(double f, double df, double ddf) const {
+    return Series(Coefficients{f, df * x_[1], df * x_[2] + ddf / 2 * x_[1] * x_[1]});
   }
 
   Coefficients x_{};

@@ -2,7 +2,7 @@
 // Spatial algebra: rigid-body motions, forces and inertias in space as 6-vectors
 // (Featherstone 2008, chapter 2), angular part first.
 //
-// T is the number type: double, or an automatic-differentiation scalar.
+// T is the number type: double, Dual (dual.h) or Series (series.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -74,30 +74,32 @@ struct SpatialAlgebra {
     Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
     Vector3<T> point(const Vector3<T>& p_B) const { return p + R * p_B; }
 
-    // A motion of one and the same body, given at A in A, told at B in B.
+    // Transforms a motion of the rigid body to which A and B are fixed, from the origin and axes of A to those of B.
     Motion to_child(const Motion& V_A) const {
       return {R.transpose() * V_A.w, R.transpose() * (V_A.v + V_A.w.cross(p))};
     }
-    // ... and back.
+    // The inverse transformation.
     Motion to_parent(const Motion& V_B) const {
       const Vector3<T> w = R * V_B.w;
       return {w, R * V_B.v - w.cross(p)};
     }
-    // A force given at B in B, told at A in A.
+    // Transforms a force from the origin and axes of B to those of A.
     Force to_parent(const Force& F_B) const {
       const Vector3<T> f = R * F_B.f;
       return {R * F_B.n + p.cross(f), f};
     }
+    // The inverse transformation.
     Force to_child(const Force& F_A) const { return {R.transpose() * (F_A.n - p.cross(F_A.f)), R.transpose() * F_A.f}; }
   };
 
   // Rigid-body inertia about the frame's origin: mass [kg], first moment h = m c [kg m],
-  // second moment I [kg m2] about the origin (not the centre of mass).
+  // second moment I [kg m2] about the origin (not the center of mass).
   struct Inertia {
     T m{0};
     Vector3<T> h{Vector3<T>::Zero()};
     Matrix3<T> I{Matrix3<T>::Zero()};
 
+    // Inertia of a body with mass m, center of mass c and inertia I_c about the center of mass, all in the same frame.
     static Inertia about_com(const T& m, const Vector3<T>& c, const Matrix3<T>& I_c) {
       return {m, m * c, I_c + m * (c.squaredNorm() * Matrix3<T>::Identity() - c * c.transpose())};
     }
@@ -109,8 +111,8 @@ struct SpatialAlgebra {
     }
     Force operator*(const Motion& V) const { return {I * V.w + h.cross(V.v), m * V.v - h.cross(V.w)}; }
 
-    // The inertia of one and the same body, given at B in B, told at A in A (X = X_AB). Flattened: of the copies in all
-    // files that use it the linker keeps any, and one that calls Eigen's assignments costs an arm 5 % of its steps.
+    // Transforms the inertia from the origin and axes of B to those of A (X = X_AB). Flattened, since the linker keeps
+    // any of the copies in the files that use it, and a copy that calls Eigen's assignments slows an arm down by 5 %.
     [[gnu::flatten]] Inertia moved_by(const Pose& X) const {
       const Vector3<T> Rh = X.R * h;
       const Vector3<T>& p = X.p;
@@ -123,7 +125,7 @@ struct SpatialAlgebra {
     }
   };
 
-  // Inertia of a body that others hang on: any symmetric 6x6 matrix [I H; H^T M] (Featherstone 2008, sec. 7.1).
+  // Articulated-body inertia: any symmetric 6x6 matrix [I H; H^T M] (Featherstone 2008, sec. 7.1).
   struct ArticulatedInertia {
     Matrix3<T> I{Matrix3<T>::Zero()};
     Matrix3<T> H{Matrix3<T>::Zero()};
@@ -132,7 +134,7 @@ struct SpatialAlgebra {
     ArticulatedInertia() = default;
     explicit ArticulatedInertia(const Inertia& G) : I(G.I), H(cross_matrix(G.h)), M(G.m * Matrix3<T>::Identity()) {}
     Force operator*(const Motion& V) const { return {I * V.w + H * V.v, H.transpose() * V.w + M * V.v}; }
-    // Less U (s U)^T.
+    // Subtracts U (s U)^T.
     void subtract(const Force& U, const T& s) {
       const Vector3<T> n = s * U.n;
       const Vector3<T> f = s * U.f;
@@ -140,7 +142,7 @@ struct SpatialAlgebra {
       H -= U.n * f.transpose();
       M -= U.f * f.transpose();
     }
-    // Adds one given at B in B, told at A in A (X = X_AB).
+    // Adds b, given about the origin of B in the axes of B, after transformation to A (X = X_AB).
     void add_moved(const ArticulatedInertia& b, const Pose& X) {
       const Matrix3<T> P = cross_matrix(X.p);
       const Matrix3<T> M_A = X.R * b.M * X.R.transpose();
@@ -153,9 +155,9 @@ struct SpatialAlgebra {
   };
 
   static T dot(const Motion& V, const Force& F) { return V.w.dot(F.n) + V.v.dot(F.f); }
-  // V x A, the rate of a motion vector carried along by V (Featherstone 2008, eq. 2.31).
+  // V x A, the rate of a motion vector fixed in a frame that moves with V (Featherstone 2008, eq. 2.31).
   static Motion cross(const Motion& V, const Motion& A) { return {V.w.cross(A.w), V.w.cross(A.v) + V.v.cross(A.w)}; }
-  // V x* F, the rate of a force vector carried along by V (Featherstone 2008, eq. 2.32).
+  // V x* F, the rate of a force vector fixed in a frame that moves with V (Featherstone 2008, eq. 2.32).
   static Force cross_force(const Motion& V, const Force& F) {
     return {V.w.cross(F.n) + V.v.cross(F.f), V.w.cross(F.f)};
   }
@@ -164,10 +166,10 @@ struct SpatialAlgebra {
 using Spatial = SpatialAlgebra<double>;
 using Pose3 = Spatial::Pose;
 
-// Rotation whose z column is the unit vector n; the shortest turn from z (half a turn about x for n = -z).
+// Returns the shortest rotation that takes z to the unit vector n (half a turn about x for n = -z).
 Eigen::Matrix3d rotation_taking_z_to(const Eigen::Vector3d& n);
 
-// Rotation vector (axis times angle in [0, pi]) of R.
+// Returns the rotation vector of R: axis times angle in [0, pi].
 template <class T>
 Vector3<T> rotation_vector(const Matrix3<T>& R) {
   using std::atan2;
@@ -175,7 +177,7 @@ Vector3<T> rotation_vector(const Matrix3<T>& R) {
   if (Q.w() < T(0)) Q.coeffs() = -Q.coeffs();
   const Vector3<T> vec = Q.vec();
   const T s = vec.norm();
-  // Series below: sin(x)/x is 1 to rounding, and 0/0 is kept out.
+  // For small angles sin(x)/x is 1 to within rounding error; this avoids 0/0.
   if (s < T(1e-9)) return T(2) * vec;
   return (T(2) * atan2(s, Q.w()) / s) * vec;
 }

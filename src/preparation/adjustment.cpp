@@ -33,7 +33,7 @@ void apply(const ReducedScene& reduced, int island, const FrameMove& move, Scene
   const Pose3 X_LF = place(scene, reduced, island, frame).X_LB;
   const Eigen::Matrix3d R = X_LF.R.transpose() * move.X_given.R;
   frame.X_BF.p += frame.X_BF.R * (R * move.X_move.p);
-  frame.X_BF.R = settled(Eigen::Matrix3d(frame.X_BF.R * R * move.X_move.R * R.transpose()));
+  frame.X_BF.R = orthonormalized(Eigen::Matrix3d(frame.X_BF.R * R * move.X_move.R * R.transpose()));
 }
 
 constexpr double much_more = 100;  // of a tolerance

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "util/other_words.h"
+#include "util/synonyms.h"
 #include "util/text.h"
 
 namespace gelenk::advice {
@@ -114,7 +114,7 @@ bool is_matrix(const Json& value) {
 std::string on_field(std::string_view name, const std::vector<std::string>& known) {
   if (all_digits(name)) return "; the decimal sign is a point, a comma begins something new";
   if (lacks_space(name)) return space(name);
-  if (!our_word(name, known).empty() || !text::nearest(name, known).empty()) return {};
+  if (!canonical_name(name, known).empty() || !text::nearest(name, known).empty()) return {};
   for (const auto& [words, sentence] : absent) {
     if (contains(words, name)) return "; " + std::string(sentence);
   }

@@ -102,7 +102,7 @@ std::optional<Eigen::Matrix3d> read_rotation(const Json& value, const std::strin
   if (rpy != nullptr) R = read_rpy(*rpy, path + ".rpy", faults);
   if (turn) R = read_axis_angle(axis, angle, path, faults);
   if (matrix != nullptr) R = read_matrix(*matrix, path + ".matrix", faults);
-  if (R) R = settled(*R);
+  if (R) R = orthonormalized(*R);
   return R;
 }
 

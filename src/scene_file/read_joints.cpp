@@ -87,7 +87,7 @@ void read_frames(Fields& fields, Reader& reader, Joint& joint) {
   const Pose3 X_WF = read_pose(inner);
   inner.done();
   for (BodyFrame* frame : {&joint.parent, &joint.child}) {
-    frame->X_BF = settled(reference_pose(reader.scene, frame->body).inverse() * X_WF);
+    frame->X_BF = orthonormalized(reference_pose(reader.scene, frame->body).inverse() * X_WF);
   }
 }
 

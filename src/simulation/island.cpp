@@ -75,7 +75,7 @@ void Island::warm_up(double step) {
   serialize(start);
   if (may_have_history()) make_room(start.words().size());
   const auto undo = [&] {
-    start.read_anew();
+    start.start_reading();
     serialize(start);
   };
   std::vector<double> y = y_;
@@ -110,7 +110,7 @@ double Island::advance(double end, long most_evaluations, bool continues) {
       integrator_->inputs_changed();
     }
     if (will_have_history() && !has_history()) {
-      replay_.beginning.write_anew();
+      replay_.beginning.start_writing();
       serialize(replay_.beginning);
       replay_.begin(integrator_->steps());
     }

@@ -14,7 +14,7 @@ namespace gelenk {
 
 void ReplayPath::serialize(Archive& archive) {
   int count = static_cast<int>(legs.size());
-  archive.within(count, 0, static_cast<int>(ReplayHistory::most_legs));
+  archive.serialize_in_range(count, 0, static_cast<int>(ReplayHistory::most_legs));
   if (count == 0) return;
   legs.resize(count);
   long sum = 0;
@@ -41,7 +41,7 @@ bool ReplayHistory::add(const ReplayStep& leg, bool continues) {
 }
 
 void InputLog::make_room() {
-  one_.write_anew();
+  one_.start_writing();
   last_.serialize(one_);
   words_.resize(ReplayHistory::most_legs * one_.words().size());
 }
@@ -49,7 +49,7 @@ void InputLog::make_room() {
 void InputLog::add(const Inputs& u) {
   if (words_.empty()) return;
   last_ = u;
-  one_.write_anew();
+  one_.start_writing();
   last_.serialize(one_);
   ++added_;
   std::ranges::copy(one_.words(), words_.begin() + static_cast<std::ptrdiff_t>(place(1)));
@@ -75,7 +75,7 @@ void InputLog::serialize(Archive& archive, std::size_t count) {
 // Behind the islands, which are written where their methods began anew. Nothing, where none has a history.
 void Simulation::Impl::exchange_past(Archive& archive) {
   const bool reading = archive.reading();
-  if (reading ? archive.ended() : !any_integrator(islands, &Integrator::has_history)) return;
+  if (reading ? archive.at_end() : !any_integrator(islands, &Integrator::has_history)) return;
   std::vector<ReplayPath> ways(islands.size());
   std::size_t longest = 0;
   for (std::size_t i = 0; i < islands.size(); ++i) {

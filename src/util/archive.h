@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Archive: numbers of a run, written down and read back in the same order, so that the run can go on from there to the
-// bit. What a class carries from one step to the next it names once, in serialize(Archive&), for both ways.
+// Archive: the saved state of a run as a sequence of 64-bit words, read back in the order in which they were written;
+// the restored run continues with bitwise identical results. Each class lists the data that it carries from one step to
+// the next once, in serialize(Archive&), which both writes and reads.
 #pragma once
 
 #include <bit>
@@ -15,49 +16,51 @@ namespace gelenk {
 
 class Archive {
  public:
-  // Empty, to be written.
+  // An empty archive for writing.
   Archive() = default;
-  // To be read from its beginning.
+  // An archive for reading, from its first word.
   explicit Archive(std::vector<std::uint64_t> words) : words_(std::move(words)), reading_(true) {}
 
   bool reading() const { return reading_; }
   const std::vector<std::uint64_t>& words() const { return words_; }
 
-  void write_anew() {
+  // Empties the archive for writing; its memory is kept.
+  void start_writing() {
     words_.clear();
     reading_ = false;
   }
-  void read_anew() {
+  // Switches to reading, from the first word.
+  void start_reading() {
     next_ = 0;
     reading_ = true;
   }
-  // All that was written has been read.
-  bool ended() const { return next_ == words_.size(); }
-  // So that writing this many words asks nothing of the heap.
+  // Whether all words have been read.
+  bool at_end() const { return next_ == words_.size(); }
+  // Reserves memory, so that writing this many words does not allocate.
   void reserve(std::size_t words) { words_.reserve(words); }
-  // Writes what another record holds.
+  // Appends all words of another archive.
   void append(const Archive& other) { words_.insert(words_.end(), other.words_.begin(), other.words_.end()); }
-  // After reading: throws std::invalid_argument if anything is left.
+  // To be called after reading: throws std::invalid_argument if words are left.
   void finish() const {
     if (reading_ && next_ != words_.size()) fail();
   }
 
-  // Vectors and arrays keep their length, which is not part of the record. Throw std::invalid_argument when the record
-  // ends too early, and for a bool that is none.
+  // Write x, or read it. Vectors and arrays keep their length, which is not part of the archive. Throw
+  // std::invalid_argument if the archive ends too early or a value is out of range for its type.
   void serialize(double& x) { word(x); }
   void serialize(std::uint64_t& x) { word(x); }
   void serialize(bool& x) {
     int number = x ? 1 : 0;
-    within(number, 0, 1);
+    serialize_in_range(number, 0, 1);
     x = number == 1;
   }
   template <std::signed_integral Int>
   void serialize(Int& x) {
-    // What is counted is far from this, and what is computed from it stays in range: 2^48 in 64 bits, 2^28 in 32.
-    constexpr std::int64_t most = std::numeric_limits<Int>::max() >> (sizeof(Int) > 4 ? 15 : 3);
+    // Counts are far below this limit, 2^48 in 64 bits and 2^28 in 32, and arithmetic with them cannot overflow.
+    constexpr std::int64_t limit = std::numeric_limits<Int>::max() >> (sizeof(Int) > 4 ? 15 : 3);
     std::int64_t wide = x;
     word(wide);
-    if (reading_ && (wide > most || wide < -most)) fail();
+    if (reading_ && (wide > limit || wide < -limit)) fail();
     x = static_cast<Int>(wide);
   }
   template <class Numbers>
@@ -72,9 +75,9 @@ class Archive {
     (serialize(rest), ...);
   }
 
-  // A whole number that decides where something is found. Throws std::invalid_argument outside [low, high].
+  // Serializes an index or a count; throws std::invalid_argument if it is not in [low, high].
   template <std::signed_integral Int>
-  void within(Int& x, Int low, Int high) {
+  void serialize_in_range(Int& x, Int low, Int high) {
     Int number = x;
     serialize(number);
     if (number < low || number > high) fail();
@@ -94,7 +97,7 @@ class Archive {
   [[noreturn]] static void fail() { throw std::invalid_argument("it is not of this plant, or damaged"); }
 
   std::vector<std::uint64_t> words_;
-  std::size_t next_ = 0;  // to be read
+  std::size_t next_ = 0;  // index of the next word to read
   bool reading_ = false;
 };
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "util/other_words.h"
+#include "util/synonyms.h"
 
 namespace gelenk::text {
 namespace {
@@ -16,7 +16,7 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Letters to insert, drop, change or serialize with their neighbour (Damerau 1964), capitals aside.
+// Edit distance: letters to insert, delete, change or exchange with their neighbor (Damerau 1964); case is ignored.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
@@ -50,7 +50,7 @@ std::string number(double x) {
 }
 
 std::string rounded(double x, int digits) {
-  // Not printf: the host's locale may write a comma.
+  // Not printf, since the host's locale may use a decimal comma.
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.begin(), buffer.end(), x, std::chars_format::general, digits).ptr;
   return {buffer.begin(), end};
@@ -67,8 +67,8 @@ std::string list(const std::vector<std::string>& names) {
 }
 
 std::string some(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 8;
-  const std::size_t shown = names.size() > most ? most - 2 : names.size();
+  constexpr std::size_t max_listed = 8;
+  const std::size_t shown = names.size() > max_listed ? max_listed - 2 : names.size();
   std::string out;
   for (std::size_t i = 0; i < shown; ++i) {
     const bool last = i + 1 == names.size();
@@ -78,10 +78,10 @@ std::string some(const std::vector<std::string>& names) {
 }
 
 std::string printable(std::string_view raw) {
-  constexpr std::size_t longest = 60;
+  constexpr std::size_t max_bytes = 60;
   std::string out;
   std::size_t i = 0;
-  for (; i < raw.size() && out.size() < longest; ++i) {
+  for (; i < raw.size() && out.size() < max_bytes; ++i) {
     const auto c = static_cast<unsigned char>(raw[i]);
     if (c >= 0x20 && c != 0x7f) {
       out += raw[i];
@@ -91,7 +91,7 @@ std::string printable(std::string_view raw) {
       out += escaped.data();
     }
   }
-  // A UTF-8 character is shown whole or not at all.
+  // The last UTF-8 character is completed.
   for (; i < raw.size() && (static_cast<unsigned char>(raw[i]) & 0xc0) == 0x80; ++i) out += raw[i];
   return i < raw.size() ? out + "..." : out;
 }
@@ -101,12 +101,12 @@ std::string quoted(std::string_view raw) { return "'" + printable(raw) + "'"; }
 std::string nearest(std::string_view found, const std::vector<std::string>& names) {
   if (found.size() > 60) return {};
   std::string best;
-  std::size_t least = std::max<std::size_t>(1, found.size() / 3) + 1;  // one slip in three letters at most
+  std::size_t best_distance = std::max<std::size_t>(1, found.size() / 3) + 1;  // at most one error in three letters
   for (const std::string& name : names) {
     if (name.size() > 60) continue;
     const std::size_t d = distance(found, name);
-    if (d < least) {
-      least = d;
+    if (d < best_distance) {
+      best_distance = d;
       best = name;
     }
   }
@@ -116,30 +116,30 @@ std::string nearest(std::string_view found, const std::vector<std::string>& name
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many) {
   if (names.empty()) return "none, as there are no " + std::string(many);
   if (names.size() == 1) return names.front();
-  const std::string ours = our_word(found, names);
-  const std::string near = ours.empty() ? nearest(found, names) : ours;
+  const std::string canonical = canonical_name(found, names);
+  const std::string near = canonical.empty() ? nearest(found, names) : canonical;
   const std::string hint = near.empty() ? "" : "; did you mean '" + near + "'?";
   if (names.size() > 14) return "one of " + std::to_string(names.size()) + " " + std::string(many) + hint;
-  // A list of four is seen at a glance.
-  return "one of " + list(names) + (names.size() > 4 || !ours.empty() ? hint : "");
+  // A list of up to four names needs no suggestion for a misspelled one.
+  return "one of " + list(names) + (names.size() > 4 || !canonical.empty() ? hint : "");
 }
 
 namespace {
 
-// Signs of UTF-8 by their first byte (Unicode 15, table 3-7). The bounds of the second byte keep out longer ways of
-// writing a sign, surrogates, and what is beyond U+10FFFF.
+// UTF-8 sequences by their first byte (Unicode 15, table 3-7). The bounds of the second byte exclude overlong
+// encodings, surrogates and code points beyond U+10FFFF.
 struct Utf8Range {
-  unsigned char first, last;
-  std::size_t more;  // bytes
-  unsigned char low, high;
+  unsigned char first, last;  // range of the first byte
+  std::size_t more;           // number of further bytes
+  unsigned char low, high;    // range of the second byte
 };
 constexpr Utf8Range utf8_ranges[] = {
     {0x00, 0x7f, 0, 0, 0},       {0xc2, 0xdf, 1, 0x80, 0xbf}, {0xe0, 0xe0, 2, 0xa0, 0xbf},
     {0xe1, 0xec, 2, 0x80, 0xbf}, {0xed, 0xed, 2, 0x80, 0x9f}, {0xee, 0xef, 2, 0x80, 0xbf},
     {0xf0, 0xf0, 3, 0x90, 0xbf}, {0xf1, 0xf3, 3, 0x80, 0xbf}, {0xf4, 0xf4, 3, 0x80, 0x8f}};
 
-// Bytes of the sign with which the text begins; 0: it is none.
-std::size_t size_of_sign(std::string_view s) {
+// Returns the number of bytes of the UTF-8 sequence with which s begins, or 0 if the sequence is invalid.
+std::size_t sequence_length(std::string_view s) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
   const auto* const found =
       std::ranges::find_if(utf8_ranges, [&](const Utf8Range& r) { return r.first <= byte(0) && byte(0) <= r.last; });
@@ -156,7 +156,7 @@ std::size_t size_of_sign(std::string_view s) {
 std::size_t first_not_utf8(std::string_view s) {
   std::size_t i = 0;
   while (i < s.size()) {
-    const std::size_t size = size_of_sign(s.substr(i));
+    const std::size_t size = sequence_length(s.substr(i));
     if (size == 0) return i;
     i += size;
   }

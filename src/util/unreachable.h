@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What C++23 has in <utility>.
+// Replacement for std::unreachable of C++23.
 #pragma once
 
 #include <cstdlib>
 
 namespace gelenk {
 
-// Where no run comes; the compiler may count on it.
+// Marks code that is never executed; the compiler may assume this.
 [[noreturn]] inline void unreachable() {
 #if defined(__GNUC__)
   __builtin_unreachable();

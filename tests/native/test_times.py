@@ -267,7 +267,7 @@ def test_a_zero_stays_in_its_bracket_until_it_is_found(units: Any, name: str, do
     while bracket.width > 2 * nearest:
         x = bracket.next(nearest)
         assert bracket.low < x < bracket.high
-        bracket.put(x, f(x))
+        bracket.update(x, f(x))
         assert f(bracket.low) * f(bracket.high) <= 0
         trials += 1
     assert abs(bracket.low - zero) < 4 * nearest or abs(f(bracket.low)) < 1e-15

@@ -30,7 +30,7 @@ struct Sample {
 
   void serialize(gelenk::Archive& record) {
     record.serialize(x, word, flag, small, large);
-    record.within(place, 0, 3);
+    record.serialize_in_range(place, 0, 3);
     record.serialize(list);
   }
 };
@@ -94,9 +94,9 @@ void bind_times(nb::module_& m) {
       .def_prop_ro("low", &Bracket::low)
       .def_prop_ro("high", &Bracket::high)
       .def_prop_ro("width", &Bracket::width)
-      .def("kept", &Bracket::kept)
+      .def("clamped", &Bracket::clamped)
       .def("next", &Bracket::next)
-      .def("put", &Bracket::put);
+      .def("update", &Bracket::update);
 
   using gelenk::Cubic;
   nb::class_<Cubic>(m, "Cubic")

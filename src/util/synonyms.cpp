@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "util/other_words.h"
+#include "util/synonyms.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,7 +7,7 @@
 namespace gelenk {
 namespace {
 
-// Our word, and what URDF, MJCF, SDF, Modelica, Simscape, Adams and textbooks call the same.
+// The word of scene files, and those of URDF, MJCF, SDF, Modelica, Simscape, Adams and textbooks for the same thing.
 constexpr std::pair<std::string_view, Words> synonyms[] = {
     {"revolute", "hinge pin rotational rotary rotation continuous turning"},
     {"prismatic", "slide slider sliding linear translational translation"},
@@ -51,7 +51,7 @@ constexpr std::pair<std::string_view, Words> synonyms[] = {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-bool same(std::string_view a, std::string_view b) {
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
 }
 
@@ -60,13 +60,13 @@ bool same(std::string_view a, std::string_view b) {
 bool contains(Words words, std::string_view word) {
   while (!words.empty()) {
     const std::size_t end = std::min(words.find(' '), words.size());
-    if (same(words.substr(0, end), word)) return true;
+    if (equal_ignoring_case(words.substr(0, end), word)) return true;
     words.remove_prefix(std::min(end + 1, words.size()));
   }
   return false;
 }
 
-std::string our_word(std::string_view found, const std::vector<std::string>& known) {
+std::string canonical_name(std::string_view found, const std::vector<std::string>& known) {
   for (const auto& [ours, theirs] : synonyms) {
     if (contains(theirs, found) && std::ranges::find(known, ours) != known.end()) return std::string(ours);
   }
