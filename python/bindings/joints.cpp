@@ -32,7 +32,7 @@ class JointInAlgebra {
   auto in_algebra(const Function& function) const {
     return std::visit(
         [&](const auto& j) {
-          if constexpr (lives_in<Planar, std::decay_t<decltype(j)>>) {
+          if constexpr (supports_algebra<Planar, std::decay_t<decltype(j)>>) {
             if (planar_) return function.template operator()<Planar>(j);
           }
           return function.template operator()<Spatial>(j);

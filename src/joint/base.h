@@ -1,31 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The interface of a joint, and the parts of it that most joints share.
+// The interface of a joint, and base classes with the parts that most joints share.
 //
-// A joint is a small struct of static facts (see revolute.h for the shortest) and these functions,
-// templates on the algebra A (planar.h, spatial.h) or its number type T. M is also the body's frame:
+// A joint is a small struct with static data (revolute.h is the shortest example) and these functions, templates on the
+// algebra A (planar.h, spatial.h) or its number type T. M is also the frame of the link. q, v, tau: nq, nv, nv numbers.
 //
 //   X_FM<A>(q)                 pose of M in F
 //   V_FM<A>(q, v)              S v: velocity of M in F, written in M
 //   bias<A>(q, v)              Sdot v, componentwise in M
 //   project<A>(q, F, tau)      tau = S^T F, F on M in M
-//   effort<A>(q, tau)          a force F, in the span of S, with project(q, F) = tau
-//   speeds<A>(q, V, v)         the v with S v = V, V in the span of S (else the nearest)
-//   rate(q, v, qdot)           qdot = N(q) v;   v_from_qdot(q, qdot, v) its inverse
-//   normalize(q)               removes what is redundant in q (a quaternion's length)
-//   coordinates<A>(X_FM, q)    q of an allowed pose; on entry q holds the last value (a quaternion's sign)
-//   rows<A>(X_FM, row)         what the joint forbids (rows.h), A::dimension - nv of them; returns the number
+//   wrench_from_tau<A>(q, tau) a force F on M in M, in the span of S, with project(q, F) = tau
+//   speeds<A>(q, V, v)         the v with S v = V, for V in the span of S; otherwise the least-squares solution
+//   qdot_from_v(q, v, qdot)    qdot = N(q) v;   v_from_qdot(q, qdot, v) is its inverse
+//   normalize(q)               removes redundancy from q (the length of a quaternion)
+//   coordinates<A>(X_FM, q)    q of a pose that the joint permits; on entry q is the previous value (for the sign of a
+//                              quaternion)
+//   rows<A>(X_FM, row)         writes the constraint equations (rows.h) and returns their number, A::dimension - nv
 //   rows_bias<A>(X_FM, V, b)   b += wdot . V_FM, with V as in rows.h
 //
-// turned is true where turning both halves half a turn about x exchanges their roles (revolute, prismatic, ...):
-// the other joints are exchanged by Reversed<J> (reversed.h).
-// For derivatives it says how S looks from M: constant_S, or, where it is not, shifts_in_F: how many of its first
-// speeds are shifts along axes that stay in F (0: S changes in some other way); and rows_turn: the rows' wrenches turn
-// with X_FM.
+// Static data:
+//   reverses_by_half_turn  whether a rotation of both frames by half a turn about x exchanges the roles of F and M
+//                          (revolute, prismatic, ...); the other joints are reversed by Reversed<J> (reversed.h)
+//   constant_S             whether S is constant in M
+//   shifts_in_F            if S is not constant: number of leading velocities that are translations along axes fixed in
+//                          F; 0 if S varies in another way
+//   rows_turn              whether the wrenches of the constraint equations depend on X_FM
+//   pure_turn              whether S is the rotation about the z axis of M, with qdot = v; optional
+//   q_zero                 q with X_FM = 1
 //
-// pure_turn is true where the motion space is the turn about M's z axis and qdot = v; may be left out otherwise.
-//
-// make(axes) builds the joint from the user's unit axes, canonical(axes) gives R_UC, the turn from
-// the user's joint frame to the one the joint is written in (most have the axis along z).
+// make(axes) builds the joint from unit axes in the user's joint frame U; canonical(axes) returns R_UC, the rotation
+// from U to the frame C of the joint's own formulas, in which most joints have their axis along z.
 #pragma once
 
 #include "joint/kind.h"
@@ -33,7 +36,7 @@
 
 namespace gelenk {
 
-// Joints whose motion space is constant in M and whose speeds are the rates of their coordinates.
+// Base class of joints with qdot = v; by default with a motion space that is constant in M.
 template <int n>
 struct PlainJoint {
   static constexpr int nq = n, nv = n;
@@ -62,7 +65,7 @@ struct PlainJoint {
 template <class J>
 constexpr bool is_pure_turn = requires { requires J::pure_turn; };
 
-// For joints with S^T S = 1: the force that S tau is.
+// The force with the components of a motion; S tau for joints with S^T S = 1.
 template <class A>
 typename A::Force as_force(const typename A::Motion& V) {
   if constexpr (A::planar) {
@@ -72,19 +75,19 @@ typename A::Force as_force(const typename A::Motion& V) {
   }
 }
 
-// Joints with one axis, the z axis of F and M.
+// Base class of joints with one axis, the z axis of F and M.
 struct AlongZ {
   static constexpr int axes = 1;
   static Eigen::Matrix3d canonical(std::span<const Eigen::Vector3d> axes) { return rotation_taking_z_to(axes[0]); }
 };
 
-// Joints without an axis.
+// Base class of joints without an axis.
 struct NoAxis {
   static constexpr int axes = 0;
   static Eigen::Matrix3d canonical(std::span<const Eigen::Vector3d>) { return Eigen::Matrix3d::Identity(); }
 };
 
-// Pieces of poses that several joints use.
+// Rotation matrix of a rotation about z by phi [rad].
 template <class T>
 Matrix3<T> rotation_z(const T& phi) {
   using std::cos;
@@ -93,7 +96,7 @@ Matrix3<T> rotation_z(const T& phi) {
   R << cos(phi), -sin(phi), T(0), sin(phi), cos(phi), T(0), T(0), T(0), T(1);
   return R;
 }
-// The angle of a turn about z.
+// Angle of the pose's rotation about z [rad], in [-pi, pi].
 template <class A>
 typename A::Scalar angle_z(const typename A::Pose& X) {
   using std::atan2;

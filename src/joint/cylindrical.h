@@ -5,14 +5,14 @@
 
 namespace gelenk {
 
-// Cylindrical: M slides along, and independently turns about, the common z axis of F and M.
+// Cylindrical: M translates along and rotates about the common z axis of F and M, independently.
 //   X_FM = Trans_z(s) Rot_z(phi)      V_FM = (0 0 w | 0 0 v)      q = (s [m], phi [rad]), v = (v [m/s], w [rad/s])
 struct Cylindrical : PlainJoint<2>, AlongZ {
   static constexpr std::string_view kind = "cylindrical";
-  static constexpr std::string_view summary = "slides along and turns about one axis";
+  static constexpr std::string_view summary = "translates along and rotates about one axis";
   static constexpr PlanarRole planar = PlanarRole::never;
-  static constexpr Quantity q_names[] = {{"s", "m", "displacement of M against F along the axis"},
-                                         {"phi", "rad", "angle of M against F about the axis; counts turns"}};
+  static constexpr Quantity q_names[] = {{"s", "m", "displacement of M relative to F along the axis"},
+                                         {"phi", "rad", "angle of M relative to F about the axis (unwrapped)"}};
   static constexpr Quantity v_names[] = {{"v", "m/s", "velocity, der(s)"},
                                          {"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"},

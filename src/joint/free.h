@@ -6,10 +6,10 @@
 
 namespace gelenk {
 
-// Free: nothing is forbidden.
+// Free: all six degrees of freedom.
 //   X_FM = Trans(r) Rot(Q)      V_FM = (w | R^T v)
 //   q = (r [m] in F, Q), v = (v = rdot [m/s] in F, w [rad/s] in M)
-// v is written in F, so that a body flying freely has constant vdot however it spins.
+// v is written in F, so that vdot of a body in free flight does not depend on its rotation.
 //   Sdot v = (0 | -w x R^T v).
 struct Free : NoAxis {
   static constexpr int nq = 7, nv = 6;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rest of Gelenk may know of a kind of joint without knowing the joint: names, units, sizes.
+// Description of a joint type for code that does not depend on particular joints: names, units, sizes.
 #pragma once
 
 #include <array>
@@ -11,35 +11,36 @@
 
 namespace gelenk {
 
-// One scalar of a joint. Elements of an array carry their index from 1, as in Modelica: "Q[1]".
+// A scalar variable of a joint. Names of array elements contain the index, from 1, as in Modelica: "Q[1]".
 struct Quantity {
   std::string_view name;
   std::string_view unit;         // SI, in FMI's spelling: "rad", "m/s2", "1"
   std::string_view description;  // completes "A: ..."
 };
 
-// How the axis of a joint must lie for the joint to move in a plane with normal n.
+// Direction that the axis of a joint must have for a motion in a plane with normal n.
 enum class PlanarRole {
-  never,     // the joint leaves any plane
+  never,     // the joint has no planar motion
   normal,    // its axis is parallel to n
-  in_plane,  // its axis lies in the plane
+  in_plane,  // its axis is parallel to the plane
 };
 
 struct JointKind {
   std::string_view name;
   std::string_view summary;
   int nq = 0;    // coordinates
-  int nv = 0;    // speeds = degrees of freedom
-  int axes = 0;  // axes the user may give: 0, 1 (`axis`) or 2 (`axes`)
+  int nv = 0;    // velocities = degrees of freedom
+  int axes = 0;  // axes in the scene file: 0, 1 (`axis`) or 2 (`axes`)
   PlanarRole planar = PlanarRole::never;
   std::span<const Quantity> q;      // nq coordinates
-  std::span<const Quantity> v;      // nv speeds
+  std::span<const Quantity> v;      // nv velocities
   std::span<const Quantity> a;      // nv accelerations
   std::span<const double> q_zero;   // nq coordinates of the reference configuration, X_FM = 1
-  std::span<const Field> fields{};  // its own numbers, as a screw's pitch
+  std::span<const Field> fields{};  // parameters of the joint, such as the pitch of a screw
 
-  // Springs need a coordinate whose rate is the speed: not the quaternion's.
+  // Whether its coordinates can have springs: only if qdot = v, hence no quaternions.
   bool springs() const { return nq == nv && nv > 0; }
+  // Whether it can have a stop.
   bool stops() const { return nq == 1 && nv == 1; }
   bool has_quaternion() const { return nq > nv; }
 };

@@ -5,17 +5,17 @@
 
 namespace gelenk {
 
-// Planar: M moves in the x-y plane of F and turns about its normal z.
+// Planar: M translates in the x-y plane of F and rotates about its normal z.
 //   X_FM = Trans(s_x, s_y, 0) Rot_z(phi)      V_FM = (0 0 w | Rot_z^T (v_x v_y 0))
-//   q = (s_x [m], s_y [m], phi [rad]), v = qdot: written in F, so that a body gliding freely has constant speeds.
+//   q = (s_x [m], s_y [m], phi [rad]), v = qdot, written in F, so that a body in free motion has constant velocities.
 //   Sdot v = (0 | -w z x Rot_z^T (v_x v_y 0)).
 struct PlanarJoint : PlainJoint<3>, AlongZ {
   static constexpr std::string_view kind = "planar";
-  static constexpr std::string_view summary = "slides in a plane and turns about its normal";
+  static constexpr std::string_view summary = "translates in a plane and rotates about its normal";
   static constexpr PlanarRole planar = PlanarRole::normal;
-  static constexpr Quantity q_names[] = {{"s_x", "m", "displacement of M against F along F's x axis"},
-                                         {"s_y", "m", "displacement of M against F along F's y axis"},
-                                         {"phi", "rad", "angle of M against F about the normal; counts turns"}};
+  static constexpr Quantity q_names[] = {{"s_x", "m", "displacement of M relative to F along F's x axis"},
+                                         {"s_y", "m", "displacement of M relative to F along F's y axis"},
+                                         {"phi", "rad", "angle of M relative to F about the normal (unwrapped)"}};
   static constexpr Quantity v_names[] = {{"v_x", "m/s", "velocity, der(s_x)"},
                                          {"v_y", "m/s", "velocity, der(s_y)"},
                                          {"w", "rad/s", "angular velocity, der(phi)"}};
@@ -24,7 +24,7 @@ struct PlanarJoint : PlainJoint<3>, AlongZ {
                                          {"wd", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool reverses_by_half_turn = false, constant_S = false;
   static constexpr int shifts_in_F = 2;
-  static constexpr double flip[] = {1, -1, -1};  // F and M turned half a turn about x
+  static constexpr double flip[] = {1, -1, -1};  // signs of q and v after half a turn of F and M about x
 
   static PlanarJoint make(std::span<const Eigen::Vector3d>) { return {}; }
 

@@ -5,13 +5,13 @@
 
 namespace gelenk {
 
-// Prismatic: M slides along the common z axis of F and M (in planar algebra: along x).
+// Prismatic: M translates along the common z axis of F and M (in planar algebra: along x).
 //   X_FM = Trans_z(s)      V_FM = (0 0 0 | 0 0 v)      q = s [m], v = v [m/s]
 struct Prismatic : PlainJoint<1>, AlongZ {
   static constexpr std::string_view kind = "prismatic";
-  static constexpr std::string_view summary = "slides along an axis";
+  static constexpr std::string_view summary = "translates along an axis";
   static constexpr PlanarRole planar = PlanarRole::in_plane;
-  static constexpr Quantity q_names[] = {{"s", "m", "displacement of M against F along the axis"}};
+  static constexpr Quantity q_names[] = {{"s", "m", "displacement of M relative to F along the axis"}};
   static constexpr Quantity v_names[] = {{"v", "m/s", "velocity, der(s)"}};
   static constexpr Quantity a_names[] = {{"a", "m/s2", "acceleration, der(v)"}};
   static constexpr bool reverses_by_half_turn = true;

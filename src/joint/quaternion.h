@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Orientation coordinates Q[1..4] of joints that turn about any axis: the unit quaternion of R_FM,
-// vector part first, scalar part Q[4], as in Modelica. Speeds are the angular velocity of M in F, in M.
+// Orientation coordinates Q[1..4] of joints that rotate about any axis: the unit quaternion of R_FM, vector part first,
+// scalar part Q[4], as in Modelica. The velocity is the angular velocity of M in F, written in M [rad/s].
 #pragma once
 
 #include "math/spatial.h"
 
 namespace gelenk::quaternion {
 
-// R of Q/|Q|: the length of Q does not matter, so a step between two normalisations stays a rotation.
+// Rotation matrix of Q/|Q|: independent of the length of Q, which changes between two normalizations.
 template <class T>
 Matrix3<T> rotation(const T* Q) {
   const Vector3<T> u(Q[0], Q[1], Q[2]);
@@ -35,6 +35,7 @@ void v_from_qdot(const T* Q, const T* Qdot, T* w) {
   for (int i = 0; i < 3; ++i) w[i] = w_M[i];
 }
 
+// Divides Q by its length.
 template <class T>
 void normalize(T* Q) {
   using std::sqrt;
@@ -42,12 +43,12 @@ void normalize(T* Q) {
   for (int i = 0; i < 4; ++i) Q[i] *= k;
 }
 
-// The quaternion of R, of the two the one nearer to the Q given.
+// Replaces Q by the quaternion of R: of Q and -Q the one closer to the previous Q.
 template <class T>
 void from_rotation(const Matrix3<T>& R, T* Q) {
   const Eigen::Quaternion<T> found(R);
-  const T side = Q[0] * found.x() + Q[1] * found.y() + Q[2] * found.z() + Q[3] * found.w();
-  const T sign = side < T(0) ? T(-1) : T(1);
+  const T cosine = Q[0] * found.x() + Q[1] * found.y() + Q[2] * found.z() + Q[3] * found.w();
+  const T sign = cosine < T(0) ? T(-1) : T(1);
   Q[0] = sign * found.x();
   Q[1] = sign * found.y();
   Q[2] = sign * found.z();

@@ -37,8 +37,8 @@ auto describe_all(const std::variant<J...>*) {
 
 template <class... J>
 AnyJoint make_nth(std::size_t n, std::span<const Eigen::Vector3d> axes, const std::variant<J...>*) {
-  using Maker = AnyJoint (*)(std::span<const Eigen::Vector3d>);
-  static constexpr std::array<Maker, sizeof...(J)> makers = {
+  using MakeJoint = AnyJoint (*)(std::span<const Eigen::Vector3d>);
+  static constexpr std::array<MakeJoint, sizeof...(J)> makers = {
       [](std::span<const Eigen::Vector3d> given) { return AnyJoint(J::make(given)); }...};
   return makers.at(n)(axes);
 }
@@ -66,7 +66,7 @@ const JointKind* find_joint_kind(std::string_view name) {
 
 AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes) {
   const JointKind* found = find_joint_kind(kind);
-  if (found == nullptr) throw std::out_of_range("no kind of joint is called " + std::string(kind));
+  if (found == nullptr) throw std::out_of_range("there is no joint type " + std::string(kind));
   const auto index = static_cast<std::size_t>(found - joint_kinds().data());
   return make_nth(index, axes, static_cast<const AnyJoint*>(nullptr));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every kind of joint, once. A new one is one new header and one name in AnyJoint; TreeJoint and CutJoint follow.
+// The list of all joint types. A new type requires a header and its name in AnyJoint; TreeJoint and CutJoint follow.
 #pragma once
 
 #include <optional>
@@ -24,12 +24,12 @@
 
 namespace gelenk {
 
-// Most used first: the order of the tests when a joint's kind is looked at while computing.
+// In order of frequency, which is the order in which kernels test the type of a joint.
 using AnyJoint = std::variant<Revolute, Prismatic, Spherical, Universal, Cylindrical, PlanarJoint, Free, Screw, Weld>;
 
 namespace detail {
 
-// Those whose roles turning does not serialize, reversed.
+// Reversed<J> for joints that half a turn does not reverse; otherwise empty.
 template <class J>
 using ReversedOrNone = std::conditional_t<J::reverses_by_half_turn, std::tuple<>, std::tuple<Reversed<J>>>;
 template <class Tuple>
@@ -48,29 +48,30 @@ struct InTree<std::variant<J...>> {
 
 }  // namespace detail
 
-// A joint of the spanning tree, seen from the inner body outwards.
+// A joint of the spanning tree, from the inner body to the outer one.
 using TreeJoint = detail::InTree<AnyJoint>::type;
 
-// Joints that stay in a plane have code in planar algebra.
+// Whether J has code in the algebra A: in planar algebra only if it has planar motions.
 template <class A, class J>
-constexpr bool lives_in = !A::planar || J::planar != PlanarRole::never;
+constexpr bool supports_algebra = !A::planar || J::planar != PlanarRole::never;
 
-// All kinds, in the order of AnyJoint.
+// All joint types, in the order of AnyJoint.
 std::span<const JointKind> joint_kinds();
 
-// The kind of that name, or nullptr.
+// Returns the joint type of this name, or nullptr.
 const JointKind* find_joint_kind(std::string_view name);
 
-// A joint of the kind with that name. axes: unit vectors in the user's joint frame, as many as the kind has.
+// Makes a joint of the named type. axes: unit vectors in the user's joint frame, as many as the type has.
 // Throws std::out_of_range for an unknown name.
 AnyJoint make_joint(std::string_view kind, std::span<const Eigen::Vector3d> axes);
 
+// Returns the type of a joint.
 const JointKind& kind_of(const AnyJoint& joint);
 
-// The user's axes where none are given.
+// Returns the axes, in the user's joint frame, of a joint for which none are given.
 std::vector<Eigen::Vector3d> default_axes(const JointKind& kind);
 
-// The joint itself, for its fields.
+// Address of the joint in the variant, to which its fields refer.
 inline void* data_of(AnyJoint& joint) {
   return std::visit([](auto& j) -> void* { return &j; }, joint);
 }
@@ -78,15 +79,17 @@ inline const void* data_of(const AnyJoint& joint) {
   return std::visit([](const auto& j) -> const void* { return &j; }, joint);
 }
 
-// The joint as the tree meets it; reversed: the outer body carries F. Joints that reverse by turning
-// their frames (below) stay what they are.
+// Returns the joint as a joint of the spanning tree; reversed: F is on the outer body. Joints that are reversed by
+// half a turn of their frames (reverses_by_turning()) are returned unchanged.
 TreeJoint tree_joint(const AnyJoint& joint, bool reversed);
+// Whether half a turn of both frames about x exchanges the roles of F and M.
 bool reverses_by_turning(const AnyJoint& joint);
 
-// R_UC: from the user's joint frame U to the frame C in which the joint's axis is z (universal: a = x).
+// Returns R_UC, from the user's joint frame U to the frame C in which the axis of the joint is z (universal: a = x).
 Eigen::Matrix3d canonical_rotation(const AnyJoint& joint, std::span<const Eigen::Vector3d> axes);
 
-// Signs that q and v take on when F and M are turned upside down (PlanarRole::normal only; else all 1).
+// Returns the signs by which q and v change if F and M are rotated by half a turn about x, which reverses the normal;
+// all 1 unless the joint has PlanarRole::normal.
 std::span<const double> flip_signs(const AnyJoint& joint);
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A joint whose half F, not M, lies on the outer body of the tree. Coordinates and speeds stay the user's.
+// A tree joint with F, not M, on the outer body. Its coordinates and velocities are those of the joint J itself.
 //   X_MF = X_FM^-1      V_MF = -Ad(X_FM) S v      bias: -Ad(X_FM) Sdot v, as V x V = 0
 #pragma once
 

@@ -5,18 +5,18 @@
 
 namespace gelenk {
 
-// Revolute: M turns about the common z axis of F and M.
+// Revolute: M rotates about the common z axis of F and M.
 //   X_FM = Rot_z(phi)      V_FM = (0 0 w | 0 0 0)      q = phi [rad], v = w [rad/s]
 struct Revolute : PlainJoint<1>, AlongZ {
   static constexpr std::string_view kind = "revolute";
-  static constexpr std::string_view summary = "turns about an axis";
+  static constexpr std::string_view summary = "rotates about an axis";
   static constexpr PlanarRole planar = PlanarRole::normal;
-  static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M against F about the axis; counts turns"}};
+  static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M relative to F about the axis (unwrapped)"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool reverses_by_half_turn = true;
   static constexpr bool pure_turn = true;
-  static constexpr double flip[] = {-1};  // what q and v become when F and M are turned upside down
+  static constexpr double flip[] = {-1};  // sign of q and v after half a turn of F and M about x
 
   static Revolute make(std::span<const Eigen::Vector3d>) { return {}; }
 

@@ -14,17 +14,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Shorter rods have no direction to speak of [m].
-constexpr double shortest = 1e-6;
-// A universal joint lets a rod point everywhere if its axes and the rod are at right angles. Else a cone is left out
-// about the axis on the neighbour, of this half angle at most [rad]: so near to gimbal lock no joint is used.
-constexpr double blind_cone = 1e-3;
-// A rod that passes the axis on the neighbour by less than this share of its way there goes straight across it.
-constexpr double straight = 1e-6;
-// Sum of two unit vectors too short to tell in which plane the way from one to the other lies.
-constexpr double opposite = 1e-12;
+// Minimum length of a rod [m]; the direction of a shorter one is not well defined.
+constexpr double min_length = 1e-6;
+// With a universal joint a rod reaches all directions if its two axes, and the axis on the rod and the rod, are at
+// right angles. Otherwise it does not reach a cone about the axis on the neighbor. Maximum half angle of this cone
+// [rad]; no joint is used so close to gimbal lock.
+constexpr double max_unreachable_angle = 1e-3;
+// If the angle about the axis on the neighbor changes by less than this [rad] with the sign of h (see aim()), the rod
+// has crossed this axis in a straight line.
+constexpr double crossing_tolerance = 1e-6;
+// Length of the sum of two unit vectors below which they are opposite, so that the axis of the rotation from one to the
+// other is undetermined.
+constexpr double opposite_tolerance = 1e-12;
 
-// In the plane the ends are hinges, in space universal and spherical joints.
+// Calls the function with the joint at an end of the rod: in planar algebra a hinge, in space a spherical or universal
+// joint.
 template <class A, class Function>
 decltype(auto) visit_end(const Rod::End& end, Function&& function) {
   using Any = std::conditional_t<A::planar, Revolute, Spherical>;
@@ -34,13 +38,13 @@ decltype(auto) visit_end(const Rod::End& end, Function&& function) {
         if constexpr (A::planar == (std::decay_t<decltype(joint)>::planar == PlanarRole::normal)) {
           return function(joint);
         } else {
-          unreachable();  // make_rod() sees to it
+          unreachable();  // make_rod() excludes it
         }
       },
       end);
 }
 
-// --- aim(): the coordinates with X_FM(q) d_M = d_F, for unit vectors; rod_in_M: d_M is fixed, else d_F ---
+// --- aim(): the coordinates with X_FM(q) d_M = d_F, for unit vectors; rod_in_M: d_M is constant, otherwise d_F ---
 
 template <class T>
 void aim(const Revolute&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
@@ -51,62 +55,64 @@ void aim(const Revolute&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T*
 template <class T>
 void aim(const Spherical&, bool, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
   const Vector3<T> sum = d_M + d_F;
-  const T twice = sum.norm();  // the cosine of half the angle
+  const T sum_norm = sum.norm();  // 2 cos(angle / 2)
   T found[4] = {T(0), T(0), T(0), T(0)};
-  if (value_of(twice) > opposite) {
-    const Vector3<T> u = d_M.cross(d_F) / twice;
+  if (value_of(sum_norm) > opposite_tolerance) {
+    const Vector3<T> u = d_M.cross(d_F) / sum_norm;
     for (int i = 0; i < 3; ++i) found[i] = u[i];
-    found[3] = twice / T(2);
-  } else {  // half a turn about whatever is normal to both
+    found[3] = sum_norm / T(2);
+  } else {  // half a turn about any axis normal to both
     const Vector3d m(value_of(d_M.x()), value_of(d_M.y()), value_of(d_M.z()));
     const Vector3d u = m.unitOrthogonal();
     for (int i = 0; i < 3; ++i) found[i] = T(u[i]);
   }
   quaternion::normalize(found);
-  T same_side(0);
-  for (int i = 0; i < 4; ++i) same_side += found[i] * q[i];
-  for (int i = 0; i < 4; ++i) q[i] = same_side < T(0) ? T(-found[i]) : found[i];
+  T cosine(0);
+  for (int i = 0; i < 4; ++i) cosine += found[i] * q[i];
+  for (int i = 0; i < 4; ++i) q[i] = cosine < T(0) ? T(-found[i]) : found[i];
 }
 
-// Between the two turns, Rot_x(phi_a) u = d_F and Rot_b(phi_b) d_M = u: u has the x component of d_F and the b
-// component of d_M, which leaves it two z components, h and -h. h vanishes only where the rod lies along the axis on
-// the neighbour, so a motion that keeps clear of it keeps to one sign. What goes straight across changes the sign; the
-// angle about that axis then stays.
+// Let u be the direction between the two rotations: Rot_x(phi_a) u = d_F and Rot_b(phi_b) d_M = u. Its x component is
+// that of d_F and its b component that of d_M, which leaves two possible z components, h and -h. h is zero only if the
+// rod is along the axis on the neighbor; a motion that avoids this position keeps the sign. If the rod crosses this
+// axis in a straight line, the sign changes and the angle about the axis remains continuous.
 template <class T>
 void aim(const Universal& joint, bool rod_in_M, const Vector3<T>& d_M, const Vector3<T>& d_F, T* q) {
   using std::atan2;
   using std::sqrt;
   const double c = joint.cos_beta;
   const double s = joint.sin_beta;
-  // x, y, z turned about z so that y lies along b, and x along g.
+  // Components along b and along g, where (g, b, z) are the axes x, y, z rotated about z.
   const T m_b = c * d_M.x() + s * d_M.y();
   const T m_g = s * d_M.x() - c * d_M.y();
   const T u_y = (m_b - c * d_F.x()) / s;
   const T u_g = (d_F.x() - c * m_b) / s;
-  // 1 - u_x^2 - u_y^2, written so that nothing cancels near the axis on the neighbour.
+  // h2 = 1 - u_x^2 - u_y^2, in a form without cancellation near the axis on the neighbor.
   const T h2 =
       rod_in_M ? T(d_F.y() * d_F.y() + d_F.z() * d_F.z() - u_y * u_y) : T(m_g * m_g + d_M.z() * d_M.z() - u_g * u_g);
   const auto solution = [&](const T& z, T* out) {
     out[0] = atan2(d_F.z(), d_F.y()) - atan2(z, u_y);
     out[1] = atan2(u_g, z) - atan2(m_g, d_M.z());
   };
-  const double last[] = {value_of(q[0]), value_of(q[1])};
-  const double last_z = rod_in_M ? std::cos(last[1]) * value_of(d_M.z()) - std::sin(last[1]) * value_of(m_g)
-                                 : std::cos(last[0]) * value_of(d_F.z()) - std::sin(last[0]) * value_of(d_F.y());
+  const double previous[] = {value_of(q[0]), value_of(q[1])};
+  const double previous_z = rod_in_M
+                                ? std::cos(previous[1]) * value_of(d_M.z()) - std::sin(previous[1]) * value_of(m_g)
+                                : std::cos(previous[0]) * value_of(d_F.z()) - std::sin(previous[0]) * value_of(d_F.y());
   const T h = h2 > T(0) ? T(sqrt(h2)) : T(0);
-  const T kept = std::signbit(last_z) ? T(-h) : h;
+  const T same_sign_z = std::signbit(previous_z) ? T(-h) : h;
   const int about_neighbor = rod_in_M ? 0 : 1;
-  T across[2];
-  solution(-kept, across);
-  const double turned = std::remainder(value_of(across[about_neighbor]) - last[about_neighbor], 2 * std::numbers::pi);
-  if (std::abs(turned) < straight) {
-    std::copy_n(across, 2, q);
+  T crossed[2];
+  solution(-same_sign_z, crossed);
+  const double change =
+      std::remainder(value_of(crossed[about_neighbor]) - previous[about_neighbor], 2 * std::numbers::pi);
+  if (std::abs(change) < crossing_tolerance) {
+    std::copy_n(crossed, 2, q);
   } else {
-    solution(kept, q);
+    solution(same_sign_z, q);
   }
 }
 
-// The same for a joint seen outwards: X(q) e_R = e_P, where R is the rod and P the neighbour.
+// The same for a joint from the neighbor P to the rod R: X(q) e_R = e_P.
 template <class J, class T>
 void aim_outwards(const J& joint, const Vector3<T>& e_R, const Vector3<T>& e_P, T* q) {
   aim(joint, true, e_R, e_P, q);
@@ -116,6 +122,7 @@ void aim_outwards(const Reversed<J>& joint, const Vector3<T>& e_R, const Vector3
   aim(static_cast<const J&>(joint), false, e_P, e_R, q);
 }
 
+// Unit vector to the origin of the pose.
 template <class T>
 Vector3<T> direction(const typename SpatialAlgebra<T>::Pose& X) {
   return X.p / X.p.norm();
@@ -126,24 +133,24 @@ Vector3<T> direction(const typename PlanarAlgebra<T>::Pose& X) {
   return p / p.norm();
 }
 
-// The rod's angular velocity, against the neighbour at its first joint, when its far end, d from there, moves with V:
-// d x v / |d|^2, and about d what the joint asks for. All in the rod's frame.
+// Returns the angular velocity of the rod relative to the neighbor at its first joint if its far end, at d from this
+// joint, moves with V: d x v / |d|^2, plus the component along d that the joint requires. All in the rod's frame.
 template <class A, class J>
-typename A::Motion turning(const J& first, const typename A::Scalar* q, const Vector3d& d,
-                           const typename A::Motion& V) {
+typename A::Motion angular_velocity(const J& first, const typename A::Scalar* q, const Vector3d& d,
+                                    const typename A::Motion& V) {
   using T = typename A::Scalar;
   typename A::Motion out;
   if constexpr (A::planar) {
     out.w = (d.x() * V.y - d.y() * V.x) / d.head<2>().squaredNorm();
   } else {
     const Vector3<T> e = d.normalized().cast<T>();
-    Vector3<T> n;  // what the joint does not turn about
+    Vector3<T> n;  // the angular velocity has no component along it
     if constexpr (J::nv == 2) {
       const T about_a[] = {T(1), T(0)};
       const T about_b[] = {T(0), T(1)};
       n = first.template V_FM<A>(q, about_a).w.cross(first.template V_FM<A>(q, about_b).w);
     } else {
-      // The shortest way from where e was at first to e: the velocity has nothing along the sum of both.
+      // Shortest rotation from the reference direction of e to e: no component along the sum of both.
       n = first.template X_FM<A>(q).R.transpose() * e + e;
     }
     out.w = e.cross(V.v) / T(d.norm());
@@ -179,7 +186,7 @@ int Rod::first_nq() const { return nq_of(first); }
 int Rod::first_nv() const { return nv_of(first); }
 int Rod::nq() const { return nq_of(first) + nq_of(second); }
 int Rod::nv() const { return nv_of(first) + nv_of(second); }
-bool Rod::spins() const { return first_nv() == 3; }
+bool Rod::has_free_spin() const { return first_nv() == 3; }
 
 template <class A>
 typename A::Pose Rod::rod_pose(In<A> q) const {
@@ -231,7 +238,7 @@ typename A::Force Rod::wrench_from_tau(In<A> q, In<A> tau) const {
     for (int i = 0; i <= k; ++i) gram[i][k] = gram[k][i] = A::dot(V, column[i]);
     x[k] = tau[k];
   }
-  // Elimination without pivoting: the matrix is symmetric and positive.
+  // Elimination without pivoting: the matrix is symmetric and positive definite.
   for (int k = 0; k < n; ++k) {
     for (int i = k + 1; i < n; ++i) {
       const T factor = gram[i][k] / gram[k][k];
@@ -259,9 +266,9 @@ void Rod::speeds(In<A> q, const typename A::Motion& V, Out<A> v) const {
   } else {
     turn.p.setZero();
   }
-  const typename A::Motion far = X_2.to_parent(V);  // of M at the second joint, in the rod's axes there
+  const typename A::Motion far = X_2.to_parent(V);  // velocity of M at the second joint, in the axes of the rod
   visit_end<A>(first, [&](const auto& joint) {
-    const typename A::Motion of_rod = turning<A>(joint, q, X_12.p, turn.to_parent(far));
+    const typename A::Motion of_rod = angular_velocity<A>(joint, q, X_12.p, turn.to_parent(far));
     joint.template speeds<A>(q, of_rod, v);
     const typename A::Motion rest = X_2.to_child(far - on_rod.to_child(of_rod));
     visit_end<A>(second, [&](const auto& other) { other.template speeds<A>(q_2, rest, v + joint.nv); });
@@ -296,15 +303,16 @@ GELENK_INSTANTIATE(SpatialAlgebra<Series>)
 
 namespace {
 
-// Half angle of the cone that a rod along e cannot reach [rad, small]; reversed: F lies on the rod.
-double unreached(const Revolute&, bool, const Vector3d&) { return 0; }
-double unreached(const Spherical&, bool, const Vector3d&) { return 0; }
-double unreached(const Universal& joint, bool reversed, const Vector3d& e) {
+// Returns the half angle [rad] of the cone that a rod along e cannot reach, for small angles. reversed: F is on the rod.
+double unreachable_angle(const Revolute&, bool, const Vector3d&) { return 0; }
+double unreachable_angle(const Spherical&, bool, const Vector3d&) { return 0; }
+double unreachable_angle(const Universal& joint, bool reversed, const Vector3d& e) {
   const double on_rod = reversed ? e.x() : joint.cos_beta * e.x() + joint.sin_beta * e.y();
   return std::abs(joint.cos_beta) + std::abs(on_rod);
 }
 
-// The joint as an end of a rod that reaches every direction; at_second: as the end that need not hold it.
+// Returns the joint as an end of a rod along e, or nothing if the rod could not reach all directions. at_second: as the
+// second end, which must not determine the rod's rotation about its own axis.
 std::optional<Rod::End> end_of(const AnyJoint& any, bool reversed, bool planar, const Vector3d& e, bool at_second) {
   return std::visit(
       [&](const auto& joint) -> std::optional<Rod::End> {
@@ -312,7 +320,10 @@ std::optional<Rod::End> end_of(const AnyJoint& any, bool reversed, bool planar, 
         constexpr bool hinge = std::is_same_v<J, Revolute>;
         constexpr bool universal = std::is_same_v<J, Universal>;
         if constexpr (hinge || universal || std::is_same_v<J, Spherical>) {
-          if (planar != hinge || (universal && at_second) || unreached(joint, reversed, e) > blind_cone) return {};
+          if (planar != hinge || (universal && at_second) ||
+              unreachable_angle(joint, reversed, e) > max_unreachable_angle) {
+            return {};
+          }
           if (reversed) return Reversed<J>{joint};
           return joint;
         } else {
@@ -330,7 +341,7 @@ std::optional<Rod> make_rod(const AnyJoint& first, bool first_reversed, const An
   rod.X_12 = X_12;
   if (planar) rod.X_12.p.z() = 0;
   rod.length = rod.X_12.p.norm();
-  if (rod.length < shortest) return {};
+  if (rod.length < min_length) return {};
   const Vector3d e = rod.X_12.p / rod.length;
   const auto at_first = end_of(first, first_reversed, planar, e, false);
   const auto at_second = end_of(second, second_reversed, planar, e, true);

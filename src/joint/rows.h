@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of a loop: what a joint forbids between its halves F and M.
+// Constraint equations of a joint that closes a loop, between its frames F and M.
 //
-// A row is a wrench w on M (torque about M's origin, force), written in F. It does no work on the
-// motions the joint allows, w . V_FM = 0, so it is at once the row of the Jacobian and the direction
-// of the reaction. V_FM here is (angular velocity of M in F, rate of p_FM), both written in F.
-// Phi is the position error whose rate is w . V_FM where Phi = 0.
+// A constraint equation is given by a wrench w on M (torque about the origin of M, force), written in F. It does no
+// work in the motions that the joint permits, w . V_FM = 0, so that it is both the row of the constraint Jacobian and
+// the direction of the constraint force. V_FM is (angular velocity of M in F, rate of p_FM), both written in F. Phi is
+// the position error [m or rad]; its rate is w . V_FM where Phi = 0.
 #pragma once
 
 #include <numbers>
@@ -25,7 +25,7 @@ namespace rows {
 template <class A>
 using Pose = typename A::Pose;
 
-// p_FM has no component along axis i of F.
+// Component i of p_FM, in F, is zero.
 template <class A>
 Row<A> point(const Pose<A>& X_FM, int i) {
   Row<A> row;
@@ -39,7 +39,7 @@ Row<A> point(const Pose<A>& X_FM, int i) {
   return row;
 }
 
-// All of p_FM vanishes. Returns the number of rows written.
+// p_FM is zero. Returns the number of equations written.
 template <class A>
 int coincident(const Pose<A>& X_FM, Row<A>* out) {
   constexpr int n = A::planar ? 2 : 3;
@@ -47,8 +47,8 @@ int coincident(const Pose<A>& X_FM, Row<A>* out) {
   return n;
 }
 
-// M does not turn in F. The error is the rotation vector: it vanishes at no other pose, and its
-// direction is the shortest way back even from half a turn away.
+// M does not rotate in F. The error is the rotation vector, which is zero at no other orientation and points along the
+// axis of the shortest rotation, up to half a turn. Returns the number of equations written.
 template <class A>
 int no_turn(const Pose<A>& X_FM, Row<A>* out) {
   using std::atan2;
@@ -66,7 +66,8 @@ int no_turn(const Pose<A>& X_FM, Row<A>* out) {
   }
 }
 
-// The z axes of F and M point the same way; the error is the rotation vector that takes one to the other.
+// The z axes of F and M have the same direction; the error is the rotation vector from one to the other. Returns the
+// number of equations written.
 template <class A>
 int parallel_z(const Pose<A>& X_FM, Row<A>* out) {
   if constexpr (A::planar) {
@@ -81,7 +82,7 @@ int parallel_z(const Pose<A>& X_FM, Row<A>* out) {
       out[i].w = {};
       out[i].w.n[i] = 1;
     }
-    // s = 0 upright: sin(x)/x = 1. s = 0 upside down: any axis will do.
+    // s = 0 with equal directions: x/sin(x) = 1. s = 0 with opposite directions: x is chosen as the axis.
     const T k = s > T(0) ? T(atan2(s, z.z()) / s) : T(1);
     out[0].Phi = s > T(0) || z.z() > T(0) ? T(-k * z.y()) : T(std::numbers::pi);
     out[1].Phi = k * z.x();

@@ -9,14 +9,14 @@
 
 namespace gelenk {
 
-// Screw: M turns about, and with that slides along, the common z axis of F and M: by the pitch p for each radian.
+// Screw: M rotates about the common z axis of F and M and translates along it, by the pitch p per radian.
 //   X_FM = Trans_z(p phi) Rot_z(phi)      V_FM = (0 0 w | 0 0 p w)      q = phi [rad], v = w [rad/s]
-// A loop that it closes tells the turns by how far M has slid: they are those nearest to s/p.
+// If it closes a loop, the number of full turns follows from the displacement s of M: phi is the angle closest to s/p.
 struct Screw : PlainJoint<1>, AlongZ {
   static constexpr std::string_view kind = "screw";
-  static constexpr std::string_view summary = "turns about an axis and slides along it, at a fixed pitch";
+  static constexpr std::string_view summary = "rotates about an axis and translates along it with a fixed pitch";
   static constexpr PlanarRole planar = PlanarRole::never;
-  static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M against F about the axis; counts turns"}};
+  static constexpr Quantity q_names[] = {{"phi", "rad", "angle of M relative to F about the axis (unwrapped)"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration, der(w)"}};
   static constexpr bool reverses_by_half_turn = true;
@@ -26,7 +26,7 @@ struct Screw : PlainJoint<1>, AlongZ {
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Screw::pitch>({.name = "pitch",
                                                           .unit = "m/rad",
-                                                          .text = "travel of M along the axis for a radian",
+                                                          .text = "translation of M along the axis per radian",
                                                           .range = Range::not_zero,
                                                           .required = true})};
     return all;
@@ -52,7 +52,7 @@ struct Screw : PlainJoint<1>, AlongZ {
   void project(const T*, const typename A::Force& F, T* tau) const {
     tau[0] = F.n.z() + T(pitch) * F.f.z();
   }
-  // The torque alone: of the forces that do the same along the joint it needs no unit of length.
+  // A pure torque: unlike the other equivalent forces it is independent of the unit of length.
   template <class A, class T>
   typename A::Force wrench_from_tau(const T*, const T* tau) const {
     typename A::Force F;
@@ -81,6 +81,7 @@ struct Screw : PlainJoint<1>, AlongZ {
   }
 
  private:
+  // Rotation angle with the number of full turns [rad].
   template <class A>
   typename A::Scalar angle(const typename A::Pose& X_FM) const {
     using T = typename A::Scalar;

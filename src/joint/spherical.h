@@ -6,12 +6,12 @@
 
 namespace gelenk {
 
-// Spherical: M turns about any axis through the common origin of F and M.
+// Spherical: M rotates about any axis through the common origin of F and M.
 //   X_FM = Rot(Q)      V_FM = (w | 0)      q = Q (quaternion.h), v = w [rad/s] in M, qdot = 1/2 Q (w, 0)
 struct Spherical : NoAxis {
   static constexpr int nq = 4, nv = 3;
   static constexpr std::string_view kind = "spherical";
-  static constexpr std::string_view summary = "turns about any axis through a point";
+  static constexpr std::string_view summary = "rotates about any axis through a point";
   static constexpr PlanarRole planar = PlanarRole::never;
   static constexpr Quantity q_names[] = {{"Q[1]", "1", "unit quaternion of M in F, x"},
                                          {"Q[2]", "1", "unit quaternion of M in F, y"},

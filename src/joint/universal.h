@@ -5,17 +5,17 @@
 
 namespace gelenk {
 
-// Universal: M turns about axis a, fixed in F, then about axis b, fixed in M. a = x, b = (cos beta, sin beta, 0).
+// Universal: M rotates about axis a, fixed in F, then about axis b, fixed in M. a = x, b = (cos beta, sin beta, 0).
 //   X_FM = Rot_x(phi_a) Rot_b(phi_b)      V_FM = (w_a a_M + w_b b | 0),  a_M = Rot_b(-phi_b) x
 //   q = (phi_a, phi_b) [rad], v = qdot.   Sdot v = -w_a w_b b x a_M.
-// The row keeps the angle between a and b at beta.
+// Besides the common origin, the constraint equations keep the angle between a and b equal to beta.
 struct Universal : PlainJoint<2> {
   static constexpr int axes = 2;
   static constexpr std::string_view kind = "universal";
-  static constexpr std::string_view summary = "turns about two crossing axes (Cardan joint)";
+  static constexpr std::string_view summary = "rotates about two intersecting axes (Cardan joint)";
   static constexpr PlanarRole planar = PlanarRole::never;
-  static constexpr Quantity q_names[] = {{"phi_a", "rad", "angle about the first axis, fixed in F; counts turns"},
-                                         {"phi_b", "rad", "angle about the second axis, fixed in M; counts turns"}};
+  static constexpr Quantity q_names[] = {{"phi_a", "rad", "angle about the first axis, fixed in F (unwrapped)"},
+                                         {"phi_b", "rad", "angle about the second axis, fixed in M (unwrapped)"}};
   static constexpr Quantity v_names[] = {{"w_a", "rad/s", "angular velocity, der(phi_a)"},
                                          {"w_b", "rad/s", "angular velocity, der(phi_b)"}};
   static constexpr Quantity a_names[] = {{"a_a", "rad/s2", "angular acceleration, der(w_a)"},
@@ -82,7 +82,7 @@ struct Universal : PlainJoint<2> {
     using T = typename A::Scalar;
     const Vector3<T> b_F = X_FM.R * b<T>();
     q[0] = atan2(b_F.z(), b_F.y());
-    // Rot_b turns z, which is normal to b, towards b x z.
+    // Rot_b rotates z, which is normal to b, towards b x z.
     const Vector3<T> z_F = X_FM.R.col(2);
     const Vector3<T> z(z_F.x(), cos(q[0]) * z_F.y() + sin(q[0]) * z_F.z(), cos(q[0]) * z_F.z() - sin(q[0]) * z_F.y());
     q[1] = atan2(sin_beta * z.x() - cos_beta * z.y(), z.z());
@@ -106,9 +106,9 @@ struct Universal : PlainJoint<2> {
     const Vector3<T> c = Vector3<T>::UnitX().cross(b_F);
     const T s = c.norm();
     if (!(s > T(0))) return;
-    const T qdot_from_v = c.dot(V.w) / s;  // of the angle between a and b; zero where Phi stays zero
+    const T angle_rate = c.dot(V.w) / s;  // of the angle between a and b; zero if the velocity satisfies the constraint
     const Vector3<T> cdot = Vector3<T>::UnitX().cross(V.w.cross(b_F));
-    bias[3] += (V.w.dot(cdot) - qdot_from_v * qdot_from_v * b_F.x()) / s;
+    bias[3] += (V.w.dot(cdot) - angle_rate * angle_rate * b_F.x()) / s;
   }
 
  private:
@@ -119,10 +119,12 @@ struct Universal : PlainJoint<2> {
     x[0] = k * (along_a - cos_beta * along_b);
     x[1] = k * (along_b - cos_beta * along_a);
   }
+  // Axis b, written in M.
   template <class T>
   Vector3<T> b() const {
     return {T(cos_beta), T(sin_beta), T(0)};
   }
+  // Rot_b(phi).
   template <class T>
   Matrix3<T> about_b(const T& phi) const {
     using std::cos;
@@ -130,6 +132,7 @@ struct Universal : PlainJoint<2> {
     const Matrix3<T> K = cross_matrix<T>(b<T>());
     return Matrix3<T>::Identity() + sin(phi) * K + (T(1) - cos(phi)) * (K * K);
   }
+  // Axis a, written in M.
   template <class T>
   Vector3<T> a_M(const T* q) const {
     return about_b(q[1]).row(0).transpose();

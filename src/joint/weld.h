@@ -5,10 +5,10 @@
 
 namespace gelenk {
 
-// Weld: M stays at F. In the tree it merges two bodies; closing a loop it forbids everything.
+// Weld: M coincides with F. In the tree it merges two bodies; if it closes a loop, it constrains all motions.
 struct Weld : PlainJoint<0>, NoAxis {
   static constexpr std::string_view kind = "weld";
-  static constexpr std::string_view summary = "holds two bodies together";
+  static constexpr std::string_view summary = "rigidly connects two bodies";
   static constexpr PlanarRole planar = PlanarRole::normal;
   static constexpr std::array<Quantity, 0> q_names{};
   static constexpr std::array<Quantity, 0> v_names{};

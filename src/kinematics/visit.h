@@ -16,7 +16,7 @@ decltype(auto) visit_joint(const Variant& joint, Function&& function) {
   using Result = std::invoke_result_t<Function, const Revolute&>;
   return std::visit(
       [&](const auto& j) -> Result {
-        if constexpr (lives_in<A, std::decay_t<decltype(j)>>) {
+        if constexpr (supports_algebra<A, std::decay_t<decltype(j)>>) {
           return function(j);
         } else {
           unreachable();  // compile() makes planar mechanisms of planar joints only

@@ -107,7 +107,7 @@ struct Finder {
     const auto joint = make_rod(first.joint, first_reversed, second.joint, second_reversed, X_12, planar);
     if (!joint) return false;
     // Nobody could hold its turn about itself where it is asked to start.
-    if (joint->spins() &&
+    if (joint->has_free_spin() &&
         (starts_fixed(scene.joints[first.scene_joint]) || starts_fixed(scene.joints[second.scene_joint])))
       return false;
     RodEdge rod{.joint = *joint, .group = g, .first = first, .second = second};
@@ -136,7 +136,7 @@ struct Finder {
     std::vector<RodEdge> in_loops;
     const auto join_rods = [&](bool that_spin) {
       for (const RodEdge& rod : found) {
-        if (rod.joint.spins() == that_spin && !sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
+        if (rod.joint.has_free_spin() == that_spin && !sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
       }
     };
     join_joints(true);

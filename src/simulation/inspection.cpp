@@ -233,7 +233,7 @@ void tell(Inspection& out, Reduction pass, const std::string& note, bool changed
 void tell_spinning(const ReducedScene& reduced, Inspection& out) {
   int spinning = 0;
   for (const Mechanism& mechanism : reduced.islands) {
-    for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(cut.joint).spins() ? 1 : 0;
+    for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(cut.joint).has_free_spin() ? 1 : 0;
   }
   if (spinning == 0) return;
   out.mobility.push_back(counted(spinning, "rod") + (spinning == 1 ? " turns about itself" : " turn about themselves") +
