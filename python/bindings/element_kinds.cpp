@@ -148,8 +148,8 @@ nb::list shown_fields(std::span<const Field> fields, const void* defaults) {
     entry["tunable"] = field.tunable;
     entry["settable"] = field.settable;
     entry["by_time"] = field.by_time;
-    entry["way"] = field.way;
-    entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.least;
+    entry["way"] = field.alternative;
+    entry["size"] = field.type == Field::Type::vector || field.type == Field::Type::direction ? 3 : field.min_count;
     entry["words"] = listed(field.words);
     entry["default"] = value_in(field, defaults);
     const bool group = field.type == Field::Type::group;
@@ -194,7 +194,7 @@ void put_number(std::span<const Field> fields, void* element, const std::string&
   for (const Field& field : fields) {
     if (field.name != first) continue;
     if (field.type == Field::Type::group) {
-      if (field.in(element) == nullptr) field.give(element);
+      if (field.in(element) == nullptr) field.emplace(element);
       return put_number(field.inner(), field.in(element), name.substr(first.size() + 1), value);
     }
     const auto* list = std::get_if<std::vector<double>>(&value);

@@ -19,7 +19,7 @@ void check_number(double x, const std::string& path, const Field& field, const s
 
 // Where the ways to give an element's numbers are mixed, or none is taken.
 std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const void* element) {
-  const std::vector<std::vector<std::string>> ways = ways_of(fields);
+  const std::vector<std::vector<std::string>> ways = alternatives_of(fields);
   if (ways.empty()) return {};
   std::vector<std::string> all;
   std::vector<std::string> expected;
@@ -30,9 +30,9 @@ std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const v
   std::vector<std::string> given;  // one field of each way that is taken
   int last = 0;
   for (const Field& field : fields) {
-    if (field.way == 0 || field.way == last || !is_given(field, element)) continue;
+    if (field.alternative == 0 || field.alternative == last || !is_given(field, element)) continue;
     given.emplace_back(field.name);
-    last = field.way;
+    last = field.alternative;
   }
   if (given.size() == 1) return {};
   return {{"", given.empty() ? "none of " + text::list(all) : text::list(given) + " together",

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What has to hold beyond what joints do. A constraint is one of two kinds.
+// The interface of constraints beyond those of joints. There are two kinds of constraint.
 //
-// Between coordinates of joints, sum of factor_i q_i = s, i running over its joint ports:
-//   factor(i, on_base)    of the i-th; on_base(k): whether the k-th joint is on what the last one turns on
-//   constant()            s, where it does not change
-//   law()                 s as a function of time, if it has one
-//   holds_position()      else the rates alone; follows_input(): s, or its rate, is its input
-// may all be left out but factor().
+// A constraint between coordinates of joints, sum of factor_i q_i = s over its joint ports i, has
+//   factor(i, on_base)    factor of joint i; on_base(k): whether joint k has the same base body as the last joint
+//   constant()            s, if it is constant
+//   law()                 s as a function of time, if it is one
+//   holds_position()      whether it constrains positions, not only their rates
+//   follows_input()       whether s, or its rate, is its input
+// All except factor() are optional.
 //
-// Between two bodies, which need not be joined: a NoCoordinates with rows as of a joint that closes a loop
-// (joint/base.h), row_count of them, F on the second port, M on the first, with z along `axis`, a Direction, if it has
-// one. Rows without position error have Phi = 0. Besides:
-//   holds_position(i)     whether row i holds a position; else its rate alone; may be left out if all do
-//   undefined(X_FM)       whether the rows are not defined there; may be left out, else there are as well
-//   undefined_start()     what is wrong with a start there (ElementFault)
-//   near_undefined(X_FM)  what ends a run near there, with {body} in it; empty elsewhere
+// A constraint between two bodies is derived from NoCoordinates and has constraint equations as a joint that closes a
+// loop (joint/base.h), row_count of them, with F on the second port and M on the first, the z axis of M along the field
+// `axis`, a Direction, if there is one. Equations without position error have Phi = 0. Optional functions:
+//   holds_position(i)     whether equation i constrains a position, not only its rate; by default true
+//   undefined(X_FM)       whether the equations are undefined at this pose; if given, also the following two:
+//   undefined_start()     the fault of a start at such a pose
+//   near_undefined(X_FM)  the reason why a run ends near such a pose, with the placeholder {body}; empty elsewhere
 //
-// output(seen, group, i): component i of a group of its outputs, from what is seen of it: coordinate_force() [N m, N],
-// contact_force(row) [N], X_WF(), X_FM().
+// output(seen, group, i): component i of an output group. seen offers coordinate_force() [N m, N],
+// contact_force(row) [N], X_WF() and X_FM().
 #pragma once
 
 #include <concepts>
@@ -27,7 +28,7 @@
 
 namespace gelenk {
 
-// What constraints between bodies share: nothing moves at them by coordinates.
+// Base class of constraints between bodies, which have no coordinates.
 struct NoCoordinates {
   static constexpr PlanarRole planar = PlanarRole::never;
   static constexpr bool rows_turn = true;

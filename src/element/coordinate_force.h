@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What acts along a coordinate of a joint, in the user's sense. It offers
+// The interface of elements that act along a coordinate of a joint, with the user's signs:
 //
-//   effort(q, v, u)     tau [N m, N] on the coordinate q [rad, m] with the speed v; u: its own inputs
-//   slopes(q, v)        its derivatives by q and v; may be left out: dual numbers serve
-//   energy(q)           J, stored in it; may be left out
-//   inertia()           kg m2 (kg) that it adds to the coordinate; may be left out
-//   is_idle()           whether with these numbers it does nothing; may be left out
-//   of what has branches: side(q, v), that on which the state lies: 1, -1 or 0;  held(side, q, v), the effort on one
-//                       that is held, by which effort is not asked for;  indicators(q, v, g, gdot), what vanishes where
-//                       side 1 and side -1 begin and end;  events[2][2], of each in words what happens where it becomes
-//                       negative, and positive
-//   doubt(q, coordinate)   what is doubtful about a start at q; may be left out
+//   effort(q, v, u)       generalized force tau [N m, N] on the coordinate q [rad, m] with the speed v; u: its inputs
+//   jacobians(q, v)       partial derivatives of tau with respect to q and v; optional, otherwise dual numbers are used
+//   energy(q)             stored energy [J]; optional
+//   inertia()             inertia [kg m2, kg] added to the coordinate; optional
+//   is_idle()             whether it has no effect with its present values; optional
+//   doubt(q, coordinate)  warning about a start at q; optional
 //
-// A joint's own, which stand among the joint's fields (a spring, a damper), say in group the name of the mapping that
-// they stand in, or nothing, and in fits(kind) which joints can have them.
+// An element with modes (a stop) also has
+//   side(q, v)            the mode of a state: 1, -1, or 0 for no contact
+//   held(side, q, v)      tau in a given mode, used in place of effort()
+//   indicators(q, v, g, gdot)   two event indicators, which are zero where the modes 1 and -1 begin and end, and their
+//                         rates
+//   events[2][2]          for each indicator the texts of the events at which it becomes negative and positive
+//
+// Elements among the fields of a joint (spring, damper, stop) also have `group`, the name of their mapping in the
+// joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
 #pragma once
 
 #include "element/element.h"

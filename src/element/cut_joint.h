@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What may close a loop.
+// CutJoint: everything that can close a loop.
 #pragma once
 
 #include <variant>
@@ -23,14 +23,15 @@ struct Closing<std::variant<J...>, std::variant<C...>> {
 
 }  // namespace detail
 
-// The joints, in the order of AnyJoint; rods that stand for a body without mass; constraints between bodies.
+// The joints, in the order of AnyJoint; rods in place of massless bodies; constraints between bodies.
 using CutJoint = detail::Closing<AnyJoint, AnyConstraint>::type;
 
+// Converts a joint to a CutJoint.
 inline CutJoint cut_joint(const AnyJoint& joint) {
   return std::visit([](const auto& j) { return CutJoint(j); }, joint);
 }
 
-// Whether the joint's row i holds positions; else it holds their rates alone (non-holonomic).
+// Whether constraint equation i constrains a position; otherwise it constrains a velocity only (nonholonomic).
 inline bool holds_position(const CutJoint& joint, int i) {
   return std::visit(
       [i](const auto& j) {
@@ -40,7 +41,7 @@ inline bool holds_position(const CutJoint& joint, int i) {
       joint);
 }
 
-// Of a constraint between bodies.
+// Number of constraint equations of a constraint between bodies; 0 for joints and rods.
 inline int row_count(const CutJoint& joint) {
   return std::visit(
       [](const auto& j) -> int {
@@ -50,7 +51,7 @@ inline int row_count(const CutJoint& joint) {
       joint);
 }
 
-// Whether its rows are not defined there.
+// Whether the constraint equations are undefined at this pose.
 inline bool is_undefined(const CutJoint& joint, const Pose3& X_FM) {
   return std::visit(
       [&](const auto& j) {
@@ -59,10 +60,11 @@ inline bool is_undefined(const CutJoint& joint, const Pose3& X_FM) {
       },
       joint);
 }
-// Whether there are such places, what is wrong with a start there, and what ends a run near one; empty elsewhere.
+// Whether there are poses at which the constraint equations are undefined.
 inline bool can_be_undefined(const CutJoint& joint) {
   return std::visit([](const auto& j) { return requires(const Pose3& X) { j.undefined(X); }; }, joint);
 }
+// The fault of a start at such a pose.
 inline ElementFault undefined_start(const CutJoint& joint) {
   return std::visit(
       [](const auto& j) -> ElementFault {
@@ -71,6 +73,7 @@ inline ElementFault undefined_start(const CutJoint& joint) {
       },
       joint);
 }
+// The reason why a run ends near such a pose; empty elsewhere.
 inline std::string_view near_undefined(const CutJoint& joint, const Pose3& X_FM) {
   return std::visit(
       [&](const auto& j) -> std::string_view {

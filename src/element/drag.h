@@ -6,25 +6,25 @@
 
 namespace gelenk {
 
-// A force on a body at a point, against the point's velocity v in the world: -(damping + coefficient |v|) v.
+// A force on a body at a point with velocity v in the world: -(damping + coefficient |v|) v.
 struct Drag {
   static constexpr std::string_view kind = "drag";
-  static constexpr std::string_view summary = "a force against the velocity of a point";
+  static constexpr std::string_view summary = "a force opposite to the velocity of a point";
   static constexpr Port ports[] = {
       {.kind = Port::Kind::point, .name = "", .text = "Where it acts", .on_ground = false}};
 
   double damping = 0;      // N s/m
-  double coefficient = 0;  // N s2/m2: density times drag area, halved
+  double coefficient = 0;  // N s2/m2: half the density times the drag area
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Drag::damping>({.name = "damping",
                                                            .unit = "N.s/m",
-                                                           .text = "force by velocity",
+                                                           .text = "force per velocity",
                                                            .range = Range::not_negative,
                                                            .tunable = true}),
                                     field<&Drag::coefficient>({.name = "coefficient",
                                                                .unit = "N.s2/m2",
-                                                               .text = "force by velocity squared",
+                                                               .text = "force per velocity squared",
                                                                .range = Range::not_negative,
                                                                .tunable = true})};
     return all;

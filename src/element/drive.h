@@ -5,18 +5,18 @@
 
 namespace gelenk {
 
-// Applies gear_ratio times its input to a joint and adds gear_ratio^2 rotor_inertia to the joint's inertia. The rotor's
-// gyroscopic effect on the bodies is neglected.
+// Applies gear_ratio times its input to a joint coordinate and adds gear_ratio^2 rotor_inertia to its inertia. The
+// gyroscopic effect of the rotor on the bodies is neglected.
 struct Drive {
   static constexpr std::string_view kind = "drive";
-  static constexpr std::string_view summary = "an ideal motor with a gear and a rotor at a joint";
+  static constexpr std::string_view summary = "an ideal motor with gear ratio and rotor inertia at a joint";
   static constexpr Port ports[] = {{.kind = Port::Kind::joint,
                                     .name = "joint",
                                     .text = "Joint with one degree of freedom",
                                     .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1; }}};
 
   double gear_ratio = 1;     // motor angle / joint angle (prismatic: motor travel / joint travel)
-  double rotor_inertia = 0;  // kg m2 at the motor side (prismatic: kg)
+  double rotor_inertia = 0;  // kg m2 on the motor side (prismatic: kg)
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -26,13 +26,13 @@ struct Drive {
                                    .range = Range::not_zero}),
         field<&Drive::rotor_inertia>({.name = "rotor_inertia",
                                       .unit = "{J}",
-                                      .text = "inertia at the motor side",
+                                      .text = "rotor inertia on the motor side",
                                       .range = Range::not_negative})};
     return all;
   }
 
   std::span<const SignalGroup> inputs() const {
-    static constexpr SignalGroup all[] = {{"{effort}", 0, "{f}", "{torque} at the motor side, driving joint {joint}"}};
+    static constexpr SignalGroup all[] = {{"{effort}", 0, "{f}", "{torque} on the motor side, driving joint {joint}"}};
     return all;
   }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What elements of all kinds say of themselves. An element is a struct of the numbers that a scene gives it, with
+// The interface that elements of all sections share. An element is a struct of the values that a scene gives it, with
 //
-//   kind, summary     its type in scene files, and what it is, in a few words
-//   ports             the bodies' frames and the joints that it is at, frames first
-//   fields()          what it can be given (field/field.h)
-//   inputs()          signals from outside; may be left out
-//   outputs           signals that it tells; may be left out
-//   fault(coordinate) what is wrong with its numbers beyond each field's own range; may be left out
+//   kind, summary      its type in scene files, and a short description
+//   ports              frames on bodies and joints to which it refers, frames first
+//   fields()           its fields (field/field.h)
+//   inputs()           its input signals; optional
+//   outputs            its output signals; optional
+//   fault(coordinate)  error in its values that the ranges of the fields do not cover; optional
 //
-// and what its kind of element does: force.h, coordinate_force.h, constraint.h, sensor.h. registry.h lists them all.
+// and the functions of its section: force.h, coordinate_force.h, constraint.h, sensor.h. registry.h lists all elements.
 #pragma once
 
 #include <span>
@@ -21,59 +21,62 @@
 
 namespace gelenk {
 
-inline constexpr const char* ground = "ground";  // the body that stands still; its frame is the world W
+inline constexpr const char* ground = "ground";  // the fixed body; its frame is the world frame W
 
 // A frame fixed in a body.
 struct BodyFrame {
   std::string body = ground;
-  Pose3 X_BF;  // pose in the body's frame
+  Pose3 X_BF;  // pose of the frame in the body's frame
 };
 
-// Where an element takes hold.
+// A frame or a joint to which an element refers.
 struct Port {
   enum class Kind {
-    frame,  // of a body
-    point,  // of a body: a frame whose orientation does not count
-    body,   // a frame of which only the body counts
-    joint,
+    frame,  // a frame on a body
+    point,  // a point on a body: a frame without orientation
+    body,   // a body: a frame without position and orientation
+    joint,  // a joint
   };
   Kind kind = Kind::frame;
-  std::string_view name;  // in scene files; empty, of a frame: body, position and rotation are among the element's own
-  std::string_view text;
+  std::string_view name;  // key in scene files; if empty, body, position and rotation are keys of the element
+  std::string_view text;  // description
   bool optional = false;
-  bool on_ground = true;                     // a frame: the ground will do
-  bool has_coordinate = false;               // a joint: the element is about one of its coordinates
-  bool (*fits)(const JointKind&) = nullptr;  // joints that will do; all
+  bool on_ground = true;                     // of a frame: whether the body may be the ground
+  bool has_coordinate = false;               // of a joint: the element refers to one of its coordinates
+  bool (*fits)(const JointKind&) = nullptr;  // permitted joint types; null for all
 };
 
-// When a signal is known.
+// The evaluation stage that a signal requires.
 enum class Stage { position, velocity, acceleration };
 
-// A number, or the x, y, z components of a vector and a quaternion's scalar part. In texts, names and units {joint},
-// {coordinate}, {speed}, {effort}, {torque} stand for those of the element's first joint ("torque" or "force"), {body}
-// for its first frame's body, {q}, {v}, {f} for units (field/field.h).
+// A signal: a number, or an array such as the components x, y, z of a vector or x, y, z and scalar part of a
+// quaternion. Placeholders in texts, names and units: {joint}, {coordinate}, {speed}, {effort} (names) and {torque}
+// ("torque" or "force") of the element's first joint, {body} of its first frame, and the units {q}, {v}, {f}
+// (field/field.h).
 struct SignalGroup {
   std::string_view name;
-  int size = 0;  // 0: a number
+  int size = 0;  // of an array; 0 for a number
   std::string_view unit, text;
   Stage stage = Stage::acceleration;
-  enum class Start { zero, coordinate, speed } start = Start::zero;  // an input's: that of the joint's
+  enum class Start { zero, coordinate, speed } start = Start::zero;  // start value of an input
 
   constexpr int count() const { return size == 0 ? 1 : size; }
 };
 
+// Total number of scalar signals.
 inline int count_of(std::span<const SignalGroup> groups) {
   int n = 0;
   for (const SignalGroup& group : groups) n += group.count();
   return n;
 }
+// The input signals of an element; empty if it has none.
 template <class E>
 std::span<const SignalGroup> own_inputs(const E& element) {
   if constexpr (requires { element.inputs(); }) return element.inputs();
   return {};
 }
 
-// Something is wrong with an element: its field, or none where it is all of it.
+// An error in an element: the field, or empty for the whole element; what was found and what was expected.
 struct ElementFault {
   std::string field, found, expected;
 };

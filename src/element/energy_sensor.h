@@ -5,7 +5,7 @@
 
 namespace gelenk {
 
-// The energy of the mechanism.
+// Energy of the whole mechanism.
 struct EnergySensor {
   static constexpr std::string_view kind = "energy";
   static constexpr std::string_view summary = "kinetic and potential energy of the mechanism";
@@ -16,7 +16,7 @@ struct EnergySensor {
   static constexpr SignalGroup outputs[] = {
       {"kinetic", 0, "J", "kinetic energy", Stage::velocity},
       {"potential", 0, "J", "potential energy of gravity, springs and stops", Stage::position},
-      {"total", 0, "J", "kinetic and potential energy together", Stage::velocity}};
+      {"total", 0, "J", "sum of kinetic and potential energy", Stage::velocity}};
 
   template <class Seen>
   auto output(const Seen& seen, int group, int) const {

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What acts between bodies. With one port or two, a force offers
+// The interface of force elements, which act on one body or between two. A force has one or two ports and
 //
-//   act(at, u)       calls at[i].push(f, n) or at[i].push_along(f, n); what it does to the second port it does, the
-//   other
-//                    way, to the first
-//   energy(at)       J, stored in it; may be left out
-//   slopes(at, u)    derivatives (PortJacobians) of what it does to its last port; may be left out: dual numbers serve
-//   undefined(at)    whether its direction is not defined where its ports are; may be left out
-//   is_local()       whether it asks neither where its ports are nor how they move; may be left out
-//   is_idle()        whether with these numbers it does nothing; may be left out
+//   act(at, u)         applies forces by at[i].push(f, n) or at[i].push_along(f, n); those on two ports are opposite
+//   energy(at)         stored energy [J]; optional
+//   jacobians(at, u)   PortJacobians of the force on its last port; optional, otherwise dual numbers are used
+//   undefined(at)      whether its direction is undefined at these positions of its ports; optional
+//   is_local()         whether it depends on neither the positions nor the velocities of its ports; optional
+//   is_idle()          whether it has no effect with its present values; optional
 //
-// at[i] is where the i-th port is and how it moves, in the axes of one and the same frame that stands still:
-//   p, v             position [m] and velocity [m/s]
-//   w                angular velocity [rad/s]
-//   turned(x)        x, given along the port's own axes, along these;  from_world(x): given along the world's
-//   own(x)           x along the port's own axes
-//   push(f, n)       force [N] and torque [N m], if any, on the body, given along these;  push_along: along the port's
-//   own
-// u: its own inputs. The number T: double, dual, series.
+// u: its inputs. at[i] has the motion of port i, with vectors in the axes of a fixed frame common to all ports:
+//   p(), v()           position [m] and velocity [m/s] of its origin
+//   w()                angular velocity [rad/s]
+//   turned(x)          transforms a vector from the axes of the port to those of the common frame
+//   own(x)             transforms a vector from the axes of the common frame to those of the port
+//   from_world(x)      transforms a vector from the axes of the world to those of the common frame
+//   push(f, n)         applies a force [N] at the origin of the port and optionally a torque [N m] to the body
+//   push_along(f, n)   the same with f and n in the axes of the port
+// Numbers are of type double, Dual or Series.
 #pragma once
 
 #include <concepts>
@@ -26,15 +25,16 @@
 
 namespace gelenk {
 
-// Of the force f and the torque n that an element applies at its last port, seen from its first one (or from the
-// world): by that port's displacement p and turn a, and by their rates.
+// Partial derivatives of the force f and the torque n that an element applies at its last port: with respect to the
+// displacement p and the rotation a [rad] of this port relative to the first one (or to the world if it is the only
+// one), and to the velocities v and w.
 struct PortJacobians {
   Eigen::Matrix3d f_p = Eigen::Matrix3d::Zero(), f_a = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d n_p = Eigen::Matrix3d::Zero(), n_a = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d f_v = Eigen::Matrix3d::Zero(), f_w = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d n_v = Eigen::Matrix3d::Zero(), n_w = Eigen::Matrix3d::Zero();
-  bool of_points = false;  // neither n nor a counts
-  bool damped = true;      // rates count
+  bool of_points = false;  // whether derivatives of n and with respect to a and w are zero
+  bool damped = true;      // whether derivatives with respect to v and w may be nonzero
 };
 
 template <class F>

@@ -5,7 +5,7 @@
 
 namespace gelenk {
 
-// Where a frame is and how it moves.
+// Pose and velocity of a frame.
 struct FrameSensor {
   static constexpr std::string_view kind = "frame";
   static constexpr std::string_view summary = "pose and velocity of a frame";

@@ -5,35 +5,35 @@
 
 namespace gelenk {
 
-// phi_joint - phi_carrier = ratio (phi_with - phi_carrier) + offset, phi_carrier left out where there is no carrier,
-// and where a joint hangs on the carrier itself: its angle is against it already.
+// phi_joint - phi_carrier = ratio (phi_with - phi_carrier) + offset. A phi_carrier is omitted if there is no carrier or
+// if the joint in question is on the carrier, since its angle is then relative to the carrier already.
 struct Gear {
   static constexpr std::string_view kind = "gear";
-  static constexpr std::string_view summary = "two joints turn at a fixed ratio, against a carrier if there is one";
-  static constexpr auto turns = [](const JointKind& kind) {
+  static constexpr std::string_view summary =
+      "two joints rotate at a fixed ratio, relative to a carrier if there is one";
+  static constexpr auto is_rotary = [](const JointKind& kind) {
     return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
   };
   static constexpr Port ports[] = {
-      {.kind = Port::Kind::joint, .name = "joint", .text = "Joint that turns", .fits = turns},
-      {.kind = Port::Kind::joint, .name = "with", .text = "Another", .fits = turns},
+      {.kind = Port::Kind::joint, .name = "joint", .text = "Joint that rotates", .fits = is_rotary},
+      {.kind = Port::Kind::joint, .name = "with", .text = "Joint that it meshes with", .fits = is_rotary},
       {.kind = Port::Kind::joint,
        .name = "carrier",
-       .text = "A third, against which both turn; none if not given",
+       .text = "Joint of the carrier, relative to which both rotate; none if not given",
        .optional = true,
-       .fits = turns}};
+       .fits = is_rotary}};
 
-  double ratio = 1;   // -
+  double ratio = 1;   // dimensionless
   double offset = 0;  // rad
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
         field<&Gear::ratio>({.name = "ratio",
                              .unit = "1",
-                             .text = "turns of the first joint for a turn of the other",
+                             .text = "turns of `joint` per turn of `with`",
                              .range = Range::not_zero,
                              .required = true}),
-        field<&Gear::offset>(
-            {.name = "offset", .unit = "rad", .text = "angle of the first joint where the other is at 0"})};
+        field<&Gear::offset>({.name = "offset", .unit = "rad", .text = "angle of `joint` when `with` is at 0"})};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"tau", 0, "N.m", "torque of the gear on joint {joint}"}};

@@ -7,11 +7,11 @@
 
 namespace gelenk {
 
-// tau = -damping v.
+// Viscous damper on a joint coordinate: tau = -damping v.
 struct JointDamper {
   static constexpr std::string_view group = "";
-  static constexpr std::string_view summary = "acts against the speed";
-  static constexpr std::string_view misfit = "cannot move";  // of a joint that moves
+  static constexpr std::string_view summary = "a viscous damper on the coordinate";
+  static constexpr std::string_view misfit = "cannot move";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.nv > 0; }
 
   double damping = 0;  // N m s/rad (N s/m)

@@ -7,11 +7,11 @@
 
 namespace gelenk {
 
-// tau = -stiffness (q - spring_reference).
+// Linear spring on a joint coordinate: tau = -stiffness (q - spring_reference).
 struct JointSpring {
   static constexpr std::string_view group = "";
-  static constexpr std::string_view summary = "pulls the coordinate to where it is slack";
-  static constexpr std::string_view misfit = "has no angles that a spring could act on";  // of a joint that moves
+  static constexpr std::string_view summary = "a linear spring on the coordinate";
+  static constexpr std::string_view misfit = "has no angles that a spring could act on";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.springs(); }
 
   double stiffness = 0;         // N m/rad (N/m)
@@ -26,7 +26,7 @@ struct JointSpring {
                                         .tunable = true}),
         field<&JointSpring::spring_reference>({.name = "spring_reference",
                                                .unit = "{q}",
-                                               .text = "where the spring is slack, {coordinate}",
+                                               .text = "unloaded position of the spring, {coordinate}",
                                                .tunable = true})};
     return all;
   }

@@ -5,13 +5,15 @@
 
 namespace gelenk {
 
-// M's origin does not slide along z of M: w = a, no Phi.
+// The velocity of M's origin has no component along the z axis a of M: w = a, no Phi.
 struct KnifeEdge : NoCoordinates {
   static constexpr std::string_view kind = "knife_edge";
-  static constexpr std::string_view summary = "a point does not slide along an axis of its body";
-  static constexpr Port ports[] = {
-      {.kind = Port::Kind::frame, .name = "", .text = "The edge's point"},
-      {.kind = Port::Kind::frame, .name = "on", .text = "What it is on; only the body counts", .optional = true}};
+  static constexpr std::string_view summary = "a point of a body cannot slide along an axis of the body";
+  static constexpr Port ports[] = {{.kind = Port::Kind::frame, .name = "", .text = "Contact point of the edge"},
+                                   {.kind = Port::Kind::frame,
+                                    .name = "on",
+                                    .text = "Body on which it slides; only the body matters",
+                                    .optional = true}};
   static constexpr int row_count = 1;
 
   Direction axis = {Eigen::Vector3d::UnitY()};

@@ -6,12 +6,12 @@
 
 namespace gelenk {
 
-// A torque on a body, against its angular velocity w in the world: -(damping + coefficient |w|) w.
+// A torque on a body with angular velocity w in the world: -(damping + coefficient |w|) w.
 struct Moment {
   static constexpr std::string_view kind = "moment";
-  static constexpr std::string_view summary = "a torque against the angular velocity of a body";
+  static constexpr std::string_view summary = "a torque opposite to the angular velocity of a body";
   static constexpr Port ports[] = {
-      {.kind = Port::Kind::body, .name = "", .text = "On which it acts", .on_ground = false}};
+      {.kind = Port::Kind::body, .name = "", .text = "Body on which it acts", .on_ground = false}};
 
   double damping = 0;      // N m s/rad
   double coefficient = 0;  // N m s2/rad2
@@ -19,12 +19,12 @@ struct Moment {
   static std::span<const Field> fields() {
     static constexpr Field all[] = {field<&Moment::damping>({.name = "damping",
                                                              .unit = "N.m.s/rad",
-                                                             .text = "torque by angular velocity",
+                                                             .text = "torque per angular velocity",
                                                              .range = Range::not_negative,
                                                              .tunable = true}),
                                     field<&Moment::coefficient>({.name = "coefficient",
                                                                  .unit = "N.m.s2/rad2",
-                                                                 .text = "torque by angular velocity squared",
+                                                                 .text = "torque per angular velocity squared",
                                                                  .range = Range::not_negative,
                                                                  .tunable = true})};
     return all;

@@ -14,9 +14,9 @@ MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, s
   if (table_) make_spline();
 }
 
-// s'' is continuous and linear between the times: for each inner one (de Boor 1978, ch. IV)
+// s'' is continuous and linear between the points; at each inner point (de Boor 1978, ch. IV)
 //   h0 s0''/6 + (h0 + h1) s1''/3 + h1 s2''/6 = (s2 - s1)/h1 - (s1 - s0)/h0.
-// At the ends it is 0, or, where the table repeats, that of the other end.
+// At the ends s'' is 0; if the table is periodic, it is the same at both ends.
 void MotionLaw::make_spline() {
   const std::vector<double>& t = table_->time;
   const std::vector<double>& s = table_->value;
@@ -39,8 +39,8 @@ void MotionLaw::make_spline() {
   Eigen::SparseMatrix<double> matrix(n, n);
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(matrix);
-  const Eigen::VectorXd solved = lu.solve(right);
-  curvature_.assign(solved.begin(), solved.end());
+  const Eigen::VectorXd curvature = lu.solve(right);
+  curvature_.assign(curvature.begin(), curvature.end());
 }
 
 void MotionLaw::add_spline(double t, Derivatives& out) const {
@@ -54,9 +54,9 @@ void MotionLaw::add_spline(double t, Derivatives& out) const {
   const double h = times[i + 1] - times[i];
   const double x = inside - times[i];
   const double jerk = (curvature_[i + 1] - curvature_[i]) / h;
-  const double slope = (s[i + 1] - s[i]) / h - h * (2 * curvature_[i] + curvature_[i + 1]) / 6;
-  const double speed = slope + x * (curvature_[i] + x * jerk / 2);
-  out[0] += s[i] + x * (slope + x * (curvature_[i] / 2 + x * jerk / 6)) + (t - inside) * speed;
+  const double start_speed = (s[i + 1] - s[i]) / h - h * (2 * curvature_[i] + curvature_[i + 1]) / 6;
+  const double speed = start_speed + x * (curvature_[i] + x * jerk / 2);
+  out[0] += s[i] + x * (start_speed + x * (curvature_[i] / 2 + x * jerk / 6)) + (t - inside) * speed;
   out[1] += speed;
   if (t != inside) return;
   out[2] += curvature_[i] + x * jerk;
@@ -66,7 +66,7 @@ void MotionLaw::add_spline(double t, Derivatives& out) const {
 void MotionLaw::add_polynomial(double t, Derivatives& out) const {
   for (int k = 0; k < orders; ++k) {
     double sum = 0;
-    // Horner's scheme for the k-th derivative.
+    // k-th derivative by Horner's scheme.
     for (int i = static_cast<int>(polynomial_.size()) - 1; i >= k; --i) {
       double factor = 1;
       for (int j = 0; j < k; ++j) factor *= i - j;
@@ -80,9 +80,9 @@ void MotionLaw::add_sine(double t, Derivatives& out) const {
   const double omega = 2 * std::numbers::pi * sine_->frequency;
   const double sine = std::sin(omega * t + sine_->phase);
   const double cosine = std::cos(omega * t + sine_->phase);
-  const double around[] = {sine, cosine, -sine, -cosine, sine};
-  double size = sine_->amplitude;
-  for (int k = 0; k < orders; ++k, size *= omega) out[k] += size * around[k];
+  const double derivatives[] = {sine, cosine, -sine, -cosine, sine};
+  double amplitude = sine_->amplitude;
+  for (int k = 0; k < orders; ++k, amplitude *= omega) out[k] += amplitude * derivatives[k];
 }
 
 MotionLaw::Derivatives MotionLaw::at(double t) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A function of time, with its derivatives.
+// Motion law: a function of time and its derivatives.
 #pragma once
 
 #include <array>
@@ -26,36 +26,40 @@ struct Sine {
   }
 };
 
-// A cubic spline; before its first and after its last point it goes on with the speed there.
+// A cubic spline; before its first and after its last point it continues with the speed at that point.
 struct Table {
-  std::vector<double> time, value;  // s, rad or m; times ascend
-  bool periodic = false;            // the last and the first value are the same
+  std::vector<double> time, value;  // s, rad or m; times in ascending order
+  bool periodic = false;            // the first and the last value must be equal
 
   static std::span<const Field> fields() {
-    static constexpr Field all[] = {
-        field<&Table::time>(
-            {.name = "time", .unit = "s", .text = "times, ascending", .required = true, .settable = false, .least = 2}),
-        field<&Table::value>({.name = "value",
-                              .unit = "{q}",
-                              .text = "the coordinate at these times",
-                              .required = true,
-                              .settable = false,
-                              .least = 2}),
-        field<&Table::periodic>({.name = "periodic", .text = "whether it repeats"})};
+    static constexpr Field all[] = {field<&Table::time>({.name = "time",
+                                                         .unit = "s",
+                                                         .text = "times, in ascending order",
+                                                         .required = true,
+                                                         .settable = false,
+                                                         .min_count = 2}),
+                                    field<&Table::value>({.name = "value",
+                                                          .unit = "{q}",
+                                                          .text = "values of the coordinate at these times",
+                                                          .required = true,
+                                                          .settable = false,
+                                                          .min_count = 2}),
+                                    field<&Table::periodic>({.name = "periodic", .text = "whether the table repeats"})};
     return all;
   }
 };
 
-// The parts there are, one on the other: sum c_i t^i, a sine, a table; of a law that gives no more than the speed,
-// that.
+// Sum of a polynomial sum c_i t^i, a sine and a table, as far as they are given. If only the speed is prescribed, the
+// function is used only through its derivatives.
 class MotionLaw {
  public:
   static constexpr int orders = 5;  // the value and its first four derivatives
   using Derivatives = std::array<double, orders>;
 
+  // polynomial: coefficients c0, c1, ... [rad or m, divided by s^i]; may be empty.
   MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, std::optional<Table> table);
 
-  // s, s', s'', ... at t [s].
+  // Returns s, s', s'', ... at t [s].
   Derivatives at(double t) const;
 
  private:

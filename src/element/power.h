@@ -5,19 +5,19 @@
 
 namespace gelenk {
 
-// What a joint gives to the bodies that it joins. To both together: what its motors, springs and dampers give along it;
-// of one that closes no loop and has none of these, nothing.
+// Power that a joint transmits to the bodies that it connects. The total is the power of its motors, springs and
+// dampers, hence zero for a tree joint without these.
 struct Power {
   static constexpr std::string_view kind = "power";
-  static constexpr std::string_view summary = "power of a joint on its bodies";
+  static constexpr std::string_view summary = "power transmitted by a joint to its bodies";
   static constexpr Port ports[] = {{.kind = Port::Kind::joint, .name = "joint", .text = "Joint"}};
   static constexpr bool reads_reaction = true;
 
   static std::span<const Field> fields() { return {}; }
   static constexpr SignalGroup outputs[] = {
-      {"child", 0, "W", "power of joint {joint} on its child body"},
-      {"parent", 0, "W", "power of joint {joint} on its parent body"},
-      {"total", 0, "W", "power that motors, springs and dampers of joint {joint} put in along it"}};
+      {"child", 0, "W", "power transmitted by joint {joint} to its child body"},
+      {"parent", 0, "W", "power transmitted by joint {joint} to its parent body"},
+      {"total", 0, "W", "power supplied by the motors, springs and dampers of joint {joint}"}};
 
   template <class Seen>
   auto output(const Seen& seen, int group, int) const {

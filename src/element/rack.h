@@ -5,16 +5,16 @@
 
 namespace gelenk {
 
-// s_rack = radius phi_pinion + offset.
+// Rack and pinion: s_rack = radius phi_pinion + offset.
 struct Rack {
   static constexpr std::string_view kind = "rack";
-  static constexpr std::string_view summary = "a rack slides as a pinion turns";
+  static constexpr std::string_view summary = "a rack translates as its pinion rotates";
   static constexpr Port ports[] = {
       {.kind = Port::Kind::joint,
        .name = "rack",
-       .text = "Joint that slides",
+       .text = "Joint that translates",
        .fits = [](const JointKind& kind) { return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "m"; }},
-      {.kind = Port::Kind::joint, .name = "pinion", .text = "Joint that turns", .fits = [](const JointKind& kind) {
+      {.kind = Port::Kind::joint, .name = "pinion", .text = "Joint that rotates", .fits = [](const JointKind& kind) {
          return kind.nq == 1 && kind.nv == 1 && kind.q[0].unit == "rad";
        }}};
 
@@ -25,10 +25,10 @@ struct Rack {
     static constexpr Field all[] = {
         field<&Rack::radius>({.name = "radius",
                               .unit = "m",
-                              .text = "travel of the rack for a radian of the pinion",
+                              .text = "travel of the rack per radian of the pinion",
                               .range = Range::not_zero,
                               .required = true}),
-        field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack where the pinion is at 0"})};
+        field<&Rack::offset>({.name = "offset", .unit = "m", .text = "position of the rack when the pinion is at 0"})};
     return all;
   }
   static constexpr SignalGroup outputs[] = {{"f", 0, "N", "force of the pinion on joint {joint}"}};

@@ -5,7 +5,7 @@
 
 namespace gelenk {
 
-// What a joint does to its child body.
+// Force and torque of a joint on its child body.
 struct Reaction {
   static constexpr std::string_view kind = "reaction";
   static constexpr std::string_view summary = "force and torque of a joint on its child body";

@@ -33,8 +33,8 @@ std::span<const ElementKind> describe_all(const std::variant<E...>*) {
 
 template <class... E>
 std::variant<E...> make_nth(std::size_t n, const std::variant<E...>*) {
-  using Maker = std::variant<E...> (*)();
-  static constexpr std::array<Maker, sizeof...(E)> makers = {[] { return std::variant<E...>(E()); }...};
+  using MakeElement = std::variant<E...> (*)();
+  static constexpr std::array<MakeElement, sizeof...(E)> makers = {[] { return std::variant<E...>(E()); }...};
   return makers.at(n)();
 }
 
@@ -44,38 +44,38 @@ std::optional<ElementFault> own_fault(const E& element, const Coordinate& coordi
   return {};
 }
 
-// Element k of a joint's, always there or not.
+// Access to element k of JointForces, which is always present or optional.
 template <std::size_t k, class E>
-struct Along {
+struct JointForceAccess {
   using Element = E;
-  static void* in(JointForces& forces) { return &std::get<k>(forces); }
-  static void give(JointForces&) {}
-  static void take(JointForces& forces) { std::get<k>(forces) = {}; }
+  static void* find(JointForces& forces) { return &std::get<k>(forces); }
+  static void emplace(JointForces&) {}
+  static void erase(JointForces& forces) { std::get<k>(forces) = {}; }
 };
 template <std::size_t k, class E>
-struct Along<k, std::optional<E>> {
+struct JointForceAccess<k, std::optional<E>> {
   using Element = E;
-  static void* in(JointForces& forces) { return std::get<k>(forces) ? &*std::get<k>(forces) : nullptr; }
-  static void give(JointForces& forces) { std::get<k>(forces).emplace(); }
-  static void take(JointForces& forces) { std::get<k>(forces).reset(); }
+  static void* find(JointForces& forces) { return std::get<k>(forces) ? &*std::get<k>(forces) : nullptr; }
+  static void emplace(JointForces& forces) { std::get<k>(forces).emplace(); }
+  static void erase(JointForces& forces) { std::get<k>(forces).reset(); }
 };
 
 template <std::size_t k>
-JointForceKind describe_along() {
-  using Here = Along<k, std::tuple_element_t<k, JointForces>>;
-  using Element = typename Here::Element;
+JointForceKind describe_joint_force() {
+  using Access = JointForceAccess<k, std::tuple_element_t<k, JointForces>>;
+  using Element = typename Access::Element;
   return {.group = Element::group,
           .summary = Element::summary,
           .misfit = Element::misfit,
           .fields = Element::fields(),
           .fits = Element::fits,
-          .there = Here::in,
+          .find = Access::find,
           .defaults = []() -> const void* {
             static const Element plain;
             return &plain;
           },
-          .give = Here::give,
-          .take = Here::take,
+          .emplace = Access::emplace,
+          .erase = Access::erase,
           .fault = [](const void* element, const Coordinate& coordinate) -> std::optional<ElementFault> {
             return own_fault(*static_cast<const Element*>(element), coordinate);
           },
@@ -88,8 +88,8 @@ JointForceKind describe_along() {
 }
 
 template <std::size_t... k>
-std::span<const JointForceKind> describe_along_all(std::index_sequence<k...>) {
-  static const std::array<JointForceKind, sizeof...(k)> kinds = {describe_along<k>()...};
+std::span<const JointForceKind> describe_joint_forces(std::index_sequence<k...>) {
+  static const std::array<JointForceKind, sizeof...(k)> kinds = {describe_joint_force<k>()...};
   return kinds;
 }
 
@@ -141,11 +141,11 @@ double inertia_of(const AnyMotor& motor) {
 }
 
 std::span<const JointForceKind> joint_force_kinds() {
-  return describe_along_all(std::make_index_sequence<std::tuple_size_v<JointForces>>());
+  return describe_joint_forces(std::make_index_sequence<std::tuple_size_v<JointForces>>());
 }
 
 const void* JointForceKind::in(const JointForces& forces) const {
-  return there(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only looked for
+  return find(const_cast<JointForces&>(forces));  // NOLINT(*-const-cast): only an address is computed
 }
 
 bool is_idle(const JointForces& forces) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every kind of element, once. A new one is one new header and one name in the list of its section.
+// The list of all element types. A new type requires a header and its name in the list of its section.
 #pragma once
 
 #include <optional>
@@ -34,10 +34,10 @@ using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag, Moment>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 
-// What a joint has along each of its coordinates. std::optional: what is there or not.
+// Elements along each coordinate of a joint; those in std::optional need not be present.
 using JointForces = std::tuple<JointDamper, JointSpring, std::optional<Stop>>;
 
-// What the rest of Gelenk may know of a kind of element without knowing the element.
+// Description of an element type for code that does not depend on particular elements.
 struct ElementKind {
   std::string_view kind, summary;
   std::span<const Port> ports;
@@ -46,6 +46,7 @@ struct ElementKind {
   bool reads_reaction = false, of_whole = false;  // sensor.h
   bool is_between_bodies = false;                 // constraint.h
 
+  // Number of ports that are frames, points or bodies, and of those that are joints.
   int frames() const { return count(false); }
   int joints() const { return count(true); }
 
@@ -57,18 +58,19 @@ struct ElementKind {
   }
 };
 
-// All kinds of a section, in the order of its list; Any: AnyMotor, AnyForce, ...
+// All types of a section, in the order of its list; Any: AnyMotor, AnyForce, ...
 template <class Any>
 std::span<const ElementKind> element_kinds();
-// One of the n-th kind, with its defaults.
+// Makes an element of the n-th type, with default values. Throws std::out_of_range if there is no such type.
 template <class Any>
 Any make_element(std::size_t n);
 
+// Returns the type of an element.
 template <class Any>
 const ElementKind& kind_of(const Any& element) {
   return element_kinds<Any>()[element.index()];
 }
-// The element itself, for its fields.
+// Address of the element in the variant, to which its fields refer.
 template <class Any>
 void* data_of(Any& element) {
   return std::visit([](auto& e) -> void* { return &e; }, element);
@@ -77,39 +79,44 @@ template <class Any>
 const void* data_of(const Any& element) {
   return std::visit([](const auto& e) -> const void* { return &e; }, element);
 }
+// Input signals of an element, and their number.
 template <class Any>
 std::span<const SignalGroup> inputs_of(const Any& element);
 template <class Any>
 int input_count(const Any& element) {
   return count_of(inputs_of(element));
 }
-// Beyond its fields' ranges.
+// Returns the error in the values of an element that the ranges of its fields do not cover, if there is one.
 template <class Any>
 std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coordinate);
 
-// Whether a constraint holds positions; else, of those between joints, rates alone, or, of those between bodies, some.
+// Whether a constraint between joints constrains positions, not only their rates; false for constraints between bodies,
+// of which single equations may constrain positions.
 bool holds_positions(const AnyConstraint& constraint);
 
-// kg m2 (kg) that a motor adds to its joint's coordinate.
+// Returns the inertia that a motor adds to its joint coordinate [kg m2, kg].
 double inertia_of(const AnyMotor& motor);
 
-// A kind of what a joint has along a coordinate.
+// Description of a type of element along a joint coordinate.
 struct JointForceKind {
-  std::string_view group;            // the mapping that its fields stand in; empty: the joint's own
-  std::string_view summary, misfit;  // misfit: what is wrong with a joint that moves and cannot have it
+  std::string_view group;  // key of the mapping with its fields; empty if they are keys of the joint
+  std::string_view summary;
+  std::string_view misfit;  // why a joint with coordinates cannot have it; completes "a universal joint ..."
   std::span<const Field> fields;
-  bool (*fits)(const JointKind&);
-  void* (*there)(JointForces&);  // null: it is not
-  const void* (*defaults)();
-  void (*give)(JointForces&);                                                      // puts one there, with its defaults
-  void (*take)(JointForces&);                                                      // takes it away
-  std::optional<ElementFault> (*fault)(const void*, const Coordinate&);            // of one that is there
-  std::optional<ElementFault> (*doubt)(const void*, double q, const Coordinate&);  // of a start at q
+  bool (*fits)(const JointKind&);  // whether joints of a type can have it
+  void* (*find)(JointForces&);     // address of the element; null if it is not present
+  const void* (*defaults)();       // an element with default values
+  void (*emplace)(JointForces&);   // adds the element with default values, if it is optional
+  void (*erase)(JointForces&);     // removes it or restores the default values
+  std::optional<ElementFault> (*fault)(const void*, const Coordinate&);            // error in its values
+  std::optional<ElementFault> (*doubt)(const void*, double q, const Coordinate&);  // warning about a start at q
 
+  // Address of the element; null if it is not present.
   const void* in(const JointForces& forces) const;
 };
+// All types of elements along joint coordinates, in the order of JointForces.
 std::span<const JointForceKind> joint_force_kinds();
-// Whether there is nothing that acts.
+// Whether none of the elements has an effect.
 bool is_idle(const JointForces& forces);
 
 }  // namespace gelenk

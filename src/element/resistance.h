@@ -5,12 +5,12 @@
 
 namespace gelenk {
 
-// Against a velocity: -(damping + coefficient |v|) v.
+// Force or torque opposite to a velocity v: -(damping + coefficient |v|) v.
 template <class T>
 Vector3<T> resistance(double damping, double coefficient, const Vector3<T>& v) {
   Vector3<T> out = T(-damping) * v;
-  const T size = v.norm();
-  if (size > T(0)) out -= T(coefficient) * size * v;  // at rest it and its derivative are 0
+  const T speed = v.norm();
+  if (speed > T(0)) out -= T(coefficient) * speed * v;  // at rest this term and its derivative are 0
   return out;
 }
 

@@ -7,17 +7,18 @@
 
 namespace gelenk {
 
-// A thin disc of this radius about z of M rolls on the plane without slip. With the axis a and the normal n,
-// s = |a x n|, the disc's lowest point is c = p + r d with d = ((n . a) a - n)/s. Rows, each a force at c:
-//   normal        w = n,              Phi = p_z - r s, whose rate it is: along the disc d is stationary
+// A thin disk of radius r about the z axis a of M rolls without slipping on the x-y plane of F. With the normal n and
+// s = |a x n|, the lowest point of the disk is c = p + r d with d = ((n . a) a - n)/s. Each constraint equation is a
+// force at c:
+//   normal        w = n,              Phi = p_z - r s; w . V is its rate, since d is the direction of the lowest point
 //   longitudinal  w = l = (a x n)/s   no Phi
 //   lateral       w = n x l           no Phi
 struct Rolling : NoCoordinates {
   static constexpr std::string_view kind = "rolling";
-  static constexpr std::string_view summary = "a wheel, a thin disc, rolls on a plane without slip";
+  static constexpr std::string_view summary = "a wheel (thin disk) rolls on a plane without slipping";
   static constexpr Port ports[] = {
-      {.kind = Port::Kind::frame, .name = "", .text = "Centre of the wheel"},
-      {.kind = Port::Kind::frame, .name = "on", .text = "The plane, z its normal", .optional = true}};
+      {.kind = Port::Kind::frame, .name = "", .text = "Center of the wheel"},
+      {.kind = Port::Kind::frame, .name = "on", .text = "The plane, with z as its normal", .optional = true}};
   static constexpr int row_count = 3;
 
   Direction axis = {Eigen::Vector3d::UnitY()};  // of the wheel
@@ -46,12 +47,13 @@ struct Rolling : NoCoordinates {
   }
   static constexpr bool holds_position(int row) { return row == 0; }
 
+  // Axis a, longitudinal direction l, direction d to the contact point, all in F, and s = |a x n|.
   template <class T>
   struct Frame {
     Vector3<T> a, l, d;
     T s;
   };
-  // Where the disc lies flat on the plane, s = 0, there is no lowest point.
+  // Undefined if the disk lies flat on the plane, s = 0, where it has no lowest point.
   template <class T>
   static Frame<T> frame(const Matrix3<T>& R) {
     Frame<T> f;
@@ -63,21 +65,21 @@ struct Rolling : NoCoordinates {
     return f;
   }
 
-  // rad: how far the disc is from lying flat on the plane.
+  // Angle between the disk and the plane [rad], for small angles.
   static double tilt(const Pose3& X_FM) { return std::hypot(X_FM.R(0, 2), X_FM.R(1, 2)); }
-  // It lies too flat to tell where its lowest point is.
+  // The disk is too flat for a well-defined lowest point: tilt below 1e-4 rad.
   static bool undefined(const Pose3& X_FM) { return tilt(X_FM) < 1e-4; }
   static ElementFault undefined_start() {
-    return {"", "the wheel flat on its plane at the start, where it has no point of contact",
-            "it upright or tilted: check its axis and the start values of the joints that carry it"};
+    return {"", "the wheel flat on its plane at the start, where it has no contact point",
+            "an upright or tilted wheel: check its axis and the start values of the joints that carry it"};
   }
   static std::string_view near_undefined(const Pose3& X_FM) {
-    constexpr double nearly_flat = 0.05;  // rad: a wheel that lies this near to its plane is why a step fails
-    if (tilt(X_FM) >= nearly_flat) return {};
-    return "the wheel of {body} has come to lie flat on its plane, where it has no point of contact";
+    constexpr double flat_tilt = 0.05;  // rad; with a smaller tilt this is the reason why a step fails
+    if (tilt(X_FM) >= flat_tilt) return {};
+    return "the wheel of {body} lies flat on its plane, where it has no contact point";
   }
 
-  // In F.
+  // Position of the contact point in F [m].
   template <class T>
   Vector3<T> contact_point(const typename SpatialAlgebra<T>::Pose& X_FM) const {
     return X_FM.p + T(radius) * frame<T>(X_FM.R).d;
@@ -101,14 +103,14 @@ struct Rolling : NoCoordinates {
   template <class A, class T>
   void rows_bias(const typename A::Pose& X_FM, const typename A::Motion& V, T* bias) const {
     const Frame<T> f = frame<T>(X_FM.R);
-    // l turns about n with the heading; d = a x l turns with it and tilts with a.
+    // l rotates about n with the heading rate; d = a x l rotates with it and tilts with a.
     const Vector3<T> adot = V.w.cross(f.a);
     const T heading = (f.a.x() * adot.y() - f.a.y() * adot.x()) / (f.s * f.s);
     const Vector3<T> t(-f.l.y(), f.l.x(), T(0));
     const Vector3<T> ldot = heading * t;
     const Vector3<T> tdot = -heading * f.l;
     const Vector3<T> ddot = adot.cross(f.l) + f.a.cross(ldot);
-    const Vector3<T> d_V = T(radius) * V.w.cross(ddot);  // of the point of the disc that is lowest
+    const Vector3<T> d_V = T(radius) * V.w.cross(ddot);  // of the point of the disk at c
     const Vector3<T> v_c = V.v + T(radius) * V.w.cross(f.d);
     bias[0] += d_V.z();
     bias[1] += f.l.dot(d_V) + ldot.dot(v_c);

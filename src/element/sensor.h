@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is measured. A sensor changes no motion; the bodies at its ports are solved together. It offers outputs and
+// The interface of sensors. A sensor does not change the motion; the bodies at its ports belong to one island. It has
+// outputs and
 //
-//   output(seen, group, i)   component i of a group of its outputs
+//   output(seen, group, i)   component i of an output group
 //
-// where seen is, of numbers T,
-//   pose(k)                  X_0P of its k-th frame, or of those of its joint, F then M, in a frame 0 that stands still
-//   frame(k)                 the same with the velocity of its origin and its angular velocity, along the axes of 0
-//   X_W0()                   the pose of that frame in the world
-//   reaction()               force [N] and torque [N m] of the joint on its child body at M, drives and springs along
-//   the
-//                            joint included, along the axes of 0; only with reads_reaction
-//   energy()                 kinetic and potential [J], of the whole mechanism; only with of_whole
+// where seen, with numbers of type T, offers
+//   pose(k)                  pose X_0P, in a fixed frame 0, of port k or of frame F (k = 0) or M (k = 1) of its joint
+//   frame(k)                 the same with the velocity of its origin and its angular velocity, in the axes of 0
+//   X_W0()                   pose of frame 0 in the world
+//   reaction()               force [N] and torque [N m] of the joint on its child body at M, including drives and
+//                            springs along the joint, in the axes of 0; only with reads_reaction
+//   energy()                 kinetic and potential energy [J] of the whole mechanism; only with of_whole
 #pragma once
 
 #include "element/element.h"
@@ -22,15 +22,15 @@ concept ReadsReaction = requires { requires S::reads_reaction; };
 template <class S>
 concept OfWhole = requires { requires S::of_whole; };
 
-// A frame as it is seen.
+// Pose and velocity of a frame as a sensor reads them.
 template <class T>
 struct SeenFrame {
   typename SpatialAlgebra<T>::Pose X_0P;
   Vector3<T> v, w;  // m/s, rad/s
 };
 
-// Component i of a rotation's unit quaternion, x, y, z, scalar part; that not negative: one of the two that mean the
-// same.
+// Component i of the unit quaternion of R: x, y, z, scalar part. Of the two quaternions of a rotation, the one with a
+// nonnegative scalar part.
 template <class T>
 T quaternion_component(const Matrix3<T>& R, int i) {
   Eigen::Quaternion<T> Q(R);

@@ -5,8 +5,8 @@
 
 namespace gelenk {
 
-// A spring and a damper side by side between two points, L apart: they pull with stiffness (L - length) + damping
-// dL/dt.
+// A spring and a damper in parallel between two points at the distance L. Their tension is
+// stiffness (L - length) + damping dL/dt.
 struct SpringDamper {
   static constexpr std::string_view kind = "spring_damper";
   static constexpr std::string_view summary = "a spring and a damper between two points";
@@ -29,8 +29,8 @@ struct SpringDamper {
   }
 
   bool is_idle() const { return stiffness == 0 && damping == 0; }
-  // It pulls with stiffness times the way between its ends, smooth also where these meet. Any other one has a direction
-  // that is not defined there.
+  // Whether the force is the stiffness times the vector between the ends, which is smooth even where these coincide. In
+  // all other cases the direction is undefined there.
   bool is_linear() const { return length == 0 && damping == 0; }
 
   template <class At, class T>
@@ -42,7 +42,7 @@ struct SpringDamper {
     };
     if (is_linear()) return pull(T(stiffness) * d);
     const T L = d.norm();
-    if (L == T(0)) return;  // undefined() tells
+    if (L == T(0)) return;  // reported by undefined()
     const Vector3<T> e = d / L;
     const T rate = e.dot(at[1].v() - at[0].v());
     pull((T(stiffness) * (L - T(length)) + T(damping) * rate) * e);
@@ -51,18 +51,19 @@ struct SpringDamper {
   template <class T, class At>
   T energy(const At* at) const {
     const Vector3<T> d = at[1].p() - at[0].p();
-    if (is_linear()) return T(stiffness / 2) * d.squaredNorm();  // the length has no derivative where the ends meet
+    if (is_linear()) return T(stiffness / 2) * d.squaredNorm();  // L is not differentiable where the ends coincide
     const T stretch = d.norm() - T(length);
     return T(stiffness / 2) * stretch * stretch;
   }
 
   template <class At>
   bool undefined(const At* at) const {
-    constexpr double meet = 1e-9;  // m: nearer, rounding of 1e-15 leaves its direction less than six digits
-    return !is_linear() && !is_idle() && (at[1].p() - at[0].p()).norm() <= meet;
+    constexpr double min_distance = 1e-9;  // m; below it, rounding errors of 1e-15 m leave fewer than six digits
+    return !is_linear() && !is_idle() && (at[1].p() - at[0].p()).norm() <= min_distance;
   }
 
-  // With e its direction, u the velocity of its end seen from the body of the other and w how it turns against that:
+  // With e the direction, u the velocity of the second end relative to the body of the first and w the angular velocity
+  // of its body relative to that body:
   //   de = (1 - e e^T) dp / L,   d tension = k e . dp + c (de . u + e . (du + w x dp)),   f = -tension e.
   template <class At>
   PortJacobians jacobians(const At* at, const double*) const {
@@ -77,9 +78,9 @@ struct SpringDamper {
     const Eigen::Vector3d e = d / L;
     const Eigen::Vector3d u = at[1].v() - at[0].v() - at[0].w().cross(d);
     const double tension = stiffness * (L - length) + damping * e.dot(u);
-    const Eigen::Vector3d of_tension =
+    const Eigen::Vector3d tension_p =
         stiffness * e + damping * ((u - e.dot(u) * e) / L + e.cross(at[1].w() - at[0].w()));
-    out.f_p = (-tension / L) * (Eigen::Matrix3d::Identity() - e * e.transpose()) - e * of_tension.transpose();
+    out.f_p = (-tension / L) * (Eigen::Matrix3d::Identity() - e * e.transpose()) - e * tension_p.transpose();
     out.f_v = -damping * e * e.transpose();
     return out;
   }

@@ -11,16 +11,16 @@
 
 namespace gelenk {
 
-// Pushes back while the coordinate lies beyond a bound, and never pulls: with the depth beyond it,
-// max(0, stiffness depth + damping d depth/dt).
+// Unilateral spring and damper beyond a bound of a joint coordinate: with the penetration depth it pushes back with
+// max(0, stiffness depth + damping d depth/dt), and never pulls.
 struct Stop {
   static constexpr std::string_view group = "stop";
-  static constexpr std::string_view summary = "pushes back while the coordinate lies beyond a bound, and never pulls";
-  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint that moves
+  static constexpr std::string_view summary = "pushes back while the coordinate is beyond a bound, and never pulls";
+  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
   static bool fits(const JointKind& kind) { return kind.stops(); }
 
-  double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite: no bound
-  double upper = std::numeric_limits<double>::infinity();   // likewise
+  double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite if there is no bound
+  double upper = std::numeric_limits<double>::infinity();   // rad (m)
   double stiffness = 0;                                     // N m/rad (N/m), more than 0
   double damping = 0;                                       // N m s/rad (N s/m)
 
@@ -29,12 +29,12 @@ struct Stop {
                                                          .unit = "{q}",
                                                          .text = "lower bound of its stop, on {coordinate}",
                                                          .optional = true,
-                                                         .way = 1}),
+                                                         .alternative = 1}),
                                     field<&Stop::upper>({.name = "upper",
                                                          .unit = "{q}",
                                                          .text = "upper bound of its stop, on {coordinate}",
                                                          .optional = true,
-                                                         .way = 1}),
+                                                         .alternative = 1}),
                                     field<&Stop::stiffness>({.name = "stiffness",
                                                              .unit = "{f}/{q}",
                                                              .text = "stiffness of its stop, on {coordinate}",
@@ -55,7 +55,7 @@ struct Stop {
     return {{"lower", shown(lower), "less than upper, which is " + shown(upper)}};
   }
 
-  // A start beyond a bound may be meant: what rests on a stop has pressed it in.
+  // A start beyond a bound is only doubtful, not an error, since a body at rest on a stop has compressed it.
   std::optional<ElementFault> doubt(double q, const Coordinate& at) const {
     const double depth = std::max(lower - q, q - upper);
     if (!(depth > 0)) return {};
@@ -67,34 +67,35 @@ struct Stop {
                  " " + spelled(unit_of("{f}", at))}};
   }
 
-  // In the direction of the speed, by the branch it is on: 1 at the upper bound, -1 at the lower one, 0 at none.
+  // Generalized force in a given mode, in the direction of the coordinate. side: 1 in contact at the upper bound, -1 at
+  // the lower one, 0 without contact.
   template <class T>
   T held(int side, const T& q, const T& v) const {
     if (side > 0) return -(T(stiffness) * (q - T(upper)) + T(damping) * v);
     if (side < 0) return T(stiffness) * (T(lower) - q) - T(damping) * v;
     return T(0);
   }
-  // The branch on which a state lies: it pushes, or there is none.
+  // The mode of a state: there is contact only where the stop pushes.
   template <class T>
   int side(const T& q, const T& v) const {
     if (q > T(upper)) return held(1, q, v) < T(0) ? 1 : 0;
     if (q < T(lower)) return held(-1, q, v) > T(0) ? -1 : 0;
     return 0;
   }
-  // What vanishes where it begins or ends to push, at the upper bound and at the lower one, and its rate, NaN where
-  // that is not known: beyond a bound it pushes where stiffness depth + damping rate > 0, so a damped one ends before
-  // the depth does.
+  // Event indicators of the upper and the lower bound, zero where contact begins or ends, and their rates, NaN where
+  // unknown. Beyond a bound the stop pushes where stiffness depth + damping rate > 0, so that contact with a damped
+  // stop ends before the depth reaches zero.
   void indicators(double q, double v, double* g, double* gdot) const {
-    const double settling = damping / stiffness;  // s
+    const double time_constant = damping / stiffness;  // s
     for (const double side : {1.0, -1.0}) {
       const double depth = side * (q - (side > 0 ? upper : lower));
       const double rate = side * v;
-      const bool releasing = settling > 0 && rate < 0 && depth > 0;
-      *g++ = releasing ? depth + settling * rate : depth;
+      const bool releasing = time_constant > 0 && rate < 0 && depth > 0;
+      *g++ = releasing ? depth + time_constant * rate : depth;
       *gdot++ = releasing ? NAN : rate;
     }
   }
-  // What happens where one becomes negative, and where it becomes positive.
+  // For each indicator, the texts of the events at which it becomes negative and positive.
   static constexpr std::string_view events[2][2] = {{"{joint}.{coordinate} leaves the stop at its upper bound",
                                                      "{joint}.{coordinate} meets the stop at its upper bound"},
                                                     {"{joint}.{coordinate} leaves the stop at its lower bound",

@@ -5,8 +5,7 @@
 
 namespace gelenk {
 
-// A force and a torque on a body at a point: constant along the world's axes or the frame's own, and inputs added to
-// them.
+// A force and a torque on a body at a point, in the axes of the world or of the frame: constant values plus inputs.
 struct Wrench {
   static constexpr std::string_view kind = "wrench";
   static constexpr std::string_view summary = "a force and a torque on a body at a point";
@@ -16,15 +15,15 @@ struct Wrench {
 
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // N m
-  Choice frame = {0};
-  bool input = false;
+  Choice frame = {0};                                // index in axes
+  bool input = false;                                // whether inputs are added
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
         field<&Wrench::force>({.name = "force", .unit = "N", .text = "constant force", .tunable = true}),
         field<&Wrench::torque>({.name = "torque", .unit = "N.m", .text = "constant torque", .tunable = true}),
-        field<&Wrench::frame>({.name = "frame", .text = "whose axes the components are along", .words = axes}),
-        field<&Wrench::input>({.name = "input", .text = "whether a load f, t comes from outside as well"})};
+        field<&Wrench::frame>({.name = "frame", .text = "axes in which the components are resolved", .words = axes}),
+        field<&Wrench::input>({.name = "input", .text = "whether the inputs f and t are added"})};
     return all;
   }
 
@@ -53,7 +52,7 @@ struct Wrench {
     at[0].push(at[0].from_world(f), at[0].from_world(n));
   }
 
-  // What is along the body's axes turns with it.
+  // A wrench in the axes of the body rotates with it; one in the axes of the world is constant.
   template <class At>
   PortJacobians jacobians(const At* at, const double* u) const {
     PortJacobians out{.damped = false};

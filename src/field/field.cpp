@@ -9,12 +9,12 @@ namespace gelenk {
 
 std::string unit_of(std::string_view unit, const Coordinate& coordinate) {
   std::string out(unit);
-  const bool turns = coordinate.is_angle;
-  text::replace(out, "{q}", turns ? "rad" : "m");
-  text::replace(out, "{v}", turns ? "rad/s" : "m/s");
-  text::replace(out, "{a}", turns ? "rad/s2" : "m/s2");
-  text::replace(out, "{f}", turns ? "N.m" : "N");
-  text::replace(out, "{J}", turns ? "kg.m2" : "kg");
+  const bool is_angle = coordinate.is_angle;
+  text::replace(out, "{q}", is_angle ? "rad" : "m");
+  text::replace(out, "{v}", is_angle ? "rad/s" : "m/s");
+  text::replace(out, "{a}", is_angle ? "rad/s2" : "m/s2");
+  text::replace(out, "{f}", is_angle ? "N.m" : "N");
+  text::replace(out, "{J}", is_angle ? "kg.m2" : "kg");
   return out;
 }
 
@@ -73,12 +73,12 @@ bool is_given(const Field& field, const void* element) {
   }
 }
 
-std::vector<std::vector<std::string>> ways_of(std::span<const Field> fields) {
+std::vector<std::vector<std::string>> alternatives_of(std::span<const Field> fields) {
   std::vector<std::vector<std::string>> out;
   for (const Field& field : fields) {
-    if (field.way == 0) continue;
-    out.resize(std::max(out.size(), static_cast<std::size_t>(field.way)));
-    out[static_cast<std::size_t>(field.way) - 1].emplace_back(field.name);
+    if (field.alternative == 0) continue;
+    out.resize(std::max(out.size(), static_cast<std::size_t>(field.alternative)));
+    out[static_cast<std::size_t>(field.alternative) - 1].emplace_back(field.name);
   }
   return out;
 }

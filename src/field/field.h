@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an element of a scene can be given, stated once: reading, checking, writing, the JSON Schema, units, parameters
-// of FMUs and the numbers that may change during a run follow from it.
+// Fields: the values that an element of a scene can be given, declared once. Reading, checking, writing, the JSON
+// Schema, units, FMU parameters and tunable values are derived from the declaration.
 //
 //   struct SpringDamper {
 //     double stiffness = 0;
@@ -11,7 +11,7 @@
 //     }
 //   };
 //
-// What a member holds at first is its default.
+// The initial value of a member is the field's default.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,10 +24,10 @@
 
 namespace gelenk {
 
-// What a number may be.
+// Permitted range of a number.
 enum class Range { any, not_negative, positive, not_zero };
 
-// One of a field's words; else none of them.
+// Index of one of a field's words, or none.
 struct Choice {
   static constexpr int none = -1;
   int index = none;
@@ -35,43 +35,45 @@ struct Choice {
 
 struct Field;
 
-// Said of a field by its element.
-struct FieldFacts {
-  std::string_view name;           // in scene files
-  std::string_view unit = {};      // as FMI spells it; {q}, {v}, {f}, {J}: see unit_of()
-  std::string_view text = {};      // completes "C: ..."
-  std::string_view variable = {};  // what FMUs call it, where that is another name
+// Properties of a field, as declared by its element.
+struct FieldInfo {
+  std::string_view name;           // key in scene files
+  std::string_view unit = {};      // in FMI's spelling; {q}, {v}, {a}, {f}, {J}: see unit_of()
+  std::string_view text = {};      // description; completes "C: ..."
+  std::string_view variable = {};  // name in FMUs, if it differs
   Range range = Range::any;
   bool required = false;
-  bool optional = false;  // a number: not finite where it is not given
-  bool tunable = false;   // may change while a simulation runs
-  bool settable = true;   // may be a parameter
-  bool by_time = false;   // of a list: its unit is divided by s once more at each place
-  int way = 0;            // of the fields with ways, those of one way must be given, and of no other
-  std::size_t least = 0;  // numbers that a list has, if it is there
-  std::span<const std::string_view> words = {};  // of a choice
+  bool optional = false;      // of a number: not finite if it is not given
+  bool tunable = false;       // may change during a simulation
+  bool settable = true;       // may be a parameter
+  bool by_time = false;       // of a list: entry i, from 0, has this unit divided by s^i
+  int alternative = 0;        // if not 0: exactly one alternative must be given, by one or more of its fields
+  std::size_t min_count = 0;  // of a list that is given: minimum number of entries
+  std::span<const std::string_view> words = {};  // of a choice: its permitted values
 };
 
-struct Field : FieldFacts {
+struct Field : FieldInfo {
   enum class Type {
     number,     // double
     vector,     // Eigen::Vector3d
     direction,  // Direction
-    numbers,    // std::vector<double>; empty: it is not given
+    numbers,    // std::vector<double>; empty if not given
     flag,       // bool
     choice,     // Choice
-    group,      // std::optional of a struct with fields(), which are in a mapping of their own
+    group,      // std::optional of a struct with fields(): a nested mapping in scene files
   };
   Type type = Type::number;
-  void* (*locate)(void*) = nullptr;             // of an element; of a group that is not given: null
-  void (*give)(void*) = nullptr;                // puts a group there, with its defaults
-  std::span<const Field> (*inner)() = nullptr;  // of a group
-  const void* (*defaults)() = nullptr;          // one of a group, as it is put there
+  void* (*locate)(void*) = nullptr;  // address of the value in an element; null for a group that is not given
+  void (*emplace)(void*) = nullptr;  // creates the group in an element, with default values
+  std::span<const Field> (*inner)() = nullptr;  // fields of the group
+  const void* (*defaults)() = nullptr;          // a group with default values
 
+  // Address of the value in the element; null for a group that is not given.
   void* in(void* element) const { return locate(element); }
   const void* in(const void* element) const {
-    return locate(const_cast<void*>(element));  // NOLINT(*-const-cast): it takes an address only
+    return locate(const_cast<void*>(element));  // NOLINT(*-const-cast): only an address is computed
   }
+  // The value in the element, of the type of the field.
   template <class T>
   T& of(void* element) const {
     return *static_cast<T*>(in(element));
@@ -127,19 +129,19 @@ Member member_of(Member Element::*);
 
 }  // namespace detail
 
-// The field that a member of an element is.
+// Returns the Field for a member of an element.
 template <auto member>
-constexpr Field field(const FieldFacts& facts) {
+constexpr Field field(const FieldInfo& info) {
   using Element = decltype(detail::owner_of(member));
   using Member = decltype(detail::member_of(member));
-  Field out{facts};
+  Field out{info};
   out.type = detail::FieldType<Member>::value;
   if constexpr (detail::FieldType<Member>::value == Field::Type::group) {
     out.locate = [](void* element) -> void* {
       Member& group = static_cast<Element*>(element)->*member;
       return group ? &*group : nullptr;
     };
-    out.give = [](void* element) { (static_cast<Element*>(element)->*member).emplace(); };
+    out.emplace = [](void* element) { (static_cast<Element*>(element)->*member).emplace(); };
     out.inner = &Member::value_type::fields;
     out.defaults = []() -> const void* {
       static const typename Member::value_type group;
@@ -151,29 +153,30 @@ constexpr Field field(const FieldFacts& facts) {
   return out;
 }
 
-// A coordinate of a joint that an element acts on or is about.
+// The joint coordinate on which an element acts or to which it refers.
 struct Coordinate {
-  std::string_view name, speed;  // "phi", "w"
-  bool is_angle = true;          // rad, else m
+  std::string_view name, speed;  // names of the coordinate and of its rate: "phi", "w"
+  bool is_angle = true;          // unit rad, otherwise m
 
   std::string_view effort() const { return is_angle ? "tau" : "f"; }
 };
 
-// A unit with {q}, {v}, {f} and {J} replaced by those of a coordinate, its speed, the effort on it, its inertia.
+// Returns the unit with the placeholders {q}, {v}, {a}, {f} and {J} replaced by the units of the coordinate, its speed,
+// its acceleration, its generalized force and its inertia.
 std::string unit_of(std::string_view unit, const Coordinate& coordinate);
-// Of the i-th of a list's numbers.
+// Returns the unit of a field; of a list, the unit of entry i.
 std::string unit_of(const Field& field, const Coordinate& coordinate, std::size_t i = 0);
-// Whether a number may be what x is.
+// Whether x is in the permitted range.
 bool permits(Range allowed, double x);
-// What a number in that unit has to be: "0 kg or more".
+// Describes the permitted range of a number with this unit: "0 kg or more".
 std::string bound(Range allowed, std::string_view unit);
 
-// Whether an optional field is given.
+// Whether the field has a value in this element; always true for types that cannot be absent.
 bool is_given(const Field& field, const void* element);
-// The names of the fields of each way, by way from 1 on.
-std::vector<std::vector<std::string>> ways_of(std::span<const Field> fields);
+// Returns the names of the fields of each alternative; entry i is alternative i + 1.
+std::vector<std::vector<std::string>> alternatives_of(std::span<const Field> fields);
 
-// A unit as messages spell it: "N.m.s/rad" as "N m s/rad", none as nothing.
+// Returns a unit as it is spelled in messages: "N m s/rad" for "N.m.s/rad", empty for "1".
 std::string spelled(std::string unit);
 
 }  // namespace gelenk

@@ -303,7 +303,7 @@ GELENK_INSTANTIATE(SpatialAlgebra<Series>)
 
 namespace {
 
-// Returns the half angle [rad] of the cone that a rod along e cannot reach, for small angles. reversed: F is on the rod.
+// Returns the half angle [rad], if small, of the cone that a rod along e cannot reach. reversed: F is on the rod.
 double unreachable_angle(const Revolute&, bool, const Vector3d&) { return 0; }
 double unreachable_angle(const Spherical&, bool, const Vector3d&) { return 0; }
 double unreachable_angle(const Universal& joint, bool reversed, const Vector3d& e) {

@@ -173,8 +173,8 @@ double& SettableNumber::place(Scene& scene) const {
     case Of::joint:
       return number_in(group_, *field_, data_of(scene.joints[owner_].is), i_);
     case Of::along:
-      return number_in(group_, *field_,
-                       force_->there(scene.joints[owner_].along[static_cast<std::size_t>(coordinate_)]), 0);
+      return number_in(group_, *field_, force_->find(scene.joints[owner_].along[static_cast<std::size_t>(coordinate_)]),
+                       0);
     case Of::parent:
       return scene.joints[owner_].parent.X_BF.p[i_];
     case Of::child:
@@ -254,7 +254,7 @@ void take_tunables(Scene& scene, const Scene& from) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     for (std::size_t i = 0; i < scene.joints[j].along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
-        take(force.fields, force.there(scene.joints[j].along[i]), force.in(from.joints[j].along[i]));
+        take(force.fields, force.find(scene.joints[j].along[i]), force.in(from.joints[j].along[i]));
       }
     }
   }

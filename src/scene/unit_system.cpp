@@ -139,7 +139,7 @@ class Converter {
     convert(kind.fields, data_of(joint.is), {});
     for (std::size_t i = 0; i < joint.along.size(); ++i) {
       for (const JointForceKind& force : joint_force_kinds()) {
-        void* there = force.there(joint.along[i]);
+        void* there = force.find(joint.along[i]);
         if (there != nullptr) convert(force.fields, there, coordinate_of(kind, static_cast<int>(i)));
       }
     }

@@ -24,10 +24,10 @@ std::vector<std::string> names_of(std::span<const Field> fields) {
   return names;
 }
 
-// At least `least` numbers.
+// Reads a list with at least field.min_count numbers.
 std::vector<double> read_numbers(const Json& value, const std::string& path, Faults& faults, const Field& field,
                                  const Coordinate& coordinate) {
-  const std::size_t least = field.least;
+  const std::size_t least = field.min_count;
   if (!value.is_array() || value.size() < least) {
     faults.add(path, shown(value),
                least == 1 ? "a list of numbers" : "a list of " + std::to_string(least) + " numbers or more");
@@ -91,7 +91,7 @@ void read_field(const Json& value, const std::string& path, Faults& faults, cons
     case Field::Type::group: {
       Fields inner(value, path, faults, "a mapping with " + text::list(names_of(field.inner())));
       if (!inner.valid()) return;
-      field.give(element);
+      field.emplace(element);
       read_fields(inner, field.inner(), field.in(element), coordinate);
       inner.done();
     }

@@ -99,7 +99,7 @@ void read_along(Fields& fields, const JointForceKind& kind, const Field& field, 
   const std::string path = fields.path(key);
   const std::size_t n = joint.along.size();
   const JointKind& of = kind_of(joint.is);
-  const auto element = [&](std::size_t i) { return kind.there(joint.along[i]); };
+  const auto element = [&](std::size_t i) { return kind.find(joint.along[i]); };
   if (n == 1) return read_field(*value, path, fields.faults(), field, element(0), coordinate_of(of, 0));
   const auto list = read_list(*value, path, fields.faults(), n, common_unit(field, of), field.range);
   for (std::size_t i = 0; list && i < n; ++i) field.of<double>(element(i)) = (*list)[i];
@@ -119,12 +119,12 @@ void read_group(const Json& value, const std::string& path, const JointForceKind
   std::vector<std::string> names;
   for (const Field& field : kind.fields) names.emplace_back(field.name);
   Fields fields(value, path, reader.faults, "{" + text::list(names) + "}");
-  kind.give(at);
-  if (fields.valid()) read_fields(fields, kind.fields, kind.there(at), coordinate_of(kind_of(joint.is), 0));
+  kind.emplace(at);
+  if (fields.valid()) read_fields(fields, kind.fields, kind.find(at), coordinate_of(kind_of(joint.is), 0));
   fields.done();
   if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
   if (reader.faults.count() == before) return;
-  kind.take(at);
+  kind.erase(at);
   reader.doubtful.insert(joint.name);
 }
 

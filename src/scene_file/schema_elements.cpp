@@ -48,7 +48,7 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
       return list(3, unit, with_default(text, numbers_of(x).dump()));
     }
     case Field::Type::numbers: {
-      Json out = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", field.least}};
+      Json out = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", field.min_count}};
       out["description"] = text + (unit.empty() ? "" : " [" + unit + "]");
       return out;
     }
@@ -97,7 +97,7 @@ Json properties(std::span<const Field> fields, const void* defaults, const Coord
 
 void add_ways(Json& mapping, std::span<const Field> fields) {
   Json ways = Json::array();
-  for (const std::vector<std::string>& way : ways_of(fields)) {
+  for (const std::vector<std::string>& way : alternatives_of(fields)) {
     Json any = Json::array();
     for (const std::string& name : way) any.push_back({{"required", Json::array({name})}});
     ways.push_back(any.size() == 1 ? any[0] : Json{{"anyOf", any}});

@@ -89,10 +89,10 @@ def test_inputs_and_forces_are_named_with_units_and_sentences(tmp_path: Path) ->
         for f in (driven, cranked)
         for v in extracted(f(), tmp_path / f.__name__).description.modelVariables
     }
-    assert told["crank.phi_ref"] == ("input", "rad", "crank: what A.phi is to be")
+    assert told["crank.phi_ref"] == ("input", "rad", "crank: prescribed value of A.phi")
     assert told["crank.w_ref"][:2] == ("input", "rad/s")
-    assert told["crank.tau"] == ("output", "N.m", "crank: torque that keeps A.phi to its motion")
-    assert told["shake.f"] == ("output", "N", "shake: force that keeps shakes.s to its motion")
+    assert told["crank.tau"] == ("output", "N.m", "crank: torque that enforces the motion of A.phi")
+    assert told["shake.f"] == ("output", "N", "shake: force that enforces the motion of shakes.s")
     assert told["mesh.tau"] == ("output", "N.m", "mesh: torque of the gear on joint turns")
     assert told["teeth.f"] == ("output", "N", "teeth: force of the pinion on joint runs")
 

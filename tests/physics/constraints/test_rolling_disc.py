@@ -281,7 +281,7 @@ def test_wheel_that_falls_flat_is_refused_where_it_does(tolerance: float) -> Non
 @pytest.mark.parametrize("make", [disc, flying_disc])
 def test_wheel_that_has_come_to_lie_flat_is_told(make: Callable[[Rolling], Scene], tolerance: float) -> None:
     _, why = fallen(make(FALLING), tolerance)
-    assert "the wheel of wheel has come to lie flat on its plane, where it has no point of contact" in why
+    assert "the wheel of wheel lies flat on its plane, where it has no contact point" in why
 
 
 def test_wheel_that_lies_flat_at_the_start_is_told() -> None:
