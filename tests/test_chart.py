@@ -56,7 +56,7 @@ def test_outcomes_are_distinguished(four_bar_case: Case, truth: dict[str, Refere
     assert (wrong.outcome, wrong.reason) == (Outcome.WRONG, "no two correct digits")
     assert wrong.error > 1e-2
     assert no.outcome == Outcome.REFUSED
-    assert "the fixed start speeds of A, D contradict the loops" in no.reason
+    assert "the fixed start velocities of A, D contradict the loops" in no.reason
     assert no.reached == 0
     assert (none.outcome, none.reason) == (Outcome.FAILED, "timed out after 2 s")
     assert math.isnan(none.error)

@@ -263,7 +263,7 @@ def test_failed_run_writes_the_rows_until_then(four_bar_file: Path, tmp_path: Pa
     (tmp_path / "in.csv").write_text("time,drive.tau\n0,3\n0.0049,3\n0.0049,1e100\n")
     done = call("simulate", four_bar_file, "--input", "in.csv", "-o", "r.csv", cwd=tmp_path)
     assert done.returncode == 1
-    assert "The plant still stands at t = 0.005 s" in done.stderr
+    assert "The state is unchanged at t = 0.005 s" in done.stderr
     assert len((tmp_path / "r.csv").read_text().splitlines()) == 7  # names, 0 to 0.005 s
 
 

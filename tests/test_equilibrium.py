@@ -76,7 +76,9 @@ def test_a_torque_beyond_what_gravity_can_balance_is_refused() -> None:
 
 @BOTH
 def test_poses_that_the_loop_cannot_take_are_told(four_bar_by: Any) -> None:
-    with pytest.raises(gelenk.AssemblyError, match=r"loop through C cannot be closed: smallest gap"):
+    with pytest.raises(
+        gelenk.AssemblyError, match=r"loop through C cannot be closed: smallest closure error"
+    ):
         gelenk.equilibrium(four_bar_by, hold={"D.phi": 0.5}, solve_for=["drive.tau"])
     with pytest.raises(gelenk.AssemblyError, match=r"cannot be closed"):
         gelenk.equilibrium(four_bar_by, hold={"A.phi": 0.5, "D.phi": 2.5}, solve_for=["drive.tau"])

@@ -189,7 +189,7 @@ def test_loop_that_cannot_close_is_an_assembly_error(four_bar: gelenk.Scene) -> 
     apart = four_bar.to_dict()
     apart["joints"]["D"]["parent"]["position"] = [9, 0, 0]  # m
     gap = math.hypot(9, 0.5) - 1.75 - 1.5  # from the tip of the upright crank, coupler and rocker in line
-    with pytest.raises(gelenk.AssemblyError, match=f"cannot be closed: smallest gap {gap:.3g} m"):
+    with pytest.raises(gelenk.AssemblyError, match=f"cannot be closed: smallest closure error {gap:.3g} m"):
         gelenk.Simulation(apart).initialize()
 
 

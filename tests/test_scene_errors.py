@@ -36,13 +36,13 @@ def test_loop_that_cannot_close_says_by_how_much() -> None:
     scene = gelenk.load(scene_files.FOLDER / "loop_too_short.yaml")
     with pytest.raises(gelenk.AssemblyError) as error:
         gelenk.Simulation(scene).initialize()
-    gap = re.search(r"smallest gap ([0-9.]+) m", str(error.value))
+    gap = re.search(r"smallest closure error ([0-9.]+) m", str(error.value))
     assert gap, str(error.value)
     apart = hypot(0.7 - 0.15 * cos(0.52), 0.15 * sin(0.52))
     assert float(gap[1]) == pytest.approx(apart - 0.4, abs=1e-3)  # three digits are printed
     assert str(error.value).endswith(
         "loop_too_short.yaml:11: loop through C cannot be closed: "
-        "smallest gap 0.175 m at A.phi = 0.52 rad (allowed 1e-9 m). "
+        "smallest closure error 0.175 m at A.phi = 0.52 rad (allowed 1e-9 m). "
         "Check the positions in joints A, B, C, D, and the fixed start of A."
     )
 
@@ -55,6 +55,6 @@ def test_link_that_cannot_say_how_it_moves_is_named() -> None:
         "link_without_mass.yaml:6: bodies.coupler: moves without inertia: "
         "found mass and inertia 0 along a motion of its joint, expected mass > 0 (kg), "
         "or an inertia about the joint's axis > 0 (kg m2), here or on bodies it carries, or a gear, a rack, "
-        "a given motion or a loop that ties this motion to one with inertia (a spring does not: the body "
-        "would be where its force is zero, at any speed)"
+        "a prescribed motion or a loop that couples this motion to one with inertia (a spring is not "
+        "sufficient: the body would be where its force is zero, at any velocity)"
     )

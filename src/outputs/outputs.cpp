@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where outputs come from, and their values as double. Numbers with derivatives are read in outputs_dual.cpp.
+// Sources of the outputs, and their values as double; outputs_dual.cpp has the types for automatic differentiation.
 #include "outputs/outputs_impl.h"
 
 namespace gelenk {

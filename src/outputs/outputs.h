@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where each output of a scene comes from, and its value.
+// Source, required stage and value of each output of a scene.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace gelenk {
 
-// What outputs of an island are computed from: q, v, vdot of the tree; cut_q: coordinates of cut joints, turns counted;
-// cut_v: their speeds, where they are known as double.
-// T: double, or numbers that carry derivatives.
+// Data from which the outputs of an island are computed: q, v, vdot of the tree joints; cut_q: coordinates of the cut
+// joints with counted turns; cut_v: their velocities, or nullptr if they are to be computed. T: double or a scalar type
+// for automatic differentiation.
 template <class T>
 struct ReadingOf {
   const Readings<T>& dynamics;
@@ -28,27 +28,28 @@ class Outputs {
  public:
   Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals);
 
-  // What must be realized in the island before value() may be called.
+  // Stage up to which the island must be evaluated before value() is called.
   Stage stage(int output) const { return sources_[output].stage; }
-  // The island the output comes from; none: it never changes, or is made of all of them.
+  // Island from which the output is computed; `none` if it is constant or a sum over all islands.
   static constexpr int none = -1;
   int island(int output) const { return sources_[output].island; }
-  // It is made of the energies of all islands, by of_energy().
+  // True if the output is computed from the energies of all islands, by of_energy().
   bool is_of_whole(int output) const { return sources_[output].kind == Kind::whole; }
   template <class T>
   T of_energy(int output, const EnergyOf<T>& energy) const;
 
-  // Of an output that is sign times an entry of its island's (q, v, vdot): which. index none: of all others.
+  // For outputs that are `sign` times an entry of (q, v, vdot) of their island: the index of the entry. For all others
+  // the index is `none`.
   struct Entry {
     int index;
     double sign;
   };
   Entry entry(int output) const;
 
-  // reading: of the output's island.
+  // Returns the value of an output in the unit system of the scene. reading: data of the output's island.
   template <class T>
   T value(int output, const ReadingOf<T>& reading) const;
-  // Of an output without island.
+  // Returns the value of an output that does not belong to an island.
   double constant(int output) const;
 
  private:
@@ -68,14 +69,14 @@ class Outputs {
     Kind kind = Kind::constant;
     Stage stage = Stage::position;
     int island = none;
-    int index = 0;      // tree: in q, v or vdot; in cut_q; other cuts, sensors and constraints: which
-    int group = 0;      // of an element's outputs
+    int index = 0;      // in q, v or vdot (tree) or cut_q; else index of the cut, sensor or constraint
+    int group = 0;      // group among the outputs of an element
     int component = 0;  // within a cut joint, or a group
-    double sign = 1;    // constant: the value
+    double sign = 1;    // the value, for a constant
   };
   Source joint_source(const Signal& signal) const;
-  // Not inline: value() is called for each state of a joint, and is short without them.
-  // dynamics: null where all its ports stand still.
+  // Not inline, so that value(), which is called for each joint state, remains short. dynamics: nullptr if all ports
+  // are fixed in the world.
   template <class T>
   [[gnu::noinline]] T sensor_value(const Source& source, const Readings<T>* dynamics) const;
   template <class T>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Outputs as numbers that carry derivatives.
+// Outputs as dual numbers (forward-mode automatic differentiation) and as power series in time.
 #include "math/dual.h"
 #include "math/series.h"
 #include "outputs/outputs_impl.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a sensor or a constraint sees of a simulation (element/sensor.h, element/constraint.h).
+// Access of sensors and constraints to the state of a simulation (element/sensor.h, element/constraint.h).
 #pragma once
 
 #include <optional>
@@ -9,25 +9,25 @@
 
 namespace gelenk {
 
-// Where a joint's wrench is known, and its frames.
+// Where the wrench of a joint is computed, and the frames of the joint.
 struct JointWrench {
-  // joint: of the scene, in the tree or cut.
+  // joint: index in the scene of a tree joint or a cut joint.
   JointWrench(const Scene& scene, const ReducedScene& reduced, int joint);
 
   bool cut;
   int index;       // link or cut
-  BodyPlace at;    // where it is known: frame of the link, or the cut's M
-  double side;     // -1: known on the parent
-  BodyPlace F, M;  // the joint's frames in the scene
+  BodyPlace at;    // frame at which it is computed: that of the link, or M of the cut
+  double side;     // -1 if it is computed on the parent
+  BodyPlace F, M;  // the frames of the joint in the scene
 };
 
 // The ports of an element in a reduced scene.
 struct PortPlaces {
-  // Of the island where the element is, if any of its ports moves. with_wrench: that of its joint.
+  // Finds the ports in the island that has a moving port, if any. with_wrench: also locate the wrench of its joint.
   PortPlaces(const Scene& scene, const ReducedScene& reduced, const ElementPlace& element, bool with_wrench);
 
-  int island = -1;                // -1: all stands still, in the world
-  std::vector<BodyPlace> frames;  // those of bodies, then F and M of each joint
+  int island = -1;                // -1 if all ports are fixed in the world
+  std::vector<BodyPlace> frames;  // frames of bodies, then F and M of each joint
   std::optional<JointWrench> wrench;
 };
 
@@ -36,13 +36,13 @@ struct SeenWrench {
   Vector3<T> f, n;
 };
 
-// T: double, or numbers that carry derivatives.
+// Poses, velocities and reactions at the ports of a sensor. T: double or a scalar type for automatic differentiation.
 template <class T>
 class SeenPorts {
  public:
   using Pose = typename SpatialAlgebra<T>::Pose;
 
-  // dynamics: of the ports' island; null where there is none.
+  // dynamics: of the island of the ports; nullptr if they are fixed in the world.
   SeenPorts(const PortPlaces& places, const ReducedScene& reduced, const Readings<T>* dynamics)
       : places_(places), reduced_(reduced), dynamics_(dynamics) {}
 
@@ -83,14 +83,14 @@ class SeenPorts {
   const Readings<T>* dynamics_;
 };
 
-// The energy of the mechanism, or a part of it.
+// Energy of the mechanism, or of a part of it.
 template <class T>
 struct SeenEnergy {
   EnergyOf<T> of_whole;
   const EnergyOf<T>& energy() const { return of_whole; }
 };
 
-// A constraint where it has gone.
+// Forces and poses of a constraint in its island.
 template <class T>
 class SeenConstraint {
  public:

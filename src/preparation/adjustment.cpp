@@ -13,7 +13,7 @@
 namespace gelenk {
 namespace {
 
-// Every joint in space and as itself: redundancy is what is looked for.
+// Reduces a scene without planar reduction and distance constraints, which would remove the redundancy to be examined.
 ReducedScene reduce_in_space(const Scene& scene) {
   Scene literal = scene;
   for (const Reduction pass : {Reduction::planar, Reduction::massless}) {
@@ -27,7 +27,7 @@ BodyFrame& half(Scene& scene, const FrameMove& move) {
   return move.child ? joint.child : joint.parent;
 }
 
-// The frame that the file gives is turned against the one in which the joint is written.
+// Moves a frame of the scene. Its axes may be rotated with respect to those in which the move is given.
 void apply(const ReducedScene& reduced, int island, const FrameMove& move, Scene& scene) {
   BodyFrame& frame = half(scene, move);
   const Pose3 X_LF = place(scene, reduced, island, frame).X_LB;
@@ -36,7 +36,7 @@ void apply(const ReducedScene& reduced, int island, const FrameMove& move, Scene
   frame.X_BF.R = orthonormalized(Eigen::Matrix3d(frame.X_BF.R * R * move.X_move.R * R.transpose()));
 }
 
-constexpr double much_more = 100;  // of a tolerance
+constexpr double max_tolerance_ratio = 100;  // of a tolerance that gives more degrees of freedom to the smallest one
 
 double largest(const MovedFrame& frame) { return std::max(frame.turn, frame.shift); }
 
@@ -66,29 +66,30 @@ AdjustedScene adjust(const Scene& scene, double tolerance) {
   return out;
 }
 
-double sufficient_tolerance(const Scene& scene, double from, double most) {
-  double least = 0;
+double sufficient_tolerance(const Scene& scene, double from, double max_tolerance) {
+  double sufficient = 0;
   int degrees_of_freedom = -1;
-  for (int decade = static_cast<int>(std::ceil(std::log10(from))); decade <= std::lround(std::log10(most)); ++decade) {
+  for (int decade = static_cast<int>(std::ceil(std::log10(from))); decade <= std::lround(std::log10(max_tolerance));
+       ++decade) {
     const double tolerance = std::pow(10.0, decade);
     if (tolerance <= from) continue;
-    if (least > 0 && tolerance > 1.01 * much_more * least) break;
+    if (sufficient > 0 && tolerance > 1.01 * max_tolerance_ratio * sufficient) break;
     const AdjustedScene found = adjust(scene, tolerance);
     if (!found.closes || found.moved.empty() || found.degrees_of_freedom <= degrees_of_freedom) continue;
-    least = tolerance;
+    sufficient = tolerance;
     degrees_of_freedom = found.degrees_of_freedom;
   }
-  return least;
+  return sufficient;
 }
 
 std::string describe_moves(const Scene& scene, const std::vector<MovedFrame>& moved) {
   if (moved.empty()) return {};
-  const auto most = std::ranges::max_element(moved, {}, largest);
+  const auto largest_move = std::ranges::max_element(moved, {}, largest);
   const auto n = static_cast<int>(moved.size());
   return std::to_string(n) + (n == 1 ? " joint frame was" : " joint frames were") +
-         " moved so that the loops close at every position, at most that of " + most->joint + " in " + most->body +
-         ", by " + text::rounded(most->turn, 2) + " rad and " +
-         text::rounded(most->shift * scene.units.size_of("m"), 2) + " m";
+         " moved so that the loops close at every position; the largest displacement is that of " +
+         largest_move->joint + " in " + largest_move->body + ", " + text::rounded(largest_move->turn, 2) + " rad and " +
+         text::rounded(largest_move->shift * scene.units.size_of("m"), 2) + " m";
 }
 
 }  // namespace gelenk

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenes whose numbers were rounded: the frames of joints in loops are moved, so that loops with redundant constraints
-// close at every position (analysis/frame_adjustment.h).
+// Adjustment of scenes with rounded dimensions: frames of joints in loops are moved so that loops with redundant
+// constraints close at every position (assembly/frame_adjustment.h).
 #pragma once
 
 #include <string>
@@ -10,29 +10,29 @@
 
 namespace gelenk {
 
-// A joint's frame in one of its bodies, moved.
+// A joint frame that was moved, in one of the two bodies of the joint.
 struct MovedFrame {
   std::string joint, body;
-  double turn = 0;   // rad
-  double shift = 0;  // in the scene's unit of length
+  double turn = 0;   // rotation [rad]
+  double shift = 0;  // translation, in the scene's unit of length
 };
 
 struct AdjustedScene {
   Scene scene;
   std::vector<MovedFrame> moved;  // in the order of the file
-  int degrees_of_freedom = 0;     // of the islands with loops
-  bool closes = true;  // else no exact mechanism is near; scene: as it was, moved: what would be needed, if known
+  int degrees_of_freedom = 0;     // total of the islands with loops
+  bool closes = true;  // if false: `scene` is unchanged, and `moved` are the moves that would be needed, if known
 };
 
-// scene: in natural units. tolerance: as AssemblySettings::tolerance.
+// Adjusts the joint frames of a scene in natural units. tolerance: as AssemblySettings::tolerance.
 AdjustedScene adjust(const Scene& scene, double tolerance);
 
-// The least tolerance, a power of ten above `from` and up to `most`, that is enough; 0: none is. Loops that close with
-// less and stand still then, because only one position was made to fit, get what makes them move, if it is not much
-// more.
-double sufficient_tolerance(const Scene& scene, double from, double most);
+// Returns the smallest sufficient tolerance, a power of ten above `from` and up to `max_tolerance`; 0 if there is none.
+// If loops close with it at one position only, so that they cannot move, a larger tolerance at which they can move is
+// returned, provided that it is at most 100 times as large.
+double sufficient_tolerance(const Scene& scene, double from, double max_tolerance);
 
-// What was moved, in a sentence; lengths in SI. Empty: nothing was.
+// Returns a sentence about the moved frames, with lengths in SI units; empty if none was moved.
 std::string describe_moves(const Scene& scene, const std::vector<MovedFrame>& moved);
 
 }  // namespace gelenk

@@ -42,10 +42,10 @@ bool lacks_inertia(const Mechanism& mechanism) {
     if (G.m <= 0) return true;
     const Eigen::Vector3d c = G.h / G.m;
     const Eigen::Matrix3d I = G.I - G.m * (c.squaredNorm() * Eigen::Matrix3d::Identity() - c * c.transpose());
-    const double nothing = 1e-9 * G.I.norm();  // what subtracting leaves is some 1e-16 of it
-    if (mechanism.planar) return I(2, 2) <= nothing;
+    const double min_inertia = 1e-9 * G.I.norm();  // subtraction leaves about 1e-16 of it
+    if (mechanism.planar) return I(2, 2) <= min_inertia;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I, Eigen::EigenvaluesOnly);
-    return solver.eigenvalues()[0] <= nothing;
+    return solver.eigenvalues()[0] <= min_inertia;
   });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of a mechanism that move without inertia.
+// Links without inertia, and massless rods.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace gelenk {
 
-// Rods without mass that became rows: by island, and in any.
+// These find massless rods that were reduced to distance constraints: a flag for each island, or in any island.
 std::vector<bool> islands_with_rods(const ReducedScene& reduced);
 bool has_rods(const ReducedScene& reduced);
 
-// For what is only kinematics: nothing in it moves without inertia.
+// Gives all links unit inertias, for purely kinematic computations.
 void give_inertia(Mechanism& mechanism);
 
-// Some link has no inertia, but for rounding, along a motion of its own.
+// Returns true if the inertia of some link is singular up to round-off.
 bool lacks_inertia(const Mechanism& mechanism);
 
 }  // namespace gelenk

@@ -19,88 +19,86 @@
 namespace gelenk {
 namespace {
 
-// m or rad: loops that gape by more do so for another reason than rounded numbers.
-constexpr double rounded_gap = 0.1;
-
-// Of the mechanism's length: loops that gape by more at the start do so because their equations contradict each other.
-constexpr double rounding = 1e-12;
-// A pivot below this share of the largest may be what rounded numbers have left of one that was zero.
-constexpr double nearly_singular = 1e-2;
+// Larger closure errors [m or rad, natural units] have other causes than rounded dimensions.
+constexpr double max_rounded_closure_error = 0.1;
+// Larger closure errors at the start [natural units] show that the constraint equations are inconsistent.
+constexpr double max_closure_error = 1e-12;
+// A smaller ratio of pivots may belong to a pivot that would be zero without rounded dimensions.
+constexpr double suspect_pivot_ratio = 1e-2;
 
 bool is_doubtful(const PreparedIsland& island) {
   const MobilityAnalysis& mobility = island.mobility;
-  const auto stands = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
-  const bool sound = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= nearly_singular;
-  const bool barely = !sound && mobility.needed_rows > 0;
-  return island.start.gap > rounding || mobility.stuck || (barely && stands(mobility.immobile_links));
+  const auto any = [&](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
+  const bool regular = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= suspect_pivot_ratio;
+  const bool nearly_singular = !regular && mobility.needed_rows > 0;
+  return island.start.gap > max_closure_error || mobility.stuck || (nearly_singular && any(mobility.immobile_links));
 }
 
-// What dynamics refer to.
-struct Stage {
+// Data that Dynamics refers to.
+struct ReducedModel {
   ReducedScene reduced;
   std::vector<Loads> loads;
 };
 
-// Whether an island is done is its own affair: what others need leaves it as it would be alone, to the bit.
+// Islands are assembled independently: the result for an island is the same, bit for bit, as if it were alone.
 struct Preparer {
   const Scene& scene;
   double time;
   const Inputs& inputs;
-  Scene preferred{};                     // the scene whose start values count
-  std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; none: nowhere
-  bool rows_help = true;                 // where the mass matrix alone is singular
+  Scene preferred{};                     // the scene with the start values to be used
+  std::vector<bool> rods_stay_bodies{};  // by joint of the scene: in its island; empty: in none
+  bool mass_may_need_rows = true;        // constraint rows may complete a singular mass matrix
   std::vector<double> no_inputs = std::vector<double>(input_signals(scene).size(), 0.0);
   PreparedScene out{};
   std::vector<Loads> loads{};
   std::vector<std::unique_ptr<Dynamics>> dynamics{};
-  std::vector<std::unique_ptr<Stage>> former{};  // to which dynamics that were kept refer
+  std::vector<std::unique_ptr<ReducedModel>> previous_models{};  // referred to by kept dynamics
 
-  static constexpr int anew = -1;
+  static constexpr int reassemble = -1;
 
-  // Goes on with other islands. same: by island, the one so far that it is, which keeps all it has, or `anew`; empty:
-  // all are.
-  void take_islands(ReducedScene made, const std::vector<int>& same = {}) {
-    former.push_back(std::make_unique<Stage>(Stage{std::move(out.reduced), std::move(loads)}));
+  // Replaces the islands. kept: for each one the previous island to be kept, or `reassemble`; empty: reassemble all.
+  void replace_islands(ReducedScene made, const std::vector<int>& kept = {}) {
+    previous_models.push_back(std::make_unique<ReducedModel>(ReducedModel{std::move(out.reduced), std::move(loads)}));
     std::vector<PreparedIsland> islands = std::exchange(out.islands, {});
-    std::vector<std::unique_ptr<Dynamics>> kept = std::exchange(dynamics, {});
+    std::vector<std::unique_ptr<Dynamics>> kept_dynamics = std::exchange(dynamics, {});
     out.reduced = std::move(made);
     loads = make_loads(scene, out.reduced);
     for (std::size_t i = 0; i < out.reduced.islands.size(); ++i) {
-      if (same.empty() || same[i] == anew) {
+      if (kept.empty() || kept[i] == reassemble) {
         out.islands.emplace_back();
         dynamics.push_back(make_moving_dynamics(out.reduced.islands[i], static_cast<int>(i)));
         continue;
       }
-      out.islands.push_back(std::move(islands[same[i]]));
-      dynamics.push_back(std::move(kept[same[i]]));
-      out.reduced.islands[i].mass_needs_rows = former.back()->reduced.islands[same[i]].mass_needs_rows;
+      out.islands.push_back(std::move(islands[kept[i]]));
+      dynamics.push_back(std::move(kept_dynamics[kept[i]]));
+      out.reduced.islands[i].mass_needs_rows = previous_models.back()->reduced.islands[kept[i]].mass_needs_rows;
     }
   }
 
-  // Closes the loops of an island, as near to the wishes as can be.
+  // Closes the loops of an island, as close to the initial guesses as possible.
   void close(int i) {
     try {
       assemble_island(i);
     } catch (const CannotAssemble& fault) {
       const std::string what = describe_failure(scene, out.reduced, i, fault);
-      // Velocities that fail although none is fixed do so because rows contradict each other.
+      // If velocities cannot be found although none is fixed, the constraint equations are inconsistent.
       const bool loop = fault.cut < 0 ? fault.conflict.values.empty()
                                       : fault.cut < static_cast<int>(out.reduced.islands[i].cuts.size());
-      if (loop && fault.gap + fault.turn < rounded_gap) throw OpenLoop(what, fault.gap + fault.turn);
+      if (loop && fault.gap + fault.turn < max_rounded_closure_error) throw OpenLoop(what, fault.gap + fault.turn);
       throw AssemblyError(what);
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
     }
   }
 
-  void assemble_islands(ReducedScene made, const std::vector<int>& same = {}) {
-    take_islands(std::move(made), same);
+  void assemble_islands(ReducedScene made, const std::vector<int>& kept = {}) {
+    replace_islands(std::move(made), kept);
     for (int i = 0; i < static_cast<int>(out.islands.size()); ++i) {
-      if (same.empty() || same[i] == anew) close(i);
+      if (kept.empty() || kept[i] == reassemble) close(i);
     }
   }
 
-  // With the rows that change with time where they are at the start.
+  // Creates dynamics with time-dependent constraint equations evaluated at the start.
   std::unique_ptr<Dynamics> make_moving_dynamics(const Mechanism& mechanism, int island) const {
     auto of = make_dynamics(mechanism, loads[island]);
     of->set_targets(Targets(mechanism).at(time, inputs));
@@ -115,44 +113,43 @@ struct Preparer {
     island.cut_start = guesses.cuts.q;
     try {
       island.start = assemble(mechanism, *dynamics[i], guesses.tree, guesses.cuts);
-      stand_at_start(i);
+      evaluate_at_start(i);
     } catch (const SingularMass&) {
-      if (mechanism.rows == 0 || !rows_help) throw;
+      if (mechanism.rows == 0 || !mass_may_need_rows) throw;
       Mechanism geometry = mechanism;
       give_inertia(geometry);
       island.start = assemble(geometry, *make_moving_dynamics(geometry, i), guesses.tree, guesses.cuts);
-      let_rows_help(i);
+      include_rows_in_mass(i);
     }
-    if (mechanism.mass_needs_rows || mechanism.rows == 0 || !rows_help) return;
+    if (mechanism.mass_needs_rows || mechanism.rows == 0 || !mass_may_need_rows) return;
     if (!lacks_inertia(mechanism) || dynamics[i]->mass_is_definite()) return;
-    let_rows_help(i);  // what stands for inertia is rounding
+    include_rows_in_mass(i);  // the inertia is only round-off
   }
 
-  // Tells parts that move without inertia.
-  void stand_at_start(int i) {
+  // Throws SingularMass for parts that move without inertia.
+  void evaluate_at_start(int i) {
     std::vector<double>& q = out.islands[i].start.q;
     dynamics[i]->normalize(q.data());
     dynamics[i]->set_position(q.data());
-    check_rows(out.reduced.islands[i], *dynamics[i]);
+    check_rows_are_defined(out.reduced.islands[i], *dynamics[i]);
     dynamics[i]->factorize();
   }
 
-  void let_rows_help(int i) {
+  void include_rows_in_mass(int i) {
     Mechanism& mechanism = out.reduced.islands[i];
     mechanism.mass_needs_rows = true;
     dynamics[i] = make_moving_dynamics(mechanism, i);
-    stand_at_start(i);
+    evaluate_at_start(i);
   }
 
-  void check_rows(const Mechanism& mechanism, const Dynamics& of) const {
+  void check_rows_are_defined(const Mechanism& mechanism, const Dynamics& of) const {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
       if (is_undefined(cut.joint, of.cut_pose(c))) throw AssemblyError(describe_undefined_rows(scene, cut));
     }
   }
 
-  // The start is looked for while the rods are still bodies: so wishes at their joints count, and it is the same with
-  // and without this reduction.
+  // Assembles with rods as bodies, so that guesses of their joints count and the reduction does not change the start.
   void assemble_with_rods(const ReducedScene& reduced) {
     const std::vector<bool> with_rods = islands_with_rods(reduced);
     ReducedScene geometry = reduce_to_geometry(scene);
@@ -160,22 +157,22 @@ struct Preparer {
       if (!with_rods[i]) geometry.islands[i] = reduced.islands[i];
     }
     assemble_islands(std::move(geometry));
-    tell_assembly();
-    const Scene near = found(with_rods);
+    report_assembly();
+    const Scene near = scene_at_start(with_rods);
     rods_stay_bodies.assign(scene.joints.size(), false);
     std::vector<Attempt> attempts(with_rods.size());
-    std::vector<int> same;  // of those that are done
-    for (std::size_t i = 0; i < with_rods.size(); ++i) same.push_back(with_rods[i] ? anew : static_cast<int>(i));
+    std::vector<int> kept;  // of the islands that are done
+    for (std::size_t i = 0; i < with_rods.size(); ++i) kept.push_back(with_rods[i] ? reassemble : static_cast<int>(i));
     do {
-      for (std::size_t i = 0; i < same.size(); ++i) {
-        if (same[i] == anew) choose(reduced.islands[i], attempts[i].number, near);
+      for (std::size_t i = 0; i < kept.size(); ++i) {
+        if (kept[i] == reassemble) choose_start(reduced.islands[i], attempts[i].number, near);
       }
-      take_islands(reduce(scene, {}, rods_stay_bodies), same);
-      for (int i = 0; i < static_cast<int>(same.size()); ++i) {
-        if (same[i] == anew && closes(i, attempts[i])) same[i] = i;
+      replace_islands(reduce(scene, {}, rods_stay_bodies), kept);
+      for (int i = 0; i < static_cast<int>(kept.size()); ++i) {
+        if (kept[i] == reassemble && closes(i, attempts[i])) kept[i] = i;
       }
-    } while (std::ranges::find(same, anew) != same.end());
-    rows_help = true;
+    } while (std::ranges::find(kept, reassemble) != kept.end());
+    mass_may_need_rows = true;
   }
 
   struct Attempt {
@@ -183,10 +180,10 @@ struct Preparer {
     std::exception_ptr first_fault;
   };
 
-  // Throws the first fault when the last attempt fails.
+  // Returns false if the attempt failed; throws the first error if it was the last attempt.
   bool closes(int island, Attempt& attempt) {
     try {
-      rows_help = attempt.number >= 2;
+      mass_may_need_rows = attempt.number >= 2;
       close(island);
       return true;
     } catch (const SceneError&) {
@@ -196,8 +193,8 @@ struct Preparer {
     }
   }
 
-  // Every other attempt leaves the rods bodies: a neighbour may have had its inertia from beyond the rod.
-  void choose(const Mechanism& mechanism, int attempt, const Scene& near) {
+  // In every other attempt the rods remain bodies: a neighbor may depend on inertia beyond the rod.
+  void choose_start(const Mechanism& mechanism, int attempt, const Scene& near) {
     const bool rods = attempt % 2 == 0;
     for (const int j : mechanism.joints) {
       rods_stay_bodies[j] = !rods;
@@ -205,18 +202,18 @@ struct Preparer {
     }
   }
 
-  void tell_assembly() {
+  void report_assembly() {
     std::vector<Assembled> starts;
     for (const PreparedIsland& island : out.islands) starts.push_back(island.start);
     out.report = describe_assembly(scene, out.reduced, starts);
     for (int i = 0; i < static_cast<int>(starts.size()); ++i) {
-      if (!starts[i].equal_q.empty()) tell_equal_assemblies(i, starts[i]);
+      if (!starts[i].equal_q.empty()) warn_about_equal_assemblies(i, starts[i]);
     }
   }
 
-  // By the coordinate in which the two differ most.
-  void tell_equal_assemblies(int island, const Assembled& start) {
-    double most = -1;
+  // The warning names the coordinate in which the two assemblies differ most.
+  void warn_about_equal_assemblies(int island, const Assembled& start) {
+    double max_difference = -1;
     std::string name;
     double taken = 0;
     double other = 0;
@@ -226,8 +223,8 @@ struct Preparer {
       const std::vector<double> a = coordinates_of(preferred, out.reduced, j, start.q, *dynamics[island]);
       const std::vector<double> b = coordinates_of(preferred, out.reduced, j, start.equal_q, *dynamics[island]);
       for (std::size_t k = 0; k < a.size(); ++k) {
-        if (std::abs(a[k] - b[k]) <= most) continue;
-        most = std::abs(a[k] - b[k]);
+        if (std::abs(a[k] - b[k]) <= max_difference) continue;
+        max_difference = std::abs(a[k] - b[k]);
         const double size = scene.units.size_of(kind.q[k].unit);
         name = scene.joints[j].name + "." + std::string(kind.q[k].name);
         taken = size * a[k];
@@ -237,35 +234,35 @@ struct Preparer {
     out.warnings.push_back(describe_equal_assemblies(scene, name, taken, other));
   }
 
-  // Goes to other positions, too, where a part may come to move without inertia. same: as above.
-  void find_structure(const std::vector<int>& same = {}) {
+  // Analyzes mobility, also at other positions, where a part may move without inertia. kept: as in replace_islands().
+  void find_mobility(const std::vector<int>& kept = {}) {
     try {
       for (std::size_t i = 0; i < out.islands.size(); ++i) {
-        if (same.empty() || same[i] == anew) explore(i);
+        if (kept.empty() || kept[i] == reassemble) analyze_island(i);
       }
     } catch (const SingularMass& fault) {
       throw SceneError({describe_massless(scene, fault.what())});
     }
   }
 
-  void explore(std::size_t i) {
+  void analyze_island(std::size_t i) {
     PreparedIsland& island = out.islands[i];
     const Mechanism& mechanism = out.reduced.islands[i];
     const std::vector<double>& q = island.start.q;
     if (!mechanism.driven()) {
-      island.mobility = analyze_mobility(mechanism, *dynamics[i], q, way(island, *dynamics[i]));
+      island.mobility = analyze_mobility(mechanism, *dynamics[i], q, initial_direction(island, *dynamics[i]));
       return;
     }
     Mechanism free_mechanism = without_drives(mechanism);
-    if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may be what holds a part without any
+    if (mechanism.mass_needs_rows) give_inertia(free_mechanism);  // the drive may hold a part without inertia
     const auto free = make_dynamics(free_mechanism, loads[i]);
     free->set_targets(Targets(free_mechanism).at(time, inputs));
-    island.mobility =
-        analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, q, way(island, *dynamics[i]));
+    island.mobility = analyze_driven_mobility(mechanism, *dynamics[i], free_mechanism, *free, q,
+                                              initial_direction(island, *dynamics[i]));
   }
 
-  // The motion with which an island sets out: its speeds, or from rest its accelerations without inputs.
-  std::vector<double> way(const PreparedIsland& island, Dynamics& of) const {
+  // Returns the direction in which an island starts to move: its velocities or, at rest, accelerations without inputs.
+  std::vector<double> initial_direction(const PreparedIsland& island, Dynamics& of) const {
     const auto moves = [](const std::vector<double>& v) {
       return std::ranges::any_of(v, [](double x) { return std::abs(x) > 1e-9; });
     };
@@ -286,20 +283,20 @@ struct Preparer {
     });
   }
 
-  // Constraints have their forces as outputs.
+  // Returns true if the island has constraint elements, whose forces are outputs.
   static bool reads_forces(const Mechanism& mechanism) {
     return !mechanism.coordinate_rows.empty() ||
            std::ranges::any_of(mechanism.cuts, [](const Cut& cut) { return cut.is_contact(); });
   }
 
-  // Joints that loops hold still, with their coordinates; empty if there are none.
+  // Returns the coordinates of joints that loops immobilize; empty if there are none.
   ImmobileJoints immobile_joints() const {
     ImmobileJoints immobile(scene.joints.size());
     bool any = false;
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       const Mechanism& mechanism = out.reduced.islands[i];
       const MobilityAnalysis& mobility = out.islands[i].mobility;
-      // What holds still is held by forces; where these are read, all stays as it is.
+      // Forces on immobile joints are lost by this reduction, so it is skipped if forces are outputs.
       if (reaction_observed(mechanism) || reads_forces(mechanism)) continue;
       for (const int j : mechanism.joints) {
         const JointPlace& place = out.reduced.joints[j];
@@ -312,25 +309,25 @@ struct Preparer {
     return any ? immobile : ImmobileJoints();
   }
 
-  // What loops hold still becomes part of the ground, and the rest of these islands is assembled anew.
-  void drop_standing(const ImmobileJoints& immobile) {
+  // Merges immobile joints with the ground, and assembles the rest of these islands again.
+  void drop_immobile(const ImmobileJoints& immobile) {
     std::vector<bool> changed;
     for (const Mechanism& mechanism : out.reduced.islands) {
       changed.push_back(std::ranges::any_of(mechanism.joints, [&](int j) { return !immobile[j].empty(); }));
     }
-    preferred = found(changed);
+    preferred = scene_at_start(changed);
     ReducedScene made = reduce(scene, immobile, rods_stay_bodies);
-    std::vector<int> same;
+    std::vector<int> kept;
     for (const Mechanism& mechanism : made.islands) {
-      const int before = mechanism.joints.empty() ? anew : out.reduced.joints[mechanism.joints.front()].island;
-      same.push_back(before == anew || changed[before] ? anew : before);
+      const int before = mechanism.joints.empty() ? reassemble : out.reduced.joints[mechanism.joints.front()].island;
+      kept.push_back(before == reassemble || changed[before] ? reassemble : before);
     }
-    assemble_islands(std::move(made), same);
-    find_structure(same);
+    assemble_islands(std::move(made), kept);
+    find_mobility(kept);
   }
 
-  // The wishes, and in these islands the positions and speeds found.
-  Scene found(const std::vector<bool>& islands) const {
+  // Returns the scene with the positions and velocities found as start values in the given islands.
+  Scene scene_at_start(const std::vector<bool>& islands) const {
     Scene at = preferred;
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       if (!islands[i]) continue;
@@ -347,7 +344,7 @@ struct Preparer {
     return at;
   }
 
-  // Velocities at singular starts, and warnings of these.
+  // Corrects velocities at singular starts, and adds warnings about these and about springs of zero length.
   void examine_starts() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       const int island = static_cast<int>(i);
@@ -367,7 +364,7 @@ struct Preparer {
     }
   }
 
-  void drop_rows() {
+  void remove_redundant_rows() {
     for (std::size_t i = 0; i < out.islands.size(); ++i) {
       PreparedIsland& island = out.islands[i];
       const bool drop = scene.solver.reduces(Reduction::redundant_rows);
@@ -378,22 +375,23 @@ struct Preparer {
 
 }  // namespace
 
-PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs, bool asking) {
+PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs,
+                      bool stop_if_doubtful) {
   Preparer preparer{.scene = scene, .time = time, .inputs = inputs, .preferred = scene};
   if (has_rods(reduced)) {
     preparer.assemble_with_rods(reduced);
   } else {
     preparer.assemble_islands(reduced);
-    preparer.tell_assembly();
+    preparer.report_assembly();
   }
-  preparer.find_structure();
+  preparer.find_mobility();
   preparer.out.doubtful = std::ranges::any_of(preparer.out.islands, is_doubtful);
-  if (asking && preparer.out.doubtful) return std::move(preparer.out);
+  if (stop_if_doubtful && preparer.out.doubtful) return std::move(preparer.out);
   if (scene.solver.reduces(Reduction::fixed)) {
-    if (const ImmobileJoints immobile = preparer.immobile_joints(); !immobile.empty()) preparer.drop_standing(immobile);
+    if (const ImmobileJoints immobile = preparer.immobile_joints(); !immobile.empty()) preparer.drop_immobile(immobile);
   }
   preparer.examine_starts();
-  preparer.drop_rows();
+  preparer.remove_redundant_rows();
   return std::move(preparer.out);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a scene to islands that stand at consistent start values, with the reductions that only these reveal.
+// Prepares the islands of a scene at consistent start values, with the reductions that depend on these.
 #pragma once
 
 #include <string>
@@ -11,40 +11,41 @@
 
 namespace gelenk {
 
-// The loops cannot be closed with these start values. Says the smallest gap and the joint where it gapes.
+// The loops cannot be closed with these start values. The message has the smallest closure error and its location.
 class AssemblyError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Likewise, of a loop that gapes by little: numbers with few digits may be the reason.
+// A loop has a small closure error, which may be caused by rounded dimensions.
 class OpenLoop : public AssemblyError {
  public:
-  OpenLoop(const std::string& what, double gap) : AssemblyError(what), gap(gap) {}
-  double gap;  // m or rad, in natural units
+  OpenLoop(const std::string& what, double closure_error) : AssemblyError(what), closure_error(closure_error) {}
+  double closure_error;  // m or rad, in natural units
 };
 
 struct PreparedIsland {
-  Mechanism mechanism;  // without the rows that are not needed
+  Mechanism mechanism;  // without redundant rows
   Assembled start;
-  std::vector<double> cut_start;  // wished coordinates of the cut joints, to count turns from
-  MobilityAnalysis mobility;      // of the island with all its rows, as in ReducedScene::islands
+  std::vector<double> cut_start;  // guessed coordinates of the cut joints, from which turns are counted
+  MobilityAnalysis mobility;      // of the island with all rows, as in ReducedScene::islands
 };
 
 struct PreparedScene {
   ReducedScene reduced;
   std::vector<PreparedIsland> islands;
-  std::string report;                 // on assembly, for people
-  std::vector<std::string> warnings;  // of what is doubtful about the start, likewise
-  // Its numbers may have been rounded: equations of loops contradict each other, or what stands still hardly does.
+  std::string report;                 // readable description of the assembly
+  std::vector<std::string> warnings;  // readable warnings about the start
+  // The dimensions may have been rounded: constraint equations are inconsistent, or immobile parts are barely so.
   bool doubtful = false;
 };
 
-// The scene as kinematics alone: everything in it has inertia, rods without mass are bodies as others are.
+// Reduces a scene for purely kinematic computations: all links have unit inertias, and massless rods remain bodies.
 ReducedScene reduce_to_geometry(const Scene& scene);
 
-// reduced: reduce(scene). time [s], inputs: of the start, where rows change with them. Throws AssemblyError, and
-// SceneError for parts that move without inertia. asking: where the outcome is doubtful, preparation ends there.
+// Assembles the islands of a scene and analyzes their mobility. reduced: reduce(scene). time [s], inputs: at the start,
+// for constraint equations that depend on them. stop_if_doubtful: return early if PreparedScene::doubtful is set.
+// Throws AssemblyError, and SceneError for parts that move without inertia.
 PreparedScene prepare(const Scene& scene, const ReducedScene& reduced, double time, const Inputs& inputs,
-                      bool asking = false);
+                      bool stop_if_doubtful = false);
 
 }  // namespace gelenk

@@ -11,20 +11,20 @@ namespace {
 
 double in_si(const Scene& scene, double x, std::string_view unit) { return x * scene.units.size_of(unit); }
 
-// What loops may gape by [m], for the user.
+// Returns the permitted closure error [m].
 std::string allowed(const Scene& scene) {
   return scene.units.is_si() ? "1e-9" : text::rounded(in_si(scene, assembled_gap, "m"), 3);
 }
 
-// "0.134 m", "0.134 m and 0.2 rad".
-std::string gap_text(const Scene& scene, const CannotAssemble& fault) {
-  const std::string metres = text::rounded(in_si(scene, fault.gap, "m"), 3) + " m";
-  return fault.turn > assembled_gap ? metres + " and " + text::rounded(fault.turn, 3) + " rad" : metres;
+// Returns the closure error: "0.134 m" or "0.134 m and 0.2 rad".
+std::string closure_error_text(const Scene& scene, const CannotAssemble& fault) {
+  const std::string meters = text::rounded(in_si(scene, fault.gap, "m"), 3) + " m";
+  return fault.turn > assembled_gap ? meters + " and " + text::rounded(fault.turn, 3) + " rad" : meters;
 }
 
 std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
 
-// " at A.phi = 0.52 rad": the first scalar coordinate of the loop that sits in the tree.
+// Returns " at A.phi = 0.52 rad" with the first scalar coordinate of the loop that belongs to a tree joint.
 std::string position_text(const Scene& scene, const ReducedScene& reduced, const std::vector<int>& joints,
                           const std::vector<double>& q) {
   for (const int j : joints) {
@@ -53,18 +53,19 @@ std::string describe_island(const Scene& scene, const ReducedScene& reduced, int
       separator = ", ";
     }
   }
-  if (found.moved > 0) out += "; guesses moved by up to " + text::rounded(found.moved);
-  if (found.tries > 1) out += "; the guesses themselves led nowhere, start " + std::to_string(found.tries) + " did";
+  if (found.moved > 0) out += "; guesses changed by up to " + text::rounded(found.moved);
+  if (found.tries > 1)
+    out += "; the iteration did not converge from the guesses, but from start " + std::to_string(found.tries);
   return out;
 }
 
-// A fixed value in the user's words and signs.
+// A fixed value with the name and sign of the scene.
 struct Named {
   int joint = -1;
   std::string name;  // "A.phi"
   std::string unit;
   double sign = 1;
-  double fixed = 0;  // what it was to be
+  double fixed = 0;  // given value
 };
 
 Named named(const Scene& scene, const ReducedScene& reduced, int island, const FixedValue& value) {
@@ -85,7 +86,7 @@ Named named(const Scene& scene, const ReducedScene& reduced, int island, const F
   return {};
 }
 
-// "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
+// Returns "Leave one of them as a guess (fixed: false): D.phi, for instance, would then be 1.83 rad instead of 2 rad."
 std::string advice(const Scene& scene, const Conflict& conflict, const std::vector<Named>& values) {
   const bool one = values.size() == 1;
   std::string out = one ? " Leave it as a guess (fixed: false)" : " Leave one of them as a guess (fixed: false)";
@@ -104,30 +105,30 @@ std::vector<Named> all_named(const Scene& scene, const ReducedScene& reduced, in
 
 std::string describe_fixed_speeds(const Scene& scene, const ReducedScene& reduced, int island,
                                   const CannotAssemble& fault) {
-  const std::string what = reduced.islands[island].driven() ? "the loops and given motions" : "the loops";
-  const std::string left = ": at best a rate of " + text::rounded(in_si(scene, fault.gap, "m"), 3) +
-                           " m/s (rad/s) is left (allowed " + allowed(scene) + ").";
+  const std::string what = reduced.islands[island].driven() ? "the loops and prescribed motions" : "the loops";
+  const std::string left = ": smallest velocity error " + text::rounded(in_si(scene, fault.gap, "m"), 3) +
+                           " m/s (rad/s), allowed " + allowed(scene) + ".";
   const std::vector<Named> values = all_named(scene, reduced, island, fault.conflict);
-  if (values.empty()) return prefix(scene) + what + " cannot all move as they are told to" + left;
+  if (values.empty()) return prefix(scene) + what + " have no consistent start velocities" + left;
   std::vector<std::string> joints;
   for (const Named& value : values) {
     const std::string& name = scene.joints[value.joint].name;
     if (std::ranges::find(joints, name) == joints.end()) joints.push_back(name);
   }
-  return prefix(scene) + "the fixed start speeds of " + text::list(joints) + " contradict " + what + left +
+  return prefix(scene) + "the fixed start velocities of " + text::list(joints) + " contradict " + what + left +
          advice(scene, fault.conflict, values);
 }
 
-// What is to blame for a loop that stays open.
+// Describes the fixed values that prevent a loop from closing.
 std::string describe_fixed_positions(const Scene& scene, const std::vector<Named>& values, const Conflict& conflict) {
   std::vector<std::string> names;
   for (const Named& value : values) names.push_back(value.name);
-  const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops by itself."
+  const std::string what = values.size() == 1 ? "The fixed value of " + names[0] + " contradicts the loops."
                                               : "The fixed values of " + text::list(names) + " contradict each other.";
   return what + advice(scene, conflict, values);
 }
 
-// "the loop through C", or "constraints.drive": what a row belongs to.
+// Returns the owner of a constraint equation: "the loop through C" or "constraints.drive".
 std::string owner_of_row(const Scene& scene, const Mechanism& mechanism, int row) {
   for (const Cut& cut : mechanism.cuts) {
     if (row < cut.first_row || row >= cut.first_row + cut.rows) continue;
@@ -168,9 +169,9 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   };
   if (fault.cut >= cuts) {
     const Constraint& c = scene.constraints[mechanism.coordinate_rows[fault.cut - cuts].constraint];
-    return prefix(scene) + "constraints." + c.name + " cannot be met at the start: smallest gap " +
-           gap_text(scene, fault) + " " + "(allowed " + allowed(scene) + " m). " +
-           (conflict ? blame() : "Check the start values of the joints it names.");
+    return prefix(scene) + "constraints." + c.name + " cannot be satisfied at the start: smallest error " +
+           closure_error_text(scene, fault) + " " + "(allowed " + allowed(scene) + " m). " +
+           (conflict ? blame() : "Check the start values of its joints.");
   }
   const std::vector<int> joints = joints_of_loop(mechanism, fault.cut);
   std::vector<std::string> names;
@@ -183,8 +184,9 @@ std::string describe_failure(const Scene& scene, const ReducedScene& reduced, in
   const Cut& cut = mechanism.cuts[fault.cut];
   const std::string what = cut.is_contact() ? "constraints." + scene.constraints[cut.constraint].name
                                             : "loop through " + scene.joints[cut.scene_joints.front()].name;
-  std::string out = prefix(scene) + what + " cannot be closed: smallest gap " + gap_text(scene, fault) +
-                    position_text(scene, reduced, joints, fault.q) + " " + "(allowed " + allowed(scene) + " m). ";
+  std::string out = prefix(scene) + what + " cannot be closed: smallest closure error " +
+                    closure_error_text(scene, fault) + position_text(scene, reduced, joints, fault.q) + " " +
+                    "(allowed " + allowed(scene) + " m). ";
   if (conflict) return out + blame();
   out += "Check the positions in joints " + text::list(names);
   std::vector<std::string> motions;
@@ -207,8 +209,8 @@ std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, 
     if (std::ranges::find(flags, true) != flags.end()) fixed.push_back(scene.joints[j].name);
   }
   return prefix(scene) + "the start is a singular configuration of " + owner_of_row(scene, mechanism, start.row) +
-         ", where branches of motion meet, and no branch goes on with the start speeds of " + text::list(fixed) +
-         ", which are fixed. Leave one of them as a guess (fixed: false), or start beside this position.";
+         ", where branches of motion meet, and no branch has the fixed start velocities of " + text::list(fixed) +
+         ". Leave one of them as a guess (fixed: false), or start near this position.";
 }
 
 std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
@@ -216,18 +218,19 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
   const std::string owner = owner_of_row(scene, reduced.islands[island], start.row);
   std::string out = prefix(scene) + "the start is " +
                     (start.share < 1e-9 ? "a singular configuration of " + owner
-                                        : "beside a singular configuration of " + owner + " (by " +
-                                              text::rounded(start.share, 2) + " of the way to a regular one)") +
+                                        : "close to a singular configuration of " + owner + " (relative pivot " +
+                                              text::rounded(start.share, 2) + ")") +
                     ", where branches of motion meet: ";
   if (!start.moves) return out + "at rest nothing determines the branch that the motion will take";
-  // Of the position rounding leaves its root there.
+  // In a singular configuration the position is accurate to the square root of round-off only.
   const double open = std::max(1e-8, std::min(start.share, 2e-16 / (start.share * start.share)));
-  return out + "the start takes the branch nearest to the start values given, with velocities accurate to about " +
-         text::rounded(open, 1) + " of their size";
+  return out +
+         "the branch nearest to the given start values is used, and the relative error of the velocities is about " +
+         text::rounded(open, 1);
 }
 
-std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, int speed,
-                            double acceleration) {
+std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island, int speed,
+                                    double acceleration) {
   std::string what = "a joint";
   std::string unit;
   for (const int j : reduced.islands[island].joints) {
@@ -239,9 +242,10 @@ std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int
     unit = a.unit;
   }
   return prefix(scene) +
-         "solver.start: found no equilibrium from the start values under the inputs at the start: " + what + " = " +
-         text::rounded(in_si(scene, std::abs(acceleration), unit)) + " " + unit +
-         " is the largest acceleration that remains; expected start values nearer to one, or as_given";
+         "solver.start: found no equilibrium from the start values under the inputs at the start: the largest residual "
+         "acceleration is " +
+         what + " = " + text::rounded(in_si(scene, std::abs(acceleration), unit)) + " " + unit +
+         "; expected start values closer to an equilibrium, or as_given";
 }
 
 std::string describe_moving_drive(const Scene& scene, int constraint) {
@@ -259,14 +263,14 @@ std::string describe_massless(const Scene& scene, const std::string& link) {
   return prefix(scene) + "bodies." + link +
          ": moves without inertia: found mass and inertia 0 along a motion of its "
          "joint, expected mass > 0 (kg), or an inertia about the joint's axis > 0 (kg m2), here or on bodies it "
-         "carries, or a gear, a rack, a given motion or a loop that ties this motion to one with inertia (a spring "
-         "does not: the body would be where its force is zero, at any speed)";
+         "carries, or a gear, a rack, a prescribed motion or a loop that couples this motion to one with inertia (a "
+         "spring is not sufficient: the body would be where its force is zero, at any velocity)";
 }
 
-std::string describe_finest(const std::string& integrator, double tolerance, double finest) {
-  return "solver.tolerance: " + text::rounded(tolerance) + " is below what '" + integrator +
-         "' can keep, whose steps meet rounding: errors will be those of " + text::rounded(finest) +
-         "; 'erk' and 'dirk' take finer steps";
+std::string describe_unreachable_tolerance(const std::string& integrator, double tolerance, double finest) {
+  return "solver.tolerance: " + text::rounded(tolerance) + " is below the accuracy that '" + integrator +
+         "' can achieve because of round-off: errors will be those of tolerance " + text::rounded(finest) +
+         "; for smaller errors use 'erk' or 'dirk'";
 }
 
 std::string describe_event(const EventReport& event) {
@@ -274,21 +278,21 @@ std::string describe_event(const EventReport& event) {
 }
 
 std::string describe_lost_inertia(double t, const std::string& link) {
-  return "after t = " + text::rounded(t) + " s: the inertia seen at bodies." + link +
-         " is no longer positive: the motion has grown beyond bounds (steps too long for the method?), or the body has "
-         "come to move without inertia";
+  return "after t = " + text::rounded(t) + " s: the effective inertia of bodies." + link +
+         " is no longer positive: the solution diverges (steps too large for the method?), or the body now moves "
+         "without inertia";
 }
 
 std::string describe_equal_assemblies(const Scene& scene, const std::string& coordinate, double taken, double other) {
-  return prefix(scene) + "the loops can be closed in two ways that are equally near to the start values: with " +
-         coordinate + " = " + text::rounded(taken) + ", which is taken, or with " + text::rounded(other) +
-         ". Which one is taken may depend on the order of the file. Give " + coordinate +
-         " a start value that is nearer to the one you mean";
+  return prefix(scene) + "the loops can be closed in two positions that are equally close to the start values: with " +
+         coordinate + " = " + text::rounded(taken) + ", which is used, or with " + text::rounded(other) +
+         ". Which one is used may depend on the order of the file. Give " + coordinate +
+         " a start value closer to the intended one";
 }
 
 std::string describe_collapsed_spring(const Scene& scene, int force) {
   return prefix(scene) + "forces." + scene.forces[force].name +
-         ": its ends meet at the start, where the direction of its force is not defined";
+         ": its ends coincide at the start, so that the direction of its force is undefined";
 }
 
 std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoint& fault, double t,
@@ -296,29 +300,28 @@ std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoi
   const std::string when = "t = " + text::rounded(t) + " s: ";
   if (fault.reason() == NotDifferentiablePoint::What::spring) {
     return when + "the ends of forces." + scene.forces[fault.force()].name +
-           " meet, where the direction of its force is not defined: derivatives do not exist there";
+           " coincide, so that the direction of its force is undefined: derivatives do not exist there";
   }
   if (fault.reason() == NotDifferentiablePoint::What::rows) {
     return when +
-           "a loop stands in a singular position, or beside one, where it could go on by another branch: derivatives "
-           "do not "
-           "exist there, or have no digits";
+           "a loop is in or close to a singular configuration, where branches of motion meet: derivatives do not exist "
+           "there or are inaccurate";
   }
   return when + "the states " + text::list(states) +
-         " do not determine the other coordinates here (a loop stands at a dead centre for them): derivatives by them "
-         "do not exist there";
+         " do not determine the other coordinates here (a loop is at a dead center with respect to them): derivatives "
+         "with respect to them do not exist there";
 }
 
-std::string describe_cut_short(double t, double end, long evaluations) {
-  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s was left here, with " +
+std::string describe_exhausted_budget(double t, double end, long evaluations) {
+  return "t = " + text::rounded(t) + " s: the step to " + text::rounded(end) + " s ended here, after " +
          std::to_string(evaluations) +
-         " evaluations (solver.max_evaluations). The plant stands at t = " + text::number(t) +
-         " s and can go on from there. Allow more evaluations, or ask for shorter steps, a looser "
-         "solver.tolerance or another solver.integrator.";
+         " evaluations (solver.max_evaluations). The simulation can continue from the state at t = " + text::number(t) +
+         " s. Allow more evaluations, or use shorter steps, a larger solver.tolerance or another solver.integrator.";
 }
 
-std::string describe_refusal(const std::string& cause, double good_time) {
-  return cause + ". The plant still stands at t = " + text::rounded(good_time) + " s and can go on from there.";
+std::string describe_failed_step(const std::string& cause, double good_time) {
+  return cause + ". The state is unchanged at t = " + text::rounded(good_time) +
+         " s; the simulation can continue from there.";
 }
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happened, in the user's names.
+// Messages about preparation and steps, in the names of the scene and in SI units.
 #pragma once
 
 #include <string>
@@ -12,52 +12,55 @@
 
 namespace gelenk {
 
-// The branches found: start values of all scalar coordinates, and by how much guesses had to move. found: by island.
+// Describes the assembly: start values of all scalar coordinates, and by how much guesses were changed. found: by
+// island.
 std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found);
 
-// Why no start values satisfy the loops of an island.
+// Describes why no start values satisfy the constraint equations of an island.
 std::string describe_failure(const Scene& scene, const ReducedScene& reduced, int island, const CannotAssemble& fault);
 
-// The fixed velocities lead along no branch of a singular start.
+// Describes that the fixed velocities are not those of any branch at a singular start.
 std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, int island, const SingularStart& start);
-// A start in or beside a singular configuration, and what it leaves open.
+// Describes a start in or near a singular configuration, and what is undetermined there.
 std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
                                     const SingularStart& start);
 
-// Joints of the scene around the loop that a cut closes, ascending.
+// Returns the joints of the scene in the loop that a cut closes, in ascending order.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
-// No rest was found from the start values: the acceleration that stays at best.
-std::string describe_unrest(const Scene& scene, const ReducedScene& reduced, int island, int speed,
-                            double acceleration);
-// A rest is asked for while a motion goes on.
+// Describes that no equilibrium was found; acceleration: smallest residual found, of the given velocity of the tree.
+std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island, int speed,
+                                    double acceleration);
+// Describes that an equilibrium is requested while a prescribed motion has a velocity.
 std::string describe_moving_drive(const Scene& scene, int constraint);
 
+// Describes a constraint whose equations are undefined at the start.
 std::string describe_undefined_rows(const Scene& scene, const Cut& cut);
-// A link that moves without inertia.
+// Describes a link that moves without inertia.
 std::string describe_massless(const Scene& scene, const std::string& link);
 
-// The same of a link that had inertia at the start; t [s]: of the last good state.
+// Describes a link that had inertia at the start but lost it; t [s]: time of the last valid state.
 std::string describe_lost_inertia(double t, const std::string& link);
 
-// No derivatives at t [s]. states: the coordinates by which they were taken.
+// Describes why derivatives do not exist at t [s]. states: the independent coordinates.
 std::string describe_undetermined(const Scene& scene, const NotDifferentiablePoint& fault, double t,
                                   const std::vector<std::string>& states);
-// Loops that can be closed in two ways which are equally near to the start values: one of the coordinates in which
-// these differ, in SI units, in the one that is taken and in the other.
+// Describes that loops can be closed in two positions equally close to the start values. coordinate: one in which they
+// differ; taken, other: its value [SI] in the chosen position and in the other one.
 std::string describe_equal_assemblies(const Scene& scene, const std::string& coordinate, double taken, double other);
-// The ends of a spring meet at the start.
+// Describes a spring whose ends coincide at the start.
 std::string describe_collapsed_spring(const Scene& scene, int force);
 
-// A tolerance that the integrator's steps are too coarse for, whatever is asked of them.
-std::string describe_finest(const std::string& integrator, double tolerance, double finest);
+// Describes a tolerance smaller than the errors `finest` that the integrator can achieve.
+std::string describe_unreachable_tolerance(const std::string& integrator, double tolerance, double finest);
 
-// A step that was refused.
-// The step to `end` was left at t, its evaluations budget_exhausted.
-std::string describe_cut_short(double t, double end, long evaluations);
+// Describes a step to `end` [s] that ended at t [s] because the evaluation budget was exhausted.
+std::string describe_exhausted_budget(double t, double end, long evaluations);
 
-std::string describe_refusal(const std::string& cause, double good_time);
+// Describes a failed step; good_time [s]: time of the state that is kept.
+std::string describe_failed_step(const std::string& cause, double good_time);
 
+// Describes an event with its time.
 std::string describe_event(const EventReport& event);
 
 }  // namespace gelenk

@@ -10,10 +10,11 @@
 namespace gelenk {
 namespace {
 
-// What nobody asked for moves first: by a metre before something asked for moves by a centimetre.
-constexpr double silent_weight = 1e-4;
+// Weight of coordinates without a start value: these change by 1 m rather than those with a start value (weight 1 by
+// default) by 1 cm.
+constexpr double default_guess_weight = 1e-4;
 
-InitialGuess empty(int nq, int nv) {
+InitialGuess zero_guess(int nq, int nv) {
   InitialGuess w;
   w.q.assign(nq, 0);
   w.v.assign(nv, 0);
@@ -26,28 +27,29 @@ InitialGuess empty(int nq, int nv) {
   return w;
 }
 
-// Which coordinate of a joint stands for speed i: the quaternion's first for all three turns.
+// Returns the coordinate of a joint that belongs to velocity i: for a quaternion the first one for all three rotations.
 int coordinate_of(const JointKind& kind, int i) { return kind.has_quaternion() ? std::min(i, kind.nq - 4) : i; }
 
-// q: nq numbers, in the mechanism's signs.
+// Sets q (nq numbers) to the start values of a joint, in the signs of the mechanism.
 void preferred_coordinates(const Joint& joint, const JointPlace& place, double* q) {
   const JointStart& start = joint.start;
   const JointKind& kind = *find_joint_kind(joint.type);
   for (int i = 0; i < kind.nq; ++i) q[i] = place.q_sign[i] * (start.q_given[i] ? start.q[i] : kind.q_zero[i]);
 }
 
-void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, double silent, InitialGuess& out) {
+void add_guesses(const Joint& joint, const JointKind& kind, const JointPlace& place, double default_weight,
+                 InitialGuess& out) {
   const JointStart& start = joint.start;
   preferred_coordinates(joint, place, &out.q[place.iq]);
   for (int i = 0; i < kind.nv; ++i) {
     const int c = coordinate_of(kind, i);
     out.q_fixed[place.iv + i] = start.q_fixed[c];
-    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : silent;
+    out.q_weight[place.iv + i] = start.q_given[c] ? start.q_weight[c] : default_weight;
     out.q_given[place.iv + i] = start.q_given[c];
     out.turns[place.iv + i] = kind.q[c].unit == "rad";
     out.v[place.iv + i] = start.v_given[i] ? place.v_sign[i] * start.v[i] : 0;
     out.v_fixed[place.iv + i] = start.v_fixed[i];
-    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : silent;
+    out.v_weight[place.iv + i] = start.v_given[i] ? start.v_weight[i] : default_weight;
   }
 }
 
@@ -55,26 +57,27 @@ void enter(const Joint& joint, const JointKind& kind, const JointPlace& place, d
 
 StartGuesses start_guesses(const Scene& scene, const ReducedScene& reduced, int island) {
   const Mechanism& mechanism = reduced.islands[island];
-  StartGuesses out{empty(mechanism.nq, mechanism.nv), empty(mechanism.cut_nq, mechanism.cut_nv)};
+  StartGuesses out{zero_guess(mechanism.nq, mechanism.nv), zero_guess(mechanism.cut_nq, mechanism.cut_nv)};
   for (const int j : mechanism.joints) {
     const Joint& joint = scene.joints[j];
     const JointKind& kind = *find_joint_kind(joint.type);
     const JointPlace& place = reduced.joints[j];
-    if (place.role == JointPlace::Role::tree) enter(joint, kind, place, silent_weight, out.tree);
-    if (place.role == JointPlace::Role::cut) enter(joint, kind, place, 0, out.cuts);
-    // The wishes of joints at a rod are heard while it is still a body (preparation.cpp): left are side and turn.
+    if (place.role == JointPlace::Role::tree) add_guesses(joint, kind, place, default_guess_weight, out.tree);
+    if (place.role == JointPlace::Role::cut) add_guesses(joint, kind, place, 0, out.cuts);
+    // Guesses of joints at a rod are used while it is still a body (preparation.cpp); only its side and turns remain.
     if (place.role == JointPlace::Role::rod) preferred_coordinates(joint, place, &out.cuts.q[place.iq]);
   }
   return out;
 }
 
-std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduced, int island) {
+std::vector<bool> preferred_velocities(const Scene& scene, const ReducedScene& reduced, int island) {
   const Mechanism& mechanism = reduced.islands[island];
   std::vector<bool> out(mechanism.nv, false);
   std::unordered_set<std::string_view> driven;
   for (const Motor& motor : scene.motors) driven.insert(motor.joints.front());
   for (const Constraint& c : scene.constraints) {
-    if (!c.joints.empty() && !holds_positions(c.is)) driven.insert(c.joints.front());  // its coordinate is open
+    if (!c.joints.empty() && !holds_positions(c.is))
+      driven.insert(c.joints.front());  // its coordinate is not constrained
   }
   const bool contacts = std::ranges::any_of(mechanism.cuts, &Cut::is_contact);
   for (const int j : mechanism.joints) {
@@ -85,7 +88,7 @@ std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduc
     for (int i = 0; i < kind.nv; ++i) {
       out[place.iv + i] =
           driven.contains(joint.name) || joint.start.v_fixed[i] || joint.start.q_fixed[coordinate_of(kind, i)];
-      // A quaternion is a state as a whole or not at all.
+      // A quaternion is independent as a whole or not at all.
       if (contacts && kind.has_quaternion() && i >= kind.nv - 3) out[place.iv + i] = true;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Start values of the scene's joints, sorted into an island's order and signs, and back.
+// Conversion of start values between the joints of a scene and the order and signs of an island.
 #pragma once
 
 #include <vector>
@@ -12,18 +12,19 @@ struct StartGuesses {
   InitialGuess tree, cuts;
 };
 
+// Returns the start values, fixed or guesses, of the tree joints and cut joints of an island.
 StartGuesses start_guesses(const Scene& scene, const ReducedScene& reduced, int island);
 
-// By speed of the tree: driven by a motor, or its start is fixed, or, of what rolls, a turn of a quaternion: a user
-// would call it a state.
-std::vector<bool> preferred_speeds(const Scene& scene, const ReducedScene& reduced, int island);
+// Returns a flag for each velocity of the tree that is preferred as an independent one: its joint is driven by a motor,
+// or its start value is fixed, or it belongs to a quaternion in an island with rolling contacts.
+std::vector<bool> preferred_velocities(const Scene& scene, const ReducedScene& reduced, int island);
 
-// The user's coordinates of a joint of the island at q, where `dynamics` stands; angles of a cut joint nearest to its
-// start value.
+// Returns a joint's coordinates, in the signs of the scene, at q, at which `dynamics` must have been evaluated. Angles
+// of cut joints are those nearest to their start values.
 std::vector<double> coordinates_of(const Scene& scene, const ReducedScene& reduced, int joint,
                                    const std::vector<double>& q, const Dynamics& dynamics);
 
-// The same of its speeds at v, where `dynamics` moves so.
+// Returns a joint's velocities, in the signs of the scene, at v, at which `dynamics` must have been evaluated.
 std::vector<double> velocities_of(const ReducedScene& reduced, int joint, const std::vector<double>& v,
                                   const Dynamics& dynamics);
 

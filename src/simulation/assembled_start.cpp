@@ -119,7 +119,8 @@ void Simulation::Impl::prepare_or_advise(double tolerance) {
   try {
     prepared = prepare(scene, reduced, time, u, true);
   } catch (const OpenLoop& fault) {
-    throw AssemblyError(fault.what() + advice(scene, std::max(tolerance, fault.gap / 100), words::loosest_assembly));
+    throw AssemblyError(fault.what() +
+                        advice(scene, std::max(tolerance, fault.closure_error / 100), words::loosest_assembly));
   }
 }
 

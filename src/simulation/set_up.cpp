@@ -76,7 +76,8 @@ void Simulation::initialize(double time, double tolerance) {
     island->start_integrator(wanted);
     if (const Integrator* made = island->integrator()) finest = std::max(finest, made->finest_tolerance());
   }
-  if (wanted < finest) s.prepared.warnings.push_back(describe_finest(s.scene.solver.integrator, wanted, finest));
+  if (wanted < finest)
+    s.prepared.warnings.push_back(describe_unreachable_tolerance(s.scene.solver.integrator, wanted, finest));
   if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.make_room();
   s.initialized = s.runs = true;
 }

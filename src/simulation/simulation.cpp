@@ -25,8 +25,8 @@ void Simulation::Impl::check_inputs(double end) const {
   if (!u.moving()) return;
   for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
     if (std::isfinite(u.derivative_at(i, 0, end))) continue;
-    throw StepError(
-        describe_refusal(at_time(end) + inputs[i].name + " would be no finite number, by the derivatives set", time));
+    throw StepError(describe_failed_step(
+        at_time(end) + inputs[i].name + " would be no finite number, by the derivatives set", time));
   }
 }
 
@@ -57,14 +57,14 @@ void Simulation::Impl::advance(double end) {
     cut_short = reached < end;
     if (reached == end) return u.finish(end);
     u.interrupt(reached);
-    throw StepBudgetError(describe_cut_short(reached, end, scene.solver.max_evaluations));
+    throw StepBudgetError(describe_exhausted_budget(reached, end, scene.solver.max_evaluations));
   } catch (const IntegrationError& fault) {
     cause = fault.what();
   } catch (const SingularMass& fault) {
     cause = describe_lost_inertia(time, fault.what());
   }
   for (std::size_t i = 0; i < moved; ++i) islands[i]->roll_back();
-  throw StepError(describe_refusal(cause, time));
+  throw StepError(describe_failed_step(cause, time));
 }
 
 Energy Simulation::Impl::energy() {

@@ -36,7 +36,8 @@ void Simulation::Impl::start_at_equilibrium() {
       const std::vector<int>& speeds = independent_by_island[i].speeds;
       const auto size = [&](int k) { return std::abs(fault.left[k]); };
       const int worst = *std::ranges::max_element(speeds, {}, size);
-      throw AssemblyError(describe_unrest(scene, prepared.reduced, static_cast<int>(i), worst, fault.left[worst]));
+      throw AssemblyError(
+          describe_no_equilibrium(scene, prepared.reduced, static_cast<int>(i), worst, fault.left[worst]));
     } catch (const NotDifferentiablePoint& fault) {
       throw AssemblyError(describe_undetermined(scene, fault, time, names_of_coordinates(static_cast<int>(i))));
     }

@@ -40,7 +40,7 @@ void Simulation::Impl::find_independent() {
   std::vector<std::vector<bool>> free_v;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const int nv = islands[i]->prepared().mechanism.nv;
-    const auto wanted = preferred_speeds(scene, prepared.reduced, static_cast<int>(i));
+    const auto wanted = preferred_velocities(scene, prepared.reduced, static_cast<int>(i));
     const Independent of = independent_of(static_cast<int>(i), wanted, wanted);
     free_q.push_back(flags(of.coordinates, nv));
     free_v.push_back(flags(of.speeds, nv));

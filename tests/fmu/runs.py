@@ -40,7 +40,9 @@ def a_refused_step_leaves_the_plant_where_it_was(fmu: Fmu) -> None:
     s.run(5)
     before = s.outputs()
     s.set_real(drive__tau=1e300)
-    expect(s, s.step(0.05, 0.01), DISCARD, "fmi2DoStep: t = ", "not finite", "still stands at t = 0.05 s")
+    expect(
+        s, s.step(0.05, 0.01), DISCARD, "fmi2DoStep: t = ", "not finite", "state is unchanged at t = 0.05 s"
+    )
     time, wish = c_double(), c_int()
     assert s.call("fmi2GetRealStatus", c_int(LAST_SUCCESSFUL_TIME), ctypes.byref(time)) == OK
     assert s.call("fmi2GetBooleanStatus", c_int(TERMINATED), ctypes.byref(wish)) == OK
@@ -120,9 +122,9 @@ def steps_that_take_too_much_are_cut_short(fmu: Fmu) -> None:
     while (status := s.step(t, 0.8 - t)) != OK:
         words = (
             "fmi2DoStep: t = ",
-            "the step to 0.8 s was left here",
+            "the step to 0.8 s ended here",
             "50 evaluations",
-            "can go on from there",
+            "can continue from the state at t = ",
         )
         expect(s, status, DISCARD, *words)
         reached, wish = status_of_step(s)
@@ -163,7 +165,7 @@ def start_values_that_cannot_be_assembled_can_be_mended(fmu: Fmu) -> None:
     for joint, angle in {"A": 1.0, "B": 1.0, "C": 1.0, "D": 1.0}.items():
         assert s.set({f"{joint}.phi_start": angle}) == OK
         assert s.set({f"{joint}.fixed": 1}, "fmi2SetBoolean", c_int) == OK
-    expect(s, s.leave(), ERROR, "fmi2ExitInitializationMode: ", "cannot be closed", "gap")
+    expect(s, s.leave(), ERROR, "fmi2ExitInitializationMode: ", "cannot be closed", "closure error")
     for joint in "BCD":
         assert s.set({f"{joint}.fixed": 0}, "fmi2SetBoolean", c_int) == OK
     assert s.leave() == OK, s.said

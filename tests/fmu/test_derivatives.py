@@ -117,7 +117,7 @@ def test_singular_position_is_discarded_with_a_sentence(tmp_path: Path) -> None:
     state = next(iter(derivatives_of(fmu).values()))
     one, real = c_size_t(1), (c_double * 1)(1.0)
     reference = s.references([state])
-    words = "t = 0 s: a loop stands in a singular position"
+    words = "t = 0 s: a loop is in or close to a singular configuration"
     expect(s, s.call(DIRECTIONAL, reference, one, reference, one, real, real), DISCARD, words)
     expect(s, s.call(IN_TIME, reference, one, (c_int * 1)(1), real), DISCARD, words)
     s.run(3)

@@ -189,7 +189,7 @@ def test_a_failed_export_leaves_the_old_file_and_nothing_else(tmp_path: Path) ->
     old.write_bytes(b"old")
     torn = crank_rocker()
     torn["joints"]["D"]["parent"]["position"] = [50.0, 0.0, 0.0]
-    with pytest.raises(gelenk.AssemblyError, match="cannot be closed: smallest gap"):
+    with pytest.raises(gelenk.AssemblyError, match="cannot be closed: smallest closure error"):
         gelenk.export_fmu(torn, old)
     assert old.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["x.fmu"]

@@ -59,7 +59,7 @@ class Start:
     @property
     def warned_of_singularity(self) -> str:
         """Likewise, without words on loops that can be closed in two ways."""
-        return " ".join(w for w in self._warnings if "equally near" not in w)
+        return " ".join(w for w in self._warnings if "equally close" not in w)
 
     @property
     def _warnings(self) -> list[str]:

@@ -72,7 +72,7 @@ def test_two_assemblies_that_are_equally_near_are_warned_of() -> None:
     """At cos = 0.5 / 0.6 from the line in both; a nearer guess says which one is meant."""
     for source in [mirrored(), *(reordered(mirrored(), seed) for seed in ORDERS)]:
         with pytest.warns(
-            gelenk.StartWarning, match="two ways that are equally near to the start values: with"
+            gelenk.StartWarning, match="two positions that are equally close to the start values: with"
         ):
             gelenk.simulate(source, stop=1e-3)
         lean = abs(angles(source)["C.phi"] + math.pi / 2)

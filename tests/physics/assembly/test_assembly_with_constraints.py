@@ -54,7 +54,9 @@ def test_guesses_at_both_ends_of_a_gear_are_met_by_least_squares() -> None:
 
 def test_fixed_angles_that_a_gear_forbids_are_named() -> None:
     text = refusal(geared(a={"phi": 7.0, "fixed": True}, b={"phi": 2.0, "fixed": True}))
-    assert "constraints.mesh cannot be met at the start: smallest gap 1 rad" in text.replace("0 m and ", "")
+    assert "constraints.mesh cannot be satisfied at the start: smallest error 1 rad" in text.replace(
+        "0 m and ", ""
+    )
     assert "The fixed values of a.phi, b.phi contradict each other." in text
     assert "b.phi, for instance, would then be 2.33333 rad instead of 2 rad." in text
 
@@ -80,7 +82,7 @@ def test_fixed_speed_that_a_motion_forbids_is_named() -> None:
     source["joints"]["D"]["start"] = {"w": 5.0, "fixed": ["w"]}
     source["joints"]["C"]["start"] = {"phi": 1.0}
     text = refusal(source)
-    assert "the fixed start speeds of D contradict the loops" in text
+    assert "the fixed start velocities of D contradict the loops" in text
     told = re.search(r"it would then be ([-0-9.]+) rad/s instead of 5 rad/s", text)
     assert told, text
     assert float(told[1]) == pytest.approx(2.0 * rates(1.1)[3], abs=1e-5)  # six digits are printed

@@ -212,7 +212,7 @@ def test_wheels_that_a_gear_locks_together_cannot_turn_the_cart() -> None:
     du, _ = two_wheeled_rates(0.0, 0.0, 0.3, 0.0)
     assert_close("ahead", found["castors.v_x"], 0.5 + du * found.time, 1e-9, "10 rtol")
     source["joints"]["castors"]["start"]["w"] = 1.0
-    with pytest.raises(gelenk.AssemblyError, match="fixed start speeds of castors contradict"):
+    with pytest.raises(gelenk.AssemblyError, match="fixed start velocities of castors contradict"):
         gelenk.Simulation(gelenk.load(source)).initialize()
 
 

@@ -58,11 +58,11 @@ def test_run_through_the_point_where_the_ends_meet_is_harmonic() -> None:
 )
 def test_direction_that_is_not_defined_is_told(spring: dict[str, float]) -> None:
     source = held("planar", {}, **spring)
-    with pytest.warns(gelenk.StartWarning, match=r"forces\.spring: its ends meet at the start"):
+    with pytest.warns(gelenk.StartWarning, match=r"forces\.spring: its ends coincide at the start"):
         gelenk.Simulation(gelenk.load(source)).initialize()
     with (
         pytest.warns(gelenk.StartWarning),
-        pytest.raises(gelenk.UsageError, match=r"the ends of forces\.spring meet"),
+        pytest.raises(gelenk.UsageError, match=r"the ends of forces\.spring coincide"),
     ):
         gelenk.linearize(source)
 

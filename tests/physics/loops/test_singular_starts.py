@@ -98,7 +98,7 @@ def test_fixed_speeds_that_no_branch_has_are_refused() -> None:
     with pytest.raises(gelenk.AssemblyError) as caught:
         started(parallelogram(fixed, {"phi": 0.0, "w": 5.0, "fixed": ["w"]}))
     message = str(caught.value)
-    assert "no branch goes on with the start speeds of A, D" in message
+    assert "no branch has the fixed start velocities of A, D" in message
     assert "singular configuration of the loop through" in message
 
 
@@ -148,7 +148,7 @@ def test_speed_along_a_dead_centre_contradicts_the_loop(guess: float) -> None:
         },
         gravity=DOWN_Y,
     )  # fmt: skip
-    with pytest.raises(gelenk.AssemblyError, match="fixed start speeds of track contradict the loops"):
+    with pytest.raises(gelenk.AssemblyError, match="fixed start velocities of track contradict the loops"):
         started(source)
 
 

@@ -62,9 +62,11 @@ def test_a_tolerance_that_rounding_keeps_a_method_from_is_warned_of(integrator: 
     plant = gelenk.Simulation(shipped("four_bar") | {"solver": {"integrator": integrator}})
     with warnings.catch_warnings(action="error"):
         plant.initialize(0.0, 1.1 * finest)
-    with pytest.warns(gelenk.StartWarning, match=f"is below what '{integrator}' can keep") as told:
+    with pytest.warns(
+        gelenk.StartWarning, match=f"is below the accuracy that '{integrator}' can achieve"
+    ) as told:
         plant.initialize(0.0, 0.9 * finest)
-    named = re.search("errors will be those of ([^;]*);", str(told[0].message))
+    named = re.search("errors will be those of tolerance ([^;]*);", str(told[0].message))
     assert named is not None
     assert math.isclose(float(named[1]), finest, rel_tol=0.05), "the figures are rounded"
 

@@ -66,8 +66,8 @@ def go_on(plant: gelenk.Simulation, stop: float = STOP) -> list[float]:
             said = str(e)
         if said:
             assert left[-1] < plant.time < stop
-            assert f"the step to {stop:g} s was left here" in said
-            assert "(solver.max_evaluations). The plant stands at t = " in said
+            assert f"the step to {stop:g} s ended here" in said
+            assert "(solver.max_evaluations). The simulation can continue from the state at t = " in said
             left.append(plant.time)
     return left[1:]
 
@@ -193,7 +193,7 @@ def test_a_step_that_fails_later_goes_back_to_where_it_was_left() -> None:
         plant.step_to(STOP)
     time, values = plant.time, plant.values().tolist()
     plant.set_input("drive.tau", 1e300)
-    with pytest.raises(StepError, match="still stands at t = ") as caught:
+    with pytest.raises(StepError, match="state is unchanged at t = ") as caught:
         plant.step_to(STOP)
     assert not isinstance(caught.value, StepBudgetError)
     plant.set_input("drive.tau", 0.0)
