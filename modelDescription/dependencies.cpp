@@ -8,7 +8,7 @@
 
 #include "joint/registry.h"
 #include "mechanism/disjoint_sets.h"
-#include "scene/numbers.h"
+#include "scene/name_index.h"
 #include "simulation/start_report.h"
 
 namespace gelenk {
@@ -31,7 +31,7 @@ struct Part {
 };
 
 // The bodies at an element's ports without the ground, of a joint one of the two.
-std::vector<int> moving_bodies(const Scene& scene, const Numbers& numbers, const ElementPlace& element) {
+std::vector<int> moving_bodies(const Scene& scene, const NameIndex& numbers, const ElementPlace& element) {
   std::vector<int> out;
   for (const BodyFrame& frame : element.frames) out.push_back(numbers.body(frame.body));
   for (const std::string& name : element.joints) {
@@ -46,7 +46,7 @@ std::vector<int> moving_bodies(const Scene& scene, const Numbers& numbers, const
 
 // By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
 // once by these, by others of the part only through springs, so through states.
-std::vector<int> clusters_of(const Scene& scene, const Numbers& numbers) {
+std::vector<int> clusters_of(const Scene& scene, const NameIndex& numbers) {
   DisjointSets sets(scene.bodies.size());
   for (const Joint& joint : scene.joints) {
     const int parent = numbers.body(joint.parent.body);
@@ -227,7 +227,7 @@ class Finder {
   const ReducedScene& reduced_;
   const std::vector<Signal>& signals_;
   const Catalog& catalog_;
-  Numbers numbers_;
+  NameIndex numbers_;
   std::vector<Part> parts_;
   std::vector<int> cluster_;                                       // by body
   std::vector<std::set<int>> inputs_of_;                           // by cluster

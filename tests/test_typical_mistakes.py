@@ -143,7 +143,7 @@ def test_lines_are_those_of_json_files_too() -> None:
         "s.json:3: bodies.b.mass: found -1 kg, expected 0 kg or more",
         "s.json:4: bodies.b.com[2]: found 'x', expected a number in m",
         "s.json:2: bodies: found no chain of joints from ground to b, expected every body connected "
-        "(one that flies has a joint of type free)",
+        "to ground (a floating body has a joint of type free)",
     ]
 
 

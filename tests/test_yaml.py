@@ -135,7 +135,7 @@ def test_as_many_values_as_allowed_are_read(more: int, monkeypatch: pytest.Monke
 def test_both_readers_allow_the_same_number_of_values(root: Path) -> None:
     """As shipped: 25 times what a scene of 10 000 bodies has."""
     native = (root / "src" / "scene_file" / "yaml.cpp").read_text("utf-8")
-    (allowed,) = re.findall(r"most_values =\s*([0-9']+);", native)
+    (allowed,) = re.findall(r"max_values =\s*([0-9']+);", native)
     assert yaml12.MOST_VALUES == int(allowed.replace("'", "")) == 25 * 200_000
 
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "joint/registry.h"
-#include "scene/numbers.h"
+#include "scene/name_index.h"
 #include "simulation/start_report.h"
 
 namespace gelenk {
@@ -266,7 +266,7 @@ class Artist {
   }
 
   const Scene& scene_;
-  Numbers numbers_;
+  NameIndex numbers_;
   std::vector<Pose3> poses_;                  // by body
   std::vector<std::vector<Vector3d>> marks_;  // by body, in the world
   View view_;

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "bindings.h"
-#include "check/doubts.h"
+#include "check/warnings.h"
 #include "mechanism/wanted_part.h"
 #include "scene/natural_time.h"
 #include "scene/signals.h"
@@ -44,7 +44,7 @@ void bind_outputs(nb::module_& m) {
         return names;
       },
       nb::arg("scene"), "The names of all its inputs.");
-  m.def("meets", &gelenk::meets, nb::arg("pattern"), nb::arg("name"),
+  m.def("meets", &gelenk::output_matches, nb::arg("pattern"), nb::arg("name"),
         "Whether a name is the one meant, or is met by the pattern.");
   m.def(
       "wanted_part", [](const Scene& scene) { return gelenk::wanted_part(scene).scene; }, nb::arg("scene"),
@@ -92,7 +92,7 @@ void gelenk::bind_scene(nb::module_& m) {
       },
       nb::arg("text"), nb::arg("file"), "Likewise, and what in it is allowed and hardly meant, one line each.");
   m.def(
-      "find_doubts", [](const Scene& scene) { return gelenk::find_doubts(scene); }, nb::arg("scene"),
+      "find_doubts", [](const Scene& scene) { return gelenk::find_warnings(scene); }, nb::arg("scene"),
       "What in a scene is allowed and hardly meant, one line each.");
   bind_outputs(m);
   m.def("write_scene_json", &gelenk::write_scene_json, nb::arg("scene"),

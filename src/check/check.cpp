@@ -11,9 +11,9 @@
 namespace gelenk {
 namespace {
 
-// Below, a step's error estimate is rounding only; above, it says nothing.
-constexpr double tightest = 1e-15;
-constexpr double loosest = 1;
+// Bounds of the relative tolerance: below, the error estimate of a step is only round-off; above, it is meaningless.
+constexpr double min_tolerance = 1e-15;
+constexpr double max_tolerance = 1;
 
 void check_word(const std::string& word, const std::vector<std::string>& words, const std::string& path, Faults& faults,
                 bool partial) {
@@ -35,10 +35,11 @@ void check_gain(double gain, const char* path, const Solver& solver, Faults& fau
   }
 }
 
-void check_partners(const Solver& solver, Faults& faults) {
-  const auto limited = std::ranges::find(words::partners, solver.formulation, &words::Partners::formulation);
-  if (limited == words::partners.end()) return;
-  // A word that is none has been told.
+void check_integrator_of_formulation(const Solver& solver, Faults& faults) {
+  const auto limited =
+      std::ranges::find(words::allowed_integrators, solver.formulation, &words::FormulationIntegrators::formulation);
+  if (limited == words::allowed_integrators.end()) return;
+  // An unknown integrator has been reported already.
   if (std::ranges::find(words::integrators, solver.integrator) == words::integrators.end()) return;
   const std::vector<std::string>& allowed = limited->integrators;
   if (std::ranges::find(allowed, solver.integrator) != allowed.end()) return;
@@ -47,18 +48,18 @@ void check_partners(const Solver& solver, Faults& faults) {
 }
 
 void check_count(int count, IntRange range, const char* path, Faults& faults) {
-  if (count >= range.least && count <= range.most) return;
+  if (count >= range.min && count <= range.max) return;
   faults.add(path, std::to_string(count),
-             "a whole number from " + std::to_string(range.least) + " to " + std::to_string(range.most));
+             "a whole number from " + std::to_string(range.min) + " to " + std::to_string(range.max));
 }
 
 void check_rho_inf(const Solver& solver, Faults& faults) {
   const std::string found = text::number(solver.rho_inf);
   const bool hht = solver.integrator == "hht";
-  const double least = hht ? 0.5 : 0;
-  if (!(solver.rho_inf >= least && solver.rho_inf <= 1)) {
+  const double min_rho = hht ? 0.5 : 0;
+  if (!(solver.rho_inf >= min_rho && solver.rho_inf <= 1)) {
     faults.add("solver.rho_inf", found + (hht ? " with the integrator hht" : ""),
-               "a number from " + text::number(least) + " to 1");
+               "a number from " + text::number(min_rho) + " to 1");
   }
   const bool used = hht || solver.integrator == "generalized-alpha" || solver.integrator.empty();
   if (!used && solver.rho_inf != Solver{}.rho_inf) {
@@ -75,19 +76,18 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
     faults.add("experiment.step", text::number(experiment.step) + " s",
                "at most experiment.stop = " + text::number(experiment.stop) + " s");
   }
-  if (!(experiment.tolerance >= tightest && experiment.tolerance <= loosest)) {
+  if (!(experiment.tolerance >= min_tolerance && experiment.tolerance <= max_tolerance)) {
     faults.add("experiment.tolerance", text::number(experiment.tolerance), "a number from 1e-15 to 1");
   }
-  if (!(scene.assembly.tolerance >= 0 && scene.assembly.tolerance <= words::loosest_assembly)) {
-    faults.add(
-        "assembly.tolerance", text::number(scene.assembly.tolerance),
-        "0, or a number up to " + text::number(words::loosest_assembly) +
-            ": how far [rad, or in lengths of about the mechanism's size] rounding has moved the joints' frames");
+  if (!(scene.assembly.tolerance >= 0 && scene.assembly.tolerance <= words::max_assembly_tolerance)) {
+    faults.add("assembly.tolerance", text::number(scene.assembly.tolerance),
+               "0, or a number up to " + text::number(words::max_assembly_tolerance) +
+                   ": the rounding error of joint frames [rad, or relative to the size of the mechanism]");
   }
   check_word(scene.solver.formulation, words::formulations, "solver.formulation", faults, partial);
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
   check_word(scene.solver.start, words::starts, "solver.start", faults, partial);
-  check_partners(scene.solver, faults);
+  check_integrator_of_formulation(scene.solver, faults);
   check_rho_inf(scene.solver, faults);
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");
@@ -111,9 +111,8 @@ void check_finite(const double* data, std::size_t size, const std::string& path,
 void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& path, Faults& faults, bool partial) {
   check_finite(frame.X_BF.p.data(), 3, path + ".position", faults);
   const double error = rotation_error(frame.X_BF.R);
-  if (!(error < 1e-9)) {  // reading leaves rounding only
-    faults.add(path + ".rotation", "columns that miss unit length or right angles by " + text::rounded(error),
-               "a rotation");
+  if (!(error < 1e-9)) {  // a rotation read from a file is orthogonal up to round-off
+    faults.add(path + ".rotation", "columns that deviate from orthonormality by " + text::rounded(error), "a rotation");
   }
   if (frame.body == ground || (partial && frame.body.empty())) return;
   if (std::ranges::find(scene.bodies, frame.body, &Body::name) != scene.bodies.end()) return;
@@ -122,7 +121,7 @@ void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& 
   faults.add(path + ".body", text::quoted(frame.body), text::one_of(frame.body, names, "bodies"));
 }
 
-void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
+void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect_names) {
   const bool partial = !faults.none();
   if (!partial && scene.bodies.empty()) faults.add("bodies", "nothing", "at least one body");
   if (!partial && scene.joints.empty()) faults.add("joints", "nothing", "at least one joint");
@@ -132,7 +131,7 @@ void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
   check_joints(scene, faults, partial);
   check_connection(scene, faults);
   check_elements(scene, faults, partial);
-  check_parameters(scene, faults, doubtful);
+  check_parameters(scene, faults, suspect_names);
   check_outputs(scene, faults, !faults.none());
   check_settings(scene, faults, partial);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What can be wrong with a scene beyond the form of its fields: names, physics, connection.
+// Validation of a scene beyond the form of its fields: names, physical consistency, connection to the ground.
 #pragma once
 
 #include <set>
@@ -11,36 +11,36 @@
 
 namespace gelenk {
 
-// Names of joints and forces whose type, or stop, could not be read: nothing follows from what they lack.
-using Doubtful = std::set<std::string>;
+// Names of joints and elements whose type or stop could not be read, so that missing parts of them are not reported.
+using SuspectNames = std::set<std::string>;
 
-// Checks a scene that a program made or changed, by the rules for files. Throws SceneError.
+// Checks a scene that a program created or changed by the rules for scene files. Throws SceneError with all errors.
 void check_scene(const Scene& scene);
 
-// Adds what check_scene throws. When reading has found faults already, what came of them (empty
-// names, masses that are NaN) is passed over.
-void find_faults(const Scene& scene, Faults& faults, const Doubtful& doubtful = {});
+// Adds all errors in a scene to `faults`. If that has errors from reading the file already, their consequences (empty
+// names, masses that are NaN) are not reported again.
+void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect_names = {});
 
-// Its parts.
+// The checks of find_faults(). partial: reading has reported errors, whose consequences are not reported again.
 void check_names(const Scene& scene, Faults& faults);
 void check_bodies(const Scene& scene, Faults& faults, bool partial);
 void check_inertias(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);
 void check_elements(const Scene& scene, Faults& faults, bool partial);
-// The fields of an element, alone and together.
+// Checks the fields of an element, each one and in combination.
 template <class Any>
 void check_numbers(const Element<Any>& element, const std::string& path, const Coordinate& coordinate, Faults& faults);
-// Likewise what a joint has of that kind.
+// Checks the forces of one kind along a joint.
 void check_forces(const Joint& joint, const std::string& path, const JointForceKind& kind, Faults& faults);
-void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful);
-// partial: what outputs there are is not known.
+void check_parameters(const Scene& scene, Faults& faults, const SuspectNames& suspect_names);
+// partial: the available outputs are not known, so nothing is checked.
 void check_outputs(const Scene& scene, Faults& faults, bool partial);
 
-// A frame whose numbers are finite and whose rotation is one, on a body there is.
+// Checks that the numbers of a frame are finite, its rotation is orthonormal and its body exists.
 void check_frame(const BodyFrame& frame, const Scene& scene, const std::string& path, Faults& faults, bool partial);
 
-// Adds a fault if a number is not finite. size: how many numbers there are at data.
+// Adds an error for each of `size` numbers that is not finite; a single number is reported without an index.
 void check_finite(const double* data, std::size_t size, const std::string& path, Faults& faults);
 
 }  // namespace gelenk

@@ -21,8 +21,8 @@ const Joint* find_joint(const Scene& scene, const std::string& name, const std::
   return nullptr;
 }
 
-// The kinds of joints that a port can be at.
-std::string fitting(const Port& port) {
+// Describes the kinds of joints that a port accepts.
+std::string fitting_joints(const Port& port) {
   std::vector<std::string> kinds;
   for (const JointKind& kind : joint_kinds()) {
     if (port.fits(kind)) kinds.emplace_back(kind.name);
@@ -30,20 +30,20 @@ std::string fitting(const Port& port) {
   return kinds.size() == 1 ? "a " + kinds[0] + " joint" : "a joint of one of the types " + text::list(kinds);
 }
 
-// Of one section.
+// Checks the elements of one section.
 struct Checker {
   const Scene& scene;
   const Section& section;
   Faults& faults;
   bool partial;
-  std::set<std::string> held{};  // coordinates that constraints are about
+  std::set<std::string> prescribed{};  // coordinates that have a prescribed motion
 
   void joint(const Port& port, const std::string& name, const std::string& path) {
     if (name.empty() && (partial || port.optional)) return;
     const Joint* found = find_joint(scene, name, path, faults);
     const JointKind* kind = found == nullptr ? nullptr : find_joint_kind(found->type);
     if (kind == nullptr || port.fits == nullptr || port.fits(*kind)) return;
-    faults.add(path, text::quoted(name) + ", a " + found->type + " joint", fitting(port));
+    faults.add(path, text::quoted(name) + ", a " + found->type + " joint", fitting_joints(port));
   }
 
   void coordinate(const ElementPlace& element, const std::string& path) {
@@ -53,8 +53,8 @@ struct Checker {
     if (std::ranges::find(kind->q, element.coordinate, &Quantity::name) == kind->q.end()) {
       faults.add(path + ".coordinate", text::quoted(element.coordinate),
                  "a coordinate of joint " + element.joints.front());
-    } else if (!held.insert(whole).second) {
-      faults.add(path, "a second motion of " + whole, "one motion for each coordinate");
+    } else if (!prescribed.insert(whole).second) {
+      faults.add(path, "a second motion of " + whole, "one motion per coordinate");
     }
   }
 
@@ -76,7 +76,7 @@ struct Checker {
       if (port.has_coordinate) coordinate(element, path);
     }
     if (section.name == sensors_section.name) return;
-    const auto twice = [](std::vector<std::string> names) {
+    const auto duplicate = [](std::vector<std::string> names) {
       std::erase(names, "");
       std::ranges::sort(names);
       const auto found = std::ranges::adjacent_find(names);
@@ -84,10 +84,10 @@ struct Checker {
     };
     std::vector<std::string> bodies;
     for (const BodyFrame& frame : element.frames) bodies.push_back(frame.body);
-    if (const std::string body = twice(bodies); !body.empty()) {
+    if (const std::string body = duplicate(bodies); !body.empty()) {
       faults.add(path, text::quoted(body) + " twice", "two different bodies");
     }
-    if (!twice(element.joints).empty()) faults.add(path, "a joint twice", "different joints");
+    if (!duplicate(element.joints).empty()) faults.add(path, "a joint twice", "different joints");
   }
 
   template <class Any>
@@ -100,15 +100,15 @@ struct Checker {
   }
 };
 
-// Of what keeps a speed only, dependent coordinates cannot be told.
+// Dependent coordinates cannot be solved for if a constraint acts on velocities only.
 void check_formulation(const Scene& scene, Faults& faults) {
   if (scene.solver.formulation != "independent") return;
   for (const Constraint& c : scene.constraints) {
     if (holds_positions(c.is)) continue;
     faults.add(
         "solver.formulation",
-        "'independent' with constraints." + text::printable(c.name) + ", which constrains speeds but no position",
-        "another formulation, as projection");
+        "'independent' with constraints." + text::printable(c.name) + ", which constrains velocities but no positions",
+        "another formulation, such as projection");
   }
 }
 

@@ -17,17 +17,17 @@ void check_number(double x, const std::string& path, const Field& field, const s
   }
 }
 
-// Where the ways to give an element's numbers are mixed, or none is taken.
-std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const void* element) {
-  const std::vector<std::vector<std::string>> ways = alternatives_of(fields);
-  if (ways.empty()) return {};
+// Reports that alternative sets of fields of an element are mixed, or that none of them is given.
+std::optional<ElementFault> fault_of_alternatives(std::span<const Field> fields, const void* element) {
+  const std::vector<std::vector<std::string>> alternatives = alternatives_of(fields);
+  if (alternatives.empty()) return {};
   std::vector<std::string> all;
   std::vector<std::string> expected;
-  for (const std::vector<std::string>& way : ways) {
-    all.insert(all.end(), way.begin(), way.end());
-    expected.push_back(way.size() == 1 ? way[0] : text::some(way) + " (together or alone)");
+  for (const std::vector<std::string>& alternative : alternatives) {
+    all.insert(all.end(), alternative.begin(), alternative.end());
+    expected.push_back(alternative.size() == 1 ? alternative[0] : text::some(alternative) + " (together or alone)");
   }
-  std::vector<std::string> given;  // one field of each way that is taken
+  std::vector<std::string> given;  // one field of each alternative that is used
   int last = 0;
   for (const Field& field : fields) {
     if (field.alternative == 0 || field.alternative == last || !is_given(field, element)) continue;
@@ -36,7 +36,7 @@ std::optional<ElementFault> fault_of_ways(std::span<const Field> fields, const v
   }
   if (given.size() == 1) return {};
   return {{"", given.empty() ? "none of " + text::list(all) : text::list(given) + " together",
-           ways.size() == 1 ? "one of them, or more" : "one of " + text::list(expected)}};
+           alternatives.size() == 1 ? "one of them, or more" : "one of " + text::list(expected)}};
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void check_element(std::span<const Field> fields, const void* element, const std
   const std::size_t before = faults.count();
   check_fields(fields, element, path, coordinate, faults);
   if (faults.count() > before) return;
-  std::optional<ElementFault> fault = fault_of_ways(fields, element);
+  std::optional<ElementFault> fault = fault_of_alternatives(fields, element);
   if (!fault) fault = own_fault();
   if (fault) faults.add(path + (fault->field.empty() ? "" : "." + fault->field), fault->found, fault->expected);
 }

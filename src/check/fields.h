@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fields of an element, checked one by one and together.
+// Checks of the fields of an element, each one and in combination.
 #pragma once
 
 #include <functional>
@@ -12,10 +12,11 @@
 
 namespace gelenk {
 
-// Faults for what is not finite or out of its field's range.
+// Adds an error for each number that is not finite or outside the range of its field.
 void check_fields(std::span<const Field> fields, const void* element, const std::string& path,
                   const Coordinate& coordinate, Faults& faults);
-// These, else one for ways to give the numbers that are mixed or all missing, else the element's own.
+// Adds the errors of check_fields(); if there are none, an error for alternative fields that are mixed or all missing;
+// if there is none either, the error returned by own_fault().
 void check_element(std::span<const Field> fields, const void* element, const std::string& path,
                    const Coordinate& coordinate, const std::function<std::optional<ElementFault>()>& own_fault,
                    Faults& faults);

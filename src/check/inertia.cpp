@@ -15,35 +15,37 @@
 namespace gelenk {
 namespace {
 
-constexpr double rounding = 1e-9;  // of the largest moment: figures in files are rounded
-// Of the moment that the mass has about the origin of the body's frame: programs tell moments about the centre of mass
-// as a difference of such moments, each exact to some 1e-16.
-constexpr double difference_rounding = 1e-12;
-// Sine of the angle between axes that are parallel: what it leaves of a moment is its square.
-constexpr double parallel = 1e-6;
+constexpr double moment_tolerance = 1e-9;  // relative to the largest moment: numbers in files are rounded
+// Relative to the moment of the mass about the origin of the body's frame: programs compute moments about the center of
+// mass as a difference of such moments, each accurate to about 1e-16.
+constexpr double parallel_axis_tolerance = 1e-12;
+// Axes are parallel if the sine of their angle is below this; its effect on a moment is quadratic.
+constexpr double parallel_sine_limit = 1e-6;
 
 using Names = std::array<const char*, 3>;
 
-// Moments about any three orthogonal axes, named: none negative, none larger than the two others together, up to slack.
-std::string impossible(const Eigen::Vector3d& moments, double slack, const Names& names, const std::string& prefix) {
+// Checks that no moment about three orthogonal axes is negative or exceeds the sum of the other two by more than
+// `tolerance` [kg m2]. Returns a description of the violation, or an empty text.
+std::string impossible(const Eigen::Vector3d& moments, double tolerance, const Names& names,
+                       const std::string& prefix) {
   const auto name = [&](int n) { return std::string(names[static_cast<std::size_t>(n)]); };
   for (int i = 0; i < 3; ++i) {
-    if (moments[i] >= -slack) continue;
+    if (moments[i] >= -tolerance) continue;
     return prefix + name(i) + " = " + text::rounded(moments[i]) + " kg m2 is negative; no rigid body has such moments";
   }
   for (int i = 0; i < 3; ++i) {
     const int j = i == 0 ? 1 : 0;
     const int k = i == 2 ? 1 : 2;
     const double sum = moments[j] + moments[k];
-    if (moments[i] <= sum + slack) continue;
+    if (moments[i] <= sum + tolerance) continue;
     return prefix + name(i) + " = " + text::rounded(moments[i]) + " exceeds " + name(j) + " + " + name(k) + " = " +
            text::rounded(sum) + " kg m2; no rigid body has such moments";
   }
   return {};
 }
 
-// The axis of the body's frame about which alone a moment is given; -1: there is none.
-int only_axis(const Eigen::Matrix3d& I) {
+// Returns the axis of the body's frame about which the only nonzero moment is given, or -1.
+int single_moment_axis(const Eigen::Matrix3d& I) {
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Matrix3d rest = I;
     rest(axis, axis) = 0;
@@ -52,11 +54,11 @@ int only_axis(const Eigen::Matrix3d& I) {
   return -1;
 }
 
-enum class Turns { never, about_z, freely };
+enum class Rotation { none, about_z, general };
 
-// How M of a joint may turn against F, in its canonical frames: seen at places that are not special.
-Turns turns_of(const AnyJoint& joint) {
-  Turns out = Turns::never;
+// Returns how a joint permits M to rotate in F, in its canonical frames; evaluated at two generic positions.
+Rotation rotation_of(const AnyJoint& joint) {
+  Rotation out = Rotation::none;
   const int nv = kind_of(joint).nv;
   for (const double place : {0.3, 0.7}) {
     std::array<double, 7> q;
@@ -66,20 +68,20 @@ Turns turns_of(const AnyJoint& joint) {
       v[static_cast<std::size_t>(k)] = 1;
       const Eigen::Vector3d w =
           std::visit([&](const auto& j) { return j.template V_FM<Spatial>(q.data(), v.data()).w; }, joint);
-      if (w.head<2>().norm() > 0) return Turns::freely;
-      if (w.z() != 0) out = Turns::about_z;
+      if (w.head<2>().norm() > 0) return Rotation::general;
+      if (w.z() != 0) out = Rotation::about_z;
     }
   }
   return out;
 }
 
-// What has none is told elsewhere.
+// Joints with a wrong number of axes are reported elsewhere.
 bool has_its_axes(const Joint& joint) {
   const JointKind* kind = find_joint_kind(joint.type);
   return kind != nullptr && joint.axes.size() == static_cast<std::size_t>(kind->axes);
 }
 
-// Whether the joints on some way from the body to the ground let it turn about parallels to one axis alone.
+// Tests whether the joints on some path from a body to the ground permit rotations about parallels of one axis only.
 class AxisSearch {
  public:
   explicit AxisSearch(const Scene& scene) {
@@ -90,7 +92,7 @@ class AxisSearch {
   }
 
   bool operator()(const std::string& body, const Eigen::Vector3d& axis) const {
-    std::map<std::string, Eigen::Vector3d> axes = {{body, axis}};  // by body reached, in its frame
+    std::map<std::string, Eigen::Vector3d> axes = {{body, axis}};  // by body reached, in the body's frame
     std::deque<std::string> open = {body};
     while (!open.empty()) {
       const std::string at = open.front();
@@ -111,7 +113,7 @@ class AxisSearch {
   }
 
  private:
-  // The axis, in the body on the other side of the joint; none: the joint lets it turn about others.
+  // Returns the axis in the body on the other side of the joint; nothing if the joint permits rotations about others.
   static std::optional<Eigen::Vector3d> axis_across(const Joint& joint, const std::string& from,
                                                     const Eigen::Vector3d& axis) {
     if (!has_its_axes(joint)) return {};
@@ -120,44 +122,46 @@ class AxisSearch {
     const Eigen::Matrix3d R_UC = canonical_rotation(kind, joint.axes);
     const Eigen::Matrix3d& here = (from_parent ? joint.parent : joint.child).X_BF.R;
     const Eigen::Matrix3d& there = (from_parent ? joint.child : joint.parent).X_BF.R;
-    const Eigen::Vector3d along = (here * R_UC).transpose() * axis;  // in F as in M
-    const Turns turns = turns_of(kind);
-    if (turns == Turns::freely || (turns == Turns::about_z && along.head<2>().norm() > parallel)) return {};
+    const Eigen::Vector3d along = (here * R_UC).transpose() * axis;  // the same in F and M
+    const Rotation rotation = rotation_of(kind);
+    if (rotation == Rotation::general ||
+        (rotation == Rotation::about_z && along.head<2>().norm() > parallel_sine_limit))
+      return {};
     return there * R_UC * along;
   }
 
   std::map<std::string, std::vector<const Joint*>> joints_of_;
 };
 
-// Why no rigid body has this inertia about its centre of mass, beyond rounding; empty: one may have it. Of a body whose
-// mass is 0 too: the moments of something as light as one likes.
+// Returns why no rigid body has this inertia about its center of mass, beyond round-off, or an empty text. Also applies
+// to bodies of mass 0, as the limit of arbitrarily light ones.
 std::string impossible_inertia(double mass, const Eigen::Vector3d& com, const Eigen::Matrix3d& I) {
   const double largest = I.cwiseAbs().maxCoeff();
   if (largest == 0) return {};
-  const double slack =
-      std::max(rounding * I.diagonal().cwiseAbs().maxCoeff(), difference_rounding * std::abs(mass) * com.squaredNorm());
-  std::string fault = impossible(I.diagonal(), slack, {"xx", "yy", "zz"}, "");
+  const double tolerance = std::max(moment_tolerance * I.diagonal().cwiseAbs().maxCoeff(),
+                                    parallel_axis_tolerance * std::abs(mass) * com.squaredNorm());
+  std::string fault = impossible(I.diagonal(), tolerance, {"xx", "yy", "zz"}, "");
   if (!fault.empty()) return fault;
-  // Scaled, so that products of tiny or huge numbers stay in range.
+  // Scaled, so that products of very small or large numbers neither underflow nor overflow.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(I / largest, Eigen::EigenvaluesOnly);
   const Eigen::Vector3d principal = solver.eigenvalues() * largest;
-  return impossible(principal, std::max(slack, rounding * principal.cwiseAbs().maxCoeff()), {"I1", "I2", "I3"},
-                    "principal moment ");
+  return impossible(principal, std::max(tolerance, moment_tolerance * principal.cwiseAbs().maxCoeff()),
+                    {"I1", "I2", "I3"}, "principal moment ");
 }
 
-// The ground and the bodies that joints without freedom hold to it.
+// Returns the ground and all bodies that are welded to it.
 std::set<std::string> welded_to_ground(const Scene& scene) {
-  std::map<std::string, std::vector<std::string>> neighbours;
+  std::map<std::string, std::vector<std::string>> neighbors;
   for (const Joint& joint : scene.joints) {
     const JointKind* kind = find_joint_kind(joint.type);
     if (kind == nullptr || kind->nv > 0) continue;
-    neighbours[joint.parent.body].push_back(joint.child.body);
-    neighbours[joint.child.body].push_back(joint.parent.body);
+    neighbors[joint.parent.body].push_back(joint.child.body);
+    neighbors[joint.child.body].push_back(joint.parent.body);
   }
   std::set<std::string> out = {ground};
   std::deque<std::string> open = {ground};
   while (!open.empty()) {
-    for (const std::string& other : neighbours[open.front()]) {
+    for (const std::string& other : neighbors[open.front()]) {
       if (out.insert(other).second) open.push_back(other);
     }
     open.pop_front();
@@ -168,8 +172,8 @@ std::set<std::string> welded_to_ground(const Scene& scene) {
 }  // namespace
 
 void check_inertias(const Scene& scene, Faults& faults, bool partial) {
-  const std::set<std::string> still = welded_to_ground(scene);
-  std::optional<AxisSearch> turns_only_about;  // made when asked for
+  const std::set<std::string> on_ground = welded_to_ground(scene);
+  std::optional<AxisSearch> rotates_only_about;  // created at first use
   for (const Body& body : scene.bodies) {
     const std::string path = "bodies." + text::printable(body.name) + ".inertia";
     const Eigen::Matrix3d& I = body.inertia;
@@ -183,13 +187,13 @@ void check_inertias(const Scene& scene, Faults& faults, bool partial) {
       faults.add(path, text::number(largest) + " kg m2", "at most 1e300 kg m2");
       continue;
     }
-    if (still.contains(body.name)) continue;  // nothing depends on it
+    if (on_ground.contains(body.name)) continue;  // its inertia has no effect
     std::string fault = impossible_inertia(body.mass, body.com, I);
     if (fault.empty()) continue;
-    if (const int axis = only_axis(I); axis >= 0) {
-      if (!turns_only_about) turns_only_about.emplace(scene);
-      if (partial || (*turns_only_about)(body.name, Eigen::Vector3d::Unit(axis))) continue;
-      fault += std::string(", and joints let this one turn about more than its ") + "xyz"[axis] + " axis";
+    if (const int axis = single_moment_axis(I); axis >= 0) {
+      if (!rotates_only_about) rotates_only_about.emplace(scene);
+      if (partial || (*rotates_only_about)(body.name, Eigen::Vector3d::Unit(axis))) continue;
+      fault += std::string(", and the joints permit rotations about other axes than its ") + "xyz"[axis] + " axis";
     }
     faults.add(path, fault);
   }

@@ -13,7 +13,7 @@
 namespace gelenk {
 namespace {
 
-// Sizes and values that reading has already seen to; a program may have slipped.
+// Checks sizes and values, which are correct after reading a file but may be wrong if a program set them.
 void check_numbers(const Joint& joint, const JointKind& kind, const std::string& path, Faults& faults) {
   const auto nq = static_cast<std::size_t>(kind.nq);
   const auto nv = static_cast<std::size_t>(kind.nv);
@@ -53,7 +53,7 @@ void check_axes(const Joint& joint, const JointKind& kind, const std::string& pa
   }
 }
 
-// Bodies hanging together, as a forest whose roots stand for the sets.
+// Sets of connected bodies (union-find): a forest in which each root represents a set.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -102,23 +102,23 @@ void check_joints(const Scene& scene, Faults& faults, bool partial) {
 }
 
 void check_connection(const Scene& scene, Faults& faults) {
-  if (scene.joints.empty()) return;  // told already
+  if (scene.joints.empty()) return;  // reported already
   std::map<std::string, std::size_t> index = {{ground, 0}};
   for (const Body& body : scene.bodies) index.try_emplace(body.name, index.size());
   DisjointSets sets(index.size());
   for (const Joint& joint : scene.joints) {
     const auto parent = index.find(joint.parent.body);
     const auto child = index.find(joint.child.body);
-    if (parent == index.end() || child == index.end()) return;  // told already; what hangs on it is unknown
+    if (parent == index.end() || child == index.end()) return;  // reported already; its connections are unknown
     sets.join(parent->second, child->second);
   }
-  std::vector<std::string> loose;
+  std::vector<std::string> disconnected;
   for (const Body& body : scene.bodies) {
-    if (sets.root(index[body.name]) != sets.root(0)) loose.push_back(body.name);
+    if (sets.root(index[body.name]) != sets.root(0)) disconnected.push_back(body.name);
   }
-  if (loose.empty()) return;
-  faults.add("bodies", "no chain of joints from ground to " + text::list(loose),
-             "every body connected (one that flies has a joint of type free)");
+  if (disconnected.empty()) return;
+  faults.add("bodies", "no chain of joints from ground to " + text::list(disconnected),
+             "every body connected to ground (a floating body has a joint of type free)");
 }
 
 }  // namespace gelenk

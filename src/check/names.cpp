@@ -6,13 +6,13 @@
 #include "check/check.h"
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 #include "util/text.h"
 
 namespace gelenk {
 namespace {
 
-constexpr std::size_t longest_name = 200;  // characters, as of the scene's own
+constexpr std::size_t max_name_length = 200;  // characters, the same as for the scene's name
 
 template <class Element>
 void check_section(const std::vector<Element>& elements, const std::string& section, Faults& faults) {
@@ -20,32 +20,32 @@ void check_section(const std::vector<Element>& elements, const std::string& sect
   for (const Element& element : elements) {
     const std::string path = section + "." + text::printable(element.name);
     if (element.name == ground) {
-      faults.add(path, "the name 'ground'", "another: 'ground' is the body that stands still");
+      faults.add(path, "the name 'ground'", "another name: 'ground' is the fixed body");
     } else if (!text::is_identifier(element.name)) {
       faults.add(path, "the name " + text::quoted(element.name), "a letter or _, then letters, digits or _");
-    } else if (element.name.size() > longest_name) {
+    } else if (element.name.size() > max_name_length) {
       faults.add(section + "." + element.name.substr(0, 20) + "...",
                  "a name of " + std::to_string(element.name.size()) + " characters",
-                 "at most " + std::to_string(longest_name));
+                 "at most " + std::to_string(max_name_length));
     }
     if (!seen.insert(element.name).second) faults.add(path, "twice", "every name once");
   }
 }
 
-// Who has which structured name ("A.phi"), without indices.
+// Owners of the structured names of variables ("A.phi"), without indices.
 class Names {
  public:
   explicit Names(Faults& faults) : faults_(faults) {}
 
-  // At most one fault for each pair of owners.
-  void take(const std::string& owner, const std::string& element, const std::vector<std::string>& suffixes) {
-    std::set<std::string> told;
+  // Assigns names to an owner; adds at most one error for each pair of owners with a common name.
+  void claim(const std::string& owner, const std::string& element, const std::vector<std::string>& suffixes) {
+    std::set<std::string> reported;
     for (const std::string& suffix : suffixes) {
       const std::string name = element + "." + suffix;
       const std::string& first = owners_.try_emplace(name, owner).first->second;
-      if (first == owner || !told.insert(first).second) continue;
-      faults_.add(owner, "the variable " + name + ", which " + first + " has already",
-                  "names that keep their variables apart");
+      if (first == owner || !reported.insert(first).second) continue;
+      faults_.add(owner, "the variable " + name + ", which " + first + " also has",
+                  "names that give different variables");
     }
   }
 
@@ -99,17 +99,17 @@ void check_names(const Scene& scene, Faults& faults) {
 
   Names names(faults);
   const std::string always = "every mechanism";
-  names.take(always, "assembly", {"tolerance"});
-  names.take(always, "constraints", {"position", "velocity"});
-  names.take(always, "energy", {"kinetic", "potential", "total"});
-  names.take(always, "solver",
-             {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
-              "formulation", "integrator", "step", "start"});
-  for (const Body& body : scene.bodies) names.take("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
-  for (const Joint& joint : scene.joints) names.take("joints." + joint.name, joint.name, joint_suffixes(joint));
+  names.claim(always, "assembly", {"tolerance"});
+  names.claim(always, "constraints", {"position", "velocity"});
+  names.claim(always, "energy", {"kinetic", "potential", "total"});
+  names.claim(always, "solver",
+              {"steps", "evaluations", "rejected_steps", "jacobians", "singular_positions", "events", "tolerance",
+               "formulation", "integrator", "step", "start"});
+  for (const Body& body : scene.bodies) names.claim("bodies." + body.name, body.name, {"m", "mass", "com", "inertia"});
+  for (const Joint& joint : scene.joints) names.claim("joints." + joint.name, joint.name, joint_suffixes(joint));
   each_section(scene, [&](const Section& section, const auto& elements) {
     for (const auto& element : elements) {
-      names.take(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
+      names.claim(std::string(section.name) + "." + element.name, element.name, suffixes(scene, element));
     }
   });
 }

@@ -11,7 +11,7 @@
 namespace gelenk {
 namespace {
 
-// "crank.com[2]" is base "crank.com" with index "2"; without brackets the index is empty.
+// A path split at its index: "crank.com[2]" has base "crank.com" and index "2"; without an index, that is empty.
 struct Split {
   std::string base, index;
 };
@@ -29,7 +29,7 @@ bool index_fits(const std::string& index, int size) {
   return false;
 }
 
-// What a path may be whose owner ("crank") is known or not.
+// Returns the expected paths: the fields of the owner ("crank") if it exists, else a general description.
 std::string expected(const Split& path, const std::vector<Settable>& all) {
   const std::string owner = path.base.substr(0, path.base.find('.'));
   std::vector<std::string> fields;
@@ -47,7 +47,7 @@ std::string expected(const Split& path, const std::vector<Settable>& all) {
 
 }  // namespace
 
-void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtful) {
+void check_parameters(const Scene& scene, Faults& faults, const SuspectNames& suspect_names) {
   if (scene.parameters.empty()) return;
   const std::vector<Settable> all = settables(scene);
   std::unordered_map<std::string_view, const Settable*> named;
@@ -57,13 +57,13 @@ void check_parameters(const Scene& scene, Faults& faults, const Doubtful& doubtf
     const std::string& parameter = scene.parameters[i];
     const std::string path = "parameters[" + std::to_string(i + 1) + "]";
     const Split given = split(parameter);
-    if (parameter.empty() || doubtful.contains(given.base.substr(0, given.base.find('.')))) continue;
+    if (parameter.empty() || suspect_names.contains(given.base.substr(0, given.base.find('.')))) continue;
     const auto entry = named.find(given.base);
     const Settable* found = entry == named.end() ? nullptr : entry->second;
     if (found == nullptr) {
       faults.add(path, text::quoted(parameter), expected(given, all));
     } else if (!given.index.empty() && found->size == 1) {
-      faults.add(path, text::quoted(parameter), found->path + ", which is one number");
+      faults.add(path, text::quoted(parameter), found->path + ", which is a scalar");
     } else if (!given.index.empty() && !index_fits(given.index, found->size)) {
       faults.add(path, text::quoted(parameter), "an index from 1 to " + std::to_string(found->size));
     } else if (!seen.insert(parameter).second || (!given.index.empty() && seen.contains(given.base))) {

@@ -8,7 +8,7 @@
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
-#include "scene/numbers.h"
+#include "scene/name_index.h"
 #include "scene/settable.h"
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"
@@ -203,7 +203,7 @@ class Pruner {
   }
 
   const Scene& scene_;
-  Numbers numbers_;
+  NameIndex numbers_;
   int islands_ = 0, parts_ = 0;                    // these first, then what stands still
   std::vector<int> part_of_body_, part_of_joint_;  // none: a weld of the ground to itself
   std::vector<bool> kept_;                         // by part

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The numbers of a scene's elements and of what joints have along their coordinates, one by one, with their units.
+// Enumerates the numbers of a scene's elements and joint forces, with their units, and fills in texts about elements.
 #pragma once
 
 #include <functional>
@@ -9,17 +9,18 @@
 
 namespace gelenk {
 
-// A number of an element: a field, or a component of one, directly or in a group.
+// One number of an element: a scalar field or a component of a vector or list, possibly inside a group of fields.
 struct Number {
   const Field* group = nullptr;
   const Field* field = nullptr;
-  int i = 0, size = 1;  // its place in a vector or list
+  int i = 0, size = 1;  // index in its vector or list, and the size of that
   double* value = nullptr;
 
-  // "stiffness", "sine.phase", "polynomial": without an index.
+  // Name of the field without an index: "stiffness", "sine.phase", "polynomial".
   std::string path() const;
-  // Elements of lists count from 1: "[2]"; nothing where there is one number.
+  // Index from 1, as "[2]"; empty for a scalar field.
   std::string index() const;
+  // Unit in the spelling of FMI; `coordinate` decides between units of angle and of length.
   std::string unit(const Coordinate& coordinate) const {
     return unit_of(*field, coordinate, static_cast<std::size_t>(i));
   }
@@ -27,26 +28,27 @@ struct Number {
 
 using VisitNumber = std::function<void(const Number&)>;
 
-// Those of an element's fields that are given.
+// Calls visit() for every number among the fields of an element; optional numbers that are not given are skipped.
 void each_number(std::span<const Field> fields, void* element, const VisitNumber& visit);
-// The visitor changes none.
+// The same for a constant element: visit() must not change the numbers.
 void each_number(std::span<const Field> fields, const void* element, const VisitNumber& visit);
 
-// Joint `joint` of the scene, if there is one and its kind is known.
+// Returns the kind of the joint with this name, or nullptr if the scene has no such joint or its kind is unknown.
 const JointKind* kind_of_joint(const Scene& scene, std::string_view joint);
-// The coordinate of that name of a joint, or its first.
+// Returns the coordinate of a joint with this name, or its first one if there is none; a default if kind is nullptr.
 Coordinate coordinate_of(const JointKind* kind, std::string_view name = {});
+// Returns the coordinate that belongs to velocity i of a joint.
 Coordinate coordinate_of(const JointKind& kind, int i);
-// What an element is about.
+// Returns the joint coordinate on which an element acts; a default for elements without a joint.
 Coordinate coordinate_of(const Scene& scene, const ElementPlace& element);
-// Of a field that each of a joint's coordinates has, as messages spell it; empty where the coordinates differ in it.
+// Returns the unit, as spelled in messages, of a field given for each coordinate of a joint; empty if the units differ.
 std::string common_unit(const Field& field, const JointKind& kind);
-// Its place among the joint's coordinates.
+// Returns the index of the coordinate with this name among those of the joint; 0 if there is none.
 int component_of(const JointKind& kind, std::string_view coordinate);
 
-// A text in which the names of an element's ports stand for placeholders (element/element.h).
+// Replaces the placeholders of a text (element/element.h) by the names of the element's ports and coordinate.
 std::string filled_in(std::string_view text, const ElementPlace& element, const Coordinate& coordinate);
-// The same of any element: "the joint". coordinate: null where that is any, too.
+// Replaces the placeholders by general terms ("the joint"). coordinate: nullptr for a general coordinate, too.
 std::string about_any(std::string_view text, const Coordinate* coordinate = nullptr);
 
 }  // namespace gelenk

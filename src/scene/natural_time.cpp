@@ -10,13 +10,13 @@
 namespace gelenk {
 namespace {
 
-constexpr double usual_time = 16;
+constexpr double max_ordinary_time = 16;  // s; a time between the reciprocal and this is replaced by 1 s
 
-// Of what acts: squared frequencies [1/s2]. A stiffness N m^n/rad and a force N m^n are such numbers, measured in the
-// units of mass and length.
+// Squared characteristic frequencies [1/s2] of springs and constant forces: a stiffness [N m^n/rad] or a force [N m^n]
+// divided by the units of mass and length.
 struct Rates {
-  double softest = 0;  // of springs, the smallest; 0: there is none
-  double largest = 0;  // of constant forces
+  double softest = 0;  // smallest one of springs; 0 if there is none
+  double largest = 0;  // largest one of constant forces; 0 if there is none
 
   void add(std::span<const Field> fields, const void* element, const Coordinate& coordinate, const UnitSystem& units) {
     each_number(fields, element, [&](const Number& x) {
@@ -51,13 +51,13 @@ Rates rates_of(const Scene& scene, const UnitSystem& units) {
 }  // namespace
 
 double natural_time(const Scene& scene, const UnitSystem& units) {
-  double rate = scene.gravity.norm() / units.length;  // squared [1/s2]
+  double rate = scene.gravity.norm() / units.length;  // squared frequency [1/s2]
   const Rates rates = rates_of(scene, units);
   if (!(rate > 0)) rate = rates.softest;
   if (!(rate > 0)) rate = rates.largest;
   const double time = 1 / std::sqrt(rate);
-  const bool usual = !std::isfinite(time) || (time >= 1 / usual_time && time <= usual_time);
-  return usual ? 1 : std::exp2(std::round(std::log2(time)));
+  const bool ordinary = !std::isfinite(time) || (time >= 1 / max_ordinary_time && time <= max_ordinary_time);
+  return ordinary ? 1 : std::exp2(std::round(std::log2(time)));
 }
 
 }  // namespace gelenk

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A time near that of a scene's motion, for bounds on speeds and accelerations. Scenes themselves keep their times.
+// Characteristic time of a scene's motion, for bounds on velocities and accelerations. Scenes are not scaled in time.
 #pragma once
 
 #include "scene/unit_system.h"
 
 namespace gelenk {
 
-// In s, a power of two: what falls by a length of these units under gravity takes it; without gravity, a vibration of
-// the softest spring with a mass of these units; without springs, what the largest constant force pushes by a length. 1
-// where that is between 1/16 and 16 s, and where nothing in a scene tells a time.
+// Returns a characteristic time [s], a power of two, with the unit length L and unit mass m of `units`: sqrt(L/g) under
+// gravity g; without gravity, sqrt(m/k) with the smallest spring stiffness k; without springs, sqrt(m L/F) with the
+// largest constant force F. Returns 1 if that time is between 1/16 and 16 s or if the scene has none of these.
 double natural_time(const Scene& scene, const UnitSystem& units);
 
 }  // namespace gelenk

@@ -25,16 +25,16 @@ std::string Faults::line(const std::string& path, const std::string& what) const
 }
 
 void Faults::add(const std::string& path, const std::string& what) {
-  std::string told = line(path, what);
-  if (told_.insert(told).second) lines_.push_back(std::move(told));
+  std::string message = line(path, what);
+  if (reported_.insert(message).second) lines_.push_back(std::move(message));
 }
 
 void Faults::add(const std::string& path, const std::string& found, const std::string& expected) {
   add(path, "found " + found + ", expected " + expected);
 }
 
-void Faults::doubt(const std::string& path, const std::string& found, const std::string& expected) {
-  doubts_.push_back(line(path, "found " + found + ", expected " + expected));
+void Faults::warn(const std::string& path, const std::string& found, const std::string& expected) {
+  warnings_.push_back(line(path, "found " + found + ", expected " + expected));
 }
 
 void Faults::raise() const {

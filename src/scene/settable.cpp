@@ -10,10 +10,10 @@ namespace gelenk {
 namespace {
 
 constexpr std::array<const char*, 3> axis_names = {"x", "y", "z"};
-// Of the inertia's six numbers: row and column.
+// Row and column of the six numbers of the inertia matrix.
 constexpr std::array<std::array<int, 2>, 6> inertia_places = {{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
 
-// An element of the n-th section: visit(entry).
+// Calls visit(element) for element i of the given section.
 template <class S, class Visit>
 void at_element(S& scene, int section, std::size_t i, Visit visit) {
   int n = 0;
@@ -34,7 +34,7 @@ double& number_in(const Field* group, const Field& field, void* element, int i) 
   }
 }
 
-// Adds the settable numbers among some fields of an element.
+// Appends finish(number) for each settable number among the fields of an element.
 void add(std::vector<SettableNumber>& out, SettableNumber::Of of, std::size_t owner, std::span<const Field> fields,
          const void* element, const auto& finish) {
   each_number(fields, element, [&](const Number& x) {
@@ -133,7 +133,7 @@ std::string SettableNumber::unit(const Scene& scene) const {
 std::string SettableNumber::description(const Scene& scene) const {
   if (of_ == Of::inertia) {
     const auto& [r, c] = inertia_places[static_cast<std::size_t>(i_)];
-    return std::string("inertia about the centre of mass, ") + axis_names[static_cast<std::size_t>(r)] +
+    return std::string("inertia about the center of mass, ") + axis_names[static_cast<std::size_t>(r)] +
            axis_names[static_cast<std::size_t>(c)];
   }
   const auto component = [&](const std::string& text) {
@@ -155,7 +155,7 @@ std::string SettableNumber::description(const Scene& scene) const {
   return field_->type == Field::Type::vector ? component(text) : text;
 }
 
-double SettableNumber::least() const {
+double SettableNumber::min() const {
   constexpr double none = -std::numeric_limits<double>::infinity();
   if (of_ == Of::inertia) return i_ < 3 ? 0 : none;
   const bool positive = field_ != nullptr && (field_->range == Range::not_negative || field_->range == Range::positive);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The numbers of a scene that parameters can set, by the path in the file: "crank.mass", "A.damping", "crank.com[2]".
+// Numbers of a scene that parameters can set, identified by their path in the file: "crank.mass", "crank.com[2]".
 #pragma once
 
 #include <functional>
@@ -12,13 +12,13 @@
 
 namespace gelenk {
 
-// One of them. It fits every scene with the same elements.
+// Location of a settable number; valid for every scene with the same elements.
 class SettableNumber {
  public:
   enum class Of { body, inertia, joint, along, parent, child, element };
 
   SettableNumber(Of of, std::size_t owner) : of_(of), owner_(owner) {}
-  // With a field: of an element of the n-th section, or of what acts along a joint's coordinate.
+  // A number that is described by a field.
   SettableNumber(Of of, std::size_t owner, const Field* group, const Field& field, int i, int size)
       : of_(of), owner_(owner), i_(i), size_(size), group_(group), field_(&field) {}
   SettableNumber at(int i, int size) const;
@@ -26,14 +26,15 @@ class SettableNumber {
   SettableNumber along(const JointForceKind& force, int coordinate, int coordinates) const;
 
   const std::string& owner(const Scene& scene) const;
-  std::string path(const Scene& scene) const;         // "crank.com": the same for all of an array
-  std::string index() const;                          // "[2]"; empty: a number alone
-  std::string variable(const Scene& scene) const;     // as the FMU calls it: "crank.m", "crank.com[2]"
-  std::string unit(const Scene& scene) const;         // FMI's spelling
+  std::string path(const Scene& scene) const;         // "crank.com": the same for all components
+  std::string index() const;                          // "[2]"; empty for a scalar
+  std::string variable(const Scene& scene) const;     // name of the FMU variable: "crank.m", "crank.com[2]"
+  std::string unit(const Scene& scene) const;         // spelled as in FMI
   std::string description(const Scene& scene) const;  // completes "crank: ..."
-  double least() const;                               // that is allowed
+  double min() const;                                 // lower bound; -infinity if there is none
   bool tunable() const { return field_ != nullptr && field_->tunable; }
 
+  // Reads and writes the number in the scene; a product of inertia is written symmetrically.
   double get(const Scene& scene) const;
   void put(Scene& scene, double value) const;
 
@@ -52,17 +53,17 @@ class SettableNumber {
   int coordinate_ = 0;
 };
 
-// In the order of the file: bodies, joints, elements.
+// Returns all settable numbers in the order of the file: bodies, joints, elements.
 std::vector<SettableNumber> settable_numbers(const Scene& scene);
 
-// What a scene can give parameters for: "crank.mass" 1, "crank.com" 3.
+// A path that can be a parameter, and the size of its value: "crank.mass" 1, "crank.com" 3.
 struct Settable {
   std::string path;
   int size;
 };
 std::vector<Settable> settables(const Scene& scene);
 
-// Gravity, and what tunable parameters set. Both scenes have the same elements.
+// Copies gravity and all tunable numbers from another scene with the same elements.
 void take_tunables(Scene& scene, const Scene& from);
 
 }  // namespace gelenk

@@ -18,7 +18,7 @@ const JointKind& kind_named(const std::string& type) {
   return *kind;
 }
 
-// The signals of a group of an element's.
+// Appends the signals of one group of an element; `of` has what they have in common.
 void add_group(std::vector<Signal>& signals, const SignalGroup& group, const ElementPlace& element,
                const Coordinate& coordinate, Signal of) {
   static constexpr std::string_view components[] = {"x component", "y component", "z component", "scalar part"};
@@ -57,7 +57,7 @@ double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace
   return start == SignalGroup::Start::speed ? joint.start.v[i] : joint.start.q[i];
 }
 
-// A section's signals, of(element) being groups of them.
+// Appends the signals of all elements of a section; groups(element) returns their groups.
 template <class Any, class Groups>
 void add_section(std::vector<Signal>& signals, const Scene& scene, int section,
                  const std::vector<Element<Any>>& elements, Groups groups) {
@@ -126,22 +126,22 @@ std::vector<Signal> diagnostic_signals() {
     s.description = description;
   };
   set(Diagnostic::constraint_position, "constraints.position", "1",
-      "largest error of a constraint, as a loop's closure: metres for gaps, radians for angles");
+      "largest position error of the constraint equations, such as the closure error of a loop: m for distances, rad "
+      "for angles");
   set(Diagnostic::constraint_velocity, "constraints.velocity", "1",
-      "largest error of a constraint's rate: m/s for gaps, rad/s for angles");
+      "largest velocity error of the constraint equations: m/s for distances, rad/s for angles");
   set(Diagnostic::kinetic_energy, "energy.kinetic", "J", "kinetic energy of the mechanism");
   set(Diagnostic::potential_energy, "energy.potential", "J", "potential energy of gravity, springs and stops");
-  set(Diagnostic::total_energy, "energy.total", "J", "kinetic and potential energy together");
-  set(Diagnostic::steps, "solver.steps", "1", "steps the integrator made since initialisation");
+  set(Diagnostic::total_energy, "energy.total", "J", "total energy: kinetic plus potential energy");
+  set(Diagnostic::steps, "solver.steps", "1", "integrator steps since initialization");
   set(Diagnostic::evaluations, "solver.evaluations", "1",
-      "evaluations of the equations of motion since initialisation");
-  set(Diagnostic::rejected_steps, "solver.rejected_steps", "1", "steps tried and given up since initialisation");
-  set(Diagnostic::jacobians, "solver.jacobians", "1",
-      "Jacobian matrices made for implicit methods since initialisation");
+      "evaluations of the equations of motion since initialization");
+  set(Diagnostic::rejected_steps, "solver.rejected_steps", "1", "rejected integrator steps since initialization");
+  set(Diagnostic::jacobians, "solver.jacobians", "1", "Jacobian evaluations of implicit methods since initialization");
   set(Diagnostic::singular_positions, "solver.singular_positions", "1",
-      "singular positions passed since initialisation, where loops could go on by another branch");
+      "singular configurations crossed since initialization, at which branches of motion meet");
   set(Diagnostic::events, "solver.events", "1",
-      "events since initialisation: stops that were met or left, singular positions that were passed");
+      "events since initialization: stops engaged or disengaged, singular configurations crossed");
   return signals;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The names of what goes into and comes out of a scene: one list each, in one order, for the FMU's
-// variables, Python's tables and CSV columns alike.
+// Inputs, outputs and diagnostics of a scene. FMU variables, Python tables and CSV columns all use these lists, in this
+// order.
 #pragma once
 
 #include <string>
@@ -12,44 +12,47 @@ namespace gelenk {
 
 struct Signal {
   std::string name;         // "A.phi", "drive.tau", "C.f[1]"
-  std::string unit;         // FMI spelling; "" or "1": none
+  std::string unit;         // spelled as in FMI; "" or "1" if dimensionless
   std::string description;  // one sentence
-  double start = 0;         // of an input
+  double start = 0;         // start value of an input
   Stage stage = Stage::position;
-  // Joint states only: which joint, 0 coordinate, 1 speed, 2 acceleration, and its place there; else -1.
+  // Joint states only: joint; level 0 (coordinate), 1 (velocity) or 2 (acceleration); index within the joint. Else -1.
   int joint = -1;
   int level = -1;
-  int component = -1;  // also of an element's group
-  // Of an element: its section, place in it, group of its signals; else -1.
+  int component = -1;  // also the index within a group of an element
+  // Signals of elements only: section, index of the element in it, group of signals. Else -1.
   int section = -1;
   int element = -1;
   int group = -1;
 };
 
-// In the order of the sections and the file.
+// Returns the inputs in the order of the sections and the file.
 std::vector<Signal> input_signals(const Scene& scene);
-// By section and element: the number of its first input.
+// Returns, for each section and element, the index of the element's first input.
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
-// Joints in file order (coordinates, speeds, accelerations), then sensors in file order, then constraints.
+// Returns the outputs: joints in file order (coordinates, velocities, accelerations), then sensors, motors, forces and
+// constraints in file order.
 std::vector<Signal> output_signals(const Scene& scene);
 
-// Health of a run, the same for each scene: the order of diagnostic_signals().
+// Outputs that describe the computation itself; the same for every scene, in the order of diagnostic_signals().
 enum class Diagnostic : int {
-  constraint_position,  // largest |Phi| over all constraint rows: m and rad alike
-  constraint_velocity,  // largest |J v - b| over these rows: m/s and rad/s alike
+  constraint_position,  // largest |Phi| over all constraint equations, m or rad
+  constraint_velocity,  // largest |J v - b| over all constraint equations, m/s or rad/s
   kinetic_energy,       // J
   potential_energy,     // J, gravity, springs and stops
   total_energy,         // J
-  steps,                // of the integrator since initialize()
-  evaluations,          // of the equations of motion since initialize()
-  rejected_steps,       // tried and given up, since initialize()
-  jacobians,            // exact df/dy made for implicit methods, since initialize()
-  singular_positions,   // passed since initialize(), where a loop's rows lose rank for a moment
-  events,               // since initialize(): stops that were met or left, singular positions
+  steps,                // integrator steps since initialize()
+  evaluations,          // evaluations of the equations of motion since initialize()
+  rejected_steps,       // rejected integrator steps since initialize()
+  jacobians,            // evaluations of the exact Jacobian df/dy since initialize()
+  singular_positions,   // singular configurations crossed since initialize(), where the constraint Jacobian momentarily
+                        // loses rank
+  events,               // since initialize(): stops engaged or disengaged, singular configurations crossed
 };
 inline constexpr int diagnostic_count = 11;
 
+// Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();
 
 }  // namespace gelenk

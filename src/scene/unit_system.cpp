@@ -22,7 +22,7 @@ constexpr Symbol symbols[] = {
     {"N", {1, 1, -2, 0}}, {"J", {1, 2, -2, 0}}, {"W", {1, 2, -3, 0}}, {"Hz", {0, 0, -1, 0}},
 };
 
-// A symbol with an optional exponent: "m2".
+// Returns the exponents of a symbol with an optional exponent: "m2".
 UnitExponents factor(std::string_view text) {
   int power = 1;
   if (text.size() > 1 && text.back() >= '2' && text.back() <= '9') {
@@ -38,16 +38,16 @@ UnitExponents factor(std::string_view text) {
   throw std::invalid_argument("no unit is called '" + std::string(text) + "'");
 }
 
-// Sizes (masses) between 1 / usual and usual are measured in metres (kilograms).
-constexpr double usual_length = 8;
-constexpr double usual_mass = 1024;
+// Lengths and masses between the reciprocals of these limits and the limits are measured in meters and kilograms.
+constexpr double max_ordinary_length = 8;   // m
+constexpr double max_ordinary_mass = 1024;  // kg
 
-double power_of_two(double x, double usual) {
-  const bool ordinary = !(x > 0) || !std::isfinite(x) || (x >= 1 / usual && x <= usual);
+double power_of_two(double x, double ordinary_limit) {
+  const bool ordinary = !(x > 0) || !std::isfinite(x) || (x >= 1 / ordinary_limit && x <= ordinary_limit);
   return ordinary ? 1 : std::exp2(std::round(std::log2(x)));
 }
 
-// The largest of some lengths.
+// Accumulates the largest of several lengths.
 struct Longest {
   double length = 0;
   void add(double x) {
@@ -58,7 +58,7 @@ struct Longest {
   }
 };
 
-// Lengths among the numbers of elements between bodies.
+// Calls visit(x) for each length among the numbers of elements between bodies.
 template <class Any, class Visit>
 void each_length(const std::vector<Element<Any>>& elements, Visit visit) {
   for (const Element<Any>& element : elements) {
@@ -82,7 +82,7 @@ double size_of_bodies(const Scene& scene) {
   return out.length;
 }
 
-// Of scenes whose bodies are points: how far apart things stand.
+// Largest distance between parts of a scene, used if its bodies are points.
 double size_of_travel(const Scene& scene) {
   Longest out;
   for (const Joint& joint : scene.joints) {
@@ -129,7 +129,7 @@ class Converter {
     convert(joint.parent);
     convert(joint.child);
     const JointKind& kind = *find_joint_kind(joint.type);
-    JointStart& start = joint.start;  // its weights stay: a length counts in the mechanism's own size
+    JointStart& start = joint.start;  // weights are not converted: they refer to lengths in natural units
     for (std::size_t i = 0; i < start.q.size(); ++i) {
       if (kind.q[i].unit == "m") start.q[i] *= length_;
     }
@@ -145,7 +145,7 @@ class Converter {
     }
   }
 
-  double length_, mass_;  // of a metre and a kilogram in the units
+  double length_, mass_;  // a meter and a kilogram in the new units
   UnitSystem units_;
 };
 
@@ -171,8 +171,8 @@ double UnitSystem::size_of(std::string_view unit) const {
   return std::pow(mass, e[0]) * std::pow(length, e[1]);
 }
 
-LeftOut sizes_of(const Scene& scene) {
-  LeftOut out = scene.left_out.value_or(LeftOut{});
+OmittedSizes sizes_of(const Scene& scene) {
+  OmittedSizes out = scene.left_out.value_or(OmittedSizes{});
   out.length = std::max(out.length, size_of_bodies(scene));
   out.travel = std::max(out.travel, size_of_travel(scene));
   for (const Body& body : scene.bodies) out.mass = std::max(out.mass, body.mass);
@@ -180,9 +180,9 @@ LeftOut sizes_of(const Scene& scene) {
 }
 
 UnitSystem natural_units(const Scene& scene) {
-  const LeftOut sizes = sizes_of(scene);
-  return {power_of_two(sizes.length > 0 ? sizes.length : sizes.travel, usual_length),
-          power_of_two(sizes.mass, usual_mass)};
+  const OmittedSizes sizes = sizes_of(scene);
+  return {power_of_two(sizes.length > 0 ? sizes.length : sizes.travel, max_ordinary_length),
+          power_of_two(sizes.mass, max_ordinary_mass)};
 }
 
 void convert(Scene& scene, const UnitSystem& units) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Units, and scenes in units of their own size. A linkage of a micrometre and one of a kilometre are the same
-// equations: solved in units of length and mass near their own, both keep the same digits, whatever tolerances, limits
-// of rounding and products of lengths a method has. The units are powers of two, so changing to them and back rounds
-// nothing.
+// Units, and conversion of scenes to natural units. A linkage of the size of a micrometer has the same equations as one
+// of a kilometer. Solved in units of length and mass near its own size, each keeps the same number of digits,
+// independently of absolute tolerances, round-off limits and products of lengths in a method. The units are powers of
+// two, so that conversion is exact.
 #pragma once
 
 #include <array>
@@ -14,10 +14,11 @@ struct Scene;
 
 inline constexpr std::array<const char*, 4> base_units = {"kg", "m", "s", "rad"};
 
-// Exponents in the order of base_units.
+// Exponents of a unit in the order of base_units.
 using UnitExponents = std::array<int, 4>;
 
-// "N.m.s/rad" -> kg m2 s-1 rad-1. All that follows the slash divides. Throws std::invalid_argument.
+// Returns the exponents of a unit: "N.m.s/rad" -> kg m2 s-1 rad-1. All factors behind the slash are divisors. Throws
+// std::invalid_argument for an unknown unit.
 UnitExponents unit_exponents(std::string_view unit);
 
 struct UnitSystem {
@@ -25,19 +26,19 @@ struct UnitSystem {
   double mass = 1;    // kg
 
   bool is_si() const { return length == 1 && mass == 1; }
-  // The SI value of 1 in this system; unit: as FMI spells it, or none.
+  // Returns the SI value of one unit of this system. unit: spelled as in FMI; empty if dimensionless.
   double size_of(std::string_view unit) const;
 };
 
-// Units near the size and the mass of a scene's bodies; SI for what engineers usually build (0.1 to 10 m, 1 g to 1 t).
-// What has been left out of it counts.
+// Returns units near the length and mass of a scene's bodies, including the parts that were removed; SI units for
+// ordinary sizes (0.1 to 10 m, 1 g to 1 t).
 UnitSystem natural_units(const Scene& scene);
 
-struct LeftOut;
-// The sizes by which these are chosen.
-LeftOut sizes_of(const Scene& scene);
+struct OmittedSizes;
+// Returns the sizes by which natural_units() chooses.
+OmittedSizes sizes_of(const Scene& scene);
 
-// Takes the numbers of a scene that is in SI to these units. Angles and times stay.
+// Converts a scene from SI to these units. Angles and times remain in rad and s.
 void convert(Scene& scene, const UnitSystem& units);
 
 }  // namespace gelenk

@@ -18,8 +18,8 @@ constexpr std::string_view special = "*?[";
 
 bool is_pattern(std::string_view text) { return text.find_first_of(special) != std::string_view::npos; }
 
-// A set in brackets that begins at `at`: one past its end, or at itself where it is not closed. A ] that comes first
-// belongs to it.
+// Returns the position behind the bracketed set that begins at `at`, or `at` if the set is not closed. A leading ] is a
+// member of the set.
 std::size_t end_of_set(std::string_view pattern, std::size_t at) {
   std::size_t i = at + 1;
   if (i < pattern.size() && pattern[i] == '!') ++i;
@@ -27,7 +27,7 @@ std::size_t end_of_set(std::string_view pattern, std::size_t at) {
   return close == std::string_view::npos ? at : close + 1;
 }
 
-// set: with its brackets.
+// Returns true if the set, given with its brackets, has the character.
 bool in_set(std::string_view set, char c) {
   set = set.substr(1, set.size() - 2);
   const bool without = set.front() == '!';
@@ -41,12 +41,12 @@ bool in_set(std::string_view set, char c) {
   return found != without;
 }
 
-// Where the pattern takes one character, or a star, of which the last one can always take more.
+// Glob matching with backtracking to the last star only, which is sufficient: it can always take more characters.
 bool matches(std::string_view pattern, std::string_view name) {
   std::size_t p = 0;
   std::size_t n = 0;
   std::size_t star = std::string_view::npos;
-  std::size_t taken = 0;  // by the last star
+  std::size_t taken = 0;  // end of what the last star has taken
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
@@ -54,10 +54,10 @@ bool matches(std::string_view pattern, std::string_view name) {
       continue;
     }
     const std::size_t end = p < pattern.size() && pattern[p] == '[' ? end_of_set(pattern, p) : p;
-    const bool met = end > p              ? in_set(pattern.substr(p, end - p), name[n])
-                     : p < pattern.size() ? pattern[p] == '?' || pattern[p] == name[n]
-                                          : false;
-    if (met) {
+    const bool matched = end > p              ? in_set(pattern.substr(p, end - p), name[n])
+                         : p < pattern.size() ? pattern[p] == '?' || pattern[p] == name[n]
+                                              : false;
+    if (matched) {
       p = std::max(end, p + 1);
       ++n;
     } else if (star != std::string_view::npos) {
@@ -70,7 +70,7 @@ bool matches(std::string_view pattern, std::string_view name) {
   return pattern.find_first_not_of('*', p) == std::string_view::npos;
 }
 
-// "tip.r[2]" is base "tip.r" with index "2"; without brackets at the end the index is empty.
+// A name split at its index: "tip.r[2]" has base "tip.r" and index "2"; without an index, that is empty.
 struct Indexed {
   std::string_view base, index;
   explicit Indexed(std::string_view name) : base(name) {
@@ -85,7 +85,7 @@ bool is_any(std::string_view index) { return index == "*" || index == "?"; }
 
 std::string owner_of(std::string_view name) { return std::string(name.substr(0, name.find('.'))); }
 
-// Explains entries that name no output.
+// Explains why an entry selects no output.
 class Explainer {
  public:
   explicit Explainer(const Scene& scene, const std::vector<Signal>& outputs) : scene_(scene) {
@@ -101,27 +101,30 @@ class Explainer {
     const std::string found = "found " + text::quoted(entry);
     if (entry.empty()) return "found nothing, expected the name of an output, or a pattern";
     if (inputs_.contains(entry)) {
-      return found + ", an input, expected an output: inputs are there wherever what they act on is";
+      return found + ", an input, expected an output (an input is always included with the part it acts on)";
     }
-    if (diagnostics_.contains(entry)) return found + ", which is there in any case, expected an output";
+    if (diagnostics_.contains(entry))
+      return found + ", a diagnostic, expected an output (diagnostics are always included)";
     const std::string owner = owner_of(entry);
     if (const std::string body = of_body(entry, owner); !body.empty()) return found + body;
     if (is_parameter(entry)) {
-      return found + ", a parameter, expected an output: parameters are there wherever what they belong to is";
+      return found + ", a parameter, expected an output (a parameter is always included with the part it belongs to)";
     }
     const auto is_of_owner = [&](const std::string& input) { return input.starts_with(owner + "."); };
     if (entry == owner && !has_outputs(owner) && std::ranges::any_of(inputs_, is_of_owner)) {
-      return found + ", which has inputs alone, expected an output: inputs are there wherever what they act on is";
+      return found +
+             ", which has inputs only, expected an output (an input is always included with the part it acts on)";
     }
-    const std::string expected =
-        is_pattern(entry) ? ", a pattern that no output meets, expected one that some do" : ", expected an output";
+    const std::string expected = is_pattern(entry)
+                                     ? ", a pattern that matches no output, expected one that matches at least one"
+                                     : ", expected an output";
     return found + expected + hint(entry, owner);
   }
 
  private:
   bool has_outputs(const std::string& owner) const { return std::ranges::find(owners_, owner) != owners_.end(); }
 
-  // Bodies have parameters, and no outputs.
+  // Explains that bodies have parameters but no outputs.
   std::string of_body(const std::string& entry, const std::string& owner) const {
     const bool whole = entry == owner || entry == owner + ".*";
     const bool body = owner == ground || std::ranges::find(scene_.bodies, owner, &Body::name) != scene_.bodies.end();
@@ -136,7 +139,7 @@ class Explainer {
            (joints.empty() ? "" : ": " + text::some(joints));
   }
 
-  // Fields of elements and start values.
+  // Returns true for fields of elements, settings and start values.
   bool is_parameter(const std::string& entry) const {
     const std::string base(Indexed(entry).base);
     if (base.starts_with("solver.") || base == "gravity") return true;
@@ -165,9 +168,9 @@ class Explainer {
   std::unordered_set<std::string> inputs_, diagnostics_;
 };
 
-// Calls take(entry, output) for all outputs that an entry stands for.
+// Calls take(entry, output) for each output that an entry selects.
 template <class Take>
-void each_met(const std::vector<Signal>& outputs, const std::vector<std::string>& entries, Take take) {
+void each_match(const std::vector<Signal>& outputs, const std::vector<std::string>& entries, Take take) {
   std::unordered_map<std::string_view, std::size_t> number;
   for (std::size_t i = 0; i < outputs.size(); ++i) number.emplace(outputs[i].name, i);
   for (std::size_t e = 0; e < entries.size(); ++e) {
@@ -175,7 +178,7 @@ void each_met(const std::vector<Signal>& outputs, const std::vector<std::string>
       take(e, exact->second);
     } else if (is_pattern(entries[e])) {
       for (std::size_t i = 0; i < outputs.size(); ++i) {
-        if (meets(entries[e], outputs[i].name)) take(e, i);
+        if (output_matches(entries[e], outputs[i].name)) take(e, i);
       }
     }
   }
@@ -183,7 +186,7 @@ void each_met(const std::vector<Signal>& outputs, const std::vector<std::string>
 
 }  // namespace
 
-bool meets(std::string_view pattern, std::string_view name) {
+bool output_matches(std::string_view pattern, std::string_view name) {
   if (pattern == name || matches(pattern, name)) return true;
   const Indexed of_pattern(pattern);
   const Indexed of_name(name);
@@ -196,22 +199,22 @@ bool meets(std::string_view pattern, std::string_view name) {
 std::vector<bool> wanted_outputs(const Scene& scene) {
   const std::vector<Signal> outputs = output_signals(scene);
   std::vector<bool> wanted(outputs.size(), scene.outputs.empty());
-  each_met(outputs, scene.outputs, [&](std::size_t, std::size_t output) { wanted[output] = true; });
+  each_match(outputs, scene.outputs, [&](std::size_t, std::size_t output) { wanted[output] = true; });
   return wanted;
 }
 
 std::vector<std::string> faults_of_outputs(const Scene& scene, const std::vector<std::string>& outputs) {
   const std::vector<Signal> signals = output_signals(scene);
-  std::vector<bool> met(outputs.size(), false);
-  each_met(signals, outputs, [&](std::size_t entry, std::size_t) { met[entry] = true; });
+  std::vector<bool> matched(outputs.size(), false);
+  each_match(signals, outputs, [&](std::size_t entry, std::size_t) { matched[entry] = true; });
   const Explainer explainer(scene, signals);
   std::set<std::string_view> seen;
   std::vector<std::string> faults;
   for (std::size_t e = 0; e < outputs.size(); ++e) {
     const bool again = !seen.insert(outputs[e]).second;
-    faults.push_back(!met[e] ? explainer.explain(outputs[e])
-                     : again ? "found " + text::quoted(outputs[e]) + " again, expected every entry once"
-                             : "");
+    faults.push_back(!matched[e] ? explainer.explain(outputs[e])
+                     : again     ? "found " + text::quoted(outputs[e]) + " again, expected every entry once"
+                                 : "");
   }
   return faults;
 }

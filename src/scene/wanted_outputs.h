@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which outputs a scene's `outputs` list: by name, or by pattern as in shells: * any text, ? any character, [ab], [a-c]
-// and [!ab] one character. A set in brackets at a pattern's end stands for indices, too: tip.r[1-2], *.f[*].
+// The list `outputs` of a scene selects outputs by name or by shell pattern: * any text, ? any character, [ab], [a-c]
+// and
+// [!ab] one character. A set in brackets at the end of a pattern also selects indices: tip.r[1-2], *.f[*].
 #pragma once
 
 #include <string>
@@ -11,14 +12,14 @@
 
 namespace gelenk {
 
-// Whether the name is the one meant, or is met by the pattern.
-bool meets(std::string_view pattern, std::string_view name);
+// Returns true if the name equals the pattern or matches it.
+bool output_matches(std::string_view pattern, std::string_view name);
 
-// By output_signals(scene): it is wanted. All are where the scene lists none.
+// Returns a flag for each of output_signals(scene): it is selected. All are if the scene has no list.
 std::vector<bool> wanted_outputs(const Scene& scene);
 
-// What is wrong with a list of outputs for a valid scene, a clause each, "found ..., expected ...", by entry; empty:
-// nothing.
+// Checks a list of outputs for a valid scene. Returns a clause "found ..., expected ..." for each entry; empty if the
+// entry is correct.
 std::vector<std::string> faults_of_outputs(const Scene& scene, const std::vector<std::string>& outputs);
 
 }  // namespace gelenk

@@ -13,13 +13,13 @@
 namespace gelenk::advice {
 namespace {
 
-// What has no place in a scene, and what is there instead.
-constexpr std::pair<Words, std::string_view> absent[] = {
-    {"friction frictionloss coulomb", "dry friction is not modelled, `damping` is viscous"},
-    {"effort velocity max_force max_torque", "limits of effort and speed are not modelled"},
+// Words of other formats that scenes do not have, and what to use instead.
+constexpr std::pair<Words, std::string_view> unsupported[] = {
+    {"friction frictionloss coulomb", "dry friction is not modeled; `damping` is viscous"},
+    {"effort velocity max_force max_torque", "limits of torque, force and velocity are not modeled"},
     {"visual collision geometry geom mesh shape color", "a scene has no shapes: leave it out"},
     {"density", "give `mass` and `inertia`"},
-    {"motor actuated driven", "motors have a section of their own, motors: {NAME: {joint: JOINT}}"},
+    {"motor actuated driven", "motors are in a separate section, motors: {NAME: {joint: JOINT}}"},
     {"units unit", "numbers are in SI units, angles in rad: leave it out"},
 };
 
@@ -27,19 +27,19 @@ bool all_digits(std::string_view s) {
   return !s.empty() && std::ranges::all_of(s, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// "key:value"; a time or an address has no letter before its colon.
+// Recognizes "key:value"; a time or an address has no identifier before its colon.
 bool lacks_space(std::string_view s) {
   const std::size_t colon = s.find(':');
   return colon != s.npos && colon + 1 < s.size() && s[colon + 1] != ' ' && text::is_identifier(s.substr(0, colon));
 }
 
-std::string space(std::string_view s) {
+std::string missing_space(std::string_view s) {
   const std::size_t colon = s.find(':') + 1;
   return "; write " + text::quoted(std::string(s.substr(0, colon)) + " " + std::string(s.substr(colon))) +
-         ", with a space behind the colon";
+         ", with a space after the colon";
 }
 
-// How many digits there are from `at` on.
+// Returns the number of consecutive digits from `at`.
 std::size_t digits(std::string_view s, std::size_t at) {
   std::size_t n = 0;
   while (at + n < s.size() && s[at + n] >= '0' && s[at + n] <= '9') ++n;
@@ -49,10 +49,10 @@ std::size_t digits(std::string_view s, std::size_t at) {
 std::size_t sign(std::string_view s, std::size_t at) { return at < s.size() && (s[at] == '-' || s[at] == '+') ? 1 : 0; }
 
 struct Beginning {
-  std::string_view number, rest;  // without the spaces between
+  std::string_view number, rest;  // without the spaces between them
 };
 
-// Of a text that begins with a number. Not from_chars: the FMU would ask for a newer C library.
+// Splits a text that begins with a number. from_chars is not used: the FMU would require a newer C library.
 std::optional<Beginning> number_and_rest(std::string_view s) {
   std::size_t at = sign(s, 0);
   const std::size_t whole = digits(s, at);
@@ -72,11 +72,11 @@ std::optional<Beginning> number_and_rest(std::string_view s) {
   return Beginning{s.substr(0, at), rest};
 }
 
-// Of a number without exponent, to the six digits that are shown.
+// Returns the value of a number without exponent, accurate to the six digits that are shown.
 std::optional<double> value_of(std::string_view number) {
   const std::size_t from = sign(number, 0);
   double value = 0;
-  double unit = 0;  // of the last decimal; 0 before the point
+  double unit = 0;  // value of 1 in the last decimal place; 0 before the point
   for (const char c : number.substr(from)) {
     if (c == '.') {
       unit = 1;
@@ -90,7 +90,7 @@ std::optional<double> value_of(std::string_view number) {
   return number.starts_with('-') ? -value : value;
 }
 
-// Numbers with spaces between, as XML files have them: "[0, 0, 1]"; empty if it is anything else.
+// Converts `size` numbers separated by spaces, as in XML files, to "[0, 0, 1]"; empty for any other text.
 std::string spaced_list(std::string_view s, std::size_t size) {
   std::vector<std::string> numbers;
   while (!s.empty()) {
@@ -112,10 +112,10 @@ bool is_matrix(const Json& value) {
 }  // namespace
 
 std::string on_field(std::string_view name, const std::vector<std::string>& known) {
-  if (all_digits(name)) return "; the decimal sign is a point, a comma begins something new";
-  if (lacks_space(name)) return space(name);
+  if (all_digits(name)) return "; use a decimal point: a comma separates entries";
+  if (lacks_space(name)) return missing_space(name);
   if (!canonical_name(name, known).empty() || !text::nearest(name, known).empty()) return {};
-  for (const auto& [words, sentence] : absent) {
+  for (const auto& [words, sentence] : unsupported) {
     if (contains(words, name)) return "; " + std::string(sentence);
   }
   return {};
@@ -127,21 +127,21 @@ std::string on_number(const Json& found, std::string_view unit) {
   const auto& s = found.get_ref<const std::string&>();
   const auto number = number_and_rest(s);
   if (!number) {
-    return s.find("pi") != s.npos ? "; nothing is calculated here: write the value, pi is 3.141592653589793" : "";
+    return s.find("pi") != s.npos ? "; expressions are not evaluated: write the value, pi is 3.141592653589793" : "";
   }
   const std::string_view rest = number->rest;
   if (rest.empty()) return "; leave out the quotes";
   if (rest[0] == ',' && all_digits(rest.substr(1))) {
-    return "; the decimal sign is a point: " + s.substr(0, s.find(',')) + "." + std::string(rest.substr(1));
+    return "; use a decimal point: " + s.substr(0, s.find(',')) + "." + std::string(rest.substr(1));
   }
   if (unit == "rad" && (rest.starts_with("deg") || rest == "°")) {
     const auto x = value_of(number->number);
     if (x) return "; " + text::rounded(*x) + " degrees are " + text::rounded(*x * std::numbers::pi / 180) + " rad";
   }
   if (std::string_view("*/+-^").find(rest[0]) != std::string_view::npos) {
-    return "; nothing is calculated here: write the value";
+    return "; expressions are not evaluated: write the value";
   }
-  return "; write the number alone" + (unit.empty() ? "" : ", in " + std::string(unit));
+  return "; write only the number" + (unit.empty() ? "" : ", in " + std::string(unit));
 }
 
 std::string on_list(const Json& found, std::size_t size) {
@@ -154,22 +154,22 @@ std::string on_list(const Json& found, std::size_t size) {
   }
   const auto whole = [](const Json& x) { return x.is_number_integer() && x.get<double>() >= 0; };
   if (found.is_array() && found.size() > size && std::ranges::all_of(found, whole)) {
-    return "; the decimal sign is a point, a comma parts two numbers";
+    return "; use a decimal point: a comma separates numbers";
   }
   return {};
 }
 
 std::string on_mapping(const Json& found) {
-  if (found.is_null()) return "; lines that belong to it are indented further than its name";
+  if (found.is_null()) return "; lines that belong to it must be indented further than its name";
   if (found.is_string() && lacks_space(found.get_ref<const std::string&>())) {
-    return space(found.get_ref<const std::string&>());
+    return missing_space(found.get_ref<const std::string&>());
   }
   return {};
 }
 
 std::string on_section(const Json& found) {
   if (found.is_array()) return "; write `NAME: {...}` for each in place of `- {...}`";
-  if (found.is_null()) return "; its entries are indented further than its name";
+  if (found.is_null()) return "; its entries must be indented further than its name";
   return on_mapping(found);
 }
 
@@ -179,10 +179,10 @@ std::string on_inertia(const Json& found) {
   std::vector<std::string> numbers;
   constexpr std::pair<std::size_t, std::size_t> places[] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   for (const auto& [i, j] : places) {
-    if (found[i][j].get<double>() != found[j][i].get<double>()) return "; as a matrix it is not symmetric";
+    if (found[i][j].get<double>() != found[j][i].get<double>()) return "; this matrix is not symmetric";
     numbers.push_back(text::number(found[i][j].get<double>()));
   }
-  return "; of this matrix they are [" + text::list(numbers) + "]";
+  return "; for this matrix, write [" + text::list(numbers) + "]";
 }
 
 }  // namespace gelenk::advice

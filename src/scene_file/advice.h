@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What to do about a mistake that others have made before: words of other programs, decimal commas, units in numbers.
-// Each sentence begins with "; ", or is empty.
+// Hints on how to correct typical mistakes: words of other programs, decimal commas, units in numbers. Each function
+// returns a clause that begins with "; ", or an empty text.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace gelenk::advice {
 
-// A field that is none of the known.
+// Hint for an unknown field; known: names of the fields that are permitted there.
 std::string on_field(std::string_view name, const std::vector<std::string>& known);
-// Something else where a number is expected; unit: of that number.
+// Hint for a value that should be a number; unit: expected unit of that number.
 std::string on_number(const Json& found, std::string_view unit);
-// Something else where a list of so many numbers is expected.
+// Hint for a value that should be a list of `size` numbers.
 std::string on_list(const Json& found, std::size_t size);
-// Something else where a mapping is expected.
+// Hint for a value that should be a mapping.
 std::string on_mapping(const Json& found);
-// Something else where a section is expected.
+// Hint for a value that should be a section.
 std::string on_section(const Json& found);
-// Something else where an inertia is expected.
+// Hint for a value that should be an inertia.
 std::string on_inertia(const Json& found);
 
 }  // namespace gelenk::advice

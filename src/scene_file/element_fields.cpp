@@ -24,13 +24,13 @@ std::vector<std::string> names_of(std::span<const Field> fields) {
   return names;
 }
 
-// Reads a list with at least field.min_count numbers.
+// Reads a list of at least field.min_count numbers.
 std::vector<double> read_numbers(const Json& value, const std::string& path, Faults& faults, const Field& field,
                                  const Coordinate& coordinate) {
-  const std::size_t least = field.min_count;
-  if (!value.is_array() || value.size() < least) {
+  const std::size_t min_size = field.min_count;
+  if (!value.is_array() || value.size() < min_size) {
     faults.add(path, shown(value),
-               least == 1 ? "a list of numbers" : "a list of " + std::to_string(least) + " numbers or more");
+               min_size == 1 ? "a list of numbers" : "a list of " + std::to_string(min_size) + " numbers or more");
     return {};
   }
   std::vector<double> out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elements in scene files: their fields read, checked, written and described in the JSON Schema.
+// Reading and writing the fields of elements in scene files.
 #pragma once
 
 #include <functional>
@@ -12,13 +12,13 @@
 
 namespace gelenk {
 
-// Into the element; what the file does not give keeps its default.
+// Reads the fields of an element; fields that the file does not give keep their defaults.
 void read_fields(Fields& from, std::span<const Field> fields, void* element, const Coordinate& coordinate);
-// One field's value.
+// Reads the value of one field.
 void read_field(const Json& value, const std::string& path, Faults& faults, const Field& field, void* element,
                 const Coordinate& coordinate);
 
-// Into the mapping; what is not given is left out.
+// Writes the fields of an element to a mapping, without optional ones that are not given.
 void write_fields(Json& to, std::span<const Field> fields, const void* element);
 
 }  // namespace gelenk

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "check/doubts.h"
+#include "check/warnings.h"
 #include "math/rotations.h"
 #include "util/text.h"
 
 namespace gelenk {
 namespace {
 
-// What a matrix written by hand may miss; the rest is rounding of its printed digits.
+// Largest deviation from orthonormality of a matrix in a file, whose digits may be rounded.
 constexpr double matrix_tolerance = 1e-6;
 
 using Rotation = std::optional<Eigen::Matrix3d>;
@@ -31,7 +31,7 @@ Rotation read_quaternion(const Json& value, const std::string& path, Faults& fau
 Rotation read_rpy(const Json& value, const std::string& path, Faults& faults) {
   const auto rpy = read_vector(value, path, faults, "rad");
   if (!rpy) return {};
-  for (int i = 0; i < 3; ++i) doubt_angle((*rpy)[i], path + "[" + std::to_string(i + 1) + "]", faults);
+  for (int i = 0; i < 3; ++i) warn_about_angle((*rpy)[i], path + "[" + std::to_string(i + 1) + "]", faults);
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
   return (AngleAxisd((*rpy)[2], Vector3d::UnitZ()).toRotationMatrix() *
@@ -40,13 +40,13 @@ Rotation read_rpy(const Json& value, const std::string& path, Faults& faults) {
 }
 
 Rotation read_axis_angle(const Json* axis, const Json* angle, const std::string& path, Faults& faults) {
-  if (axis == nullptr) faults.add(path + ".axis", "nothing", "the direction that 'angle' turns about");
-  if (angle == nullptr) faults.add(path + ".angle", "nothing", "the angle about 'axis', a number in rad");
+  if (axis == nullptr) faults.add(path + ".axis", "nothing", "the direction of the rotation axis");
+  if (angle == nullptr) faults.add(path + ".angle", "nothing", "the rotation angle about 'axis', a number in rad");
   if (axis == nullptr || angle == nullptr) return {};
   const auto n = read_direction(*axis, path + ".axis", faults);
   const auto a = read_number(*angle, path + ".angle", faults, "rad");
   if (!n || !a) return {};
-  doubt_angle(*a, path + ".angle", faults);
+  warn_about_angle(*a, path + ".angle", faults);
   return Eigen::AngleAxisd(*a, *n).toRotationMatrix();
 }
 
@@ -67,8 +67,8 @@ Rotation read_matrix(const Json& value, const std::string& path, Faults& faults)
   // Not `>`: entries may be so large that the error is NaN.
   const double error = rotation_error(R);
   if (!(error <= matrix_tolerance)) {
-    faults.add(path, "columns that miss unit length or right angles by " + text::rounded(error),
-               "a rotation matrix (to 1e-6)");
+    faults.add(path, "columns that deviate from orthonormality by " + text::rounded(error),
+               "a rotation matrix (deviation at most 1e-6)");
     return {};
   }
   if (R.determinant() < 0) {

@@ -138,10 +138,10 @@ std::string Fields::choice(const std::string& key, const std::vector<std::string
 
 void Fields::done() {
   if (!valid_) return;
-  std::string empty;  // the field before, if nothing is in it
+  std::string empty;  // name of the previous field if it has no value
   for (const auto& [key, value] : value_->items()) {
     if (std::ranges::find(known_, key) == known_.end()) {
-      const std::string inside = empty.empty() ? "" : "; indent it, if it belongs to '" + empty + "'";
+      const std::string inside = empty.empty() ? "" : "; indent it if it belongs to '" + empty + "'";
       faults_.add(path(text::printable(key)), "an unknown field",
                   text::one_of(key, known_, "fields") + advice::on_field(key, known_) + inside);
     } else {

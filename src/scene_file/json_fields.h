@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading one value, or one mapping of values, of a scene file. Whatever is not as expected becomes a fault
-// with its path; reading then goes on with a stand-in, so that all faults are found.
+// Reading single values and mappings of a scene file. A value that is not as expected becomes an error with its path;
+// reading continues with a substitute, so that all errors are found.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,10 +15,11 @@
 
 namespace gelenk {
 
-// A short description of a value for "found ...": "'abc'", "-1 kg", "a list of 2".
+// Returns a short description of a value for "found ...": "'abc'", "-1 kg", "a list of 2".
 std::string shown(const Json& value, std::string_view unit = {});
 
-// Each adds a fault and returns nothing when the value is of another kind or size, not finite or not allowed.
+// Each of these adds an error and returns nothing if the value has another type or size, is not finite or is outside
+// the permitted range.
 std::optional<double> read_number(const Json& value, const std::string& path, Faults& faults, std::string_view unit,
                                   Range allowed = Range::any);
 std::optional<std::vector<double>> read_list(const Json& value, const std::string& path, Faults& faults,
@@ -34,10 +35,10 @@ Json numbers_of(const Numbers& numbers) {
   return out;
 }
 
-// A mapping. Fields must be asked for before done(), which turns the rest into faults.
+// A mapping. All known fields must have been looked up before done(), which reports the others as unknown.
 class Fields {
  public:
-  // what: "a joint", for the message when the value is not a mapping; then has() is false for all fields.
+  // what: description of the mapping for the error if the value is not one; then no field is found.
   Fields(const Json& value, std::string path, Faults& faults, const std::string& what);
 
   bool valid() const { return valid_; }
@@ -45,19 +46,21 @@ class Fields {
   const std::string& path() const { return path_; }
   Faults& faults() { return faults_; }
 
-  // The value, or nullptr. Asking makes the key a known one.
+  // Returns the value of a field, or nullptr if it is missing; the key is known from now on.
   const Json* find(const std::string& key);
-  // Likewise, and a fault "found nothing, expected ..." when it is missing.
+  // The same, but adds the error "found nothing, expected ..." if the field is missing.
   const Json* require(const std::string& key, const std::string& expected);
 
+  // These return the value of a field, or `otherwise` if it is missing or wrong.
   double number(const std::string& key, double otherwise, std::string_view unit, Range allowed = Range::any);
-  // NaN after a fault.
+  // Returns NaN after an error.
   double required_number(const std::string& key, std::string_view unit, Range allowed = Range::any);
-  Eigen::Vector3d vector(const std::string& key, std::string_view unit);  // zero when missing
+  Eigen::Vector3d vector(const std::string& key, std::string_view unit);  // zero if missing
   bool flag(const std::string& key, bool otherwise);
-  // One of the words; `otherwise` when missing (a fault if that is empty); empty after a fault.
+  // Returns one of the words; `otherwise` if the field is missing (an error if that is empty); empty after an error.
   std::string choice(const std::string& key, const std::vector<std::string>& words, const std::string& otherwise);
 
+  // Adds an error for each field that has not been looked up.
   void done();
 
  private:

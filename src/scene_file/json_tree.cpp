@@ -15,14 +15,14 @@
 namespace gelenk {
 namespace {
 
-// Many writers of JSON put NaN and Infinity, which the JSON library takes for a mistake of syntax. They
-// are told with their path, as other bad numbers are: before reading, each becomes a string of the same
-// length (columns stay right) that no one writes, and a number again in the tree.
+// Many programs write NaN and Infinity, which are syntax errors for the JSON library. To report them with their path,
+// as other invalid numbers are, each is replaced before parsing by an otherwise unused string of the same length (so
+// that columns remain correct), and converted back to a number in the tree.
 //
-// A NUL between values ends the text for the JSON library, whatever stands behind it. Another control character is the
-// mistake of syntax that it is.
+// A NUL between values ends the text for the JSON library, ignoring the rest. It is replaced by another control
+// character, which is reported as a syntax error.
 struct NotFinite {
-  std::string_view word, stand_in;
+  std::string_view word, placeholder;
   double value;
 };
 constexpr std::array<NotFinite, 3> not_finite = {{
@@ -31,7 +31,7 @@ constexpr std::array<NotFinite, 3> not_finite = {{
     {"-Infinity", "\"\x7f\x7f\x7f\x7f\x7f\x7f\x7f\"", -std::numeric_limits<double>::infinity()},
 }};
 
-std::string with_stand_ins(std::string_view text) {
+std::string with_placeholders(std::string_view text) {
   std::string out(text);
   bool in_string = false;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -44,7 +44,7 @@ std::string with_stand_ins(std::string_view text) {
     } else if (!in_string) {
       for (const NotFinite& n : not_finite) {
         if (text.substr(i, n.word.size()) != n.word) continue;
-        out.replace(i, n.word.size(), n.stand_in);
+        out.replace(i, n.word.size(), n.placeholder);
         i += n.word.size() - 1;
         break;
       }
@@ -53,8 +53,8 @@ std::string with_stand_ins(std::string_view text) {
   return out;
 }
 
-// "line:column" of a byte, both from 1; a column is a character, not a byte.
-std::string place(std::string_view text, std::size_t byte) {
+// Returns "line:column" of a byte, both counted from 1; columns are characters, not bytes.
+std::string line_and_column(std::string_view text, std::size_t byte) {
   std::size_t line = 1;
   std::size_t column = 1;
   for (std::size_t i = 0; i < std::min(byte, text.size()); ++i) {
@@ -85,7 +85,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
 
   bool string(string_t& value) override {
     for (const NotFinite& n : not_finite) {
-      if (value == n.stand_in.substr(1, n.stand_in.size() - 2)) return put(n.value);
+      if (value == n.placeholder.substr(1, n.placeholder.size() - 2)) return put(n.value);
     }
     return put(std::move(value));
   }
@@ -105,20 +105,21 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
     const std::size_t byte = position > 0 ? position - 1 : 0;
-    throw SceneError({file_ + ":" + place(text_, byte) + ": " + explained(byte, error)});
+    throw SceneError({file_ + ":" + line_and_column(text_, byte) + ": " + explained(byte, error)});
   }
 
  private:
   struct Level {
     Json* container;
-    std::string name;                       // of the mapping's entry being read
-    bool skip = false;                      // a second value for the same name
+    std::string name;                       // name of the entry being read, in a mapping
+    bool skip = false;                      // the name occurs a second time
     std::unordered_set<std::string> names;  // seen so far
-    Json dropped;                           // takes what is skipped
+    Json dropped;                           // receives skipped values
   };
 
   std::string explained(std::size_t byte, const nlohmann::detail::exception& error) const {
-    if (error.id == 406) return "found a number beyond 1.8e308, expected one that a computer can hold";
+    if (error.id == 406)
+      return "found a number larger than 1.8e308, expected a number in the range of double precision";
     const std::string found = byte < text_.size() ? text::quoted(text_.substr(byte, 1)) : "the end of the file";
     constexpr std::string_view marker = "; expected ";
     const std::string_view words = error.what();
@@ -128,15 +129,15 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
            (expected == "string literal" ? "a name in double quotes" : std::string(expected)) + advice(byte);
   }
 
-  // What has been meant: JSON knows less than people write.
+  // Returns a hint about syntax that other formats permit but JSON does not.
   std::string advice(std::size_t byte) const {
-    if (byte >= text_.size()) return "; something is not closed";
+    if (byte >= text_.size()) return "; a bracket, brace or quote is not closed";
     const char c = text_[byte];
     const std::size_t before = text_.substr(0, byte).find_last_not_of(" \t\r\n");
     if ((c == '}' || c == ']') && before != text_.npos && text_[before] == ',')
       return "; leave out the comma before it";
     if (c == '/' || c == '#') return "; JSON has no comments";
-    if (c == '\'') return "; quotes are double";
+    if (c == '\'') return "; JSON requires double quotes";
     return {};
   }
 
@@ -144,7 +145,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     std::string out;
     for (const Level& level : levels_) {
       if (level.container->is_array()) {
-        const bool innermost = &level == &levels_.back();  // its element is still to come
+        const bool innermost = &level == &levels_.back();  // its next element has not been added yet
         out += "[" + std::to_string(level.container->size() + (innermost ? 1 : 0)) + "]";
       } else {
         out += (out.empty() ? "" : ".") + text::printable(level.name);
@@ -159,7 +160,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  // Appends to the innermost container; linear time even in a mapping of thousands.
+  // Appends to the innermost container without searching for the name, so that large mappings take linear time.
   Json* slot(Json value) {
     if (levels_.empty()) {
       root_ = std::move(value);
@@ -180,9 +181,9 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
   }
 
   bool open(Json empty) {
-    if (levels_.size() >= deepest_level) {
-      faults_.add(text::printable(path()), "more than " + std::to_string(deepest_level) + " levels of nesting",
-                  "a scene, which has seven");
+    if (levels_.size() >= max_nesting) {
+      faults_.add(text::printable(path()), "more than " + std::to_string(max_nesting) + " levels of nesting",
+                  "a scene, which has at most seven");
       faults_.raise();
     }
     Json* container = slot(std::move(empty));
@@ -199,20 +200,20 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
   const std::string& file_;
   Faults& faults_;
   Json root_;
-  std::deque<Level> levels_;  // not a vector: the levels must stay where they are
+  std::deque<Level> levels_;  // not a vector: addresses of levels must remain valid
 };
 
 }  // namespace
 
 void check_size(std::size_t bytes, const std::string& file) {
-  if (bytes <= most_bytes) return;
+  if (bytes <= max_scene_bytes) return;
   throw SceneError({file + ": found " + std::to_string(bytes / 1'000'000) + " MB, expected a scene of at most " +
-                    std::to_string(most_bytes / 1'000'000) + " MB"});
+                    std::to_string(max_scene_bytes / 1'000'000) + " MB"});
 }
 
 Json parse_json(std::string_view text, const std::string& file, Faults& faults) {
   check_size(text.size(), file);
-  const std::string source = with_stand_ins(text);
+  const std::string source = with_placeholders(text);
   TreeBuilder builder(text, file, faults);
   Json::sax_parse(source, &builder);
   return builder.take();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree of a scene file before it is understood.
+// The tree of values of a scene file, before it is interpreted.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,14 +10,14 @@
 
 namespace gelenk {
 
-// Keys stay in the order of the file. A number may be NaN or infinite: who reads it says so, with its path.
+// Keys keep the order of the file. Numbers may be NaN or infinite; readers of the tree report these with their path.
 using Json = nlohmann::ordered_json;
 
-// Deeper than any scene goes (bodies.x.pose.rotation.matrix[1][2] has seven levels).
-inline constexpr std::size_t deepest_level = 32;
+// Limit of the nesting depth; scenes have at most seven levels (bodies.x.pose.rotation.matrix[1][2]).
+inline constexpr std::size_t max_nesting = 32;
 
-// Reads JSON. A mistake of syntax is told as "file:line:column: ..." and ends the reading (SceneError); a
-// key that a mapping has twice is a fault, and its first value stays.
+// Parses JSON. Throws SceneError "file:line:column: ..." for a syntax error. A key that occurs twice in a mapping adds
+// an error to `faults`, and its first value is kept.
 Json parse_json(std::string_view text, const std::string& file, Faults& faults);
 
 }  // namespace gelenk

@@ -5,7 +5,7 @@
 namespace gelenk {
 namespace {
 
-// [xx, yy, zz, xy, xz, yz], or [xx, yy, zz] when B's axes are principal ones.
+// Reads [xx, yy, zz, xy, xz, yz], or [xx, yy, zz] if the axes of B are principal axes.
 Eigen::Matrix3d read_inertia(const Json& value, const std::string& path, Faults& faults) {
   Eigen::Matrix3d I = Eigen::Matrix3d::Zero();
   const std::string advice = advice::on_inertia(value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motors, forces, constraints and sensors, by what the registry says of their kinds.
+// Reads motors, forces, constraints and sensors according to the registry of their kinds.
 #include <algorithm>
 #include <utility>
 
@@ -15,13 +15,13 @@ std::string read_joint_name(Fields& fields, const Port& port, Reader& reader) {
   const Json* value = port.optional ? fields.find(field) : fields.require(field, expected);
   if (value == nullptr) return {};
   const auto name = read_text(*value, fields.path(field), reader.faults, expected);
-  if (!name || reader.joints.empty()) return {};  // no joints: told already
+  if (!name || reader.joints.empty()) return {};  // no joints: reported already
   if (std::ranges::find(reader.joints, *name) != reader.joints.end()) return *name;
   reader.faults.add(fields.path(field), text::quoted(*name), text::one_of(*name, reader.joints, "joints"));
   return {};
 }
 
-// The coordinate's name; that of a joint with one degree of freedom where nothing is said.
+// Reads the name of a coordinate; by default the only coordinate of a joint that has one.
 std::string read_coordinate(Fields& fields, const std::string& joint, Reader& reader) {
   const JointKind* kind = kind_of_joint(reader.scene, joint);
   const Json* value = fields.find("coordinate");
@@ -71,11 +71,11 @@ void read_ports(Fields& fields, const ElementKind& kind, Reader& reader, Element
   }
 }
 
-// What an entry is expected to be that is no mapping.
+// Returns the expected contents of an entry, for entries that are not a mapping.
 std::string mapping_of(const Section& section, std::span<const ElementKind> kinds) {
   std::vector<std::string> names;
   for (const ElementKind& kind : kinds) {
-    if (kind.kind != section.usual) continue;
+    if (kind.kind != section.default_type) continue;
     for (const Port& port : kind.ports) names.emplace_back(port.name);
     for (const Field& field : kind.fields) names.emplace_back(field.name);
   }
@@ -97,9 +97,9 @@ void read_section(const Json& section, const Section& of, Reader& reader, std::v
              [&](const std::string& name, const Json& value, const std::string& path) {
                const std::size_t before = reader.faults.count();
                Fields fields(value, path, reader.faults, expected);
-               const std::string type = fields.choice("type", names, std::string(of.usual));
+               const std::string type = fields.choice("type", names, std::string(of.default_type));
                if (type.empty()) {
-                 reader.doubtful.insert(name);
+                 reader.suspect_names.insert(name);
                  return;
                }
                const auto n = static_cast<std::size_t>(std::ranges::find(names, type) - names.begin());

@@ -4,15 +4,15 @@
 
 #include "joint/registry.h"
 #include "math/rotations.h"
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 #include "scene_file/element_fields.h"
 #include "scene_file/reader.h"
 
 namespace gelenk {
 namespace {
 
-// Below this angle [rad] two axes are parallel: the third, normal to both, would be lost in rounding.
-constexpr double parallel = 1e-6;
+// Axes at a smaller angle [rad] are parallel: the direction normal to both would be lost to round-off.
+constexpr double min_axis_angle = 1e-6;
 
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
@@ -37,8 +37,8 @@ void read_two_axes(const Json* axes, Fields& fields, Joint& joint) {
   const auto a = read_direction((*axes)[0], path + "[1]", fields.faults());
   const auto b = read_direction((*axes)[1], path + "[2]", fields.faults());
   if (!a || !b) return;
-  if (a->cross(*b).norm() < parallel) {
-    fields.faults().add(path, "two parallel directions", "two that cross");
+  if (a->cross(*b).norm() < min_axis_angle) {
+    fields.faults().add(path, "two parallel directions", "two that are not parallel");
     return;
   }
   joint.axes = {*a, *b};
@@ -79,7 +79,8 @@ void read_frames(Fields& fields, Reader& reader, Joint& joint) {
     bool placed = false;
     *frame = read_body_frame(*value, fields.path(key), faults, reader.bodies, true, &placed);
     if (placed && at != nullptr) {
-      faults.add(fields.path(key), "a position or rotation beside 'at'", "either 'at' or the frames in both bodies");
+      faults.add(fields.path(key), "a position or rotation in addition to 'at'",
+                 "either 'at' or the frames in both bodies");
     }
   }
   if (at == nullptr) return;
@@ -91,7 +92,7 @@ void read_frames(Fields& fields, Reader& reader, Joint& joint) {
   }
 }
 
-// A number for one degree of freedom, a list for more.
+// Reads a field along each velocity: a number for one degree of freedom, a list for several.
 void read_along(Fields& fields, const JointForceKind& kind, const Field& field, Joint& joint) {
   const std::string key(field.name);
   const Json* value = fields.find(key);
@@ -112,7 +113,7 @@ void refuse(const Json& value, const std::string& path, std::string_view name, c
       "no " + std::string(name) + ": " + a_kind(of) + " " + (of.nv == 0 ? "cannot move" : std::string(kind.misfit)));
 }
 
-// Nothing is there after a fault: its numbers belong together.
+// Reads a group of fields along a joint; after an error the whole group is removed, since its numbers belong together.
 void read_group(const Json& value, const std::string& path, const JointForceKind& kind, Reader& reader, Joint& joint) {
   const std::size_t before = reader.faults.count();
   JointForces& at = joint.along.front();
@@ -125,10 +126,10 @@ void read_group(const Json& value, const std::string& path, const JointForceKind
   if (reader.faults.count() == before) check_forces(joint, path, kind, reader.faults);
   if (reader.faults.count() == before) return;
   kind.erase(at);
-  reader.doubtful.insert(joint.name);
+  reader.suspect_names.insert(joint.name);
 }
 
-// The keys under which a file gives it.
+// Returns the keys of a joint force in scene files.
 std::vector<std::string> keys_of(const JointForceKind& kind) {
   if (!kind.group.empty()) return {std::string(kind.group)};
   std::vector<std::string> out;
@@ -136,13 +137,13 @@ std::vector<std::string> keys_of(const JointForceKind& kind) {
   return out;
 }
 
-// Of a joint along which there can be none.
+// Adds errors for forces that this kind of joint cannot have.
 void refuse_forces(Fields& fields, const JointForceKind& kind, Reader& reader, const Joint& joint) {
   for (const std::string& key : keys_of(kind)) {
     const Json* value = fields.find(key);
     if (value == nullptr) continue;
     refuse(*value, fields.path(key), key, kind, kind_of(joint.is), reader.faults);
-    if (!kind.group.empty()) reader.doubtful.insert(joint.name);
+    if (!kind.group.empty()) reader.suspect_names.insert(joint.name);
   }
 }
 
@@ -161,8 +162,8 @@ void read_forces(Fields& fields, Reader& reader, Joint& joint) {
   }
 }
 
-// What is not looked at without the joint's kind, so that it is no unknown field.
-void know_fields(Fields& fields) {
+// Accepts the fields of all kinds of joints if the kind is unknown, so that they are not reported as unknown.
+void accept_fields_of_every_kind(Fields& fields) {
   for (const char* key : {"axis", "axes", "start"}) fields.find(key);
   for (const JointForceKind& kind : joint_force_kinds()) {
     if (!kind.group.empty()) fields.find(std::string(kind.group));
@@ -180,8 +181,8 @@ void read_joint(const Json& value, const std::string& path, Reader& reader, Join
   joint.type = fields.choice("type", kind_names(), "");
   const JointKind* kind = find_joint_kind(joint.type);
   if (kind == nullptr) {
-    know_fields(fields);
-    reader.doubtful.insert(joint.name);
+    accept_fields_of_every_kind(fields);
+    reader.suspect_names.insert(joint.name);
     read_frames(fields, reader, joint);
     fields.done();
     return;

@@ -4,18 +4,18 @@
 #include <algorithm>
 #include <utility>
 
-#include "check/doubts.h"
+#include "check/warnings.h"
 #include "scene_file/reader.h"
 #include "util/text.h"
 
 namespace gelenk {
 namespace {
 
-// Another version may mean anything: nothing more is read then.
-bool right_version(Fields& fields) {
+// Checks the version of the format; a file of another version is not read any further.
+bool version_is_supported(Fields& fields) {
   const std::string expected = std::to_string(scene_version) + ", the version of the scene format";
   const Json* version = fields.require("gelenk", expected);
-  if (version == nullptr) return true;  // told; the rest can still be looked at
+  if (version == nullptr) return true;  // reported; the rest can still be checked
   if (version->is_number() && version->get<double>() == scene_version) return true;
   fields.faults().add("gelenk", shown(*version), expected + " that this Gelenk reads");
   return false;
@@ -42,17 +42,17 @@ std::vector<std::string> keys(const Json* section) {
 
 using Read = void (*)(const Json&, Reader&);
 
-// A section that must have entries.
-const Json* filled(Fields& fields, const std::string& name, const std::string& expected) {
+// Finds a section that must have entries.
+const Json* required_section(Fields& fields, const std::string& name, const std::string& expected) {
   const Json* section = fields.require(name, expected);
   if (section != nullptr && section->is_object() && section->empty()) fields.faults().add(name, "nothing", expected);
   return section;
 }
 
-void read_sections(Fields& fields, Scene& scene, Doubtful& doubtful) {
-  const Json* bodies = filled(fields, "bodies", "at least one body");
-  const Json* joints = filled(fields, "joints", "at least one joint");
-  Reader reader{scene, fields.faults(), {}, keys(joints), doubtful};
+void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
+  const Json* bodies = required_section(fields, "bodies", "at least one body");
+  const Json* joints = required_section(fields, "joints", "at least one joint");
+  Reader reader{scene, fields.faults(), {}, keys(joints), suspect_names};
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
@@ -74,30 +74,30 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
   Scene scene;
   scene.file = file;
   Fields fields(tree, "", faults, "a mapping with gelenk, bodies, joints");
-  if (fields.valid() && right_version(fields)) {
-    Doubtful doubtful;
+  if (fields.valid() && version_is_supported(fields)) {
+    SuspectNames suspect_names;
     scene.name = read_name(fields, scene.name);
     scene.gravity = fields.vector("gravity", "m/s2");
-    read_sections(fields, scene, doubtful);
+    read_sections(fields, scene, suspect_names);
     fields.done();
-    find_faults(scene, faults, doubtful);
+    find_faults(scene, faults, suspect_names);
   }
   faults.raise();
-  find_doubts(scene, faults);
+  find_warnings(scene, faults);
   return scene;
 }
 
-Scene read_scene_json(std::string_view text, const std::string& file, std::vector<std::string>& doubts) {
+Scene read_scene_json(std::string_view text, const std::string& file, std::vector<std::string>& warnings) {
   Faults faults(file);
   const Json tree = parse_json(text, faults.file(), faults);
   Scene scene = scene_from_tree(tree, file, faults);
-  doubts.insert(doubts.end(), faults.doubts().begin(), faults.doubts().end());
+  warnings.insert(warnings.end(), faults.warnings().begin(), faults.warnings().end());
   return scene;
 }
 
 Scene read_scene_json(std::string_view text, const std::string& file) {
-  std::vector<std::string> doubts;
-  return read_scene_json(text, file, doubts);
+  std::vector<std::string> warnings;
+  return read_scene_json(text, file, warnings);
 }
 
 Scene checked(const Scene& scene) { return read_scene_json(write_scene_json(scene), scene.file); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters, outputs, assembly, experiment, solver.
+// Reads the sections parameters, outputs, assembly, experiment and solver.
 #include <cmath>
 #include <limits>
 
@@ -13,7 +13,7 @@ namespace gelenk {
 
 namespace {
 
-// As many as the list has; empty where one is no text.
+// Reads a list of names; entries that are not text become empty names.
 std::vector<std::string> read_names(const Json& list, const std::string& path, Faults& faults, std::string_view what) {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -27,7 +27,7 @@ std::vector<std::string> read_names(const Json& list, const std::string& path, F
 void read_parameters(const Json& section, Reader& reader) {
   if (section.is_string() && section.get<std::string>() == "all") {
     for (const Settable& number : settables(reader.scene)) {
-      if (number.path != "gravity") reader.scene.parameters.push_back(number.path);  // is there in any case
+      if (number.path != "gravity") reader.scene.parameters.push_back(number.path);  // always a parameter
     }
     return;
   }
@@ -40,7 +40,7 @@ void read_parameters(const Json& section, Reader& reader) {
 
 void read_outputs(const Json& section, Reader& reader) {
   constexpr const char* expected =
-      "a list of names and patterns of outputs such as [A.phi, 'B.*']; without `outputs` all are there";
+      "a list of names and patterns of outputs such as [A.phi, 'B.*']; omit `outputs` to include all";
   if (!section.is_array() || section.empty()) {
     reader.faults.add("outputs", section.is_array() ? "an empty list" : shown(section), expected);
     return;
@@ -66,7 +66,7 @@ void read_experiment(const Json& section, Reader& reader) {
 
 namespace {
 
-// {planar: false, ...}; `all` stands for those not named.
+// Reads {planar: false, ...}; `all` applies to the reductions that are not named.
 void read_reductions(const Json& section, Solver& solver, Faults& faults) {
   Fields fields(section, "solver.reductions", faults, "a mapping from names of reductions to true or false");
   const bool all = fields.flag("all", true);
@@ -76,21 +76,21 @@ void read_reductions(const Json& section, Solver& solver, Faults& faults) {
 
 void read_left_out(const Json& section, Reader& reader) {
   Fields fields(section, "solver.left_out", reader.faults, "a mapping with length, travel, mass");
-  LeftOut& sizes = reader.scene.left_out.emplace();
+  OmittedSizes& sizes = reader.scene.left_out.emplace();
   sizes.length = fields.number("length", 0, "m", Range::not_negative);
   sizes.travel = fields.number("travel", 0, "m", Range::not_negative);
   sizes.mass = fields.number("mass", 0, "kg", Range::not_negative);
   fields.done();
 }
 
-// A whole number from 1 on that an Integer of FMI holds.
+// Reads an integer in the range, which the type Integer of FMI can hold.
 void read_count(const Json& value, const std::string& path, IntRange range, int& count, Faults& faults) {
   const double x = value.is_number() ? value.get<double>() : -1;
-  if (x >= range.least && x <= range.most && x == std::floor(x)) {
+  if (x >= range.min && x <= range.max && x == std::floor(x)) {
     count = static_cast<int>(x);
   } else {
     faults.add(path, shown(value),
-               "a whole number from " + std::to_string(range.least) + " to " + std::to_string(range.most));
+               "a whole number from " + std::to_string(range.min) + " to " + std::to_string(range.max));
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include "joint/registry.h"
 #include "math/rotations.h"
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 #include "scene_file/reader.h"
 
 namespace gelenk {
@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* quaternion_name = "Q";
 
-// One group of start values, and where it lives in the joint.
+// One group of start values and the arrays of the joint in which they are stored.
 struct Slot {
   QuantityGroup group;
   std::vector<double>& values;
@@ -29,13 +29,13 @@ std::vector<Slot> slots(const JointKind& kind, JointStart& start) {
   return out;
 }
 
-void mark(std::vector<bool>& flags, const QuantityGroup& group) {
+void set_flags(std::vector<bool>& flags, const QuantityGroup& group) {
   std::fill_n(flags.begin() + static_cast<std::ptrdiff_t>(group.first), group.size, true);
 }
 
 void store(Slot& slot, const double* values) {
   std::copy_n(values, slot.group.size, slot.values.begin() + static_cast<std::ptrdiff_t>(slot.group.first));
-  mark(slot.given, slot.group);
+  set_flags(slot.given, slot.group);
 }
 
 void read_slot(const Json& value, const std::string& path, Faults& faults, Slot& slot) {
@@ -53,7 +53,7 @@ void read_slot(const Json& value, const std::string& path, Faults& faults, Slot&
   store(slot, Eigen::VectorXd(unit(Q)).data());
 }
 
-// `rotation` in place of the quaternion.
+// Reads `rotation`, an alternative to the quaternion.
 void read_start_rotation(Fields& fields, std::vector<Slot>& all) {
   const auto slot = std::ranges::find_if(all, [](const Slot& s) { return s.group.name == quaternion_name; });
   if (slot == all.end()) return;
@@ -61,18 +61,18 @@ void read_start_rotation(Fields& fields, std::vector<Slot>& all) {
   if (rotation == nullptr) return;
   const std::string path = fields.path("rotation");
   if (fields.find(quaternion_name) != nullptr) {
-    fields.faults().add(path, "a rotation beside 'Q'", "one of the two");
+    fields.faults().add(path, "a rotation in addition to 'Q'", "one of the two");
     return;
   }
   const auto R = read_rotation(*rotation, path, fields.faults());
   if (!R) return;
   const Eigen::Quaterniond Q(*R);
-  store(*slot, Eigen::VectorXd(unit(Q.coeffs())).data());  // Eigen's order is ours: x, y, z, w
+  store(*slot, Eigen::VectorXd(unit(Q.coeffs())).data());  // the same order as in Eigen: x, y, z, w
 }
 
 bool is_given(const Slot& slot) { return slot.given[slot.group.first]; }
 
-// The start value of that name; nullptr and a fault if there is none, or none is given.
+// Returns the start value with this name; nullptr, and an error, if it does not exist or is not given.
 Slot* given_slot(const std::string& name, const std::string& where, Faults& faults, std::vector<Slot>& all) {
   const std::string base = name == "rotation" ? quaternion_name : name;
   const auto slot = std::ranges::find_if(all, [&](const Slot& s) { return s.group.name == base; });
@@ -81,18 +81,18 @@ Slot* given_slot(const std::string& name, const std::string& where, Faults& faul
     for (const Slot& s : all) known.push_back(s.group.name);
     faults.add(where, text::quoted(name), text::one_of(name, known, "start values"));
   } else if (!is_given(*slot)) {
-    faults.add(where, text::quoted(name) + ", which has no start value", "only values that 'start' gives");
+    faults.add(where, text::quoted(name) + ", which has no start value", "only values given in 'start'");
   } else {
     return &*slot;
   }
   return nullptr;
 }
 
-// fixed: true, false or [names]
+// Reads fixed: true, false or [names].
 void read_fixed(const Json& fixed, const std::string& path, Faults& faults, std::vector<Slot>& all) {
   if (fixed.is_boolean()) {
     for (Slot& slot : all) {
-      if (fixed.get<bool>() && is_given(slot)) mark(slot.fixed, slot.group);
+      if (fixed.get<bool>() && is_given(slot)) set_flags(slot.fixed, slot.group);
     }
     return;
   }
@@ -101,21 +101,21 @@ void read_fixed(const Json& fixed, const std::string& path, Faults& faults, std:
     const std::string where = path + "[" + std::to_string(i + 1) + "]";
     const auto name = read_text(fixed[i], where, faults, "the name of a start value");
     if (!name) continue;
-    if (Slot* slot = given_slot(*name, where, faults, all)) mark(slot->fixed, slot->group);
+    if (Slot* slot = given_slot(*name, where, faults, all)) set_flags(slot->fixed, slot->group);
   }
 }
 
-void weigh(Slot& slot, double weight) {
+void set_weight(Slot& slot, double weight) {
   std::fill_n(slot.weight.begin() + static_cast<std::ptrdiff_t>(slot.group.first), slot.group.size, weight);
 }
 
-// weight: number or {name: number}
+// Reads weight: number or {name: number}.
 void read_weight(const Json& weight, const std::string& path, Faults& faults, std::vector<Slot>& all) {
   if (weight.is_number()) {
     const auto x = read_number(weight, path, faults, {}, Range::not_negative);
     if (!x) return;
     for (Slot& slot : all) {
-      if (is_given(slot)) weigh(slot, *x);
+      if (is_given(slot)) set_weight(slot, *x);
     }
     return;
   }
@@ -124,7 +124,7 @@ void read_weight(const Json& weight, const std::string& path, Faults& faults, st
     const std::string where = path + "." + text::printable(name);
     const auto x = read_number(value, where, faults, {}, Range::not_negative);
     Slot* slot = given_slot(name, where, faults, all);
-    if (x && slot != nullptr) weigh(*slot, *x);
+    if (x && slot != nullptr) set_weight(*slot, *x);
   }
 }
 

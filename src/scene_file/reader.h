@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sections of a scene file: each function reads one into the scene and adds faults for what is wrong.
+// Readers of the sections of a scene file: each reads one section into the scene and adds errors to its faults.
 #pragma once
 
 #include <string>
@@ -14,21 +14,21 @@
 
 namespace gelenk {
 
-// What the sections know of each other.
+// State shared by the readers of the sections.
 struct Reader {
   Scene& scene;
   Faults& faults;
-  std::vector<std::string> bodies;  // names, ground first; none when the section could not be read
+  std::vector<std::string> bodies;  // names, ground first; empty if the section could not be read
   std::vector<std::string> joints;
-  Doubtful& doubtful;
+  SuspectNames& suspect_names;
 };
 
-// Reads and checks the whole tree. Throws SceneError with all faults, those added before included.
+// Reads and checks the whole tree. Throws SceneError with all errors, including those in `faults` before the call.
 Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults);
 
 void read_bodies(const Json& section, Reader& reader);
 void read_joints(const Json& section, Reader& reader);
-// The sections of elements among all sections.
+// Reads all sections of elements.
 void read_elements(Fields& sections, Reader& reader);
 void read_parameters(const Json& section, Reader& reader);
 void read_outputs(const Json& section, Reader& reader);
@@ -36,7 +36,7 @@ void read_assembly(const Json& section, Reader& reader);
 void read_experiment(const Json& section, Reader& reader);
 void read_solver(const Json& section, Reader& reader);
 
-// Start values, by the names of the joint's coordinates and speeds; arrays as a whole: Q: [x, y, z, w].
+// Reads start values by the names of the joint's coordinates and velocities; arrays as a whole: Q: [x, y, z, w].
 void read_start(const Json& value, const std::string& path, Faults& faults, Joint& joint);
 
 // Calls read(name, value, path) for every entry of a section {name: value, ...}.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The JSON Schema says what a schema can: fields, types, sizes, signs. Names that must exist, inertias, and
-// whatever else needs arithmetic are left to the reader.
+// JSON Schema of scene files: fields, types, sizes, signs. References to names, inertias and everything else that
+// requires arithmetic are checked by the reader only.
 #include <limits>
 
 #include "joint/registry.h"
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/read.h"
 #include "scene_file/schema_parts.h"
@@ -16,12 +16,13 @@ using namespace schema;
 
 Json rotation() {
   Json out;
-  out["description"] = "Orientation of a frame: columns of the matrix are its axes.";
+  out["description"] = "Orientation of a frame; the columns of the matrix are its axes.";
   out["oneOf"] = {
       object({{"quaternion", list(4, "", "Scalar part first: [w, x, y, z]")}}, {"quaternion"}),
-      object({{"rpy", list(3, "rad", "Turns about the fixed x, y, z axes, in this order: R = Rz(y) Ry(p) Rx(r)")}},
+      object({{"rpy", list(3, "rad", "Rotations about the fixed x, y, z axes, in this order: R = Rz(y) Ry(p) Rx(r)")}},
              {"rpy"}),
-      object({{"axis", list(3, "", "Direction of the axis")}, {"angle", number("rad", "Turn about the axis")}},
+      object({{"axis", list(3, "", "Direction of the axis")},
+              {"angle", number("rad", "Angle of rotation about the axis")}},
              {"axis", "angle"}),
       object({{"matrix", {{"type", "array"}, {"items", list(3, "", "A row")}, {"minItems", 3}, {"maxItems", 3}}}},
              {"matrix"})};
@@ -36,7 +37,8 @@ Json frame(bool with_rotation) {
   fields["position"] = list(3, "m", "Position in the body");
   if (with_rotation) fields["rotation"] = reference("rotation");
   Json out;
-  out["description"] = "A frame fixed in a body: where it is, or only the body's name for the body's own frame.";
+  out["description"] =
+      "A frame fixed in a body: its pose, or only the name of the body for the frame of the body itself.";
   out["oneOf"] = {string("Name of a body, or ground"), object(fields, {"body"})};
   return out;
 }
@@ -44,7 +46,8 @@ Json frame(bool with_rotation) {
 Json body() {
   const Json moments = list(3, "kg m2", "xx, yy, zz where the body's axes are principal axes");
   const Json all = list(6, "kg m2", "xx, yy, zz, xy, xz, yz: entries of the inertia matrix");
-  Json inertia = {{"description", "About the centre of mass, along the body's axes."}, {"oneOf", {moments, all}}};
+  Json inertia = {{"description", "Inertia about the center of mass, along the body's axes."},
+                  {"oneOf", {moments, all}}};
   const Body plain;
   std::vector<std::string> required;
   Json fields = properties(Body::fields(), &plain, nullptr, required);
@@ -65,7 +68,7 @@ Json start(const JointKind& kind) {
       names.push_back(g.name);
     }
   }
-  Json one_rotation;  // a rotation stands for the quaternion, not beside it
+  Json one_rotation;  // excludes that both the quaternion and a rotation are given
   if (kind.has_quaternion()) {
     fields["rotation"] = reference("rotation");
     names.push_back("rotation");
@@ -74,14 +77,14 @@ Json start(const JointKind& kind) {
   Json listed = {{"type", "array"}};
   if (!names.empty()) listed["items"] = {{"enum", names}};
   fields["fixed"] = {
-      {"description", "Keep the values exactly: true, or the names of those to keep. Others are guesses."},
+      {"description", "Values to keep exactly: true for all, or a list of names. Others are initial guesses."},
       {"oneOf", {{{"type", "boolean"}}, listed}}};
   Json weights = Json::object();
   for (const Json& name : names) weights[name.get<std::string>()] = number("", "Weight", Range::not_negative);
   fields["weight"] = {
       {"description",
-       "How much the square of a guess's change counts where guesses contradict: of all values, or by name"},
-      {"oneOf", {number("", "Of all values given", Range::not_negative), object(weights, {})}}};
+       "Weight of the squared change of a guess if the guesses are inconsistent: one for all values, or by name"},
+      {"oneOf", {number("", "Weight of all given values", Range::not_negative), object(weights, {})}}};
   Json out = object(fields, {});
   out["description"] = "Start values.";
   if (!one_rotation.is_null()) out["not"] = one_rotation;
@@ -110,7 +113,7 @@ Json joint(const JointKind& kind) {
   return object(fields, required);
 }
 
-// The kind by its name, then the fields of that kind: a validator's message stays with what was meant.
+// Selects the kind by its name, then checks the fields of that kind, so that messages of validators refer to it.
 Json any_joint() {
   Json names = Json::array();
   Json cases = Json::array();
@@ -133,75 +136,76 @@ Json definitions() {
 Json reductions() {
   Json fields;
   for (const std::string& name : words::reductions) fields[name] = {{"type", "boolean"}};
-  fields["all"] = {{"type", "boolean"}, {"description", "Those not named"}};
+  fields["all"] = {{"type", "boolean"}, {"description", "Default for the reductions that are not named"}};
   Json out = object(fields, {});
-  out["description"] = "Passes that make the model smaller; all are on unless switched off here.";
+  out["description"] = "Reductions of the model that leave its results unchanged; all are on unless switched off here.";
   return out;
 }
 
 Json left_out() {
-  Json out = object({{"length", number("m", "Largest length of its bodies", Range::not_negative)},
-                     {"travel", number("m", "Largest distance at which things stand", Range::not_negative)},
-                     {"mass", number("kg", "Mass of its heaviest body", Range::not_negative)}},
+  Json out = object({{"length", number("m", "Largest length of the removed bodies", Range::not_negative)},
+                     {"travel", number("m", "Largest distance between removed parts", Range::not_negative)},
+                     {"mass", number("kg", "Mass of the heaviest removed body", Range::not_negative)}},
                     {});
-  out["description"] = "In FMUs: the size of what `outputs` has left out, which natural units are chosen by.";
+  out["description"] = "In FMUs: sizes of the parts removed because of `outputs`; natural units are chosen by them.";
   return out;
 }
 
 Json settings() {
   Json out;
-  out["assembly"] = object({{"tolerance",
-                             {{"type", "number"},
-                              {"minimum", 0},
-                              {"maximum", words::loosest_assembly},
-                              {"description",
-                               "How far joint frames may be moved [rad, lengths of about the mechanism's size] so that "
-                               "loops with redundant constraints, whose numbers were rounded, close exactly; 0 if not "
-                               "given: by no more than 1e-9"}}}},
-                           {});
-  out["experiment"] =
-      object({{"stop", number("s", "Default end of a run", Range::positive)},
-              {"step", number("s", "Default communication step", Range::positive)},
-              {"tolerance", number("", "Relative; absolute per radian, metre, rad/s, m/s", Range::positive)}},
+  out["assembly"] =
+      object({{"tolerance",
+               {{"type", "number"},
+                {"minimum", 0},
+                {"maximum", words::max_assembly_tolerance},
+                {"description",
+                 "Largest displacement of joint frames [rad, or relative to the size of the mechanism] by "
+                 "which loops with redundant constraints and rounded dimensions are made to close "
+                 "exactly; 0 if not given: no more than 1e-9"}}}},
              {});
+  out["experiment"] = object(
+      {{"stop", number("s", "Default end time of a run", Range::positive)},
+       {"step", number("s", "Default communication step", Range::positive)},
+       {"tolerance", number("", "Relative error tolerance; absolute per radian, meter, rad/s, m/s", Range::positive)}},
+      {});
   out["solver"] = object(
       {{"formulation", {{"enum", words::formulations}}},
        {"integrator", {{"enum", words::integrators}}},
        {"start",
         {{"enum", words::starts},
          {"description",
-          "What a run begins with: the start values, or the rest found from them; as_given if not given"}}},
-       {"step", number("s", "Of fixed-step methods; 0: chosen from experiment.step", Range::not_negative)},
+          "Initial state of a run: the start values, or the equilibrium found from them; as_given if not given"}}},
+       {"step", number("s", "Step of fixed-step methods; 0: chosen from experiment.step", Range::not_negative)},
        {"max_evaluations",
         {{"type", "integer"},
-         {"minimum", words::max_evaluations.least},
-         {"maximum", words::max_evaluations.most},
+         {"minimum", words::max_evaluations.min},
+         {"maximum", words::max_evaluations.max},
          {"description",
-          "Evaluations of the equations of motion, of each island, after which a communication step ends early; "
-          "10000000 if not given"}}},
+          "Maximum number of evaluations of the equations of motion of each island in a communication step, which "
+          "ends early then; 10000000 if not given"}}},
        {"max_events",
         {{"type", "integer"},
-         {"minimum", words::max_events.least},
-         {"maximum", words::max_events.most},
+         {"minimum", words::max_events.min},
+         {"maximum", words::max_events.max},
          {"description",
-          "Events of an island (a stop begins or ends to push) after which a communication step is given up; 10000 if "
-          "not given"}}},
+          "Maximum number of events of an island (a stop engages or disengages) in a communication step, which fails "
+          "then; 10000 if not given"}}},
        {"corrections",
         {{"type", "integer"},
-         {"minimum", words::corrections.least},
-         {"maximum", words::corrections.most},
+         {"minimum", words::corrections.min},
+         {"maximum", words::corrections.max},
          {"description",
-          "Of the formulation projection: corrections of positions, and of speeds, after each step, so that each "
-          "costs the same; 0 if not given: as many as close the loops"}}},
+          "Number of iterations of the formulation projection for positions, and for velocities, after each step, so "
+          "that all steps cost the same; 0 if not given: until convergence"}}},
        {"rho_inf",
         {{"type", "number"},
          {"minimum", 0},
          {"maximum", 1},
          {"description",
-          "Of generalized-alpha and hht: share of an infinitely fast oscillation that a step leaves; 0.8 if not "
-          "given"}}},
-       {"baumgarte_alpha", number("1/s", "Of baumgarte, on J v; 0: chosen from the step", Range::not_negative)},
-       {"baumgarte_beta", number("1/s", "Of baumgarte, on Phi; 0: chosen from the step", Range::not_negative)},
+          "Spectral radius of generalized-alpha and hht at infinite frequency: the fraction of an infinitely fast "
+          "oscillation that remains after a step; 0.8 if not given"}}},
+       {"baumgarte_alpha", number("1/s", "Gain of baumgarte on J v; 0: chosen from the step", Range::not_negative)},
+       {"baumgarte_beta", number("1/s", "Gain of baumgarte on Phi; 0: chosen from the step", Range::not_negative)},
        {"reductions", reductions()},
        {"left_out", left_out()}},
       {});
@@ -215,22 +219,23 @@ std::string scene_schema() {
   fields["gelenk"] = {{"const", scene_version}, {"description", "Version of the format"}};
   fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
   fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
-  fields["bodies"] = section(body(), "Rigid bodies. The ground is there by itself.", true);
-  fields["joints"] = section(any_joint(), "Joints, the edges of the mechanism's graph. Loops may close.", true);
+  fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
+  fields["joints"] =
+      section(any_joint(), "Joints, the edges of the mechanism's graph, which may contain closed loops.", true);
   const Scene nothing;
   each_section(nothing, [&](const Section& of, const auto& none) {
     fields[std::string(of.name)] = section(elements(of, none), std::string(of.description), false);
   });
   fields["parameters"] = {
       {"anyOf", {{{"type", "array"}, {"items", {{"type", "string"}}}, {"uniqueItems", true}}, {{"const", "all"}}}},
-      {"description", "Paths of numbers that may be set before a run, such as crank.mass; all: whatever can be"}};
+      {"description", "Paths of numbers that can be set before a run, such as crank.mass; all: every settable number"}};
   fields["outputs"] = {{"type", "array"},
                        {"items", {{"type", "string"}, {"minLength", 1}}},
                        {"minItems", 1},
                        {"uniqueItems", true},
                        {"description",
-                        "Outputs that are wanted, by name or pattern (*, ?, [...]); what none of them depends on is "
-                        "left out. All if not given"}};
+                        "Wanted outputs, by name or pattern (*, ?, [...]); parts that none of them depends on are "
+                        "removed from the model. All if not given"}};
   fields.update(settings());
   Json out;
   out["$schema"] = "https://json-schema.org/draft/2020-12/schema";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sections of elements in the JSON Schema, from what the elements say of themselves.
+// Sections of elements in the JSON Schema, generated from the descriptions in the registry of elements.
 #include <cctype>
 #include <utility>
 
@@ -10,7 +10,7 @@
 namespace gelenk::schema {
 namespace {
 
-// A sentence's beginning.
+// Capitalizes the first letter.
 std::string sentence(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
@@ -20,7 +20,7 @@ std::string text_of(std::string_view text, const Coordinate* coordinate) {
   return sentence(about_any(text, coordinate));
 }
 
-// Of a coordinate that is not known: both units.
+// Returns the unit of a field; of an unknown coordinate both units.
 std::string unit_for(const Field& field, const Coordinate* coordinate) {
   if (coordinate != nullptr) return spelled(unit_of(field, *coordinate));
   const std::string of_angle = spelled(unit_of(field, {.name = {}, .speed = {}, .is_angle = true}));
@@ -38,8 +38,8 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
   switch (field.type) {
     case Field::Type::number: {
       const double x = field.of<double>(defaults);
-      const bool told = field.required || field.optional || x == 0;
-      return number(unit, told ? text : with_default(text, text::number(x)), field.range);
+      const bool default_is_obvious = field.required || field.optional || x == 0;
+      return number(unit, default_is_obvious ? text : with_default(text, text::number(x)), field.range);
     }
     case Field::Type::vector:
       return list(3, unit, text, field.range);
@@ -58,8 +58,8 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
       const int i = field.of<Choice>(defaults).index;
       Json words = Json::array();
       for (const std::string_view word : field.words) words.push_back(word);
-      const std::string usual = i == Choice::none ? "" : std::string(field.words[static_cast<std::size_t>(i)]);
-      return {{"enum", words}, {"description", usual.empty() ? text : with_default(text, usual)}};
+      const std::string default_word = i == Choice::none ? "" : std::string(field.words[static_cast<std::size_t>(i)]);
+      return {{"enum", words}, {"description", default_word.empty() ? text : with_default(text, default_word)}};
     }
     case Field::Type::group:
       break;
@@ -67,7 +67,7 @@ Json field_schema(const Field& field, const void* defaults, const Coordinate* co
   return group(field, coordinate);
 }
 
-// A number for one coordinate, a list for more.
+// Schema of a field along each coordinate: a number for one coordinate, a list for several.
 Json per_coordinate(const Field& field, const JointKind& kind) {
   std::vector<std::string> names;
   std::vector<std::string> speeds;
@@ -96,14 +96,14 @@ Json properties(std::span<const Field> fields, const void* defaults, const Coord
 }
 
 void add_ways(Json& mapping, std::span<const Field> fields) {
-  Json ways = Json::array();
-  for (const std::vector<std::string>& way : alternatives_of(fields)) {
+  Json alternatives = Json::array();
+  for (const std::vector<std::string>& alternative : alternatives_of(fields)) {
     Json any = Json::array();
-    for (const std::string& name : way) any.push_back({{"required", Json::array({name})}});
-    ways.push_back(any.size() == 1 ? any[0] : Json{{"anyOf", any}});
+    for (const std::string& name : alternative) any.push_back({{"required", Json::array({name})}});
+    alternatives.push_back(any.size() == 1 ? any[0] : Json{{"anyOf", any}});
   }
-  if (ways.size() == 1) mapping.update(ways[0]);
-  if (ways.size() > 1) mapping["oneOf"] = ways;
+  if (alternatives.size() == 1) mapping.update(alternatives[0]);
+  if (alternatives.size() > 1) mapping["oneOf"] = alternatives;
 }
 
 Json group(const Field& field, const Coordinate* coordinate) {
@@ -157,7 +157,8 @@ void add_port(const Port& port, Json& fields, std::vector<std::string>& required
       break;
     case Port::Kind::joint:
       fields[name] = schema::string("Name of a joint: " + text);
-      if (port.has_coordinate) fields["coordinate"] = schema::string("Which of its coordinates, where it has several");
+      if (port.has_coordinate)
+        fields["coordinate"] = schema::string("Name of the coordinate, if the joint has several");
   }
   if (!port.optional) required.push_back(name);
 }
@@ -173,7 +174,7 @@ Json elements(const Section& section) {
     Json fields;
     std::vector<std::string> required;
     fields["type"] = {{"const", name}, {"description", sentence(std::string(kind.summary))}};
-    if (section.usual != kind.kind) required.emplace_back("type");
+    if (section.default_type != kind.kind) required.emplace_back("type");
     for (const Port& port : kind.ports) add_port(port, fields, required);
     fields.update(properties(kind.fields, data_of(defaults), nullptr, required));
     names.push_back(name);
@@ -181,7 +182,7 @@ Json elements(const Section& section) {
     add_ways(element, kind.fields);
     cases.push_back(when_type(name, element));
   }
-  return by_type(names, cases, std::string(section.usual));
+  return by_type(names, cases, std::string(section.default_type));
 }
 
 }  // namespace

@@ -49,12 +49,12 @@ Json when_type(const std::string& type, const Json& then) {
   return {{"if", {{"properties", {{"type", {{"const", type}}}}}}}, {"then", then}};
 }
 
-Json by_type(const Json& names, const Json& cases, const std::string& usual) {
+Json by_type(const Json& names, const Json& cases, const std::string& default_type) {
   Json out;
   out["type"] = "object";
   out["properties"]["type"]["enum"] = names;
-  if (!usual.empty()) out["properties"]["type"]["default"] = usual;
-  if (usual.empty()) out["required"] = {"type"};
+  if (!default_type.empty()) out["properties"]["type"]["default"] = default_type;
+  if (default_type.empty()) out["required"] = {"type"};
   out["allOf"] = cases;
   return out;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Building blocks of the JSON Schema.
+// Building blocks of the JSON Schema. Units are appended to descriptions in brackets.
 #pragma once
 
 #include <string>
@@ -14,26 +14,28 @@ Json list(int size, const std::string& unit, const std::string& description, Ran
 Json string(const std::string& description);
 Json reference(const std::string& definition);
 
-// A mapping with these fields and no others.
+// Schema of a mapping with these fields and no others.
 Json object(const Json& fields, const std::vector<std::string>& required);
 
-// A mapping from names to entries.
+// Schema of a mapping from names to entries; filled: it must have at least one.
 Json section(const Json& entry, const std::string& description, bool filled);
 
-// Entries told apart by their `type`; usual: that of those which name none, if they may.
+// Schema of entries distinguished by their `type`; default_type: type of entries that name none, empty if required.
 Json when_type(const std::string& type, const Json& then);
-Json by_type(const Json& names, const Json& cases, const std::string& usual = {});
+Json by_type(const Json& names, const Json& cases, const std::string& default_type = {});
 
-// What elements say of themselves (schema_elements.cpp). coordinate: what they act on; null: it is not known.
-// Properties with these fields; required: names are added.
+// The rest is generated from the registry of elements (schema_elements.cpp). coordinate: the coordinate on which an
+// element acts; nullptr if it is not known.
+
+// Schemas of these fields by name; the names of required ones are appended to `required`.
 Json properties(std::span<const Field> fields, const void* defaults, const Coordinate* coordinate,
                 std::vector<std::string>& required);
 Json group(const Field& field, const Coordinate* coordinate);
-// Which fields of a mapping exclude each other.
+// Adds to a mapping which of its fields exclude each other.
 void add_ways(Json& mapping, std::span<const Field> fields);
-// Properties of a joint: its own numbers, and what it can have along its coordinates.
+// Schemas of the fields of a joint: its own, and those of the forces along its coordinates.
 Json joint_numbers(const JointKind& kind, std::vector<std::string>& required);
-// An entry of a section of such elements.
+// Schema of an entry of a section; the second argument selects the kinds of elements.
 Json elements(const Section& section, const std::vector<Motor>&);
 Json elements(const Section& section, const std::vector<Force>&);
 Json elements(const Section& section, const std::vector<Constraint>&);

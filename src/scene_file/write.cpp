@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "joint/registry.h"
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/element_fields.h"
 #include "scene_file/read.h"
@@ -11,7 +11,7 @@
 namespace gelenk {
 namespace {
 
-// A rotation goes out as its nine numbers: reading leaves a matrix that is one to rounding as it is.
+// Writes a rotation as a matrix: reading does not change a matrix that is orthonormal up to round-off.
 void add_pose(Json& out, const Pose3& X) {
   out["position"] = numbers_of(X.p);
   if ((X.R.array() == Eigen::Matrix3d::Identity().array()).all()) return;
@@ -47,7 +47,7 @@ Json body(const Body& body) {
   return out;
 }
 
-// The groups of coordinates or speeds of which a value is given.
+// Writes the groups of coordinates or velocities that have a given value.
 void add_start_values(Json& out, Json& fixed, std::span<const Quantity> quantities, const std::vector<double>& values,
                       const std::vector<bool>& given, const std::vector<bool>& held) {
   for (const QuantityGroup& group : groups(quantities)) {
@@ -62,7 +62,7 @@ void add_start_values(Json& out, Json& fixed, std::span<const Quantity> quantiti
   }
 }
 
-// Weights that are not as if nothing were said, by name.
+// Writes the weights that differ from the default, by name.
 void add_weights(Json& out, std::span<const Quantity> quantities, const std::vector<bool>& given,
                  const std::vector<double>& weights) {
   for (const QuantityGroup& group : groups(quantities)) {
@@ -84,7 +84,7 @@ Json start(const JointStart& start, const JointKind& kind) {
   return out;
 }
 
-// What acts along the coordinates: a number for one, a list for more.
+// Writes the forces along the coordinates: a number for one coordinate, a list for several.
 void write_forces(Json& out, const Joint& joint, const JointKind& kind) {
   for (const JointForceKind& force : joint_force_kinds()) {
     if (!force.fits(kind)) continue;
@@ -120,7 +120,7 @@ Json joint(const Joint& joint) {
 
 Json element(const ElementPlace& element, const ElementKind& kind, const void* data, const Section& section) {
   Json out;
-  if (section.usual != kind.kind) out["type"] = kind.kind;
+  if (section.default_type != kind.kind) out["type"] = kind.kind;
   std::size_t frames = 0;
   std::size_t joints = 0;
   for (const Port& port : kind.ports) {
@@ -152,8 +152,8 @@ Json section(const std::vector<Element>& elements, Json (*write)(const Element&)
   return out;
 }
 
-// One line for each entry of a section: short, and still to be read and compared by people.
-std::string laid_out(const Json& tree) {
+// Formats JSON with one line per entry of a section: short, but suitable for reading and diffing.
+std::string formatted(const Json& tree) {
   std::string out = "{";
   const char* separator = "\n ";
   for (const auto& [key, value] : tree.items()) {
@@ -207,7 +207,7 @@ std::string write_scene_json(const Scene& scene) {
   for (int i = 0; i < reduction_count; ++i) {
     if (!s.reductions[i]) out["solver"]["reductions"][words::reductions[i]] = false;
   }
-  return laid_out(out);
+  return formatted(out);
 }
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// YAML 1.2 by its core schema (section 10.3.2 of its specification): `1e-6` is a number, `yes` is not a boolean.
+// Reads YAML 1.2 with its core schema (specification, section 10.3.2): `1e-6` is a number, `yes` is not a boolean.
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "check/doubts.h"
+#include "check/warnings.h"
 #include "scene_file/read.h"
 #include "scene_file/reader.h"
 #include "util/text.h"
@@ -17,8 +17,8 @@
 namespace gelenk {
 namespace {
 
-constexpr std::size_t most_values =
-    5'000'000;  // aliases can repeat each other; a scene of 10 000 bodies has some 200 000
+// Limit of the number of values, since aliases can expand exponentially; a scene of 10 000 bodies has about 200 000.
+constexpr std::size_t max_values = 5'000'000;
 
 bool is_one_of(const std::string& s, std::initializer_list<const char*> words) {
   return std::ranges::any_of(words, [&](const char* word) { return s == word; });
@@ -26,7 +26,7 @@ bool is_one_of(const std::string& s, std::initializer_list<const char*> words) {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// How many digits of the base there are from `at` on.
+// Returns the number of consecutive digits in this base from `at`.
 std::size_t digits(std::string_view s, std::size_t at, int base) {
   const std::string_view known = std::string_view("0123456789abcdef").substr(0, static_cast<std::size_t>(base));
   std::size_t n = 0;
@@ -34,7 +34,7 @@ std::size_t digits(std::string_view s, std::size_t at, int base) {
   return n;
 }
 
-// [-+]? ( [0-9]+ (\. [0-9]*)? | \. [0-9]+ ) ([eE] [-+]? [0-9]+)?
+// Matches [-+]? ( [0-9]+ (\. [0-9]*)? | \. [0-9]+ ) ([eE] [-+]? [0-9]+)?
 bool is_decimal(std::string_view s) {
   const auto sign = [&](std::size_t at) { return at < s.size() && (s[at] == '-' || s[at] == '+') ? at + 1 : at; };
   std::size_t at = sign(0);
@@ -53,11 +53,11 @@ bool is_decimal(std::string_view s) {
   return exponent > 0 && at + exponent == s.size();
 }
 
-// Octal (0o17) and hexadecimal (0xff) numbers; null where it is none.
+// Returns the value of an octal (0o17) or hexadecimal (0xff) number, or null.
 Json prefixed_number(const std::string& s) {
   const int base = s.starts_with("0o") ? 8 : s.starts_with("0x") ? 16 : 0;
   if (base == 0 || s.size() < 3 || digits(s, 2, base) != s.size() - 2) return nullptr;
-  double value = 0;  // exact up to 2^53, as all numbers of a scene are doubles in the end
+  double value = 0;  // exact up to 2^53; all numbers of a scene become doubles anyway
   for (const char c : s.substr(2)) value = base * value + (c <= '9' ? c - '0' : lower(c) - 'a' + 10);
   return value;
 }
@@ -66,10 +66,10 @@ double decimal(const std::string& s) {
   const char* first = s.data() + (s[0] == '+' ? 1 : 0);
   double value = 0;
   if (std::from_chars(first, s.data() + s.size(), value).ec == std::errc()) return value;
-  return std::strtod(first, nullptr);  // out of range: infinity or zero, whatever the decimal point is called here
+  return std::strtod(first, nullptr);  // out of range: infinity or zero in every locale
 }
 
-// A plain scalar, by what it looks like.
+// Returns the value of a plain scalar according to its form.
 Json resolved(const std::string& s) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   if (s.empty() || is_one_of(s, {"~", "null", "Null", "NULL"})) return nullptr;
@@ -88,9 +88,9 @@ class Converter {
   explicit Converter(Faults& faults) : faults_(faults) {}
 
   Json convert(const YAML::Node& node, const std::string& path, std::size_t level = 0) {
-    if (++values_ > most_values) fail(path, "aliases that stand for more than 5000000 values", "a scene");
-    if (level >= deepest_level) {
-      fail(path, "more than " + std::to_string(deepest_level) + " levels of nesting", "a scene, which has seven");
+    if (++values_ > max_values) fail(path, "aliases that expand to more than 5000000 values", "a scene");
+    if (level >= max_nesting) {
+      fail(path, "more than " + std::to_string(max_nesting) + " levels of nesting", "a scene, which has at most seven");
     }
     if (node.IsScalar()) return node.Tag() == "!" ? Json(node.Scalar()) : resolved(node.Scalar());
     if (node.IsSequence()) return sequence(node, path, level);
@@ -130,15 +130,15 @@ class Converter {
   [[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
     faults_.add(path, found, expected);
     faults_.raise();
-    std::abort();  // not reached: there is a fault
+    std::abort();  // not reached: raise() throws
   }
 
   Faults& faults_;
   std::size_t values_ = 0;
 };
 
-// Takes the events of a document and does nothing with them.
-struct Ignore final : YAML::EventHandler {
+// Event handler that ignores all events of a document.
+struct IgnoreEvents final : YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
@@ -150,23 +150,24 @@ struct Ignore final : YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-// YAML::Load stops at the end of the first document, and YAML::LoadAll does not end at all on some
-// malformed files (0.7: a line that closes what was not opened); so the second document is only asked for.
+// Returns true if the file has one document. YAML::Load stops at the end of the first document, and YAML::LoadAll does
+// not terminate on some malformed files (0.7: a closing bracket without an opening one), so that only the presence of a
+// second document is tested.
 bool one_document(const std::string& source) {
   std::istringstream stream(source);
   YAML::Parser parser(stream);
-  Ignore events;
+  IgnoreEvents events;
   return !parser.HandleNextDocument(events) || !parser.HandleNextDocument(events);
 }
 
 }  // namespace
 
 Scene read_scene_yaml(std::string_view text, const std::string& file) {
-  std::vector<std::string> doubts;
-  return read_scene_yaml(text, file, doubts);
+  std::vector<std::string> warnings;
+  return read_scene_yaml(text, file, warnings);
 }
 
-Scene read_scene_yaml(std::string_view text, const std::string& file, std::vector<std::string>& doubts) {
+Scene read_scene_yaml(std::string_view text, const std::string& file, std::vector<std::string>& warnings) {
   check_size(text.size(), file);
   Faults faults(file);
   const std::size_t bad = text::first_not_utf8(text);
@@ -185,7 +186,7 @@ Scene read_scene_yaml(std::string_view text, const std::string& file, std::vecto
     throw SceneError({faults.file() + place + ": " + error.msg});
   }
   Scene scene = scene_from_tree(tree, file, faults);
-  doubts.insert(doubts.end(), faults.doubts().begin(), faults.doubts().end());
+  warnings.insert(warnings.end(), faults.warnings().begin(), faults.warnings().end());
   return scene;
 }
 

@@ -120,7 +120,7 @@ void Simulation::Impl::prepare_or_advise(double tolerance) {
     prepared = prepare(scene, reduced, time, u, true);
   } catch (const OpenLoop& fault) {
     throw AssemblyError(fault.what() +
-                        advice(scene, std::max(tolerance, fault.closure_error / 100), words::loosest_assembly));
+                        advice(scene, std::max(tolerance, fault.closure_error / 100), words::max_assembly_tolerance));
   }
 }
 

@@ -50,7 +50,7 @@ Parameter parameter_of(const Scene& scene, const SettableNumber& number) {
   p.name = number.variable(scene);
   p.unit = number.unit(scene);
   p.description = number.owner(scene) + ": " + number.description(scene);
-  p.min = number.least();
+  p.min = number.min();
   p.tunable = number.tunable();
   p.get = [number](const Scene& s) { return number.get(s); };
   p.put = [number](Scene& s, double value) { number.put(s, value); };
@@ -165,8 +165,8 @@ Parameter count(const char* name, const char* description, IntRange range, int S
   p.name = name;
   p.description = description;
   p.type = ParameterType::integer;
-  p.min = range.least;
-  p.max = range.most;
+  p.min = range.min;
+  p.max = range.max;
   p.get = [field](const Scene& scene) { return static_cast<double>(scene.solver.*field); };
   p.put = [field](Scene& scene, double value) { scene.solver.*field = static_cast<int>(value); };
   return p;
@@ -184,7 +184,7 @@ void add_solver(std::vector<Parameter>& table) {
                                      "so that loops whose numbers were rounded close exactly; 0: by no more than 1e-9",
                                      [](auto& scene) -> auto& { return scene.assembly.tolerance; });
   rounded.min = 0;
-  rounded.max = words::loosest_assembly;
+  rounded.max = words::max_assembly_tolerance;
   table.push_back(std::move(rounded));
   Parameter step = real_parameter("solver.step", "s", "step of fixed-step methods; 0: chosen from the default step",
                                   [](auto& scene) -> auto& { return scene.solver.step; });

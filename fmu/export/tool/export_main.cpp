@@ -15,7 +15,7 @@
 #include <new>
 #endif
 
-#include "check/doubts.h"
+#include "check/warnings.h"
 #include "fmu/export/pack.h"
 #include "scene_file/read.h"
 

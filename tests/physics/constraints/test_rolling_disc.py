@@ -240,8 +240,8 @@ def test_independent_coordinates_are_refused() -> None:
     with pytest.raises(gelenk.SceneError) as error:
         gelenk.Simulation(gelenk.load(source)).initialize()
     assert str(error.value).endswith(
-        "solver.formulation: found 'independent' with constraints.tyre, which constrains speeds but no "
-        "position, expected another formulation, as projection"
+        "solver.formulation: found 'independent' with constraints.tyre, which constrains velocities but no "
+        "positions, expected another formulation, such as projection"
     )
 
 
@@ -274,7 +274,7 @@ def test_wheel_that_falls_flat_is_refused_where_it_does(tolerance: float) -> Non
     assert flat_at - 0.011 < plant.time < flat_at
     assert np.isfinite(plant.values()).all()
     assert 1.2 < plant.output("lean.phi") < np.pi / 2
-    assert "The plant still stands at t = 0.48 s" in why
+    assert "The state is unchanged at t = 0.48 s" in why
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-11])

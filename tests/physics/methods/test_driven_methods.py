@@ -112,6 +112,6 @@ def test_the_formulation_that_knows_no_constraints_of_speeds_alone_says_so() -> 
     with pytest.raises(gelenk.SceneError) as refused:
         error("speed", "independent", "auto")
     assert str(refused.value) == (
-        "scene: solver.formulation: found 'independent' with constraints.drive, which constrains speeds but "
-        "no position, expected another formulation, as projection"
+        "scene: solver.formulation: found 'independent' with constraints.drive, which constrains "
+        "velocities but no positions, expected another formulation, such as projection"
     )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which body or joint of a scene has a name, for those who ask for all of them.
+// Finds the bodies and joints of a scene by name, with hash tables built once.
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace gelenk {
 
-// The scene outlives it.
-class Numbers {
+// Refers to the names in the scene, which must outlive it.
+class NameIndex {
  public:
-  explicit Numbers(const Scene& scene) {
+  explicit NameIndex(const Scene& scene) {
     for (const Body& body : scene.bodies) bodies_.emplace(body.name, static_cast<int>(bodies_.size()));
     for (const Joint& joint : scene.joints) joints_.emplace(joint.name, static_cast<int>(joints_.size()));
   }
-  // -1: the ground.
+  // Returns the index of the body with this name among scene.bodies; -1 for the ground and for unknown names.
   int body(const std::string& name) const { return find(bodies_, name); }
-  // -1: none.
+  // Returns the index of the joint with this name among scene.joints; -1 for unknown names.
   int joint(const std::string& name) const { return find(joints_, name); }
 
  private:

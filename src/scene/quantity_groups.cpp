@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/units.h"
+#include "scene/quantity_groups.h"
 
 namespace gelenk {
 
