@@ -24,8 +24,10 @@
 
 #include "dynamics/dynamics.h"
 #include "integrator/integrator.h"
-#include "scene/read.h"
+#include "scene_file/read.h"
+#include "simulation/probe.h"
 #include "simulation/simulation.h"
+#include "simulation/start_report.h"
 #include "timing.h"
 
 namespace {
@@ -78,7 +80,7 @@ struct State {
 void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& loads, int rank, State& state,
                       const std::vector<double>& u) {
   const auto dynamics = gelenk::make_dynamics(mechanism, loads);
-  dynamics->limit_rank(rank);
+  dynamics->set_max_rank(rank);
   const auto nv = static_cast<std::size_t>(mechanism.nv);
   const double* v = state.start.data() + mechanism.nq;
   std::vector<double> vdot(nv), f(nv);
@@ -108,9 +110,10 @@ void measure_dynamics(const gelenk::Mechanism& mechanism, const gelenk::Loads& l
 }
 
 void measure_equations(Simulation& simulation, std::vector<State>& states) {
+  gelenk::Probe probe(simulation);
   const int islands = static_cast<int>(states.size());
   measure("forward dynamics", [&] {
-    for (int i = 0; i < islands; ++i) simulation.equations(i).rhs(0, states[i].next(), states[i].out.data());
+    for (int i = 0; i < islands; ++i) probe.equations(i).rhs(0, states[i].next(), states[i].out.data());
   });
   if (simulation.size().rows == 0) return;
   std::vector<double> y;
@@ -118,18 +121,19 @@ void measure_equations(Simulation& simulation, std::vector<State>& states) {
     for (int i = 0; i < islands; ++i) {
       y = states[i].start;
       for (double& x : y) x += 1e-7;
-      if (!simulation.equations(i).project(0, y.data())) throw std::runtime_error("not reached");
+      if (!probe.equations(i).project(0, y.data())) throw std::runtime_error("not reached");
     }
   });
 }
 
 void measure_derivatives(Simulation& simulation, std::vector<State>& states) {
+  gelenk::Probe probe(simulation);
   const int islands = static_cast<int>(states.size());
-  std::vector<std::vector<double>> slopes(states.size());
+  std::vector<std::vector<double>> jacobians(states.size());
   measure("derivatives", [&] {
     for (int i = 0; i < islands; ++i) {
-      slopes[i].resize(states[i].y.size() * states[i].y.size());
-      simulation.equations(i).jacobian(0, states[i].next(), slopes[i].data());
+      jacobians[i].resize(states[i].y.size() * states[i].y.size());
+      probe.equations(i).jacobian(0, states[i].next(), jacobians[i].data());
     }
   });
 }
@@ -166,8 +170,9 @@ gelenk::Scene scene_of(const char* file) {
 }
 
 std::vector<State> states_of(Simulation& simulation) {
+  const gelenk::Probe probe(simulation);
   std::vector<State> states;
-  for (int i = 0; i < simulation.size().islands; ++i) states.emplace_back(simulation.state(i));
+  for (int i = 0; i < simulation.size().islands; ++i) states.emplace_back(probe.state(i));
   return states;
 }
 
@@ -175,9 +180,10 @@ void evaluate(const char* file, long calls) {
   Simulation simulation(scene_of(file));
   simulation.initialize();
   auto states = states_of(simulation);
+  gelenk::Probe probe(simulation);
   for (long k = 0; k < calls; ++k) {
     for (int i = 0; i < simulation.size().islands; ++i) {
-      simulation.equations(i).rhs(0, states[i].next(), states[i].out.data());
+      probe.equations(i).rhs(0, states[i].next(), states[i].out.data());
     }
   }
 }
@@ -191,13 +197,14 @@ void run(const char* file) {
   std::printf(R"({"kernel": "size", "speeds": %d, "rows": %d, "rank": %d, "planar": %d, "start_s": %.3g})"
               "\n",
               size.speeds, size.rows, size.rank, size.planar, cpu_seconds() - begin);
-  const auto& prepared = simulation.prepared();
+  const gelenk::StartReport report(simulation);
+  const gelenk::PreparedScene& prepared = report.prepared();
   auto states = states_of(simulation);
   measure_equations(simulation, states);
   const auto loads = gelenk::make_loads(scene, prepared.reduced);
   const std::vector<double> u(simulation.inputs().size());
   if (size.islands == 1) {
-    measure_dynamics(prepared.islands[0].mechanism, loads[0], prepared.islands[0].structure.rank, states[0], u);
+    measure_dynamics(prepared.islands[0].mechanism, loads[0], prepared.islands[0].mobility.rank, states[0], u);
   }
   for (const auto& kind : gelenk::integrator_kinds()) {
     const std::string method(kind.name);

@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "runs.h"
-#include "scene/read.h"
+#include "scene_file/read.h"
 #include "simulation/simulation.h"
 #include "tree_file.h"
 
