@@ -31,7 +31,7 @@ struct UnitSystem {
 };
 
 // Returns units near the length and mass of a scene's bodies, including the parts that were removed; SI units for
-// ordinary sizes (0.1 to 10 m, 1 g to 1 t).
+// ordinary sizes (1/8 to 8 m, 1/1024 to 1024 kg).
 UnitSystem natural_units(const Scene& scene);
 
 struct OmittedSizes;
