@@ -17,12 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Where the rows, by the dependent speeds, have a pivot below this share of the largest, what is left of the closure's
-// rounding in the derivatives would reach 1e-6 of them.
-constexpr double singular = 1e-8;
-// Beside a position where the rows themselves lose rank, accelerations are quotients of two numbers that vanish there
-// with the share s of a regular position's smallest pivot, and their derivatives err by some 1e-16 / s^3: 1e-7 here.
-constexpr double beside_singular = 1e-3;
+// Relative to the largest pivot of the constraint equations in the dependent velocities: below it the rounding of the
+// loop closure would cause errors of 1e-6 in the derivatives.
+constexpr double singular_pivot_ratio = 1e-8;
+// Relative to the smallest pivot of a regular position. Near a position where the constraint Jacobian loses rank,
+// accelerations are quotients of two numbers that vanish there in proportion to this fraction s, and their derivatives
+// have errors of some 1e-16 / s^3: 1e-7 here.
+constexpr double near_singular_fraction = 1e-3;
 
 }  // namespace
 
@@ -76,8 +77,8 @@ ConstrainedSensitivity::ConstrainedSensitivity(const Mechanism& mechanism, const
   }
   dynamics_->set_max_rank(rank_);
   jacobians_.of_inputs = true;
-  moved_.equations = make_residual_evaluator<Dual>(mechanism, loads);
-  path_.equations = make_residual_evaluator<Series>(mechanism, loads);
+  dual_state_.equations = make_residual_evaluator<Dual>(mechanism, loads);
+  series_state_.equations = make_residual_evaluator<Series>(mechanism, loads);
 }
 
 void ConstrainedSensitivity::set_point(const double* q, const double* v, const double* u, const double* cut_q,
@@ -104,7 +105,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   redundant_ = false;
   if (mechanism_.rows == 0) return;
   d.set_acceleration(vdot_.data());  // for lambda
-  if (rank_ > 0 && d.pivot_ratio() < std::max(singular, beside_singular * best_pivot_ratio_)) {
+  if (rank_ > 0 && d.pivot_ratio() < std::max(singular_pivot_ratio, near_singular_fraction * best_pivot_ratio_)) {
     throw NotDifferentiablePoint(NotDifferentiablePoint::What::rows);
   }
   lambda_ = Eigen::Map<const VectorXd>(d.lambda().data(), mechanism_.rows);
@@ -122,7 +123,7 @@ void ConstrainedSensitivity::find_null_multipliers() {
   x_ = inverse_ * lambda_;
 }
 
-// The point itself, without derivatives.
+// Sets `at` to the point without derivatives.
 template <class T>
 void ConstrainedSensitivity::begin(CarriedState<T>& at) {
   at.q.assign(q_.begin(), q_.end());
@@ -133,7 +134,7 @@ void ConstrainedSensitivity::begin(CarriedState<T>& at) {
   at.equations->set_cut_reference(cut_q_.data());
 }
 
-// r <- x with [M J^T; J 0] [x; l] = -[r; c].
+// Solves [M J^T; J 0] [x; l] = -[r; c]; x is stored in r.
 void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l) const {
   r = -r;
   const VectorXd target = -c;
@@ -146,7 +147,7 @@ void ConstrainedSensitivity::Partition::compute(const MatrixXd& J, int rank) {
   if (rank == 0) return;
   factor.compute(J(rows, dependent));
   const auto pivots = factor.matrixQR().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > singular * pivots.maxCoeff()))
+  if (!(pivots.minCoeff() > singular_pivot_ratio * pivots.maxCoeff()))
     throw NotDifferentiablePoint(NotDifferentiablePoint::What::partition);
 }
 
@@ -156,7 +157,7 @@ MatrixXd ConstrainedSensitivity::Partition::solve(const MatrixXd& residuals, Ind
   return out;
 }
 
-// target(row, order): of its coordinate row and derivative in time.
+// target(row, order): target of a coordinate row or its time derivative of that order.
 template <class T, class Target>
 void ConstrainedSensitivity::set_targets(CarriedState<T>& at, Target target) {
   at.targets.clear();
@@ -166,9 +167,9 @@ void ConstrainedSensitivity::set_targets(CarriedState<T>& at, Target target) {
   at.equations->set_targets(at.targets.data());
 }
 
-// Those that are inputs move with them.
-void ConstrainedSensitivity::move_targets(const MatrixXd& du) {
-  set_targets(moved_, [&](std::size_t i, int order) {
+// Targets given by inputs change with them.
+void ConstrainedSensitivity::differentiate_targets(const MatrixXd& du) {
+  set_targets(dual_state_, [&](std::size_t i, int order) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
     Dual s(targets_[i][order]);
     if (row.input < 0 || order != (row.holds_position ? 0 : 1)) return s;
@@ -177,13 +178,13 @@ void ConstrainedSensitivity::move_targets(const MatrixXd& du) {
   });
 }
 
-// The independent coordinates moved by dq, and the others as the rows want.
-MatrixXd ConstrainedSensitivity::whole_dq(const MatrixXd& dq, const MatrixXd& du) const {
+// Completes dq: the independent coordinates change by dq, the dependent ones as the constraints require.
+MatrixXd ConstrainedSensitivity::complete_dq(const MatrixXd& dq, const MatrixXd& du) const {
   const Index n = dq.cols();
   MatrixXd z = displacements(mechanism_, q_.data(), dq);
   for (const int k : of_positions_.dependent) z.row(k).setZero();
   if (mechanism_.rows > 0) {
-    MatrixXd residuals = J_ * z;  // less what the rows' targets move
+    MatrixXd residuals = J_ * z;  // minus the change of the targets
     for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
       const CoordinateRow& row = mechanism_.coordinate_rows[i];
       if (row.input < 0 || !row.holds_position) continue;
@@ -214,7 +215,7 @@ VectorXd ConstrainedSensitivity::qdot() const {
   return out;
 }
 
-void ConstrainedSensitivity::know_partition() {
+void ConstrainedSensitivity::update_partition() {
   if (mechanism_.rows == 0 || partition_.holds(stages_)) return;
   of_positions_.compute(J_, position_rank_);
   of_speeds_.compute(J_, rank_);
@@ -222,7 +223,7 @@ void ConstrainedSensitivity::know_partition() {
 }
 
 MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const MatrixXd& dv, const MatrixXd& du) {
-  know_partition();
+  update_partition();
   if (!jacobians_known_.holds(stages_)) {
     dynamics_->differentiate(u_.data(), inputs_, vdot_.data(), jacobians_, lambda_.data());
     jacobians_known_.set(stages_);
@@ -234,13 +235,13 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   out.y.resize(nq + 2 * nv, n);
   auto q = out.y.topRows(nq);
   auto v = out.y.middleRows(nq, nv);
-  q = whole_dq(dq, du);
+  q = complete_dq(dq, du);
   v = dv;
   for (const int k : of_speeds_.dependent) v.row(k).setZero();
   RowMatrix r = RowMatrix::Zero(nv, n);
   RowMatrix c(mechanism_.rows, n);
   if (mechanism_.rows > 0) {
-    MatrixXd rates = jacobians_.rate_q * q + J_ * v;  // less what the rows' targets move
+    MatrixXd rates = jacobians_.rate_q * q + J_ * v;  // minus the change of the targets
     for (std::size_t i = 0; i < mechanism_.coordinate_rows.size(); ++i) {
       const CoordinateRow& row = mechanism_.coordinate_rows[i];
       if (row.input < 0 || row.holds_position) continue;
@@ -262,43 +263,43 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
 
 CarriedState<Dual>& ConstrainedSensitivity::directional_derivative(const MatrixXd& dq, const MatrixXd& dv,
                                                                    const MatrixXd& du) {
-  know_partition();
-  begin(moved_);
-  set_slopes(du, moved_.u);
-  move_targets(du);
-  set_slopes(whole_dq(dq, du), moved_.q);
-  moved_.equations->set_position(moved_.q.data());
+  update_partition();
+  begin(dual_state_);
+  set_derivatives(du, dual_state_.u);
+  differentiate_targets(du);
+  set_derivatives(complete_dq(dq, du), dual_state_.q);
+  dual_state_.equations->set_position(dual_state_.q.data());
   MatrixXd null_multipliers = MatrixXd::Zero(mechanism_.rows, dq.cols());
   if (redundant_) {
-    // lambda = J x, so what of its change no equation of motion shows is that of dJ x.
-    const std::vector<Dual> targets = moved_.targets;
-    set_targets(moved_, [](std::size_t, int) { return Dual(0); });
-    set_values(x_, moved_.v);
-    moved_.equations->set_velocity(moved_.v.data());
-    null_multipliers = null_multipliers_ * slopes(moved_.equations->row_rates(), dq.cols());
-    set_values(v_, moved_.v);
-    moved_.targets = targets;
-    moved_.equations->set_targets(moved_.targets.data());
+    // lambda = J x, so the part of its change that does not enter the equations of motion is that of dJ x.
+    const std::vector<Dual> targets = dual_state_.targets;
+    set_targets(dual_state_, [](std::size_t, int) { return Dual(0); });
+    set_values(x_, dual_state_.v);
+    dual_state_.equations->set_velocity(dual_state_.v.data());
+    null_multipliers = null_multipliers_ * derivative_columns(dual_state_.equations->row_rates(), dq.cols());
+    set_values(v_, dual_state_.v);
+    dual_state_.targets = targets;
+    dual_state_.equations->set_targets(dual_state_.targets.data());
   }
-  move_velocity(dv);
-  move_acceleration(null_multipliers);
-  return moved_;
+  differentiate_velocity(dv);
+  differentiate_acceleration(null_multipliers);
+  return dual_state_;
 }
 
-void ConstrainedSensitivity::move_velocity(const MatrixXd& dv) {
+void ConstrainedSensitivity::differentiate_velocity(const MatrixXd& dv) {
   MatrixXd given = dv;
   for (const int k : of_speeds_.dependent) given.row(k).setZero();
-  set_slopes(given, moved_.v);
-  moved_.equations->set_velocity(moved_.v.data());
+  set_derivatives(given, dual_state_.v);
+  dual_state_.equations->set_velocity(dual_state_.v.data());
   if (of_speeds_.dependent.empty()) return;
-  given += of_speeds_.solve(slopes(moved_.equations->row_rates(), dv.cols()), mechanism_.nv);
-  set_slopes(given, moved_.v);
-  moved_.equations->set_velocity(moved_.v.data());
+  given += of_speeds_.solve(derivative_columns(dual_state_.equations->row_rates(), dv.cols()), mechanism_.nv);
+  set_derivatives(given, dual_state_.v);
+  dual_state_.equations->set_velocity(dual_state_.v.data());
 }
 
-void ConstrainedSensitivity::move_acceleration(const MatrixXd& null_multipliers) {
-  ResidualEvaluator<Dual>& e = *moved_.equations;
-  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_multipliers) {
+  ResidualEvaluator<Dual>& e = *dual_state_.equations;
+  e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
   MatrixXd dvdot(mechanism_.nv, null_multipliers.cols());
   MatrixXd dlambda(mechanism_.rows, null_multipliers.cols());
   VectorXd l;
@@ -308,33 +309,34 @@ void ConstrainedSensitivity::move_acceleration(const MatrixXd& null_multipliers)
     dvdot.col(k) = r;
     dlambda.col(k) = l + null_multipliers.col(k);
   }
-  set_slopes(dvdot, moved_.vdot);
-  set_slopes(dlambda, moved_.lambda);
-  e.set_acceleration(moved_.u.data(), moved_.vdot.data(), moved_.lambda.data());
+  set_derivatives(dvdot, dual_state_.vdot);
+  set_derivatives(dlambda, dual_state_.lambda);
+  e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
 }
 
 CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udot, const double* uddot) {
-  begin(path_);
-  ResidualEvaluator<Series>& e = *path_.equations;
-  for (int i = 0; i < inputs_; ++i) path_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
-  follow_targets(udot, uddot);
+  begin(series_state_);
+  ResidualEvaluator<Series>& e = *series_state_.equations;
+  for (int i = 0; i < inputs_; ++i) series_state_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
+  expand_targets(udot, uddot);
   if (redundant_) set_values(x_, x_in_time_);
-  // With q, v to order k - 1, qdot = N v and vdot tell them to order k, the residuals vdot and lambda there.
+  // If q and v are known to order k - 1, qdot = N v and vdot give them to order k, and the residuals give vdot and
+  // lambda.
   for (int k = 1; k <= series_order; ++k) {
-    for (int i = 0; i < mechanism_.nv; ++i) path_.v[i][k] = path_.vdot[i][k - 1] / k;
-    e.set_position(path_.q.data());
-    e.set_velocity(path_.v.data());
-    for (int i = 0; i < mechanism_.nq; ++i) path_.q[i][k] = e.qdot()[i][k - 1] / k;
-    e.set_position(path_.q.data());
-    follow_acceleration(k);
+    for (int i = 0; i < mechanism_.nv; ++i) series_state_.v[i][k] = series_state_.vdot[i][k - 1] / k;
+    e.set_position(series_state_.q.data());
+    e.set_velocity(series_state_.v.data());
+    for (int i = 0; i < mechanism_.nq; ++i) series_state_.q[i][k] = e.qdot()[i][k - 1] / k;
+    e.set_position(series_state_.q.data());
+    expand_acceleration(k);
   }
-  e.set_velocity(path_.v.data());
-  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
-  return path_;
+  e.set_velocity(series_state_.v.data());
+  e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
+  return series_state_;
 }
 
-// With the inputs' derivatives where they are inputs.
-void ConstrainedSensitivity::follow_targets(const double* udot, const double* uddot) {
+// Targets given by inputs have the inputs' time derivatives.
+void ConstrainedSensitivity::expand_targets(const double* udot, const double* uddot) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const CoordinateRow& row = mechanism_.coordinate_rows[i];
     if (row.input < 0) continue;
@@ -342,36 +344,36 @@ void ConstrainedSensitivity::follow_targets(const double* udot, const double* ud
     targets_[i][first + 1] = udot[row.input];
     targets_[i][first + 2] = uddot[row.input];
   }
-  set_targets(path_, [&](std::size_t i, int order) {
+  set_targets(series_state_, [&](std::size_t i, int order) {
     const MotionLaw::Derivatives& s = targets_[i];
     return Series({s[order], s[order + 1], s[order + 2] / 2});
   });
 }
 
-// vdot and lambda to order k, q and v being known so far.
-void ConstrainedSensitivity::follow_acceleration(int k) {
-  ResidualEvaluator<Series>& e = *path_.equations;
-  VectorXd carried = VectorXd::Zero(mechanism_.rows);
+// Computes vdot and lambda to order k from q and v to that order.
+void ConstrainedSensitivity::expand_acceleration(int k) {
+  ResidualEvaluator<Series>& e = *series_state_.equations;
+  VectorXd projected_rates = VectorXd::Zero(mechanism_.rows);
   if (redundant_) {
-    const std::vector<Series> targets = path_.targets;
-    set_targets(path_, [](std::size_t, int) { return Series(0); });
+    const std::vector<Series> targets = series_state_.targets;
+    set_targets(series_state_, [](std::size_t, int) { return Series(0); });
     e.set_velocity(x_in_time_.data());
-    carried = derivatives_along(e.row_rates(), k);
-    path_.targets = targets;
-    e.set_targets(path_.targets.data());
+    projected_rates = derivatives_along(e.row_rates(), k);
+    series_state_.targets = targets;
+    e.set_targets(series_state_.targets.data());
   }
-  e.set_velocity(path_.v.data());
-  e.set_acceleration(path_.u.data(), path_.vdot.data(), path_.lambda.data());
+  e.set_velocity(series_state_.v.data());
+  e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
   VectorXd r = derivatives_along(e.force_residual(), k);
   VectorXd l;
   solve(r, derivatives_along(e.acceleration_residual(), k), l);
   if (redundant_) {
-    l += null_multipliers_ * carried;
-    const VectorXd x = inverse_ * (l - carried);
+    l += null_multipliers_ * projected_rates;
+    const VectorXd x = inverse_ * (l - projected_rates);
     for (Index i = 0; i < x.size(); ++i) x_in_time_[i][k] = x[i];
   }
-  for (Index i = 0; i < r.size(); ++i) path_.vdot[i][k] = r[i];
-  for (Index i = 0; i < l.size(); ++i) path_.lambda[i][k] = l[i];
+  for (Index i = 0; i < r.size(); ++i) series_state_.vdot[i][k] = r[i];
+  for (Index i = 0; i < l.size(); ++i) series_state_.lambda[i][k] = l[i];
 }
 
 }  // namespace gelenk

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact derivatives of what a mechanism does: by its independent coordinates and speeds and by the inputs, what loops
-// determine following, and by time along the motion. No difference quotients: the equations run on numbers that carry
-// derivatives (Griewank & Walther 2008, ch. 3 and 13), and what they hold implicitly is solved for order by order:
+// Exact derivatives of the motion of a mechanism: with respect to its independent coordinates and velocities and the
+// inputs, with the dependent ones following from the constraints; and with respect to time along the motion. No finite
+// differences are used: the equations are evaluated with dual numbers and power series (Griewank & Walther 2008, ch. 3
+// and 13), and the implicit unknowns are solved for order by order:
 //   J_h z = ds,  dq = N z,   J dv + d(J v)/dq dq = db,   [M J^T; J 0] (dvdot, dlambda) = -(dr, dc),
-// J_h being the rows that hold positions, s and b what the coordinate rows are to be.
+// where J_h are the rows of J that hold positions, s and b the targets of the coordinate rows.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,73 +22,75 @@
 
 namespace gelenk {
 
-// The derivatives do not exist or are infinite.
+// Thrown if derivatives do not exist or are infinite.
 class NotDifferentiablePoint : public std::runtime_error {
  public:
-  // The rows have lost rank; the independent speeds leave others open; the ends of a spring meet.
+  // rows: the constraint Jacobian has lost rank; partition: the independent velocities do not determine the others;
+  // spring: the ends of a spring coincide.
   enum class What { rows, partition, spring };
   explicit NotDifferentiablePoint(What what, int force = -1)
       : std::runtime_error("derivatives do not exist"), what_(what), force_(force) {}
   What reason() const { return what_; }
-  int force() const { return force_; }  // of the scene: the spring
+  int force() const { return force_; }  // index of the spring among the forces of the scene
 
  private:
   What what_;
   int force_;
 };
 
-// As Dynamics::set_targets takes them.
+// Targets with two time derivatives each, in the layout of Dynamics::set_targets.
 std::vector<double> with_two_derivatives(const std::vector<MotionLaw::Derivatives>& targets);
 
-// Changes of coordinates, the columns of dq, as displacements along the speeds (speeds times time).
+// Coordinate changes dq (nq x n) as displacements along the velocities, velocity times time (nv x n).
 Eigen::MatrixXd displacements(const Mechanism& mechanism, const double* q, const Eigen::MatrixXd& dq);
 
-// State, inputs and solution as numbers T, and the equations that stand there.
+// State, inputs and solution as numbers of type T, and the equations evaluated there.
 template <class T>
 struct CarriedState {
   std::vector<T> q, v, u, vdot, lambda, targets;
   std::unique_ptr<ResidualEvaluator<T>> equations;
 };
 
-// How a state moves, by columns: (dq, dv, dvdot) one below the other; where q has quaternions, also the change of qdot.
+// Sensitivities of a state, by columns: (dq, dv, dvdot) stacked; with quaternions also the change of qdot.
 struct MovedState {
   Eigen::MatrixXd y, qdot;
 };
 
-// Works in memory of its own, so asking it changes no run. Allocates.
+// Uses its own workspace, so it does not affect a run. Allocates.
 class ConstrainedSensitivity {
  public:
-  // structure, independent: of the mechanism. inputs: the scene's.
+  // mobility, independent: of this mechanism. inputs: number of inputs of the scene.
   ConstrainedSensitivity(const Mechanism& mechanism, const Loads& loads, const MobilityAnalysis& mobility,
                          const Independent& independent, int inputs);
 
-  // Where to differentiate: q, v, all inputs u, coordinates of cut joints with their turns counted; of each coordinate
-  // row what it is to be, with its derivatives in time.
-  // Throws SingularMass, and Undetermined where the rows have lost rank.
+  // Sets the point of differentiation: q, v, all inputs u, coordinates of cut joints with full turns counted, and the
+  // target of each coordinate row with its time derivatives.
+  // Throws SingularMass, and NotDifferentiablePoint if the constraint Jacobian has lost rank or the ends of a spring
+  // meet.
   void set_point(const double* q, const double* v, const double* u, const double* cut_q,
                  const std::vector<MotionLaw::Derivatives>& targets);
 
-  // Where it stands: (q, v, vdot) one below the other, and qdot.
+  // The present point: (q, v, vdot) stacked, and qdot.
   Eigen::VectorXd point() const;
   Eigen::VectorXd qdot() const;
 
-  // Moves along up to dual_directions directions, the columns: dq (nq), dv (nv), du (inputs). Of dq only what belongs
-  // to independent coordinates counts, of dv to independent speeds; of a quaternion only what turns, as if it were
-  // normalized afterwards. Throws Undetermined where these do not determine the others.
+  // Derivatives along up to dual_directions directions, the columns of dq (nq), dv (nv) and du (inputs). Only the
+  // components of independent coordinates and velocities are used; of a quaternion only the part that rotates, as if it
+  // were normalized afterwards. Throws NotDifferentiablePoint if these do not determine the others.
   CarriedState<Dual>& directional_derivative(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv,
                                              const Eigen::MatrixXd& du);
-  // The same of the state alone, along any number of directions: from the matrices of the equations' derivatives.
+  // The same for the state alone, along any number of directions, from the Jacobians of the equations.
   MovedState state_derivative(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dv, const Eigen::MatrixXd& du);
 
-  // Follows the motion in time, under inputs with these first and second derivatives.
+  // Time derivatives along the motion for inputs with these first and second derivatives.
   CarriedState<Series>& time_derivatives(const double* udot, const double* uddot);
 
  private:
   template <class T>
   void begin(CarriedState<T>& at);
-  // Of the unknowns `dependent`, those that take residuals of the rows away.
+  // Solves the constraint equations `rows` for the unknowns `dependent`.
   struct Partition {
-    std::vector<int> dependent;  // speeds
+    std::vector<int> dependent;  // indices of velocities
     std::vector<int> rows;
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
 
@@ -96,13 +99,13 @@ class ConstrainedSensitivity {
   };
   template <class T, class Target>
   void set_targets(CarriedState<T>& at, Target target);
-  void move_targets(const Eigen::MatrixXd& du);
-  void follow_targets(const double* udot, const double* uddot);
-  void know_partition();
-  Eigen::MatrixXd whole_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;
-  void move_velocity(const Eigen::MatrixXd& dv);
-  void move_acceleration(const Eigen::MatrixXd& null_multipliers);
-  void follow_acceleration(int k);
+  void differentiate_targets(const Eigen::MatrixXd& du);
+  void expand_targets(const double* udot, const double* uddot);
+  void update_partition();
+  Eigen::MatrixXd complete_dq(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& du) const;
+  void differentiate_velocity(const Eigen::MatrixXd& dv);
+  void differentiate_acceleration(const Eigen::MatrixXd& null_multipliers);
+  void expand_acceleration(int k);
   void solve(Eigen::VectorXd& r, const Eigen::VectorXd& c, Eigen::VectorXd& l) const;
   void find_null_multipliers();
 
@@ -120,14 +123,14 @@ class ConstrainedSensitivity {
   Jacobians jacobians_;
   Partition of_positions_, of_speeds_;
   std::vector<MotionLaw::Derivatives> targets_;
-  // Where rows repeat others: the multipliers of minimum norm are lambda = J x. idle_: what they leave out, an
-  // orthogonal projector; inverse_: pseudo-inverse of J.
+  // For redundant constraints: the multipliers of minimum norm are lambda = J x. null_multipliers_: orthogonal
+  // projector onto the null space of J^T; inverse_: pseudo-inverse of J.
   bool redundant_ = false;
   Eigen::MatrixXd null_multipliers_, inverse_;
   Eigen::VectorXd x_;
   std::vector<Series> x_in_time_;
-  CarriedState<Dual> moved_;
-  CarriedState<Series> path_;
+  CarriedState<Dual> dual_state_;
+  CarriedState<Series> series_state_;
 };
 
 }  // namespace gelenk

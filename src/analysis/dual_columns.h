@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives that numbers carry, as columns of matrices and back.
+// Conversion between derivative components of dual numbers or series and columns of matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,20 +23,20 @@ Eigen::VectorXd derivatives_along(const Numbers& from, int k) {
   return out;
 }
 
-inline Eigen::MatrixXd slopes(const std::vector<Dual>& from, Eigen::Index n) {
+inline Eigen::MatrixXd derivative_columns(const std::vector<Dual>& from, Eigen::Index n) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(from.size()), n);
   for (Eigen::Index k = 0; k < n; ++k) out.col(k) = derivatives_along(from, static_cast<int>(k));
   return out;
 }
 
-inline void set_slopes(const Eigen::MatrixXd& from, std::vector<Dual>& to) {
+inline void set_derivatives(const Eigen::MatrixXd& from, std::vector<Dual>& to) {
   for (Eigen::Index i = 0; i < from.rows(); ++i) {
     to[i].derivatives().setZero();
     for (Eigen::Index k = 0; k < from.cols(); ++k) to[i].derivatives()[k] = from(i, k);
   }
 }
 
-// out += A x, of x the first rows, of which many may be zero.
+// out += A x with the first `rows` entries of x, many of which may be zero.
 template <class From, class X, class To>
 void add_product(const From& A, const X& x, Eigen::Index rows, To& out) {
   for (Eigen::Index k = 0; k < x.cols(); ++k) {

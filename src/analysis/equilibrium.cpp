@@ -20,17 +20,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int most_steps = 200;
-constexpr int most_in_vain = 5;  // steps by which those to come do not become shorter by this factor
-constexpr double progress = 0.9;
-constexpr int most_falls = 100;        // steps downhill, where Newton's lead nowhere
-constexpr double shortest = 1.0 / 64;  // of a step, before it is given up
-// Singular values of A up to this, or this share of the largest, are rounding: of directions that nothing holds.
-constexpr double unheld = 1e-10;
-constexpr double settled_step = 1e-9;  // rad or of the mechanism's length: the error after it is its square
-constexpr double longest_turn = 0.3;   // rad: what a step may turn a joint by, so that loops stay on their branch
+constexpr int max_steps = 200;
+constexpr int max_unproductive_steps = 5;       // consecutive steps without the required contraction
+constexpr double required_contraction = 0.9;    // of the length of Newton steps
+constexpr int max_descent_steps = 100;          // pseudo-transient steps, used where Newton steps fail
+constexpr double min_step_fraction = 1.0 / 64;  // of a Newton step, before it is rejected
+// Singular values of A up to this (absolute, or relative to the largest) are rounding: directions without stiffness.
+constexpr double zero_stiffness_tolerance = 1e-10;
+constexpr double converged_step = 1e-9;  // rad or relative to length; the error is then of the order of its square
+constexpr double max_rotation = 0.3;     // rad: limit on joint rotations per step, so that loops stay on their branch
 
-// Whether speed i of a joint is that of a turn. Rods turn at both ends.
+// Whether velocity i of a joint is an angular velocity. Rods rotate at both ends.
 template <class Joint>
 bool is_turn(const Joint& joint, int i) {
   return std::visit(
@@ -41,121 +41,122 @@ bool is_turn(const Joint& joint, int i) {
       joint);
 }
 
-// A pose at rest, closed. Its independent coordinates are those that tell the others best there: the acceleration of
-// another one would vanish at its dead centre, too, whatever the rest does.
-struct Place {
+// A closed position at zero velocity. Its independent coordinates are those that determine the others best there: the
+// acceleration of another one would vanish at its dead center, too, regardless of the other joints.
+struct RestPose {
   std::vector<double> q, cut_q;
-  VectorXd vdot{};  // of all speeds, in the mechanism's own time as what follows
-  // From differentiate() on:
-  std::vector<int> speeds{};               // the independent ones
-  VectorXd a{};                            // their accelerations
-  MatrixXd A{};                            // the slopes of a by the independent coordinates
-  MatrixXd by_coordinates{}, by_speeds{};  // displacements of all by independent coordinates; speeds of all by such
-  MatrixXd ways{};                         // the independent coordinates' rates by the independent speeds
+  VectorXd vdot{};  // of all velocities, in the mechanism's time scale, as are the members below
+  // Set by differentiate():
+  std::vector<int> speeds{};         // indices of the independent velocities
+  VectorXd a{};                      // their accelerations
+  MatrixXd A{};                      // Jacobian of a with respect to the independent coordinates
+  MatrixXd displacement_jacobian{};  // displacements of all by independent coordinates
+  MatrixXd velocity_jacobian{};      // all velocities by independent velocities
+  MatrixXd coordinate_rates{};       // rates of the independent coordinates by independent velocities
 };
 
-bool stands(const Place& at) {
+bool is_equilibrium(const RestPose& at) {
   const VectorXd terms = at.A.cwiseAbs().rowwise().sum();
   return (at.a.array().abs() <= equilibrium_rate_tolerance + equilibrium_rounding_tolerance * terms.array()).all();
 }
 
-class Finder {
+class EquilibriumSearch {
  public:
-  explicit Finder(const AtRest& of)
+  explicit EquilibriumSearch(const EquilibriumProblem& of)
       : of_(of),
         mechanism_(of.mechanism),
         dynamics_(make_dynamics(of.mechanism, of.loads)),
-        still_(mechanism_.nv, 0.0),
-        square_(of.time * of.time) {
+        zero_velocity_(mechanism_.nv, 0.0),
+        time_scale_squared_(of.time * of.time) {
     dynamics_->set_max_rank(of.mobility.rank);
     dynamics_->set_targets(with_two_derivatives(of.targets).data());
   }
 
-  Rest run(const std::vector<double>& q, const std::vector<double>& cut_q) {
-    Place here{.q = q, .cut_q = cut_q};
-    stand(here);
+  Equilibrium run(const std::vector<double>& q, const std::vector<double>& cut_q) {
+    RestPose here{.q = q, .cut_q = cut_q};
+    evaluate(here);
     try {
       differentiate(here);
     } catch (const NotDifferentiablePoint&) {
       if (largest(here.vdot) > equilibrium_rate_tolerance) throw;
       return {std::move(here.q), std::move(here.cut_q)};
     }
-    bool settled = here.a.size() == 0;
-    double least = INFINITY;  // of Newton's steps since the last fall
-    int in_vain = 0;          // steps since then
-    for (int i = 0; i < most_steps && !settled; ++i) {
+    bool converged = here.a.size() == 0;
+    double least = INFINITY;     // shortest Newton step since the last descent
+    int unproductive_steps = 0;  // steps since then without contraction
+    for (int i = 0; i < max_steps && !converged; ++i) {
       const VectorXd dx = newton(here, here.a);
-      if (largest(dx) < settled_step) {
-        if (largest(dx) > 0) {  // else it stands where it stood, to the bit
-          if (auto there = beside(here, here.by_coordinates * dx)) here = std::move(*there);
+      if (largest(dx) < converged_step) {
+        if (largest(dx) > 0) {  // otherwise the position stays bitwise the same
+          if (auto there = closed_neighbor(here, here.displacement_jacobian * dx)) here = std::move(*there);
         }
-        settled = stands(here) || !fall(here);
+        converged = is_equilibrium(here) || !descend_pseudo_transient(here);
         continue;
       }
-      // Shortened steps go on to and fro where A is singular between two poses.
-      const bool nearer = largest(dx) < progress * least;
-      in_vain = nearer ? 0 : in_vain + 1;
+      // Damped steps may oscillate between two poses if A is singular between them.
+      const bool nearer = largest(dx) < required_contraction * least;
+      unproductive_steps = nearer ? 0 : unproductive_steps + 1;
       if (nearer) least = largest(dx);
-      if (in_vain < most_in_vain && shortened(here, dx)) continue;
-      if (!fall(here)) break;
+      if (unproductive_steps < max_unproductive_steps && damped_newton_step(here, dx)) continue;
+      if (!descend_pseudo_transient(here)) break;
       least = INFINITY;
     }
-    if (!stands(here)) throw NoEquilibrium(here.vdot / square_);
+    if (!is_equilibrium(here)) throw NoEquilibrium(here.vdot / time_scale_squared_);
     return {std::move(here.q), std::move(here.cut_q)};
   }
 
  private:
-  // The least dx with A dx = -a, or nearest to it.
-  static VectorXd newton(const Place& at, const VectorXd& a) {
+  // Minimum-norm least-squares solution of A dx = -a.
+  static VectorXd newton(const RestPose& at, const VectorXd& a) {
     Eigen::BDCSVD<MatrixXd> svd(at.A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const double stiffest = largest(svd.singularValues());
-    if (!(stiffest > unheld)) return VectorXd::Zero(at.A.cols());
-    svd.setThreshold(unheld * std::max(1.0, 1 / stiffest));
+    const double largest_stiffness = largest(svd.singularValues());
+    if (!(largest_stiffness > zero_stiffness_tolerance)) return VectorXd::Zero(at.A.cols());
+    svd.setThreshold(zero_stiffness_tolerance * std::max(1.0, 1 / largest_stiffness));
     return svd.solve(-a);
   }
 
-  // Newton's step or a part of it.
-  bool shortened(Place& here, const VectorXd& dx) {
-    double part = bearable(turns(here, here.by_coordinates * dx));
-    const double least = shortest * part;
-    while (part >= least) {
-      const auto enough = [&](const Place& there) {
-        return largest(newton(here, there.vdot(here.speeds))) <= (1 - part / 4) * largest(dx);
+  // Makes Newton's step or a fraction of it; returns false if none is acceptable.
+  bool damped_newton_step(RestPose& here, const VectorXd& dx) {
+    double fraction = step_limit(joint_rotations(here, here.displacement_jacobian * dx));
+    const double least = min_step_fraction * fraction;
+    while (fraction >= least) {
+      const auto is_acceptable = [&](const RestPose& there) {
+        return largest(newton(here, there.vdot(here.speeds))) <= (1 - fraction / 4) * largest(dx);
       };
-      if (auto there = beside(here, here.by_coordinates * (part * dx), enough)) {
+      if (auto there = closed_neighbor(here, here.displacement_jacobian * (fraction * dx), is_acceptable)) {
         here = std::move(*there);
         return true;
       }
-      part /= 2;
+      fraction /= 2;
     }
     return false;
   }
 
-  // Implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A, which are those of -M^-1 K: so dq
-  // lowers the potential energy. False: that leads nowhere.
-  bool fall(Place& here) {
-    const bool again = falls_ > 0;  // from where Newton's steps have led up once more: down to the bottom
+  // Pseudo-transient continuation: implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A,
+  // which are those of -M^-1 K, so that dq lowers the potential energy. Returns false if that makes no progress.
+  bool descend_pseudo_transient(RestPose& here) {
+    const bool repeated = descent_steps_ > 0;  // Newton's steps have led uphill again: descend to the minimum
     bool moved = false;
-    for (; falls_ < most_falls; ++falls_) {
-      const MatrixXd A = here.A * here.ways;
-      const double steepest = A.eigenvalues().real().maxCoeff();
-      const bool stable = steepest < -unheld * std::max(1.0, A.lpNorm<Eigen::Infinity>());
-      if (stands(here) || (stable && moved && !again)) return moved;
+    for (; descent_steps_ < max_descent_steps; ++descent_steps_) {
+      const MatrixXd A = here.A * here.coordinate_rates;
+      const double max_real_part = A.eigenvalues().real().maxCoeff();
+      const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
+      if (is_equilibrium(here) || (stable && moved && !repeated)) return moved;
       const double size = largest(here.a);
-      const MatrixXd slowed = (2 * std::max(steepest, 0.0) + size) * MatrixXd::Identity(A.rows(), A.cols()) - A;
-      const VectorXd z = here.by_speeds * slowed.partialPivLu().solve(here.a);
-      auto there = beside(here, bearable(turns(here, z)) * z);
+      const MatrixXd shifted = (2 * std::max(max_real_part, 0.0) + size) * MatrixXd::Identity(A.rows(), A.cols()) - A;
+      const VectorXd z = here.velocity_jacobian * shifted.partialPivLu().solve(here.a);
+      auto there = closed_neighbor(here, step_limit(joint_rotations(here, z)) * z);
       if (!there) return moved;
-      const bool same = largest(there->a) == size;  // a constant force that no coordinate changes
+      const bool unchanged = largest(there->a) == size;  // a constant force that does not depend on the coordinates
       here = std::move(*there);
-      if (same) return false;
+      if (unchanged) return false;
       moved = true;
     }
     return moved;
   }
 
-  // By what a displacement turns joints [rad].
-  VectorXd turns(const Place& here, const VectorXd& z) {
+  // Rotations of the joints by a displacement [rad].
+  VectorXd joint_rotations(const RestPose& here, const VectorXd& z) {
     std::vector<double> out;
     const auto add = [&](const auto& joint, int nv, const double* v) {
       for (int i = 0; i < nv; ++i) {
@@ -173,22 +174,22 @@ class Finder {
     return Eigen::Map<const VectorXd>(out.data(), static_cast<Index>(out.size()));
   }
 
-  // The part of a step that turns no joint by more than is good.
-  static double bearable(const VectorXd& turns) {
-    const double most = largest(turns);
-    return most > longest_turn ? longest_turn / most : 1;
+  // The fraction of a step that rotates no joint by more than max_rotation.
+  static double step_limit(const VectorXd& joint_rotations) {
+    const double largest_rotation = largest(joint_rotations);
+    return largest_rotation > max_rotation ? max_rotation / largest_rotation : 1;
   }
 
-  // The pose that closes next to `here` displaced by z; none where that fails, derivatives do not exist there, or it is
-  // not good enough.
-  template <class Enough>
-  std::optional<Place> beside(const Place& here, const VectorXd& z, Enough enough) {
-    Place there{.q = here.q, .cut_q = here.cut_q};
+  // The closed position next to `here` displaced by z; empty if closing fails, derivatives do not exist there, or it is
+  // not acceptable.
+  template <class Accept>
+  std::optional<RestPose> closed_neighbor(const RestPose& here, const VectorXd& z, Accept is_acceptable) {
+    RestPose there{.q = here.q, .cut_q = here.cut_q};
     dynamics_->displace(there.q.data(), z.data());
     if (!close_rows(mechanism_, *dynamics_, there.q)) return {};
     try {
-      stand(there);
-      if (!enough(there)) return {};
+      evaluate(there);
+      if (!is_acceptable(there)) return {};
       differentiate(there);
     } catch (const NotDifferentiablePoint&) {
       return {};
@@ -197,23 +198,23 @@ class Finder {
     }
     return there;
   }
-  std::optional<Place> beside(const Place& here, const VectorXd& z) {
-    return beside(here, z, [](const Place&) { return true; });
+  std::optional<RestPose> closed_neighbor(const RestPose& here, const VectorXd& z) {
+    return closed_neighbor(here, z, [](const RestPose&) { return true; });
   }
 
-  void stand(Place& at) {
+  void evaluate(RestPose& at) {
     dynamics_->set_cut_reference(at.cut_q.data());
     dynamics_->set_position(at.q.data());
     dynamics_->factorize();
-    dynamics_->set_velocity(still_.data());
+    dynamics_->set_velocity(zero_velocity_.data());
     at.vdot.resize(mechanism_.nv);
     dynamics_->solve(of_.u.data(), at.vdot.data());
-    at.vdot *= square_;
-    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) count_turns(c, at.cut_q);
+    at.vdot *= time_scale_squared_;
+    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) unwrap_angles(c, at.cut_q);
   }
 
-  // Angles of a cut joint are those next to where they were.
-  void count_turns(int c, std::vector<double>& cut_q) const {
+  // Unwraps the angles of a cut joint: they are continued from their previous values.
+  void unwrap_angles(int c, std::vector<double>& cut_q) const {
     const Cut& cut = mechanism_.cuts[static_cast<std::size_t>(c)];
     double found[max_cut_nq];
     std::copy_n(cut_q.data() + cut.iq, cut.nq, found);
@@ -224,13 +225,13 @@ class Finder {
     }
   }
 
-  // Where dynamics_ stands.
-  void differentiate(Place& at) {
+  // Derivatives at the present position of dynamics_.
+  void differentiate(RestPose& at) {
     const int nv = mechanism_.nv;
     const std::vector<bool> any(static_cast<std::size_t>(nv), false);
     const Independent by = independent_at(mechanism_, *dynamics_, of_.mobility, any, any);
-    ConstrainedSensitivity tangent(mechanism_, of_.loads, of_.mobility, by, static_cast<int>(of_.u.size()));
-    tangent.set_point(at.q.data(), still_.data(), of_.u.data(), at.cut_q.data(), of_.targets);
+    ConstrainedSensitivity sensitivity(mechanism_, of_.loads, of_.mobility, by, static_cast<int>(of_.u.size()));
+    sensitivity.set_point(at.q.data(), zero_velocity_.data(), of_.u.data(), at.cut_q.data(), of_.targets);
     const auto n = static_cast<Index>(by.coordinates.size());
     const auto m = static_cast<Index>(by.speeds.size());
     MatrixXd dq = MatrixXd::Zero(mechanism_.nq, n + m);
@@ -240,27 +241,29 @@ class Finder {
       dynamics_->qdot_from_v(at.q.data(), z.data(), dq.col(k).data());
     }
     for (Index k = 0; k < m; ++k) dv(by.speeds[static_cast<std::size_t>(k)], n + k) = 1;
-    const MatrixXd moved = tangent.state_derivative(dq, dv, MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m)).y;
+    const MatrixXd moved =
+        sensitivity.state_derivative(dq, dv, MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m)).y;
     at.speeds = by.speeds;
     at.a = at.vdot(by.speeds);
-    at.A = square_ * moved.bottomRows(nv)(by.speeds, Eigen::seqN(0, n));
-    at.by_coordinates = displacements(mechanism_, at.q.data(), moved.topLeftCorner(mechanism_.nq, n));
-    at.by_speeds = moved.block(mechanism_.nq, n, nv, m);
-    at.ways = at.by_speeds(by.coordinates, Eigen::all);
+    at.A = time_scale_squared_ * moved.bottomRows(nv)(by.speeds, Eigen::seqN(0, n));
+    at.displacement_jacobian = displacements(mechanism_, at.q.data(), moved.topLeftCorner(mechanism_.nq, n));
+    at.velocity_jacobian = moved.block(mechanism_.nq, n, nv, m);
+    at.coordinate_rates = at.velocity_jacobian(by.coordinates, Eigen::all);
   }
 
-  const AtRest& of_;
+  const EquilibriumProblem& of_;
   const Mechanism& mechanism_;
   std::unique_ptr<Dynamics> dynamics_;
-  std::vector<double> still_;  // speeds
-  double square_;              // s2, of the mechanism's own time
-  int falls_ = 0;
+  std::vector<double> zero_velocity_;
+  double time_scale_squared_;  // s2
+  int descent_steps_ = 0;
 };
 
 }  // namespace
 
-Rest find_rest(const AtRest& of, const std::vector<double>& q, const std::vector<double>& cut_q) {
-  return Finder(of).run(q, cut_q);
+Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
+                             const std::vector<double>& cut_q) {
+  return EquilibriumSearch(of).run(q, cut_q);
 }
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a mechanism stands still under given inputs.
+// Equilibria of a mechanism under given inputs.
 #pragma once
 
 #include <stdexcept>
@@ -10,41 +10,43 @@
 
 namespace gelenk {
 
-// What stands still: accelerations, in the mechanism's own lengths and time, up to this and to what rounding of the
-// coordinates leaves of them, in parts of the terms that they are sums of. Of searches here and in Python, and of what
-// gelenk.linearize calls no equilibrium.
+// A position is an equilibrium if its accelerations, in the mechanism's own length and time scales, do not exceed
+// equilibrium_rate_tolerance plus the effect of rounding errors in the coordinates, equilibrium_rounding_tolerance
+// times the sum of the absolute terms. Used by the searches here and in Python, and by gelenk.linearize to warn of a
+// point that is no equilibrium.
 inline constexpr double equilibrium_rate_tolerance = 1e-8;
-inline constexpr double equilibrium_rounding_tolerance = 1e-13;  // ten times what closing loops leaves of coordinates
+inline constexpr double equilibrium_rounding_tolerance = 1e-13;  // ten times the rounding error of closed loops
 
-// None was found.
+// Thrown if no equilibrium was found.
 class NoEquilibrium : public std::runtime_error {
  public:
   explicit NoEquilibrium(Eigen::VectorXd left) : std::runtime_error("no equilibrium"), left(std::move(left)) {}
-  Eigen::VectorXd left;  // accelerations that stay at best, of all speeds
+  Eigen::VectorXd left;  // smallest residual accelerations reached, one per velocity
 };
 
-// What a search needs to know of a mechanism; all of it outlives the search.
-struct AtRest {
+// The equilibrium problem of a mechanism; the referenced objects must outlive the search.
+struct EquilibriumProblem {
   const Mechanism& mechanism;
   const Loads& loads;
   const MobilityAnalysis& mobility;
   const std::vector<double>& u;                        // all inputs
   const std::vector<MotionLaw::Derivatives>& targets;  // of the coordinate rows
-  double time = 1;                                     // s: the mechanism's own, for bounds
+  double time = 1;                                     // s: time scale of the mechanism, for the tolerances
 };
 
-struct Rest {
-  std::vector<double> q, cut_q;  // of the tree; of the cut joints, turns counted
+struct Equilibrium {
+  std::vector<double> q, cut_q;  // of the tree joints; of the cut joints, full turns counted
 };
 
-// The rest that Newton's method on the independent coordinates finds from q, closed, in steps that keep the branch on
-// which loops are closed, and are shortened until the next would be shorter (natural monotonicity: Deuflhard 2004,
-// ch. 3). Where these lead nowhere, as from a maximum of the accelerations, it goes downhill until the pose is stable,
-// as through honey, and on from there; the second time to the bottom. Directions in which nothing pulls are left as
-// they are. Whether what is found is stable is not asked. gelenk.equilibrium begins with this search; what it does
-// besides, poses that are held, inputs, steady motion, FMUs of any origin, is the same method in Python, by way of
-// derivatives that a plant tells (python/gelenk/equilibria/newton.py).
-// Throws NoEquilibrium, and Undetermined and SingularMass where q has no derivatives and does not stand still.
-Rest find_rest(const AtRest& of, const std::vector<double>& q, const std::vector<double>& cut_q);
+// Finds an equilibrium from the closed position q by Newton's method on the independent coordinates. Steps are limited
+// so that loops stay on their branch, and shortened until the next one would be shorter (natural monotonicity test:
+// Deuflhard 2004, ch. 3). If this fails, for example at a maximum of the accelerations, pseudo-transient continuation
+// descends to a stable pose, from which Newton's method continues; the second time it descends to the minimum.
+// Directions without stiffness are left unchanged. The equilibrium may be unstable. gelenk.equilibrium begins with this
+// search; its further features (fixed coordinates, inputs, steady motion, any FMU) use the same method in Python with
+// the derivatives that a plant provides (python/gelenk/equilibria/newton.py).
+// Throws NoEquilibrium, and NotDifferentiablePoint or SingularMass if q has no derivatives and is no equilibrium.
+Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
+                             const std::vector<double>& cut_q);
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which speeds of a mechanism may stand for all, by its rows.
+// Choice of independent velocities and coordinates of a mechanism from its constraint Jacobian.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -9,10 +9,11 @@
 
 namespace gelenk {
 
-// Columns of J (rows x nv) that may serve as independent ones: nv - rank of them. prefer[k]: wanted among them.
+// Selects nv - rank columns of J (rows x nv) as independent ones, if possible those with prefer[k].
 std::vector<int> independent_columns(const Eigen::SparseMatrix<double>& J, int rank, const std::vector<bool>& prefer);
 
-// Where `dynamics` stands; wanted among them where that is possible, by speed.
+// Independent coordinates and velocities at the present position of `dynamics`, if possible the preferred ones (flags
+// by velocity).
 Independent independent_at(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
                            const std::vector<bool>& coordinates, const std::vector<bool>& speeds);
 

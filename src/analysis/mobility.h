@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rows of a mechanism leave free, everywhere it can go: how many freedoms it has, which rows only repeat
-// others, which joints cannot move, and which speeds may stand for all.
+// Mobility analysis: the degrees of freedom of a mechanism over its range of motion, its redundant constraints, its
+// immobile joints, and its independent velocities.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,46 +12,48 @@
 namespace gelenk {
 
 struct MobilityAnalysis {
-  int rank = 0;           // of the rows, at positions without special symmetry
-  int rank_start = 0;     // at q; less where the start is singular
-  int position_rank = 0;  // of the rows that hold positions
-  // The largest ratio of smallest to largest pivot among the positions seen (row_factor.h). Infinite: the rows leave a
-  // motion free at q, but no other position closes, so that q is singular (rigid, though not at first order).
+  int rank = 0;           // of the constraint Jacobian at positions without special symmetry
+  int rank_start = 0;     // at q; less if the start is singular
+  int position_rank = 0;  // of the constraint equations that hold positions
+  // The largest ratio of smallest to largest pivot among the positions visited (row_factor.h). Infinite: the
+  // constraints leave a motion free at q, but no other closed position was found, so that q is singular (rigid, though
+  // not at first order).
   double best_pivot_ratio = 0;
-  // Rows are redundant at q, as far as pivots tell, and no other position closes: the redundant ones contradict the
-  // others.
+  // Constraints are redundant at q, judged by the pivots, and no other closed position was found: the redundant ones
+  // contradict the others.
   bool stuck = false;
-  // By cut, those of its rows (Cut::kept) that are needed. The others are combinations of these with constant factors,
-  // so that leaving them out changes nothing at any position, singular ones included. Rows that repeat
-  // others with factors that change with the position stay: each of them is needed somewhere.
+  // For each cut, its constraint equations (Cut::kept) that are needed. The others are combinations of these with
+  // constant coefficients, so that omitting them changes nothing at any position, singular ones included. Constraints
+  // that are redundant with coefficients that depend on the position are kept: each of them is needed somewhere.
   std::vector<std::vector<int>> needed;
   int needed_rows = 0;
-  std::vector<bool> immobile_links;  // by link: its joint has speeds, but none of them can ever move
+  std::vector<bool> immobile_links;  // by link: its joint has velocities, but none of them can ever be nonzero
   std::vector<bool> immobile_cuts;
-  // Multipliers that do no work, one column for each redundant row (rows x (rows - rank)), at a position without
-  // special symmetry, idle_q: what they hold, rigid bodies leave undetermined.
+  // Multipliers that do no work, one column for each redundant constraint (rows x (rows - rank)), at a position without
+  // special symmetry, generic_q: these constraint forces are undetermined for rigid bodies.
   Eigen::MatrixXd null_multipliers;
   std::vector<double> generic_q;
 };
 
-// From q, closed, along free motions to several other closed positions: first the way the mechanism sets out (nv speeds
-// or accelerations; empty: unknown), then at random. Leaves `dynamics` at q and dynamics.set_max_rank at the rank.
+// Explores closed positions from the closed position q along free motions: first in the direction in which the
+// mechanism sets out (initial_direction: nv velocities or accelerations; empty: unknown), then in random directions.
+// Leaves `dynamics` at q and its set_max_rank() at the rank.
 MobilityAnalysis analyze_mobility(const Mechanism& mechanism, Dynamics& dynamics, const std::vector<double>& q,
-                                  const std::vector<double>& way);
+                                  const std::vector<double>& initial_direction);
 
-// The same of a mechanism with rows that change with time: what it is without them, and then how much is left.
+// The same for a mechanism with time-dependent constraints: analyzed without them first, then for what they leave free.
 // dynamics: of `mechanism`, left at q; free: of without_drives(mechanism).
 MobilityAnalysis analyze_driven_mobility(const Mechanism& mechanism, Dynamics& dynamics,
                                          const Mechanism& free_mechanism, Dynamics& free, const std::vector<double>& q,
-                                         const std::vector<double>& way);
+                                         const std::vector<double>& initial_direction);
 
-// Which speeds of a mechanism are independent, and which have independent coordinates: more, where rows hold speeds
-// only.
+// Indices of the independent velocities and of the velocities with independent coordinates, which are more if there are
+// nonholonomic constraints.
 struct Independent {
   std::vector<int> coordinates, speeds;
 };
 
-// J's rows that hold positions; the others 0.
+// J with all rows set to 0 that do not hold positions.
 Eigen::SparseMatrix<double> position_rows(const Mechanism& mechanism, Eigen::SparseMatrix<double> J);
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Starts in or beside a singular configuration (a change point, a dead centre), where branches of motion meet.
+// Start positions at or near a singular configuration (a change point or a dead center), where branches of motion meet.
 #pragma once
 
 #include "analysis/mobility.h"
@@ -8,19 +8,20 @@
 namespace gelenk {
 
 struct SingularStart {
-  double share = 1;       // smallest pivot of the constraint equations over the soundest one known; 0: rank is lost
-  int row = -1;           // the constraint equation that is weak there, where the share is doubtful
-  bool moves = false;     // the start velocities are not zero
-  bool on_branch = true;  // false: no branch goes on with the fixed velocities
+  double pivot_fraction = 1;  // smallest pivot of the constraint Jacobian relative to the best known; 0: rank is lost
+  int row = -1;               // the weakest constraint equation there, if the fraction is below doubtful_fraction
+  bool moves = false;         // the start velocities are not zero
+  bool on_branch = true;      // false: no branch continues with the fixed velocities
 };
 
-// Shares below which the start is worth a warning: rounding of 2e-16 in closed loops leaves 2e-16 / share^2 of the
-// velocities open.
+// Fraction below which a warning is given: rounding of 2e-16 in closed loops leaves an error of 2e-16 /
+// pivot_fraction^2 in the velocities.
 inline constexpr double doubtful_fraction = 1e-4;
 
-// Examines the start at which `start` stands. In a singular configuration J v = b holds for more velocities than the
-// mechanism can go on with: those of its branches have accelerations, J vdot = gamma(v), so that l^T gamma(v) = 0 for
-// every l with l^T J = 0. There start.v becomes the nearest such velocity, fixed ones kept; elsewhere it stays.
+// Examines the start position and velocities. In a singular configuration J v = b holds for more velocities than the
+// mechanism can have: those of its branches have accelerations, J vdot = gamma(v), so that l^T gamma(v) = 0 for every l
+// with l^T J = 0. There start.v is replaced by the nearest such velocity with fixed ones kept; elsewhere it is
+// unchanged.
 // Leaves `dynamics` at start.q.
 SingularStart examine_start(const Mechanism& mechanism, Dynamics& dynamics, const MobilityAnalysis& mobility,
                             const InitialGuess& tree, const InitialGuess& cuts, Assembled& start);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Assembly: start values that satisfy the loops, as near as possible to what the user wants.
+// Assembly: finds start values that satisfy the loop equations and are as near as possible to the values given by the
+// user.
 #pragma once
 
 #include <stdexcept>
@@ -11,39 +12,40 @@
 
 namespace gelenk {
 
-// InitialGuess for one list of coordinates and speeds, in the mechanism's signs: the tree's, or the cut joints'.
-// Flags and weights go by speed: a quaternion is fixed as a whole.
+// Initial guesses and fixed values for one list of coordinates and velocities, with the signs used inside the
+// mechanism: those of the tree joints or those of the cut joints. Flags and weights are indexed by velocity; a
+// quaternion is fixed as a whole.
 struct InitialGuess {
   std::vector<double> q, v;
-  std::vector<bool> q_fixed, v_fixed;      // keep exactly
-  std::vector<double> q_weight, v_weight;  // of the squared distance to be made small; 0: no wish
-  std::vector<bool> q_given;               // asked for by the user; the others only have to stand somewhere
-  std::vector<bool> turns;                 // an angle, which means the same a turn further
+  std::vector<bool> q_fixed, v_fixed;      // kept exactly
+  std::vector<double> q_weight, v_weight;  // in the squared distance that is minimized; 0: no preference
+  std::vector<bool> q_given;               // given by the user; the others may take any value
+  std::vector<bool> turns;                 // coordinate is an angle, equivalent modulo 2 pi
 };
 
 struct Assembled {
-  std::vector<double> q, v;     // of the tree
-  std::vector<double> equal_q;  // another position of the tree that is as near to the wishes; empty: none is known
-  double moved = 0;             // largest change of a coordinate that was given but not fixed, cut joints' included
-  int tries = 1;                // starts needed until the loops closed
-  double gap = 0;               // m or rad: the largest left where positions are held, of lengths near 1
+  std::vector<double> q, v;     // of the tree joints
+  std::vector<double> equal_q;  // another assembly that is as near to the guesses; empty: none is known
+  double moved = 0;  // largest change of a coordinate that was given but not fixed, cut joints included [rad, m]
+  int tries = 1;     // number of starts until the loops closed
+  double gap = 0;    // m or rad: largest closure error, relative to the mechanism's length
 };
 
-// A fixed coordinate or speed, or the three turns of a quaternion: places in the lists of InitialGuess.
+// A fixed coordinate or velocity, or the three velocities of a quaternion, as indices into the lists of InitialGuess.
 struct FixedValue {
-  bool cut = false;  // in the cut joints' lists
+  bool cut = false;  // an index into the cut joints' lists
   int first = 0, count = 1;
-  int q = -1;  // its (first) coordinate; -1: a speed
+  int q = -1;  // index of its (first) coordinate; -1: a velocity is fixed
 };
 
-// Fixed values that cannot be met together.
+// Fixed values that contradict each other.
 struct Conflict {
-  std::vector<FixedValue> values;  // without any one of them the rest of them can be met; empty: none is to blame
-  int freed = -1;                  // of values: if it were a guess all others could be met; -1: there is none
-  double nearest = 0;              // what it would be then
+  std::vector<FixedValue> values;  // without any one of them the others are consistent; empty: not known
+  int freed = -1;      // index into values: if this one were a guess, all others could be satisfied; -1: none
+  double nearest = 0;  // its value in that case
 };
 
-// Which joint gapes, and how far, when no start closed the loops.
+// Thrown if no start closes the loops: the joint with the largest closure error and the size of that error.
 class CannotAssemble : public std::runtime_error {
  public:
   CannotAssemble(double gap, double turn, int cut, std::vector<double> q, Conflict conflict)
@@ -53,15 +55,16 @@ class CannotAssemble : public std::runtime_error {
         cut(cut),
         q(std::move(q)),
         conflict(std::move(conflict)) {}
-  double gap, turn;       // m, rad: where it gapes; of speeds the rate that is left [m/s, rad/s], and 0
-  int cut;                // or, counted on behind the cuts, coordinate row; -1: positions fit, the fixed speeds do not
-  std::vector<double> q;  // where the gap is smallest
+  double gap, turn;  // m, rad: closure error of that joint; for velocities the residual rate [m/s, rad/s], and 0
+  int cut;  // index of the cut joint, or number of cuts + coordinate row; -1: positions close, fixed velocities do not
+  std::vector<double> q;  // position with the smallest closure error
   Conflict conflict;
 };
 
-// Smallest weighted change of the wishes, fixed ones kept, damped and step-limited (Levenberg-Marquardt to close the
-// loops, Gauss-Newton along them to come near; Nocedal & Wright, ch. 10 and 18).
-// Throws CannotAssemble with the smallest gap reached for positions, or what remains of a speed.
+// Finds the position and the velocities that close the loops with the smallest weighted change of the guesses; fixed
+// values are kept. Damped, step-limited iteration: Levenberg-Marquardt to close the loops, Gauss-Newton along the
+// closed loops to minimize the distance (Nocedal & Wright, ch. 10 and 18).
+// Throws CannotAssemble with the smallest closure error reached for positions, or the residual rate for velocities.
 Assembled assemble(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
 
 }  // namespace gelenk

@@ -18,8 +18,8 @@ std::vector<int> not_fixed(const std::vector<bool>& fixed) {
   return out;
 }
 
-// Difference of two coordinates of one joint as a displacement along its speeds, in user's or our signs alike:
-// plain coordinates subtract; a quaternion gives the rotation vector, in M, from q0 to q.
+// Difference of two positions of one joint as a displacement along its velocities, for the user's or the mechanism's
+// signs. Coordinates are subtracted; a quaternion gives the rotation vector from q0 to q, written in M.
 void difference(int nq, int nv, const double* q, const double* q0, double* out) {
   const int plain = nq > nv ? nq - 4 : nq;
   for (int i = 0; i < plain; ++i) out[i] = q[i] - q0[i];
@@ -41,8 +41,8 @@ double largest_given(const InitialGuess& guesses, const VectorXd& offset) {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Rows of `all`, each times its factor, as the rows from `first` on; those whose factor is 0 are left out where
-// `packed`. Returns the number of the next row.
+// Appends the rows of `all`, each times its factor, from row `first` on; if `packed`, rows with factor 0 are left out.
+// Returns the number of the next row.
 int add_rows(Entries& entries, int first, const SparseMatrix& all, const std::vector<double>& factors, bool packed) {
   std::vector<int> place(factors.size());
   int next = first;
@@ -64,7 +64,7 @@ std::vector<double> roots(const std::vector<double>& weights) {
   return out;
 }
 
-// Of a matrix with n columns, those chosen.
+// The matrix of these entries, reduced to the chosen ones of its n columns.
 SparseMatrix matrix(const Entries& entries, int rows, int n, const std::vector<int>& chosen) {
   std::vector<int> place(static_cast<std::size_t>(n), -1);
   for (std::size_t k = 0; k < chosen.size(); ++k) place[static_cast<std::size_t>(chosen[k])] = static_cast<int>(k);
@@ -99,14 +99,16 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
       free_v_(not_fixed(tree.v_fixed)),
       turns_(tree.turns) {
   const auto any = [](const std::vector<bool>& flags) { return std::ranges::find(flags, true) != flags.end(); };
-  const auto some = [](const std::vector<double>& w) { return std::ranges::any_of(w, [](double x) { return x > 0; }); };
+  const auto any_positive = [](const std::vector<double>& w) {
+    return std::ranges::any_of(w, [](double x) { return x > 0; });
+  };
   for (const CoordinateRow& row : mechanism.coordinate_rows) {
     for (const CoordinateRow::Term& term : row.terms) {
       if (row.holds_position) turns_[term.v] = false;
     }
   }
   cuts_fixed_ = any(cuts.q_fixed);
-  cut_guesses_ = cuts_fixed_ || any(cuts.v_fixed) || some(cuts.q_weight) || some(cuts.v_weight);
+  cut_guesses_ = cuts_fixed_ || any(cuts.v_fixed) || any_positive(cuts.q_weight) || any_positive(cuts.v_weight);
   const std::vector<bool> holds = mechanism.position_rows();
   for (int r = 0; r < mechanism.rows; ++r) {
     if (holds[r]) position_rows_.push_back(r);
@@ -114,7 +116,7 @@ AssemblyProblem::AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics,
   for (const Link& link : mechanism.links) span_ = std::max(span_, link.X_PJ.p.norm());
   length_ = std::max(length_, span_);
   for (const Cut& cut : mechanism.cuts) span_ = std::max({span_, cut.X_AF.p.norm(), cut.X_BM.p.norm()});
-  span_ = span_ > 0 ? 1.5 * span_ : 1;  // slides and flights reach somewhat beyond
+  span_ = span_ > 0 ? 1.5 * span_ : 1;  // strokes may exceed the size of the links
 }
 
 VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
@@ -126,17 +128,17 @@ VectorXd AssemblyProblem::gap(const std::vector<double>& q) {
   return g;
 }
 
-// The rows of the loops at q. Those that forbid nothing there are 0, not the rounding that is left of them: taken for
-// rows it would hold still what can move.
+// The constraint Jacobian at q. Rows that constrain nothing there are set to 0: their rounding would otherwise count as
+// constraints and block possible motions.
 SparseMatrix AssemblyProblem::rows_at(const std::vector<double>& q) {
   dynamics_.set_position(q.data());
   SparseMatrix G = dynamics_.sparse_J();
-  VectorXd most = VectorXd::Zero(G.rows());
+  VectorXd row_max = VectorXd::Zero(G.rows());
   for (int k = 0; k < G.outerSize(); ++k) {
     for (SparseMatrix::InnerIterator at(G, k); at; ++at)
-      most[at.row()] = std::max(most[at.row()], std::abs(at.value()));
+      row_max[at.row()] = std::max(row_max[at.row()], std::abs(at.value()));
   }
-  G.prune([&](Eigen::Index row, Eigen::Index, double) { return most[row] >= 1e-12 * length_; });
+  G.prune([&](Eigen::Index row, Eigen::Index, double) { return row_max[row] >= 1e-12 * length_; });
   return G;
 }
 
@@ -168,9 +170,9 @@ SparseMatrix AssemblyProblem::distance_jacobian(const std::vector<double>& q) {
   return matrix(entries, rows, mechanism_.nv, free_q_);
 }
 
-AssemblyProblem::Speeds AssemblyProblem::speeds(const std::vector<double>& q) {
+AssemblyProblem::VelocityEquations AssemblyProblem::velocity_equations(const std::vector<double>& q) {
   const int nv = mechanism_.nv;
-  Speeds out;
+  VelocityEquations out;
   out.v.assign(nv, 0);
   VectorXd fixed = VectorXd::Zero(nv);
   for (int k = 0; k < nv; ++k) {
@@ -223,7 +225,7 @@ void AssemblyProblem::unwind(std::vector<double>& q) const {
   }
 }
 
-std::vector<double> AssemblyProblem::scattered(std::mt19937& random) const {
+std::vector<double> AssemblyProblem::random_position(std::mt19937& random) const {
   std::uniform_real_distribution<double> within(-1, 1);
   std::normal_distribution<double> normal;
   std::vector<double> q = tree_.q;
@@ -243,7 +245,7 @@ std::vector<double> AssemblyProblem::scattered(std::mt19937& random) const {
   return q;
 }
 
-double AssemblyProblem::apart(const std::vector<double>& a, const std::vector<double>& b) const {
+double AssemblyProblem::separation(const std::vector<double>& a, const std::vector<double>& b) const {
   double out = 0;
   double d[6];
   for (const Link& link : mechanism_.links) {
@@ -275,7 +277,7 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
   VectorXd d = VectorXd::Zero(mechanism_.cut_nv);
   for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
     const Cut& cut = mechanism_.cuts[c];
-    if (cut.is_rod()) continue;  // no wishes there
+    if (cut.is_rod()) continue;  // rods have no guesses
     double found[max_cut_nq];
     std::copy_n(cuts_.q.data() + cut.iq, cut.nq, found);
     dynamics_.cut_coordinates(c, found);
@@ -288,19 +290,19 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
   return d;
 }
 
-// Which tree speeds move a cut: those between its ends.
+// Finds the tree velocities that move each cut: those of the joints between its ends.
 void AssemblyProblem::find_cut_pattern() {
   std::vector<std::vector<int>> cuts_of(static_cast<std::size_t>(mechanism_.nv));
   for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-    std::vector<int>& speeds = moving_.emplace_back();
+    std::vector<int>& velocities = moving_.emplace_back();
     for (const auto* path : {&mechanism_.cuts[c].path_a, &mechanism_.cuts[c].path_b}) {
       for (const int i : *path) {
-        for (int k = 0; k < mechanism_.links[i].nv; ++k) speeds.push_back(mechanism_.links[i].iv + k);
+        for (int k = 0; k < mechanism_.links[i].nv; ++k) velocities.push_back(mechanism_.links[i].iv + k);
       }
     }
-    for (const int k : speeds) cuts_of[k].push_back(c);
+    for (const int k : velocities) cuts_of[k].push_back(c);
   }
-  // Greedily: each into the first group none of whose speeds moves one of its cuts.
+  // Greedy coloring: each velocity joins the first group none of whose members moves one of its cuts.
   std::vector<std::vector<bool>> taken;  // by group, by cut
   for (int k = 0; k < mechanism_.nv; ++k) {
     if (cuts_of[k].empty()) continue;
@@ -316,7 +318,7 @@ void AssemblyProblem::find_cut_pattern() {
   }
 }
 
-// Cut joints' speeds by tree speeds, cut_nv x nv.
+// Velocities of the cut joints per tree velocity, cut_nv x nv.
 SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
   if (moving_.empty()) find_cut_pattern();
   dynamics_.set_position(q.data());
@@ -327,7 +329,7 @@ SparseMatrix AssemblyProblem::cut_columns(const std::vector<double>& q) {
     for (const int k : group) unit[k] = 1;
     dynamics_.set_velocity(unit.data());
     for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-      const auto k = std::ranges::find_if(moving_[c], [&](int speed) { return unit[speed] != 0; });
+      const auto k = std::ranges::find_if(moving_[c], [&](int i) { return unit[i] != 0; });
       if (k == moving_[c].end()) continue;
       const Cut& cut = mechanism_.cuts[c];
       dynamics_.readings().cut_speeds(c, v);

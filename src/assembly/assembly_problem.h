@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equations of assembly: what must hold (the loops, fixed values of cut joints) and what is wished.
+// The equations of assembly: those that must hold (loops, fixed values of cut joints) and the weighted distance from
+// the guesses that is minimized.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,39 +16,40 @@ class AssemblyProblem {
  public:
   AssemblyProblem(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree, const InitialGuess& cuts);
 
-  // Columns of the Jacobians below: the speeds whose coordinates (speeds) are not fixed.
+  // Columns of the Jacobians below: the velocities that are not fixed or, at position level, whose coordinates are not.
   enum class Level { position, velocity };
   const std::vector<int>& free(Level level) const { return level == Level::position ? free_q_ : free_v_; }
 
-  // At q: what must vanish, and its derivative by the free speeds' displacements.
+  // Closure errors and errors of fixed values at q, and their Jacobian by displacements along the free velocities.
   Eigen::VectorXd gap(const std::vector<double>& q);
   SparseMatrix gap_jacobian(const std::vector<double>& q);
-  // Distances from the wishes times the roots of their weights, and their derivative. q as in the last gap().
+  // Distances from the guesses times the square roots of their weights, and their Jacobian. q as in the last gap().
   Eigen::VectorXd distance(const std::vector<double>& q);
   SparseMatrix distance_jacobian(const std::vector<double>& q);
 
-  // The same for speeds, linear: gap = G v_free + g0, distance = T v_free + d0, v_free from zero. At q.
-  struct Speeds {
+  // The linear equations of the velocities at q: gap = G v_free + g0, distance = T v_free + d0.
+  struct VelocityEquations {
     SparseMatrix G, T;
     Eigen::VectorXd g0, d0;
-    std::vector<double> v;  // fixed speeds in place, the rest zero
+    std::vector<double> v;  // fixed velocities; the others are zero
   };
-  Speeds speeds(const std::vector<double>& q);
+  VelocityEquations velocity_equations(const std::vector<double>& q);
 
-  // q moved along the free speeds.
+  // q displaced by `step` along the free velocities.
   std::vector<double> displaced(const std::vector<double>& q, const Eigen::VectorXd& step) const;
-  // Free angles put within half a turn of their wishes, which moves nothing.
+  // Changes free angles by full turns so that they are within half a turn of their guesses.
   void unwind(std::vector<double>& q) const;
 
-  // Largest change of a coordinate that was given but not fixed, in the tree or at cut joints.
+  // Largest change of a coordinate that was given but not fixed, in the tree or at cut joints [rad, m].
   double moved(const std::vector<double>& q);
 
-  // q with the free coordinates anywhere: angles and quaternions all round, lengths within what links span.
-  std::vector<double> scattered(std::mt19937& random) const;
-  // Largest difference of two positions: of a coordinate, angles modulo a turn, or of a quaternion's turns.
-  double apart(const std::vector<double>& a, const std::vector<double>& b) const;
+  // The guesses with random free coordinates: angles and quaternions over all orientations, lengths within the size of
+  // the links.
+  std::vector<double> random_position(std::mt19937& random) const;
+  // Largest difference of two positions: of a coordinate, angles modulo a turn, or of a rotation vector [rad, m].
+  double separation(const std::vector<double>& a, const std::vector<double>& b) const;
 
-  // Scale of lengths [m], for limits on steps and gaps.
+  // Scale of lengths [m], for limits on steps and closure errors.
   double length() const { return length_; }
 
  private:
@@ -62,12 +64,13 @@ class AssemblyProblem {
   const InitialGuess& tree_;
   const InitialGuess& cuts_;
   std::vector<int> free_q_, free_v_;
-  std::vector<bool> turns_;         // InitialGuess::turns of the tree, but for angles that coordinate rows hold
-  std::vector<int> position_rows_;  // rows that have a position level
+  std::vector<bool> turns_;         // InitialGuess::turns of the tree, except angles held by coordinate rows
+  std::vector<int> position_rows_;  // constraint equations that hold positions
   bool cuts_fixed_ = false, cut_guesses_ = false;
   double length_ = 1;
-  double span_ = 0;  // [m] of the largest link
-  // By cut, the tree speeds that move it; and speeds by groups, no two of which move the same cut.
+  double span_ = 0;  // m: size of the largest link
+  // moving_: for each cut, the tree velocities that move it. groups_: sets of velocities, no two of which move the same
+  // cut.
   std::vector<std::vector<int>> moving_;
   std::vector<std::vector<int>> groups_;
 };

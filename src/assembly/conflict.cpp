@@ -16,9 +16,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t most_searched = 40;  // fixed coordinates among which a contradiction is looked for
+constexpr std::size_t max_fixed_values = 40;  // beyond this the search would be too expensive
 
-// The fixed coordinates of joints with nq coordinates from iq on and nv speeds from iv on.
+// Appends the fixed coordinates of a joint with nq coordinates from iq on and nv velocities from iv on.
 void list_fixed(const InitialGuess& guesses, bool cut, int iq, int nq, int iv, int nv, std::vector<FixedValue>& out) {
   const int plain = nq > nv ? nq - 4 : nq;  // the rest is a quaternion
   for (int i = 0; i < std::min(plain, nv); ++i) {
@@ -47,12 +47,12 @@ std::vector<FixedValue> without(const std::vector<FixedValue>& all, std::size_t 
   return out;
 }
 
-// Takes values out one by one as long as the rest cannot be met: what stays contradicts, all of it together.
+// Removes values one by one as long as the others are inconsistent: the rest is an irreducible inconsistent set.
 void reduce_to_core(std::vector<FixedValue>& values,
-                    const std::function<bool(const std::vector<FixedValue>&)>& can_be_met) {
+                    const std::function<bool(const std::vector<FixedValue>&)>& is_consistent) {
   for (std::size_t i = 0; i < values.size();) {
     const std::vector<FixedValue> fewer = without(values, i);
-    if (can_be_met(fewer)) {
+    if (is_consistent(fewer)) {
       ++i;
     } else {
       values = fewer;
@@ -60,13 +60,13 @@ void reduce_to_core(std::vector<FixedValue>& values,
   }
 }
 
-struct Searcher {
+struct ConflictSearch {
   const Mechanism& mechanism;
   Dynamics& dynamics;
   const InitialGuess& tree;
   const InitialGuess& cuts;
   const std::vector<double>& q;
-  InitialGuess some_tree{}, some_cuts{};  // in which not all is fixed
+  InitialGuess some_tree{}, some_cuts{};  // with only some of the values fixed
 
   void fix(const std::vector<FixedValue>& values) {
     some_tree = tree;
@@ -79,7 +79,8 @@ struct Searcher {
     }
   }
 
-  // Where the loops close with these values fixed; the nearest to the others that is found without much ado.
+  // Closes the loops with these values fixed, as near to the other guesses as a few searches find; empty: none
+  // succeeded.
   std::optional<std::vector<double>> search(const std::vector<FixedValue>& values) {
     fix(values);
     AssemblyProblem problem(mechanism, dynamics, some_tree, some_cuts);
@@ -112,9 +113,9 @@ struct Searcher {
 Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
                                const InitialGuess& cuts, const std::vector<double>& q) {
   const std::vector<FixedValue> all = fixed_positions(mechanism, tree, cuts);
-  Searcher searcher{.mechanism = mechanism, .dynamics = dynamics, .tree = tree, .cuts = cuts, .q = q};
+  ConflictSearch searcher{.mechanism = mechanism, .dynamics = dynamics, .tree = tree, .cuts = cuts, .q = q};
   Conflict out;
-  if (all.empty() || all.size() > most_searched || !searcher.search({})) return out;
+  if (all.empty() || all.size() > max_fixed_values || !searcher.search({})) return out;
   out.values = all;
   reduce_to_core(out.values,
                  [&](const std::vector<FixedValue>& values) { return searcher.search(values).has_value(); });
@@ -136,8 +137,9 @@ Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, c
   return out;
 }
 
-Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
-                            const InitialGuess& cuts, const std::vector<double>& q, double tolerance, double singular) {
+Conflict conflicting_velocities(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                                const InitialGuess& cuts, const std::vector<double>& q, double tolerance,
+                                double singular) {
   std::vector<FixedValue> values;
   for (const bool cut : {false, true}) {
     const std::vector<bool>& flags = (cut ? cuts : tree).v_fixed;
@@ -145,14 +147,14 @@ Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, cons
       if (flags[k]) values.push_back({.cut = cut, .first = k, .count = 1, .q = -1});
     }
   }
-  // With nothing fixed and all weights 1 the rows of T are the speeds themselves, d0 what they fall short by at rest.
+  // With nothing fixed and all weights 1 the rows of T give the velocities themselves, and d0 their distances at rest.
   InitialGuess plain[] = {tree, cuts};
   for (InitialGuess& guesses : plain) {
     guesses.v_fixed.assign(guesses.v_fixed.size(), false);
     guesses.v_weight.assign(guesses.v_weight.size(), 1);
   }
   AssemblyProblem problem(mechanism, dynamics, plain[0], plain[1]);
-  const AssemblyProblem::Speeds s = problem.speeds(q);
+  const AssemblyProblem::VelocityEquations s = problem.velocity_equations(q);
   const MatrixXd G = s.G;
   const Eigen::SparseMatrix<double, Eigen::RowMajor> T = s.T;
   const auto row = [&](const FixedValue& value) { return value.first + (value.cut ? mechanism.nv : 0); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of the fixed values contradict each other, when they cannot all be met.
+// Finds the fixed values that contradict each other if they cannot all be satisfied.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,15 @@
 
 namespace gelenk {
 
-// Of coordinates. q: where the gap was smallest. Found by leaving one after the other out and searching again, so it
-// costs as many searches; empty also where there are too many of them for that.
+// Conflicting fixed coordinates; q: the position with the smallest closure error. They are found by omitting one after
+// the other and searching again, which costs as many searches; empty also if there are too many of them for that.
 Conflict conflicting_positions(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
                                const InitialGuess& cuts, const std::vector<double>& q);
 
-// Of speeds, at q. tolerance: of the rates [m/s, rad/s]; singular: of the largest pivot, below which one is zero.
-Conflict conflicting_speeds(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
-                            const InitialGuess& cuts, const std::vector<double>& q, double tolerance, double singular);
+// Conflicting fixed velocities at q. tolerance: of the rates [m/s, rad/s]; singular: relative to the largest pivot,
+// below which one is zero.
+Conflict conflicting_velocities(const Mechanism& mechanism, Dynamics& dynamics, const InitialGuess& tree,
+                                const InitialGuess& cuts, const std::vector<double>& q, double tolerance,
+                                double singular);
 
 }  // namespace gelenk

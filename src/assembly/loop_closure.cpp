@@ -16,12 +16,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Level = AssemblyProblem::Level;
 
-constexpr double rounding = 2e-16;      // relative to the mechanism's length
-constexpr double longest_step = 0.4;    // rad or m: farther than this the linearized loops say little
-constexpr double difference = 1e-5;     // of second derivatives: as much lost by rounding as by its length
-constexpr Eigen::Index most_bent = 30;  // freedoms for which second derivatives are worth their price
+constexpr double rounding_error = 2e-16;     // relative to the mechanism's length
+constexpr double longest_step = 0.4;         // rad or m: the linearized loop equations are inaccurate beyond
+constexpr double difference_step = 1e-5;     // of second derivatives: balances rounding and truncation
+constexpr Eigen::Index max_newton_dof = 30;  // degrees of freedom up to which second derivatives are worth their cost
 
-// The shortest steps that take residuals of the rows G away.
+// Returns the solver for minimum-norm steps that remove the residuals of the rows G.
 auto shortest_steps(const SparseMatrix& G) {
   const double scale = G.nonZeros() > 0 ? G.squaredNorm() / static_cast<double>(G.rows()) : 0;
   return [G, scale](const VectorXd& r, double damping) -> VectorXd {
@@ -31,14 +31,14 @@ auto shortest_steps(const SparseMatrix& G) {
   };
 }
 
-// Half the squared distance along the loops closed at q.
+// Gradient of half the squared distance along the loops closed at q.
 struct Gradient {
   explicit Gradient(const SparseMatrix& G) : loops(G) {}
   RowSpace loops;
   VectorXd d;         // distances
-  SparseMatrix T;     // their derivative
-  VectorXd whole;     // the gradient as if there were no loops
-  VectorXd gradient;  // what of it the loops let through: along their basis, or where that is too wide, as it is
+  SparseMatrix T;     // their Jacobian
+  VectorXd whole;     // the gradient without the loop equations
+  VectorXd gradient;  // its components along the null-space basis or, if that is too wide, its projection
 };
 
 Gradient gradient_at(AssemblyProblem& problem, const std::vector<double>& q) {
@@ -47,22 +47,23 @@ Gradient gradient_at(AssemblyProblem& problem, const std::vector<double>& q) {
   out.d = problem.distance(q);
   out.T = problem.distance_jacobian(q);
   out.whole = out.T.transpose() * out.d;
-  out.gradient = out.loops.has_basis() ? out.loops.basis().transpose() * out.whole : out.loops.free_part(out.whole);
+  out.gradient =
+      out.loops.has_basis() ? out.loops.basis().transpose() * out.whole : out.loops.null_space_part(out.whole);
   return out;
 }
 
-// Z^T (second derivatives of the Lagrangian) Z, Z the basis, by differences of its gradient.
+// Z^T H Z with H the Hessian of the Lagrangian and Z the basis, by central differences of its gradient.
 MatrixXd reduced_hessian(AssemblyProblem& problem, const std::vector<double>& q, const Gradient& at,
                          const MatrixXd& Z) {
-  VectorXd lambda;  // holds what of the gradient the loops do not let through
+  VectorXd lambda;  // balances the part of the gradient that the loops block
   if (at.loops.rows().rows() > 0) lambda = at.loops.multipliers(-at.whole);
   const auto gradient = [&](const VectorXd& step) {
-    const std::vector<double> beside = problem.displaced(q, step);
-    VectorXd out = problem.distance_jacobian(beside).transpose() * problem.distance(beside);
-    if (lambda.size() > 0) out += problem.gap_jacobian(beside).transpose() * lambda;
+    const std::vector<double> neighbor = problem.displaced(q, step);
+    VectorXd out = problem.distance_jacobian(neighbor).transpose() * problem.distance(neighbor);
+    if (lambda.size() > 0) out += problem.gap_jacobian(neighbor).transpose() * lambda;
     return out;
   };
-  const double h = difference * problem.length();
+  const double h = difference_step * problem.length();
   MatrixXd H(Z.cols(), Z.cols());
   for (Eigen::Index k = 0; k < H.cols(); ++k) {
     const VectorXd z = h * Z.col(k);
@@ -71,26 +72,26 @@ MatrixXd reduced_hessian(AssemblyProblem& problem, const std::vector<double>& q,
   return (H + H.transpose()) / 2;
 }
 
-// Downhill, and the shortest way where the distance is bowl-shaped.
+// Newton step with the absolute values of the curvatures: a descent direction also where the distance is not convex.
 VectorXd newton_step(AssemblyProblem& problem, const std::vector<double>& q, const Gradient& at) {
   const MatrixXd& Z = at.loops.basis();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> parts(reduced_hessian(problem, q, at, Z));
-  const VectorXd& bends = parts.eigenvalues();
-  const double least = 1e-9 * bends.cwiseAbs().maxCoeff();
-  VectorXd along = parts.eigenvectors().transpose() * at.gradient;
-  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(bends[k]), least, 1e-300});
-  return -(Z * (parts.eigenvectors() * along));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(reduced_hessian(problem, q, at, Z));
+  const VectorXd& curvatures = eigen.eigenvalues();
+  const double least = 1e-9 * curvatures.cwiseAbs().maxCoeff();
+  VectorXd along = eigen.eigenvectors().transpose() * at.gradient;
+  for (Eigen::Index k = 0; k < along.size(); ++k) along[k] /= std::max({std::abs(curvatures[k]), least, 1e-300});
+  return -(Z * (eigen.eigenvectors() * along));
 }
 
-// One step of minimize_distance, shortened until it leads nearer; false when none does.
-bool nearer(AssemblyProblem& problem, std::vector<double>& q, Gradient& at, VectorXd step, bool newton) {
+// One step of minimize_distance, shortened until the distance decreases; returns false if it never does.
+bool try_step(AssemblyProblem& problem, std::vector<double>& q, Gradient& at, VectorXd step, bool newton) {
   const double cost = at.d.squaredNorm();
   for (int k = 0; k < 8; ++k, step /= 4) {
     if (largest(step) < 1e-13 * problem.length()) return false;
     std::vector<double> next = problem.displaced(q, step);
-    if (!(close_loops(problem, next) <= assembled_gap)) continue;  // nor where it is no number
+    if (!(close_loops(problem, next) <= assembled_gap)) continue;  // also rejects NaN
     const double next_cost = problem.distance(next).squaredNorm();
-    // Near the bottom the distance is level within rounding; its slope still tells.
+    // Near the minimum the distance is constant within rounding, but its gradient still shows progress.
     if (!(next_cost < cost * (newton ? 1 + 1e-12 : 1))) continue;
     Gradient there = gradient_at(problem, next);
     if (next_cost >= cost && there.gradient.norm() > 0.5 * at.gradient.norm()) continue;
@@ -103,17 +104,17 @@ bool nearer(AssemblyProblem& problem, std::vector<double>& q, Gradient& at, Vect
 
 }  // namespace
 
-VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold) {
+VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double threshold) {
   const RowSpace loops(s.G, threshold);
   const VectorXd v = -loops.min_norm(s.g0);
   return loops.degrees_of_freedom() > 0 ? VectorXd(v + nearest(loops, s.T, s.T * v + s.d0)) : v;
 }
 
 double close_loops(AssemblyProblem& problem, std::vector<double>& q) {
-  // Beside a singular configuration a gap of 1e-13 leaves 3e-7 of a coordinate open, so what is closed is closed
-  // further as long as that makes progress; there Newton's method quarters the gap at each step.
+  // Near a singular configuration a closure error of 1e-13 leaves an error of 3e-7 in a coordinate, so iteration
+  // continues after convergence as long as it makes progress; there Newton's method quarters the error at each step.
   const Descent how{.tolerance = closure_tolerance * problem.length(),
-                    .rounding = rounding * problem.length(),
+                    .rounding = rounding_error * problem.length(),
                     .longest_step = longest_step,
                     .most_steps = 200};
   return largest(descend(
@@ -126,7 +127,7 @@ bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<doub
   double length = 1;
   for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
   const Descent how{.tolerance = closure_tolerance * length,
-                    .least_damping = 1e-10,  // pivots below its root are those of rows that repeat others
+                    .least_damping = 1e-10,  // pivots below its square root belong to redundant constraints
                     .longest_step = longest_step,
                     .most_steps = 60};
   const auto residual = [&](const auto& at) {
@@ -159,8 +160,7 @@ void relax(AssemblyProblem& problem, std::vector<double>& q) {
       return -solve_definite(plus_diagonal(normal, damping), downhill);
     };
   };
-  // A rough way: to within what the last steps take away, and by coordinates that neither loops nor wishes tell of no
-  // farther than need be.
+  // Low accuracy suffices. The damping keeps coordinates that neither loops nor guesses determine near their values.
   descend(q, {.least_progress = 1e-4, .least_damping = 1e-4, .longest_step = longest_step, .most_steps = 40}, residual,
           linearized, [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); });
 }
@@ -169,10 +169,10 @@ void minimize_distance(AssemblyProblem& problem, std::vector<double>& q) {
   Gradient at = gradient_at(problem, q);
   for (int i = 0; i < 100 && at.loops.degrees_of_freedom() > 0; ++i) {
     const double cost = at.d.squaredNorm();
-    const bool newton = i >= 2 && at.loops.degrees_of_freedom() <= most_bent;
+    const bool newton = i >= 2 && at.loops.degrees_of_freedom() <= max_newton_dof;
     const VectorXd step = newton ? newton_step(problem, q, at) : nearest(at.loops, at.T, at.d);
-    if (!nearer(problem, q, at, limited(step, longest_step), newton)) return;
-    if (!newton && at.loops.degrees_of_freedom() > most_bent && cost - at.d.squaredNorm() < 1e-14 * cost) return;
+    if (!try_step(problem, q, at, limited(step, longest_step), newton)) return;
+    if (!newton && at.loops.degrees_of_freedom() > max_newton_dof && cost - at.d.squaredNorm() < 1e-14 * cost) return;
     if (largest(at.gradient) < 1e-15 * problem.length()) return;
   }
 }
@@ -184,7 +184,7 @@ LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double
   if (out.degrees_of_freedom == 0) return out;
   out.gradient = largest(at.gradient);
   const MatrixXd& Z = at.loops.basis();
-  if (out.degrees_of_freedom > most_bent) {
+  if (out.degrees_of_freedom > max_newton_dof) {
     const MatrixXd along = at.T * Z;
     out.least_curvature = (along.transpose() * along).selfadjointView<Eigen::Lower>().eigenvalues()[0];
     return out;
@@ -196,12 +196,12 @@ LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double
 std::vector<double> perturbed(const AssemblyProblem& problem, const std::vector<double>& q, int attempt) {
   if (attempt == 0) return q;
   std::mt19937 random(static_cast<unsigned>(attempt));
-  // At first small, for guesses that stand on a dead point; in the end anywhere.
+  // Small at first, for guesses at a dead center; finally over the whole range.
   const double reach = std::min(std::numbers::pi, 0.05 * std::pow(1.35, attempt));
-  std::uniform_real_distribution<double> shake(-reach, reach);
+  std::uniform_real_distribution<double> perturbation(-reach, reach);
   const auto n = static_cast<Eigen::Index>(problem.free(Level::position).size());
   VectorXd step(n);
-  for (Eigen::Index k = 0; k < n; ++k) step[k] = shake(random) * problem.length();
+  for (Eigen::Index k = 0; k < n; ++k) step[k] = perturbation(random) * problem.length();
   return problem.displaced(q, step);
 }
 

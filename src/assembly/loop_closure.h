@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The searches of assembly: to a place where the loops are closed, and along the closed loops towards the wishes.
+// The iterations of assembly: closing the loops, and minimizing the distance from the guesses along the closed loops.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,37 +9,40 @@
 
 namespace gelenk {
 
-inline constexpr double assembled_gap = 1e-9;       // m or rad: what the user is promised
-inline constexpr double closure_tolerance = 1e-13;  // of the mechanism's length: some hundreds of roundings
+inline constexpr double assembled_gap = 1e-9;       // m or rad: closure error guaranteed to the user
+inline constexpr double closure_tolerance = 1e-13;  // relative to the mechanism's length: some hundred roundings
 
-// Closes the loops from q by Levenberg-Marquardt steps, fixed values kept; returns the largest gap left.
+// Closes the loops from q by Levenberg-Marquardt steps with fixed values kept; returns the largest closure error left
+// [m, rad].
 double close_loops(AssemblyProblem& problem, std::vector<double>& q);
-// Closes all rows from q, whatever is wished; false where that fails. Asks for no rank: off the loops rows that repeat
-// others look independent, and at a singular start rows that are independent do not. Leaves `dynamics` anywhere.
+// Satisfies all constraint equations from q, without regard to guesses; returns false if that fails. It does not use
+// the rank: away from closed loops redundant constraints look independent, and at a singular start independent ones do
+// not. Leaves `dynamics` at an arbitrary position.
 bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<double>& q);
 
-// From q to where gaps and weighted distances together are small: wishes of cut joints pull the tree before it closes.
+// Minimizes closure errors and weighted distances together, so that guesses of cut joints guide the tree before it
+// closes.
 void relax(AssemblyProblem& problem, std::vector<double>& q);
 
-// Moves along the closed loops to where the weighted distance is least (each trial is closed again, and judged by the
-// distance, so this is no descend()): Gauss-Newton, then Newton with the curvature of the loops, which settles the last
-// digits however far away the wishes are. (Nocedal & Wright, ch. 10 and 18.)
+// Moves along the closed loops to a minimum of the weighted distance. Each trial is closed again and judged by the
+// distance, so this is no descend(). Gauss-Newton, then Newton with the curvature of the loops, which converges in the
+// last digits however far away the guesses are (Nocedal & Wright, ch. 10 and 18).
 void minimize_distance(AssemblyProblem& problem, std::vector<double>& q);
 
-// What remains free at q where the loops are closed, and how the weighted distance behaves along it.
+// The degrees of freedom at q where the loops are closed, and derivatives of the weighted distance along them.
 struct LocalMinimum {
   Eigen::Index degrees_of_freedom = 0;
-  double gradient = 0;         // largest component of the gradient of half the squared distance, along the freedoms
-  double least_curvature = 0;  // least eigenvalue of its second derivatives along the closed loops; 0 without freedoms
+  double gradient = 0;         // largest component of the gradient of half the squared distance along the closed loops
+  double least_curvature = 0;  // smallest eigenvalue of its Hessian along the closed loops; 0 if nothing is free
 };
 LocalMinimum local_minimum_at(AssemblyProblem& problem, const std::vector<double>& q);
 
-// The speeds that the loops (s.G v = -s.g0, pivots below `threshold` of the largest taken for zero) allow nearest to
-// the wishes.
-Eigen::VectorXd nearest_speeds(const AssemblyProblem::Speeds& s, double threshold);
+// The velocities nearest to the guesses that satisfy s.G v = -s.g0; pivots below `threshold` times the largest count as
+// zero.
+Eigen::VectorXd nearest_velocities(const AssemblyProblem::VelocityEquations& s, double threshold);
 
-// The wishes, their free coordinates perturbed the more the higher the attempt, always the same way; 0: as they are.
+// q with its free coordinates perturbed, the more the higher the attempt, reproducibly; attempt 0 returns q.
 std::vector<double> perturbed(const AssemblyProblem& problem, const std::vector<double>& q, int attempt);
-inline constexpr int most_attempts = 24;  // after these the free coordinates have been anywhere
+inline constexpr int max_attempts = 24;  // by then the free coordinates have covered their whole range
 
 }  // namespace gelenk

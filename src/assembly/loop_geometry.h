@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equations of closed loops as functions of the coordinates and of where the frames of the joints sit in their
-// links: Phi(q, d) and its derivatives, J by displacements along the speeds and A by small twists of the frames.
+// Loop equations as functions of the coordinates and of the positions of the joint frames in their links: Phi(q, d) and
+// its derivatives, J by displacements along the velocities and A by small twists of the frames.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,17 @@
 
 namespace gelenk {
 
-// Of a mechanism in space. Contacts, and rows that change with time, are left out.
+// For spatial mechanisms. Contacts and time-dependent constraint equations are left out.
 class LoopGeometry {
  public:
-  // One half of a joint that is part of a loop, fixed in a link.
+  // One half of a joint in a loop, fixed in a link.
   struct Frame {
     int scene_joint = -1;
-    bool child = false;     // the half in the scene joint's child body
-    bool has_axis = false;  // along its z axis, the joint's only one
+    bool child = false;     // the half is in the scene joint's child body
+    bool has_axis = false;  // the joint has a single axis, its z axis
     int link = 0;
-    Pose3 X_given;  // in the link, as the scene has it
-    Pose3 X;        // in the link, now
+    Pose3 X_given;  // in the link, as given in the scene
+    Pose3 X;        // in the link, adjusted
   };
 
   struct Equations {
@@ -33,21 +33,22 @@ class LoopGeometry {
 
   const std::vector<Frame>& frames() const { return frames_; }
   Eigen::Index rows() const { return rows_; }
-  Eigen::Index speeds() const { return mechanism_.nv; }
-  // m: the largest distance of a frame from its link's, or 1.
+  Eigen::Index velocities() const { return mechanism_.nv; }
+  // m: the largest distance of a joint frame from its link frame, at least 1.
   double size() const;
 
   Equations equations(const std::vector<double>& q) const;
-  // q displaced along the speeds, as Dynamics::displace.
+  // q displaced along the velocities, as by Dynamics::displace.
   std::vector<double> displaced(std::vector<double> q, const Eigen::VectorXd& dv) const;
 
-  // Moves the frames by 6 numbers each: X <- X exp(d), to first order in the shift.
+  // Moves the frames by 6 numbers each, turn [rad] and shift [m] along the frame's axes: X <- X exp(d), to first order
+  // in the shift.
   void move(const Eigen::VectorXd& d);
   // Turns a frame's axes by R, written in its link.
   void turn(std::size_t frame, const Eigen::Matrix3d& R) { frames_[frame].X.R = R * frames_[frame].X.R; }
 
  private:
-  struct Ends {  // of a tree joint in a loop: the halves in the inner and the outer link; of a cut those in a and b
+  struct Ends {  // frame indices: of a tree joint in the inner and the outer link; of a cut joint in links a and b
     int inner = -1, outer = -1;
   };
 

@@ -14,14 +14,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double longest_step = 0.3;  // rad or m, of one closing step: beyond, the linearized loops say little
-constexpr double stride = 0.4;        // rad or m, from one position to the next: so that they differ much
-constexpr double stayed = 0.05;       // rad or m: a walk that gets no farther has met an end
-// Of the largest singular value: at regular positions of mechanisms with all kinds of proportions it is 1e-3 and more.
-constexpr double least_pivot = 1e-4;
-constexpr double beside_singular = 1e-3;  // likewise: positions beside singular ones have smaller ones
-// Between the last singular value that counts and the first that does not.
-constexpr double certain = 10;
+constexpr double longest_step = 0.3;   // rad or m, of a closing step: the linearized equations are inaccurate beyond
+constexpr double stride = 0.4;         // rad or m, between positions, so that they differ clearly
+constexpr double min_progress = 0.05;  // rad or m: a step that moves less has reached the end of the range of motion
+// Relative to the largest singular value: at regular positions of mechanisms of all proportions it is 1e-3 or more.
+constexpr double min_singular_ratio = 1e-4;
+constexpr double near_singular_ratio = 1e-3;  // smaller ratios occur near singular positions
+// Ratio of the last singular value that counts to the first one that does not.
+constexpr double min_rank_gap = 10;
 
 }  // namespace
 
@@ -48,7 +48,8 @@ LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
       return -J.solve(Phi, rank_, damping * J.sigma[0] * J.sigma[0]);
     };
   };
-  // The equations contradict each other: the least gap is no zero, and is there when it falls no more.
+  // The equations contradict each other, so the least closure error is not zero; it is reached when it no longer
+  // decreases.
   const VectorXd left = descend(
       q, {.least_progress = 1e-3, .longest_step = longest_step, .most_steps = 80},
       [&](const auto& at) { return loops_.equations(at).Phi; }, linearized,
@@ -60,15 +61,15 @@ bool LoopPositions::is_regular(const Position& position) const {
   const VectorXd& sigma = position.sigma;
   if (rank_ == 0 || sigma.size() == 0) return true;
   const double beyond = rank_ < sigma.size() ? sigma[rank_] : 0;
-  return sigma[rank_ - 1] > std::max(least_pivot * sigma[0], certain * beyond);
+  return sigma[rank_ - 1] > std::max(min_singular_ratio * sigma[0], min_rank_gap * beyond);
 }
 
 VectorXd LoopPositions::free_direction(const std::vector<double>& q, std::mt19937& random) const {
   const Decomposition J(loops_.equations(q).J);
   std::normal_distribution<double> normal;
-  // At a singular position branches meet, and more is free there than on any of them.
+  // At a singular position branches meet, and more motions are free than on any one of them.
   Index held = 0;
-  while (held < rank_ && J.sigma[held] > beside_singular * J.sigma[0]) ++held;
+  while (held < rank_ && J.sigma[held] > near_singular_ratio * J.sigma[0]) ++held;
   VectorXd along(J.V.cols() - held);
   for (double& x : along) x = normal(random);
   const VectorXd out = J.V.rightCols(along.size()) * along;
@@ -78,17 +79,17 @@ VectorXd LoopPositions::free_direction(const std::vector<double>& q, std::mt1993
 std::vector<std::vector<double>> LoopPositions::walk(const Position& start, std::size_t count, unsigned seed) const {
   std::vector<std::vector<double>> out;
   if (is_regular(start) && start.gap <= misfit_) out.push_back(start.q);
-  if (rank_ == loops_.speeds()) return out;
+  if (rank_ == loops_.velocities()) return out;
   std::mt19937 random(seed);
   std::vector<double> at = start.q;
-  VectorXd last;  // the way it came, or the opposite of that before an end was met
+  VectorXd last;  // direction of the last step, or its opposite after an end of the range
   for (std::size_t i = 0; i < 6 * count && out.size() < count; ++i) {
     VectorXd ahead = free_direction(at, random);
     if (last.size() > 0 && ahead.dot(last) < 0) ahead = -ahead;
     Position next = closed(loops_.displaced(at, stride * ahead));
     double moved = 0;
     for (std::size_t k = 0; k < at.size(); ++k) moved = std::max(moved, std::abs(next.q[k] - at[k]));
-    if (!(next.gap <= misfit_) || moved < stayed) {
+    if (!(next.gap <= misfit_) || moved < min_progress) {
       at = start.q;
       if (is_regular(start)) {
         last = -ahead;

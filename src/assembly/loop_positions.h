@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Positions at which loops close as well as can be, whose equations contradict each other a little.
+// Positions at which loops whose equations contradict each other slightly close as well as possible.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,24 +12,25 @@ namespace gelenk {
 
 class LoopPositions {
  public:
-  // rank: singular values of J beyond so many are taken for zero. misfit: gaps up to this are closed.
+  // rank: number of singular values of J that are treated as nonzero. misfit: closure errors up to this count as closed
+  // [m, rad].
   LoopPositions(const LoopGeometry& loops, Eigen::Index rank, double misfit)
       : loops_(loops), rank_(rank), misfit_(misfit) {}
 
   struct Position {
     std::vector<double> q;
-    double gap = 0;         // the largest that is left
+    double gap = 0;         // largest closure error [m, rad]
     Eigen::VectorXd sigma;  // singular values of J
   };
 
-  // The nearest position from q with the least gaps, by Levenberg-Marquardt steps of truncated rank.
+  // The position with the least closure error near q, by Levenberg-Marquardt steps of truncated rank.
   Position closed(std::vector<double> q) const;
 
-  // Positions reached from `start` along what the rank leaves free, `count` of them with `start`, if there are so many;
-  // only those at which the rank is certain.
+  // Up to `count` positions, including `start`, reached from it along the motions that the rank leaves free; only those
+  // at which the rank is certain.
   std::vector<std::vector<double>> walk(const Position& start, std::size_t count, unsigned seed) const;
 
-  // Whether the rank is that of J, and by far.
+  // Whether `rank` is the rank of J at the position, with a clear gap between its singular values.
   bool is_regular(const Position& position) const;
 
  private:
@@ -40,12 +41,13 @@ class LoopPositions {
   double misfit_;
 };
 
-// J's singular value decomposition, U complete.
+// Singular value decomposition of J with full U.
 struct Decomposition {
   explicit Decomposition(const Eigen::MatrixXd& J);
   Eigen::MatrixXd U, V;
   Eigen::VectorXd sigma;
-  // The shortest x with J x nearest to b, of this rank; damped: sigma / (sigma^2 + damping) stands for 1 / sigma.
+  // The minimum-norm least-squares solution of J x = b, truncated at this rank; damped: sigma / (sigma^2 + damping)
+  // replaces 1 / sigma.
   Eigen::VectorXd solve(const Eigen::VectorXd& b, Eigen::Index rank, double damping = 0) const;
 };
 

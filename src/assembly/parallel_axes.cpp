@@ -8,24 +8,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Sines up to this are the rounding of exact axes: such a group is left as it is.
-constexpr double exact = 1e-15;
+// Sine of the angle between axes that are parallel up to rounding: such a group is left unchanged.
+constexpr double max_rounding_sine = 1e-15;
 
 Vector3d axis_of(const LoopGeometry& loops, std::size_t frame) { return loops.frames()[frame].X.R.col(2); }
 
-// Frames of one link, from `first` on, whose axes are parallel to another of the group.
+// Frames of one link, from `first` on, whose axes are parallel to that of another member of the group.
 std::vector<std::size_t> group_of(const LoopGeometry& loops, std::size_t first, const std::vector<bool>& grouped,
                                   double tolerance) {
   const std::vector<LoopGeometry::Frame>& frames = loops.frames();
   std::vector<std::size_t> out = {first};
-  std::vector<bool> in(frames.size(), false);
-  in[first] = true;
+  std::vector<bool> in_group(frames.size(), false);
+  in_group[first] = true;
   for (std::size_t k = 0; k < out.size(); ++k) {
     for (std::size_t i = first + 1; i < frames.size(); ++i) {
-      if (in[i] || grouped[i] || !frames[i].has_axis || frames[i].link != frames[first].link) continue;
-      // Each of the two is off by no more than the tolerance.
+      if (in_group[i] || grouped[i] || !frames[i].has_axis || frames[i].link != frames[first].link) continue;
+      // Each of the two may deviate by the tolerance.
       if (axis_of(loops, out[k]).cross(axis_of(loops, i)).norm() > 2 * tolerance) continue;
-      in[i] = true;
+      in_group[i] = true;
       out.push_back(i);
     }
   }
@@ -35,16 +35,16 @@ std::vector<std::size_t> group_of(const LoopGeometry& loops, std::size_t first, 
 void align(LoopGeometry& loops, const std::vector<std::size_t>& group) {
   const Vector3d first = axis_of(loops, group.front());
   Vector3d mean = Vector3d::Zero();
-  double off = 0;
+  double max_sine = 0;
   for (const std::size_t i : group) {
     const Vector3d axis = axis_of(loops, i);
     mean += axis.dot(first) < 0 ? Vector3d(-axis) : axis;
-    off = std::max(off, axis.cross(first).norm());
+    max_sine = std::max(max_sine, axis.cross(first).norm());
   }
-  if (off <= exact) return;
+  if (max_sine <= max_rounding_sine) return;
   mean.normalize();
   for (const std::size_t i : group) {
-    // Twice: what the first turn leaves is rounding of it.
+    // Twice: the second turn removes the rounding of the first.
     for (int k = 0; k < 2; ++k) {
       const Vector3d axis = axis_of(loops, i);
       const Vector3d across = axis.cross(axis.dot(mean) < 0 ? Vector3d(-mean) : mean);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Axes of joints that are parallel in their link up to a tolerance.
+// Joint axes of a link that are parallel up to a tolerance.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace gelenk {
 
-// Turns the frames so that such axes are parallel, each group along its mean. Returns by frame whether it is in a
-// group.
+// Turns the frames so that such axes become exactly parallel to the mean of their group. tolerance [rad]. Returns for
+// each frame whether it belongs to a group.
 std::vector<bool> make_parallel(LoopGeometry& loops, double tolerance);
 
 }  // namespace gelenk

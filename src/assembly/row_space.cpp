@@ -15,13 +15,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Columns up to which sorted pivots, which tell the rank best, cost nothing to speak of.
-constexpr Index most_dense = 300;
-constexpr Index widest_basis = 64;     // columns of a basis that is worth its price where the rows are sparse
-constexpr double least_pivot = 1e-9;   // of the largest, in a basis
-constexpr double regularized = 1e-12;  // of the largest entry, where no basis is worth its price
+// Number of columns up to which dense factors with sorted pivots, which reveal the rank best, cost little.
+constexpr Index max_dense_columns = 300;
+constexpr Index max_basis_columns = 64;   // beyond this a basis of sparse equations is too expensive
+constexpr double min_pivot_ratio = 1e-9;  // relative to the largest pivot, in a basis
+constexpr double regularization = 1e-12;  // relative to the largest entry, where no basis is used
 
-bool is_large(const SparseMatrix& G) { return G.cols() > most_dense; }
+bool is_large(const SparseMatrix& G) { return G.cols() > max_dense_columns; }
 
 }  // namespace
 
@@ -33,9 +33,10 @@ RowSpace::RowSpace(const SparseMatrix& G, double threshold) : G_(G), threshold_(
   sparse_ = std::make_unique<Factor>();
   double largest = 0;
   for (Index k = 0; k < columns.cols(); ++k) largest = std::max(largest, columns.col(k).norm());
-  sparse_->setPivotThreshold((threshold_ > 0 ? threshold_ : least_pivot) * largest);
+  sparse_->setPivotThreshold((threshold_ > 0 ? threshold_ : min_pivot_ratio) * largest);
   sparse_->compute(columns);
-  if (sparse_->info() != Eigen::Success) throw std::runtime_error("sparse factors of the loops' rows were not found");
+  if (sparse_->info() != Eigen::Success)
+    throw std::runtime_error("sparse QR factorization of the constraint Jacobian failed");
 }
 
 Index RowSpace::rank() const {
@@ -43,7 +44,7 @@ Index RowSpace::rank() const {
   return G_.cols() - basis().cols();
 }
 
-bool RowSpace::has_basis() const { return !is_large(G_) || degrees_of_freedom() <= widest_basis; }
+bool RowSpace::has_basis() const { return !is_large(G_) || degrees_of_freedom() <= max_basis_columns; }
 
 VectorXd RowSpace::min_norm(const VectorXd& b) const {
   if (G_.rows() == 0 || G_.cols() == 0) return VectorXd::Zero(G_.cols());
@@ -67,7 +68,7 @@ VectorXd RowSpace::multipliers(const VectorXd& b) const {
   return sparse_->solve(b);
 }
 
-VectorXd RowSpace::free_part(const VectorXd& x) const {
+VectorXd RowSpace::null_space_part(const VectorXd& x) const {
   if (G_.rows() == 0) return x;
   if (!sparse_) return basis() * (basis().transpose() * x);
   VectorXd y = sparse_->matrixQ().transpose() * x;
@@ -77,7 +78,8 @@ VectorXd RowSpace::free_part(const VectorXd& x) const {
 
 const MatrixXd& RowSpace::basis() const {
   if (!basis_) {
-    basis_ = sparse_ ? sparse_basis() : nullspace(MatrixXd(G_), G_.cols(), threshold_ > 0 ? threshold_ : least_pivot);
+    basis_ =
+        sparse_ ? sparse_basis() : nullspace(MatrixXd(G_), G_.cols(), threshold_ > 0 ? threshold_ : min_pivot_ratio);
   }
   return *basis_;
 }
@@ -99,31 +101,31 @@ VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const VectorXd& d)
     if (Z.cols() == 0) return VectorXd::Zero(T.cols());
     return -(Z * MatrixXd(T * Z).completeOrthogonalDecomposition().solve(d));
   }
-  // [T^T T, G^T; G, 0] with a little on the diagonal, which makes it definite enough to be factorized in any order.
+  // [T^T T, G^T; G, 0] with a small regularization of the diagonal, so that it can be factorized in any order.
   const SparseMatrix& G = rows.rows();
   const Index n = G.cols();
   const Index m = G.rows();
   const SparseMatrix H = T.transpose() * T;
-  constexpr double tiny = 1e-300;  // where all are 0
+  constexpr double tiny = 1e-300;  // if all entries are 0
   const double size = std::max(tiny, H.diagonal().maxCoeff());
   const double row_size = G.nonZeros() > 0 ? std::max(tiny, G.coeffs().square().maxCoeff()) : tiny;
   std::vector<Eigen::Triplet<double>> entries;
   for (Index k = 0; k < n; ++k) {
     for (SparseMatrix::InnerIterator at(H, k); at; ++at) entries.emplace_back(at.row(), k, at.value());
-    entries.emplace_back(k, k, regularized * 1e3 * size);
+    entries.emplace_back(k, k, regularization * 1e3 * size);
     for (SparseMatrix::InnerIterator at(G, k); at; ++at) {
       entries.emplace_back(n + at.row(), k, at.value());
       entries.emplace_back(k, n + at.row(), at.value());
     }
   }
-  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularized * row_size / size);
+  for (Index r = 0; r < m; ++r) entries.emplace_back(n + r, n + r, -regularization * row_size / size);
   SparseMatrix K(n + m, n + m);
   K.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<SparseMatrix> factor(K);
   VectorXd right = VectorXd::Zero(n + m);
   right.head(n) = -(T.transpose() * d);
   const VectorXd x = factor.solve(right);
-  return rows.free_part(x.head(n));  // what the diagonal has let through
+  return rows.null_space_part(x.head(n));  // removes the error of the regularization
 }
 
 SparseMatrix plus_diagonal(const SparseMatrix& A, double x) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Linear algebra of assembly, on rows that must vanish: by dense factors with pivots sorted by size, or, where the rows
-// are many and mostly zeros, as a long chain of loops has them, by sparse ones.
+// Linear algebra of assembly on constraint equations: dense factors with pivots sorted by size, or sparse ones where
+// the matrix is large and sparse, as for a long chain of loops.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,22 +14,23 @@ namespace gelenk {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Factors of G (rows x n), of any rank. threshold: of the largest pivot, below which one is zero; 0: rounding.
+// Factors of G (rows x n) of any rank. threshold: pivot size relative to the largest, below which a pivot is zero; 0:
+// rounding. Throws std::runtime_error if the sparse factorization fails.
 class RowSpace {
  public:
   explicit RowSpace(const SparseMatrix& G, double threshold = 0);
 
-  // The shortest x with G x = b, as well as can be.
+  // The minimum-norm least-squares solution of G x = b.
   Eigen::VectorXd min_norm(const Eigen::VectorXd& b) const;
-  // l with G^T l = b, as well as can be.
+  // The least-squares solution of G^T l = b.
   Eigen::VectorXd multipliers(const Eigen::VectorXd& b) const;
-  // What of x the rows leave free.
-  Eigen::VectorXd free_part(const Eigen::VectorXd& x) const;
-  // An orthonormal basis of the x that the rows forbid nothing of, n x freedoms().
+  // The orthogonal projection of x onto the null space of G.
+  Eigen::VectorXd null_space_part(const Eigen::VectorXd& x) const;
+  // An orthonormal basis of the null space of G, n x degrees_of_freedom().
   const Eigen::MatrixXd& basis() const;
   Eigen::Index degrees_of_freedom() const { return G_.cols() - rank(); }
   Eigen::Index rank() const;
-  // Whether a basis is small enough to be worked with.
+  // Whether the basis is small enough to be used.
   bool has_basis() const;
   const SparseMatrix& rows() const { return G_; }
 
@@ -40,19 +41,20 @@ class RowSpace {
   SparseMatrix G_;
   double threshold_;
   std::unique_ptr<Factor> sparse_;
-  mutable std::optional<Eigen::MatrixXd> basis_;  // once asked for
+  mutable std::optional<Eigen::MatrixXd> basis_;  // computed on first use
 };
 
-// x in the basis, or free of the rows, with the shortest T x + d.
+// The x in the null space of G that minimizes |T x + d|.
 Eigen::VectorXd nearest(const RowSpace& rows, const SparseMatrix& T, const Eigen::VectorXd& d);
 
 // A + x I.
 SparseMatrix plus_diagonal(const SparseMatrix& A, double x);
 
-// A x = b for symmetric A that is positive definite.
+// Solves A x = b for a symmetric positive definite A.
 Eigen::VectorXd solve_definite(const SparseMatrix& A, const Eigen::VectorXd& b);
 
-// The basis of RowSpace, of rows that are not sparse. threshold: of the largest pivot, below which one is zero.
+// An orthonormal basis of the null space of a dense G with n columns. threshold: relative to the largest pivot, below
+// which one is zero.
 Eigen::MatrixXd nullspace(const Eigen::MatrixXd& G, Eigen::Index n, double threshold = 1e-9);
 
 }  // namespace gelenk

@@ -8,21 +8,21 @@
 namespace gelenk {
 namespace {
 
-// That are listed of a communication step, of what has singular positions only, and of what has stops.
-constexpr std::size_t few = 8;
-constexpr std::size_t many = 256;
+// Capacity of the list of a communication step, for islands without and with stops.
+constexpr std::size_t capacity_without_stops = 8;
+constexpr std::size_t capacity_with_stops = 256;
 
 }  // namespace
 
-void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long most) {
+void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_events) {
   texts_ = std::move(texts);
-  most_ = most;
-  events_.reserve(texts_.empty() ? few : many);
+  max_events_ = max_events;
+  events_.reserve(texts_.empty() ? capacity_without_stops : capacity_with_stops);
 }
 
 std::string_view EventLog::text(const Event& event) const {
   if (event.indicator == Event::singular_position)
-    return "passed a singular position, where loops could go on by another branch";
+    return "passed a singular configuration, where the loops could continue on another branch";
   return texts_.at(static_cast<std::size_t>(event.indicator))[event.positive ? 1 : 0];
 }
 
@@ -50,7 +50,7 @@ void EventLog::serialize(Archive& archive) {
 void EventLog::add(const Event& event) {
   ++in_step_;
   last_ = event;
-  if (events_.size() < events_.capacity()) events_.push_back(event);  // steps ask nothing of the heap
+  if (events_.size() < events_.capacity()) events_.push_back(event);  // steps allocate no memory
 }
 
 EventReport EventLog::report(const Event& event) const {
@@ -58,8 +58,8 @@ EventReport EventLog::report(const Event& event) const {
 }
 
 std::string EventLog::too_many() const {
-  if (in_step_ <= most_) return {};
-  return "more than " + std::to_string(most_) + " events (solver.max_events) since t = " + text::rounded(start_) +
+  if (in_step_ <= max_events_) return {};
+  return "more than " + std::to_string(max_events_) + " events (solver.max_events) since t = " + text::rounded(start_) +
          " s, the last: " + std::string(text(last_));
 }
 

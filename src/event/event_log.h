@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The events of a run: counted, those of the last communication step with their times.
+// The events of a run: their number, and those of the last communication step with their times.
 #pragma once
 
 #include <array>
@@ -15,45 +15,45 @@ struct Event {
   static constexpr int singular_position = -1;
 
   double time = 0;       // s
-  int indicator = 0;     // that has changed its sign; or singular_position
-  bool positive = true;  // to positive
+  int indicator = 0;     // index of the indicator that changed sign, or singular_position
+  bool positive = true;  // the new sign
 };
 
 struct EventReport {
   double time;       // s
   std::string text;  // "A.phi meets the stop at its upper bound"
-  bool is_doubtful;  // of what follows: a singular position
+  bool is_doubtful;  // the motion afterwards is uncertain: a singular configuration was crossed
 };
 
 class EventLog {
  public:
-  // texts, by indicator: what happens where it becomes negative, and where it becomes positive. most: events in a
-  // communication step, before it is given up.
-  void describe(std::vector<std::array<std::string, 2>> texts, long most);
+  // texts: for each indicator, the event when it becomes negative and when it becomes positive. max_events: limit on
+  // the number of events in a communication step.
+  void describe(std::vector<std::array<std::string, 2>> texts, long max_events);
 
-  // A communication step begins at t.
+  // Begins a communication step at t [s].
   void begin(double t);
-  // So does a part of it, or all; it is taken back.
+  // Begins a part of it, or all of it; undo_part() removes the events of that part.
   void begin_part();
   void undo_part();
   void add(const Event& event);
 
-  // Of the last part, in order; if there are very many, the first.
+  // The events of the last part in chronological order; if there are very many, the first ones.
   const std::vector<Event>& events() const { return events_; }
   EventReport report(const Event& event) const;
   long count() const { return before_ + in_step_; }
-  // Empty, or that there are too many in this communication step, which they are.
+  // An error message if there are too many events in this communication step; otherwise empty.
   std::string too_many() const;
-  // Events listed are none of it.
+  // The list of events is not saved.
   void serialize(Archive& archive);
 
  private:
   std::vector<std::array<std::string, 2>> texts_;
   std::vector<Event> events_;
-  long most_ = 0;
+  long max_events_ = 0;
   long before_ = 0, in_step_ = 0;
-  long before_part_ = 0;  // of in_step_
-  double start_ = 0;      // s, of the communication step
+  long before_part_ = 0;  // value of in_step_ at the start of the part
+  double start_ = 0;      // s: start of the communication step
   Event last_{};
 
   std::string_view text(const Event& event) const;

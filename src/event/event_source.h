@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a locator asks of equations that change their form (a stop begins or ends to push). Between events they keep to
-// a mode, in which they are smooth beyond its end, too: so that a step may go too far, and be made again.
+// The interface of equations that change their form (a stop engages or disengages). Between events they remain in a
+// mode, in which they are also smooth beyond its end, so that a step may go too far and be repeated.
 #pragma once
 
 #include <cmath>
@@ -14,30 +14,30 @@ class EventSource {
  public:
   virtual ~EventSource() = default;
 
-  // Functions of y whose sign is the mode: at their zeros equations change. g, gdot (per s): their values and rates; a
-  // rate that is not known is no number.
+  // Event indicators: functions of y whose signs define the mode and at whose zeros the equations change. g, gdot
+  // [1/s]: values and rates; an unknown rate is NaN.
   virtual int indicators() const { return 0; }
   virtual void indicator_values(const double* /*y*/, double* /*g*/, double* /*gdot*/) {}
-  // From now on, after t, the equations keep to the mode in which these indicators are positive; null: to that of each
-  // state again.
+  // After t [s] the equations are kept in the mode in which these indicators are positive; null: the mode follows from
+  // each state again.
   virtual void hold_mode(double /*t*/, const bool* /*positive*/) {}
-  // The earliest time after that t at which they have been asked for outside the mode held; infinite: never.
-  virtual double left_mode() const { return INFINITY; }
+  // The earliest time after that t at which the equations were evaluated outside the held mode [s]; infinite: never.
+  virtual double mode_exit_time() const { return INFINITY; }
 
-  // At t, an indicator has changed its sign: to positive or not. Once for each that does so at the same time.
+  // Called when an indicator has changed its sign at t [s]; once for each indicator.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
-  // Empty, or why no more can be taken on in this communication step.
+  // Why no more events are allowed in this communication step; otherwise empty.
   virtual std::string too_many_events() const { return {}; }
 };
 
-// The indicators at y, and which of them are positive: at zero, those that do not fall.
+// Evaluates the indicators at y and determines which are positive; at zero, those with nonnegative rate.
 inline void read_mode(EventSource& source, const double* y, std::vector<double>& g, std::vector<double>& gdot,
                       bool* positive) {
   source.indicator_values(y, g.data(), gdot.data());
   for (std::size_t i = 0; i < g.size(); ++i) positive[i] = g[i] > 0 || (g[i] == 0 && gdot[i] >= 0);
 }
 
-// While it lives the equations keep to a mode.
+// Holds a mode of the equations during its lifetime.
 class HeldMode {
  public:
   HeldMode(EventSource& source, double t, const bool* positive) : source_(source) { source_.hold_mode(t, positive); }

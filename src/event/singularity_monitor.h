@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counts singular positions on the way: where a loop's rows lose rank for a moment (a change point, a dead centre) and
-// the mechanism might go on by another branch.
+// Counts the singular configurations crossed, at which the constraint Jacobian of a loop momentarily loses rank (a
+// change point, a dead center) and the mechanism could continue on another branch.
 #pragma once
 
 #include <array>
@@ -12,37 +12,39 @@ namespace gelenk {
 
 class SingularityMonitor {
  public:
-  // An evaluation at t [s], or an accepted state, has this smallest pivot ratio of the rows (row_factor.h).
+  // Records the smallest pivot ratio of the constraint Jacobian (row_factor.h) at t [s], in an evaluation or an
+  // accepted state.
   void observe(double t, double ratio);
-  // A step to t [s] has been accepted.
+  // Call when a step to t [s] has been accepted.
   void accepted(double t);
-  // The run begins anew at t [s]: back at a former time, or at the first.
+  // Call when the run restarts at t [s], at an earlier time or at its beginning.
   void restart(double t);
 
   void serialize(Archive& archive);
 
   long count() const { return count_; }
-  double last() const { return last_; }  // s: about when the last one was passed
+  double last() const { return last_; }  // s: approximate time of the last crossing
 
  private:
   struct Sample {
-    double t, square;  // s; of the ratio
+    double t, square;  // s; square of the ratio
   };
 
-  double best_pivot_ratio_ = 0;  // ratio seen
-  // The latest below a share of it, in a ring. The ratio falls and rises as |t - t0|, its square as a parabola.
+  double best_pivot_ratio_ = 0;  // largest ratio observed
+  // A ring buffer of the latest samples below a fraction of it. Near a crossing at t0 the ratio is proportional to |t -
+  // t0|, so its square is a parabola.
   std::array<Sample, 64> samples_{};
   int size_ = 0;
   int next_ = 0;
-  bool near_ = false;             // one of them is low enough for a passage
-  double sound_from_ = INFINITY;  // s: of the first evaluation away from the last passage; counts once accepted
-  bool armed_ = true;             // it has been accepted
+  bool near_ = false;               // one of the samples is low enough for a crossing
+  double regular_from_ = INFINITY;  // s: first regular evaluation after the last crossing
+  bool armed_ = true;               // a step beyond it has been accepted
   long count_ = 0;
   double last_ = -INFINITY;
 
-  // Where the samples rise on both sides of the lowest: whether the square comes down to zero there, and when.
-  enum class Foot { not_passed, zero, not_zero };
-  Foot foot(double& time) const;
+  // Looks for a minimum with larger samples on both sides: whether the square reaches zero there, and its time.
+  enum class Minimum { not_passed, zero, not_zero };
+  Minimum find_minimum(double& time) const;
 };
 
 }  // namespace gelenk

@@ -7,10 +7,10 @@
 namespace gelenk {
 namespace {
 
-// By how much an indicator may come nearer to zero than its cubic says, as a share of the way that it comes.
-constexpr double cubic_share = 0.05;
-// Of the step: nearer to its ends there is nothing more to be seen than there.
-constexpr double nearest_to_end = 1e-3;
+// Error of the cubic: an indicator may come nearer to zero than its cubic by this fraction of its approach.
+constexpr double cubic_error_fraction = 0.05;
+// Fraction of the step: an extremum nearer to an end is not resolved from it.
+constexpr double min_end_distance = 1e-3;
 
 }  // namespace
 
@@ -45,11 +45,11 @@ double StepCourse::touch() const {
   for (std::size_t i = 0; i < size(); ++i) {
     const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
     const Cubic course = cubic(i);
-    if (!approaches || !course.turns()) continue;
-    const double s = course.turning_point();
+    if (!approaches || !course.has_extremum()) continue;
+    const double s = course.extremum();
     const double nearest = before_[i] ? course.value(s) : -course.value(s);
-    const double way = std::max(std::abs(start_g_[i]), std::abs(g_[i])) - nearest;
-    if (nearest > cubic_share * way || s < nearest_to_end || s > 1 - nearest_to_end) continue;
+    const double approach = std::max(std::abs(start_g_[i]), std::abs(g_[i])) - nearest;
+    if (nearest > cubic_error_fraction * approach || s < min_end_distance || s > 1 - min_end_distance) continue;
     first = std::min(first, start_t_ + s * (t_ - start_t_));
   }
   return first;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The indicators over one step, as far as they are known at its ends.
+// Event indicators over one step, interpolated from their values at its ends.
 #pragma once
 
 #include <cstddef>
@@ -16,22 +16,22 @@ class StepCourse {
   explicit StepCourse(EventSource& source);
 
   std::size_t size() const { return g_.size(); }
-  // The step begins at (t, y); it has ended there.
+  // Sets the start and the end of the step.
   void begin(double t, const double* y);
   void end(double t, const double* y);
 
   double start() const { return start_t_; }           // s
-  const bool* mode() const { return before_.get(); }  // which are positive at its start
+  const bool* mode() const { return before_.get(); }  // flags of the indicators that are positive at its start
   double at_start(std::size_t i) const { return start_g_[i]; }
   double at_end(std::size_t i) const { return g_[i]; }
   bool positive(std::size_t i) const { return after_[i]; }  // at its end
   bool changed(std::size_t i) const { return after_[i] != before_[i]; }
   bool any_changed() const;
 
-  // s: where indicator i, which has changed its sign, was zero, by the cubic through its values and rates at both ends;
-  // by the straight line, where rates are not known.
+  // s: zero of indicator i, which has changed its sign, by the cubic through its values and rates at both ends, or
+  // linear if rates are unknown.
   double zero(std::size_t i) const;
-  // s: where an indicator may have reached zero that has the same sign at both ends; infinite: nowhere.
+  // s: earliest time at which an indicator with the same sign at both ends may have reached zero; infinite: none.
   double touch() const;
 
  private:
@@ -40,7 +40,7 @@ class StepCourse {
   EventSource& source_;
   double start_t_ = 0, t_ = 0;  // s
   std::vector<double> start_g_, start_gdot_, g_, gdot_;
-  std::unique_ptr<bool[]> before_, after_;  // by indicator: it is positive
+  std::unique_ptr<bool[]> before_, after_;  // by indicator: positive at the start, at the end
 };
 
 }  // namespace gelenk

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `augmented-lagrangian` (Bayo & Ledesma 1996): the penalty's equations with multipliers, iterated in every evaluation,
-//   lambda <- lambda + a (J vdot - wish),   (M + a J^T J) dvdot = f - M vdot - J^T (lambda + a (J vdot - wish)),
-// until vdot stands. It then fulfils J vdot = wish whatever a is, so its slopes are those of the index-1 form.
+// `augmented-lagrangian` (Bayo & Ledesma 1996): the equations of `penalty` with multipliers, iterated in every
+// evaluation,
+//   lambda <- lambda + a (J vdot - target),   (M + a J^T J) dvdot = f - M vdot - J^T (lambda + a (J vdot - target)),
+// until vdot converges. It then satisfies J vdot = target for any a, so its derivatives are those of the index-1 form.
 #include <cmath>
 
 #include "formulation/penalty.h"
@@ -9,14 +10,14 @@
 namespace gelenk {
 namespace {
 
-constexpr double stands = 1e-13;  // change of vdot against its size
-constexpr double enough = 1e-8;   // where rounding ends the progress earlier
-constexpr int most = 50;          // each gains some digits; near positions that lose rank, few
+constexpr double convergence_tolerance = 1e-13;  // change of vdot relative to 1 + |vdot|
+constexpr double stagnation_tolerance = 1e-8;    // the same, accepted if rounding ends the progress earlier
+constexpr int max_iterations = 50;               // each iteration gains some digits; near singular configurations, few
 
 class AugmentedLagrangian final : public Penalized {
  public:
   explicit AugmentedLagrangian(const FormulationContext& context)
-      : Penalized(context), more_(mechanism_.rows), sum_(mechanism_.rows), change_(mechanism_.nv) {}
+      : Penalized(context), increment_(mechanism_.rows), multiplier_(mechanism_.rows), vdot_change_(mechanism_.nv) {}
 
  private:
   bool accelerate(double t, const double* y, double* vdot) override {
@@ -27,22 +28,22 @@ class AugmentedLagrangian final : public Penalized {
     Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
     lambda_.setZero();
     double before = INFINITY;
-    for (int i = 0; i < most; ++i) {
-      more_ = -a_ * guess_;
-      more_.noalias() += a_ * dynamics_.J() * x;
-      lambda_ += more_;
-      sum_ = lambda_ + more_;
-      change_ = f_;
-      change_.noalias() -= M_ * x;
-      change_.noalias() -= dynamics_.J().transpose() * sum_;
-      factor_.solveInPlace(change_);
-      x += change_;
-      const double size = change_.norm() / (1 + x.norm());
-      if (size <= stands) return true;
-      if (!(size <= 0.5 * before)) return size <= enough;
+    for (int i = 0; i < max_iterations; ++i) {
+      increment_ = -a_ * target_;
+      increment_.noalias() += a_ * dynamics_.J() * x;
+      lambda_ += increment_;
+      multiplier_ = lambda_ + increment_;
+      vdot_change_ = f_;
+      vdot_change_.noalias() -= M_ * x;
+      vdot_change_.noalias() -= dynamics_.J().transpose() * multiplier_;
+      factor_.solveInPlace(vdot_change_);
+      x += vdot_change_;
+      const double size = vdot_change_.norm() / (1 + x.norm());
+      if (size <= convergence_tolerance) return true;
+      if (!(size <= 0.5 * before)) return size <= stagnation_tolerance;
       before = size;
     }
-    return before <= enough;
+    return before <= stagnation_tolerance;
   }
 
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
@@ -52,7 +53,7 @@ class AugmentedLagrangian final : public Penalized {
     acceleration_jacobian(out);
   }
 
-  Eigen::VectorXd more_, sum_, change_;
+  Eigen::VectorXd increment_, multiplier_, vdot_change_;
 };
 
 }  // namespace

@@ -13,14 +13,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double weak = 1e-3;    // of J's largest singular value: rows below are those that are lost
-constexpr double travel = 1e-4;  // rad or m: of the fastest coordinate between both ends of a central difference
+constexpr double weak_row_ratio = 1e-3;       // singular values below, relative to J's largest: lost equations
+constexpr double difference_distance = 1e-4;  // rad or m: of the fastest coordinate, to each end of a difference
 
 }  // namespace
 
-// l^T (J vdot - gamma) by time along the motion with these accelerations, by central differences: error travel^2.
+// Time derivative of l^T (J vdot - gamma) along the motion with these accelerations, by central differences with an
+// error of the order of difference_distance^2.
 VectorXd BranchAcceleration::excess_rate(const VectorXd& vdot) {
-  const double h = travel / v_.lpNorm<Eigen::Infinity>();  // s
+  const double h = difference_distance / v_.lpNorm<Eigen::Infinity>();  // s
   VectorXd ends[2];
   for (const int side : {0, 1}) {
     const double t = side == 0 ? -h : h;
@@ -51,9 +52,10 @@ bool BranchAcceleration::find(const double* q, const double* v, const double* u,
   dynamics_.assemble(u, M.data(), f.data());
   const MatrixXd J = dynamics_.J();
   const VectorXd gamma = Eigen::Map<const VectorXd>(dynamics_.gamma().data(), rows);
-  l_ = weak_rows(J, weak);
+  l_ = weak_rows(J, weak_row_ratio);
   if (l_.cols() == 0) return false;
-  // The rows that keep their hold, and the rates of the others, linear in vdot up to the differences' error.
+  // The remaining equations, and the rates of the lost ones, which are linear in vdot up to the error of the
+  // differences.
   const VectorXd at_zero = excess_rate(VectorXd::Zero(n));
   MatrixXd A(rows + l_.cols(), n);
   VectorXd c(rows + l_.cols());
@@ -71,11 +73,11 @@ bool BranchAcceleration::find(const double* q, const double* v, const double* u,
   const VectorXd free = lower.solve(f);
   const MatrixXd whitened = lower.solve(A.transpose()).transpose();
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> rates(whitened.rows(), n);
-  rates.setThreshold(weak / 10);
+  rates.setThreshold(weak_row_ratio / 10);
   rates.compute(whitened);
   const VectorXd w = free + rates.solve(c - whitened * free);
   const VectorXd found = lower.adjoint().solve(w);
-  // Rates that contradict each other: the velocities lie on no branch.
+  // Inconsistent rates: the velocities lie on no branch.
   const VectorXd left = whitened * w - c;
   if (!found.allFinite() || left.norm() > 1e-3 * (c.norm() + (whitened * free).norm())) return false;
   Eigen::Map<VectorXd>(vdot, n) = found;

@@ -9,15 +9,16 @@
 
 namespace gelenk {
 
-// Along a branch of motion l^T (J vdot - gamma) vanishes for every t, also for an l with l^T J = 0 here. Its time
-// derivative, l^T d/dt (J vdot - gamma) = 0 with l held, does not hold vddot, as l^T J = 0, and is linear in vdot: so
-// beside J vdot = gamma it stands in for the equation that is lost, and Gauss's principle does the rest,
-//   [M A^T; A 0] [vdot; mu] = [f; c],   A: J, and the rows found so.
+// Along a branch of motion l^T (J vdot - gamma) = 0 for every t, also for an l with l^T J = 0 here. Its time derivative
+// at constant l, l^T d/dt (J vdot - gamma) = 0, does not contain vddot, since l^T J = 0, and is linear in vdot:
+// together with J vdot = gamma it replaces the lost equation, and Gauss's principle gives
+//   [M A^T; A 0] [vdot; mu] = [f; c],   A: J with these additional rows.
 class BranchAcceleration {
  public:
   BranchAcceleration(const Mechanism& mechanism, Dynamics& dynamics) : mechanism_(mechanism), dynamics_(dynamics) {}
 
-  // vdot at (q, v) under the inputs u. False: it is not determined there. Leaves `dynamics` elsewhere, and allocates.
+  // Computes vdot (nv) at (q, v) with the inputs u. Returns false if it is not determined there. Leaves `dynamics` at
+  // another position, and allocates.
   bool find(const double* q, const double* v, const double* u, double* vdot);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is given as functions of time: the inputs, and what coordinate rows are to be.
+// Quantities given as functions of time: the inputs and the targets of the coordinate rows.
 #pragma once
 
 #include <vector>
@@ -14,17 +14,18 @@ class Drives {
  public:
   Drives(const Mechanism& mechanism, Dynamics& dynamics, Inputs& inputs);
 
-  // Takes the inputs, and the rows that change with time, to t.
+  // Evaluates the inputs and the time-dependent targets at t [s].
   void go_to(double t);
-  // The same where the run stands, for outputs: of the motion that has led there (Inputs::rate).
+  // The same for outputs at the present time of the run: derivatives are those of the motion that has led there
+  // (Inputs::rate).
   void go_to_outputs(double t);
 
-  // At the time that was evaluated last.
+  // Inputs at the time evaluated last.
   const std::vector<double>& u() const { return inputs_.now(); }
   int count() const { return static_cast<int>(inputs_.count()); }
   const Inputs& inputs() const { return inputs_; }
 
-  // What a coordinate row is to be at t, where the run stands (Targets::derivatives).
+  // Target of a coordinate row and its derivatives at t, the present time of the run (Targets::derivatives).
   MotionLaw::Derivatives target(int row, double t) const { return targets_.derivatives(row, t, inputs_); }
   // s and ds/dt of each coordinate row at t.
   void targets_at(double t, std::vector<double>& out);

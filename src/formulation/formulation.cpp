@@ -4,14 +4,15 @@
 namespace gelenk {
 namespace {
 
-// Pivots of the rows, the least over the largest, below which such a place is why a step fails.
-constexpr double dead_centre_ratio = 0.1;
+// Ratio of smallest to largest pivot of the constraint Jacobian below which a dead center is reported as the cause of a
+// failed step.
+constexpr double dead_center_pivot_ratio = 0.1;
 
-// Without a branch for each: zero times anything else is no number.
+// Branch-free: zero times NaN or infinity is NaN.
 bool all_finite(const double* x, int n) {
-  double none = 0;
-  for (int i = 0; i < n; ++i) none += 0 * x[i];
-  return none == 0;
+  double zero = 0;
+  for (int i = 0; i < n; ++i) zero += 0 * x[i];
+  return zero == 0;
 }
 
 }  // namespace
@@ -21,24 +22,24 @@ Formulation::Formulation(const FormulationContext& context)
       dynamics_(context.dynamics),
       drives_(mechanism_, dynamics_, context.inputs),
       events_(context.events),
-      corrector_(mechanism_, dynamics_),
+      projector_(mechanism_, dynamics_),
       modes_(dynamics_, mechanism_.nq, events_),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {}
 
-// Where `dynamics` stands.
-std::string Formulation::dead_center() {
+// Describes a dead center at the present position of `dynamics`; empty: there is none.
+std::string Formulation::describe_dead_center() {
   if (!mechanism_.driven()) return {};
-  corrector().refactorize();
-  if (dynamics_.pivot_ratio() > dead_centre_ratio) return {};
-  return "a loop stands near a dead centre of what drives it, beyond which a given motion cannot be followed";
+  projector().refactorize();
+  if (dynamics_.pivot_ratio() > dead_center_pivot_ratio) return {};
+  return "a loop is near a dead center of its driven joint, beyond which the prescribed motion cannot be followed";
 }
 
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
-  std::string edge = row_domain_.edge();
-  return edge.empty() ? dead_center() : edge;
+  std::string reason = row_domain_.undefined_reason();
+  return reason.empty() ? describe_dead_center() : reason;
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
@@ -51,7 +52,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   const double* v = y + mechanism_.nq;
   double* vdot = ydot + mechanism_.nq;
   dynamics_.set_position(y);
-  if (!row_domain_.holds()) return false;
+  if (!row_domain_.is_defined()) return false;
   modes_.watch(t, v);
   if (!accelerate(t, y, vdot)) return false;
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
@@ -63,17 +64,17 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   drives_.go_to(t);
   dynamics_.normalize(y);
   dynamics_.set_position(y);
-  corrector().refactorize();  // an impact is no small correction: no former factors will do
-  // By the least change in the mass metric, whatever corrects rounding afterwards.
+  projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
+  // The smallest change in the mass metric, whichever method corrects rounding errors afterwards.
   dynamics_.min_norm_displacement(dynamics_.Phi().data(), dv_.data());
   dynamics_.displace(y, dv_.data());
-  if (!corrector().close_position(y)) return false;
-  corrector().refactorize();
+  if (!projector().close_position(y)) return false;
+  projector().refactorize();
   double* v = y + mechanism_.nq;
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
-  return corrector().close_velocity(v);
+  return projector().close_velocity(v);
 }
 
 void Formulation::set_evaluation_budget(long evaluations) {
@@ -82,7 +83,7 @@ void Formulation::set_evaluation_budget(long evaluations) {
 }
 
 bool Formulation::accelerate(double t, const double* y, double* vdot) {
-  corrector().refactorize();
+  projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
   return true;
@@ -107,7 +108,7 @@ void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>&
   acceleration_jacobian(out);
 }
 
-// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). slopes_.r is lost.
+// With r = 0 and c = 0 along the solution, [M J^T; J 0] d(vdot, lambda) = -(dr, dc). Overwrites jacobians_.r.
 void Formulation::acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out) {
   dynamics_.solve_linear_columns(jacobians_.r.data(), jacobians_.c.data(), size());
   out.bottomRows(mechanism_.nv) = -jacobians_.r;
@@ -126,12 +127,12 @@ void Formulation::accepted(double t, const double* y) {
   if (singularity_monitor_.count() > before) events_.add({singularity_monitor_.last(), Event::singular_position});
 }
 
-// Not by the corrector: reading outputs must not change the run.
+// Does not use the factors of the projector: reading outputs must not change the run.
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
   drives_.go_to_outputs(t);
   dynamics_.set_position(y);
   dynamics_.factorize();
-  corrector().factors_changed();
+  projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
 }
@@ -147,7 +148,7 @@ void Formulation::serialize(Archive& archive) {
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
   archive.serialize(jacobian_count_);
-  corrector().discard_factors();
+  projector().discard_factors();
 }
 
 }  // namespace gelenk

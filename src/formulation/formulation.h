@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How loop constraints meet an integrator: what all formulations share, and which there are. Most make an ODE of
+// The formulations of constrained motion: their common base class and registry. Most form an ODE from
 //   M vdot + h + J^T lambda = tau,   Phi = 0,   J v = b,   J vdot = gamma;
-// they differ in the accelerations they take and in what keeps the state near Phi = 0, J v = b. Two leave it a DAE
+// they differ in the accelerations and in how the state is kept near Phi = 0, J v = b. Two keep it a DAE
 // (with_multipliers.h). Outputs (accelerations, reactions) are those of the equations above at the state reached,
-// whatever the formulation.
+// whichever formulation is used.
 #pragma once
 
 #include <climits>
@@ -15,10 +15,10 @@
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
-#include "formulation/corrector.h"
+#include "formulation/constraint_projector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
-#include "formulation/modes.h"
+#include "formulation/event_modes.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "util/archive.h"
@@ -26,18 +26,18 @@
 namespace gelenk {
 
 struct FormulationOptions {
-  double step = 1e-3;           // s: of fixed-step methods or between outputs
+  double step = 1e-3;           // s: of fixed-step methods, or between outputs
   double baumgarte_alpha = 0;   // 1/s; 0: chosen from the step
-  double baumgarte_beta = 0;    // 1/s; likewise
-  int corrections = 0;          // of projection after each step; 0: until closed
-  double best_pivot_ratio = 0;  // largest pivot ratio known of the rows (MobilityAnalysis); 0: none is
+  double baumgarte_beta = 0;    // 1/s; 0: equal to alpha
+  int corrections = 0;          // projection iterations after each step; 0: until converged
+  double best_pivot_ratio = 0;  // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
 };
 
-// What a formulation works with; all but the options outlives it.
+// The objects that a formulation refers to; all but the options must outlive it.
 struct FormulationContext {
   const Mechanism& mechanism;
   Dynamics& dynamics;
-  Inputs& inputs;  // taken at every evaluation to its time
+  Inputs& inputs;  // set to the time of each evaluation
   EventLog& events;
   FormulationOptions options{};
 };
@@ -52,52 +52,51 @@ class Formulation : public Equations {
   bool jacobian(double t, const double* y, double* J) override;
   std::string obstacle(const double* y) override;
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
-  // Unless a formulation says otherwise: quaternions are made unit again, no more.
+  // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventSource& modes() final { return modes_; }
 
-  // From now on: calls of solve and assemble until budget_exhausted(); LONG_MAX: without end.
+  // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
-  // The run begins at (t, y), or anew. cut_q: the cut joints' angles are those nearest to these.
+  // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
-  // The inputs have jumped at (t, y), where the run stands.
+  // Call when inputs have changed discontinuously at (t, y), the present state of the run.
   virtual void inputs_changed(double /*t*/, const double* /*y*/) {}
-  // Takes y onto the constraints where these have jumped, by the least change in the mass metric: of speeds, an impact.
-  // False: not reached.
+  // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
+  // this is an impact. Returns false if that fails.
   bool project_onto_constraints(double t, double* y);
-  // vdot for outputs, at a state accepted at t; `dynamics` is left there, velocities and accelerations included.
+  // vdot (nv) for outputs, at a state accepted at t; `dynamics` is left there, including velocities and accelerations.
   void output_accelerations(double t, const double* y, double* vdot);
-  // What it carries from one step to the next. The factors are not among it: they are made anew afterwards, in the run
-  // that wrote the record as in the one that reads it.
+  // Saves or restores the data carried from one step to the next. Factors are not included: they are recomputed
+  // afterwards, both in the run that saves and in the one that restores.
   virtual void serialize(Archive& archive);
 
   Drives& drives() { return drives_; }
-  const RevolutionCounter& revolutions() const {
-    return revolutions_;
-  }  // of the cut joints, at the state accepted last
-  const SingularityMonitor& singularity_monitor() const {
-    return singularity_monitor_;
-  }                                              // of singular positions since the start
-  long jacobians() const { return jacobian_count_; }  // made since construction
+  // Full turns of the cut joints at the last accepted state.
+  const RevolutionCounter& revolutions() const { return revolutions_; }
+  // Singular configurations crossed since the start.
+  const SingularityMonitor& singularity_monitor() const { return singularity_monitor_; }
+  long jacobians() const { return jacobian_count_; }  // computed since construction
 
  protected:
-  // From state y on, the inputs at t. False: as rhs.
+  // Evaluates f at y with the present inputs. Returns false as rhs() does.
   bool evaluate(double t, const double* y, double* ydot);
-  // Whether accelerate() leaves factors of the rows, which tell singular positions.
+  // Whether accelerate() factorizes the constraint Jacobian, which detects singular configurations.
   virtual bool factorizes_constraints() const { return true; }
-  // vdot at (t, y); `dynamics` is at its position, without velocities. False: as rhs.
+  // vdot (nv) at (t, y); `dynamics` is at its position, without velocities. Returns false as rhs() does.
   virtual bool accelerate(double t, const double* y, double* vdot);
-  // vdot where `dynamics` stands, by the factors at hand.
+  // vdot at the present state of `dynamics`, with the present factors.
   virtual void solve(double t, double* vdot);
-  // Rows nq.. of df/dy into `out` (size() x size()), from slopes_ at the state of the last accelerate(); vdot: found
-  // there.
+  // Rows nq.. of df/dy into `out` (size() x size()), at the state of the last accelerate(), which gave vdot; uses
+  // jacobians_.
   virtual void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out);
-  // out (nq..) <- the slopes of vdot when J vdot = gamma is solved for exactly, from slopes_, with the last factors.
+  // Rows nq.. of `out` <- derivatives of vdot if J vdot = gamma is satisfied exactly, from jacobians_ and the last
+  // factors.
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   void count_jacobian() { ++jacobian_count_; }
-  virtual Corrector& corrector() { return corrector_; }
+  virtual ConstraintProjector& projector() { return projector_; }
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
@@ -105,11 +104,11 @@ class Formulation : public Equations {
   Jacobians jacobians_;
 
  private:
-  std::string dead_center();
+  std::string describe_dead_center();
 
   EventLog& events_;
-  Corrector corrector_;
-  Modes modes_;
+  ConstraintProjector projector_;
+  EventModes modes_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;
@@ -124,13 +123,13 @@ struct FormulationKind {
   std::unique_ptr<Formulation> (*make)(const FormulationContext& context);
 };
 
-// All formulations that can be named in a scene (registry.cpp), the default first; names as in scene/words.h.
+// All formulations, the default first (registry.cpp); names as in scene/words.h.
 std::span<const FormulationKind> formulation_kinds();
 
 // Throws std::out_of_range for an unknown name.
 std::unique_ptr<Formulation> make_formulation(std::string_view name, const FormulationContext& context);
 
-// One per file.
+// One function per file.
 std::unique_ptr<Formulation> make_projection(const FormulationContext& context);
 std::unique_ptr<Formulation> make_baumgarte(const FormulationContext& context);
 std::unique_ptr<Formulation> make_udwadia_kalaba(const FormulationContext& context);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `index3`: the equations as they stand,
+// `index3`: the original equations,
 //   qdot = N v,   M vdot + h + J^T lambda = tau,   Phi = 0,
-// of rows that hold no position J v = b instead.
-// The loops are closed in every step; that J v = 0 follows from it only as far as the method differentiates q well
-// (Hairer & Wanner II, sec. VII.1), so speeds err by the error of q over the step, and multipliers by that over its
-// square.
+// with J v = b for nonholonomic constraints.
+// The loops are closed in every step. J v = b holds only as accurately as the method differentiates q (Hairer & Wanner
+// II, sec. VII.1), so velocities have the error of q divided by the step, and multipliers that divided by its square.
 #include "formulation/with_multipliers.h"
 
 namespace gelenk {

@@ -9,9 +9,9 @@
 namespace gelenk {
 namespace {
 
-// A value that is set this near to the one reached by derivatives is the same with another rounding: relative to the
-// value, and to what it has changed by in the step, which the rounding of the times is magnified to.
-constexpr double same = 1e-10;
+// A new value this near to the one reached by derivatives is the same up to rounding: relative to the value, and to its
+// change in the step, to which the rounding of times is magnified.
+constexpr double rounding_tolerance = 1e-10;
 
 }  // namespace
 
@@ -36,19 +36,19 @@ Inputs::Change Inputs::set(int i, double value) {
   if (now_time_ != start_) evaluate(start_);
   now_[i] = value;
   const double change = change_[i];
-  if (change > 0 && std::abs(value - before) <= same * (std::abs(before) + change)) return Change::smooth;
-  take_rates(i);
+  if (change > 0 && std::abs(value - before) <= rounding_tolerance * (std::abs(before) + change)) return Change::smooth;
+  update_rates(i);
   return Change::jump;
 }
 
-void Inputs::take_rates(int i) {
+void Inputs::update_rates(int i) {
   for (int order : {1, 2}) rates_[static_cast<std::size_t>(i) * 2 + order - 1] = at(i, order);
 }
 
 void Inputs::set_derivative(int i, int order, double value) {
   at(i, order) = value;
-  take_rates(i);
-  note_motion();
+  update_rates(i);
+  update_moving();
   if (now_time_ != start_) evaluate(start_);
 }
 
@@ -59,10 +59,10 @@ std::string Inputs::fault(int order, double value) {
   }
   if (std::isfinite(value)) return {};
   return "found " + text::number(value) + " for the derivative of order " + std::to_string(order) +
-         ", expected a finite number; what was set before stays";
+         ", expected a finite number; the previous value is kept";
 }
 
-void Inputs::note_motion() {
+void Inputs::update_moving() {
   moving_ = false;
   for (std::size_t k = 0; k < taylor_.size(); ++k) moving_ = moving_ || (k % orders != 0 && taylor_[k] != 0);
 }
@@ -86,9 +86,9 @@ void Inputs::finish(double t) {
 void Inputs::interrupt(double t) {
   if (moving_) {
     for (int i = 0; i < static_cast<int>(count()); ++i) {
-      move_base(i, t);
+      shift_origin(i, t);
       now_[i] = at(i, 0);
-      take_rates(i);
+      update_rates(i);
     }
   } else if (changed_) {
     std::ranges::fill(change_, 0.0);
@@ -98,12 +98,12 @@ void Inputs::interrupt(double t) {
   start_ = now_time_ = t;
 }
 
-void Inputs::move_base(int i, double t) {
+void Inputs::shift_origin(int i, double t) {
   const double s = std::abs(t - start_);
-  double most = 0;
-  for (int k = orders - 1; k > 0; --k) most = (most + std::abs(at(i, k))) * s / k;
-  change_[i] = most;
-  for (int k = 0; k < orders; ++k) at(i, k) = derivative_at(i, k, t);  // of orders above k, which are moved later
+  double bound = 0;
+  for (int k = orders - 1; k > 0; --k) bound = (bound + std::abs(at(i, k))) * s / k;
+  change_[i] = bound;
+  for (int k = 0; k < orders; ++k) at(i, k) = derivative_at(i, k, t);  // uses orders above k, which are shifted later
 }
 
 bool operator==(const Inputs& a, const Inputs& b) {

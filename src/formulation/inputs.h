@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The inputs as functions of time. From where the run stands, t0, to the end of the next step each is
+// The inputs as functions of time. From the present time of the run, t0, to the end of the next step each is
 //   u(t) = u0 + d1 (t - t0) + d2 (t - t0)^2 / 2! + ... + d5 (t - t0)^5 / 5!
-// of the value and the derivatives that were set, in either order; a derivative that was not set is zero. After the
-// step the value is the one reached, and the derivatives are gone.
+// with the value and the derivatives that were set, in either order; a derivative that was not set is zero. After the
+// step the value is the one reached, and the derivatives are zero.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@
 
 namespace gelenk {
 
-// A plain value: a copy holds all that the run will need of it.
+// A value type: a copy contains all that a run needs.
 class Inputs {
  public:
   static constexpr int highest_order = 5;
 
-  // All zero, at t = 0.
+  // `count` inputs, all zero, at t = 0.
   explicit Inputs(std::size_t count);
 
-  // At the time of the last go_to(); the reference stays good.
+  // Inputs at the time of the last go_to(); the reference remains valid.
   const std::vector<double>& now() const { return now_; }
   void go_to(double t) {
     if (moving_ && t != now_time_) evaluate(t);
@@ -32,25 +32,25 @@ class Inputs {
   // u0, or d^order u / dt^order at t0.
   double value(int i) const { return at(i, 0); }
   double derivative(int i, int order) const { return at(i, order); }
-  // du/dt or d2u/dt2 (order 1, 2) at t0, as outputs see them that are read there: of the motion to come once a
-  // derivative or another value was set for it, until then of the motion that has led there.
+  // du/dt or d2u/dt2 (order 1, 2) at t0 as read by outputs: of the future motion once a derivative or another value has
+  // been set, before that of the motion that has led to t0.
   double rate(int i, int order) const { return rates_[static_cast<std::size_t>(i) * 2 + order - 1]; }
   // u or one of its derivatives at t.
   double derivative_at(int i, int order, double t) const;
 
-  // From t0 on; now() is that of t0 then.
+  // Sets a value from t0 on; now() is then evaluated at t0.
   enum class Change { none, smooth, jump };
-  // smooth: within rounding the value that u has reached by its derivatives.
+  // smooth: equal, within rounding, to the value that u has reached by its derivatives.
   Change set(int i, double value);
   void set_derivative(int i, int order, double value);  // order 1 to highest_order
-  // "found ..., expected ...": why there is no such derivative; empty: there is.
+  // Why this derivative cannot be set ("found ..., expected ..."); empty: it can.
   static std::string fault(int order, double value);
 
-  // The run begins at t: what is set holds from there.
+  // Starts the run at t [s]: the values set hold from there.
   void start(double t);
-  // A step has ended at t.
+  // Ends a step at t [s].
   void finish(double t);
-  // A step was cut short at t: u goes on from there.
+  // Ends a step early at t [s]: u continues from there.
   void interrupt(double t);
 
   void serialize(Archive& archive) {
@@ -65,14 +65,14 @@ class Inputs {
   double at(int i, int order) const { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
   double& at(int i, int order) { return taylor_[static_cast<std::size_t>(i) * orders + order]; }
   void evaluate(double t);
-  void note_motion();
-  void move_base(int i, double t);
-  void take_rates(int i);
+  void update_moving();
+  void shift_origin(int i, double t);
+  void update_rates(int i);
 
-  std::vector<double> taylor_;  // u0, d1, ..., d5 of each
+  std::vector<double> taylor_;  // u0, d1, ..., d5 of each input
   std::vector<double> now_;
-  std::vector<double> rates_;   // see rate(); two of each
-  std::vector<double> change_;  // of each in the last step, at most; 0: it was held
+  std::vector<double> rates_;   // see rate(); two of each input
+  std::vector<double> change_;  // bound on the change of each input in the last step; 0: constant
   double start_ = 0;            // t0, s
   double now_time_ = 0;         // s
   bool moving_ = false;

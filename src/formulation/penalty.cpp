@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `penalty`: rows are left with the errors that the constraint forces need, Phi = lambda / (a Omega^2).
+// `penalty`: constraint errors remain in proportion to the constraint forces, Phi = lambda / (a Omega^2).
 #include "formulation/penalty.h"
 
 namespace gelenk {
 namespace {
 
-// Bayo's usual figures. The penalty is this many times the mass that a row meets at the start (trace of M over that of
-// J^T J): the more, the smaller the errors, and the more digits M loses beside it; 1e7 leaves it half of them.
+// Bayo's usual values. The penalty is this multiple of the mass that a constraint equation acts on at the start (trace
+// of M over that of J^T J): larger values reduce the errors, but M loses more digits in the sum; 1e7 leaves it half of
+// them.
 constexpr double penalty = 1e7;
-constexpr double Omega = 10;  // 1/s: rows' errors decay with it
+constexpr double Omega = 10;  // 1/s: decay rate of the constraint errors
 constexpr double mu = 1;      // critically damped
 
 class Penalty final : public Penalized {
@@ -19,12 +20,12 @@ class Penalty final : public Penalized {
   bool accelerate(double t, const double* y, double* vdot) override {
     if (!Penalized::accelerate(t, y, vdot)) return false;
     if (mechanism_.rows == 0) return true;
-    lambda_ = -a_ * guess_;
+    lambda_ = -a_ * target_;
     lambda_.noalias() += a_ * dynamics_.J() * Eigen::Map<const Eigen::VectorXd>(vdot, mechanism_.nv);
     return true;
   }
 
-  // With lambda = a (J vdot - wish): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
+  // With lambda = a (J vdot - target): (M + a J^T J) dvdot = -(dr + a J^T dc), dr at constant lambda.
   void differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) override {
     dynamics_.differentiate(drives_.u().data(), drives_.count(), vdot, jacobians_, lambda_.data());
     stabilization_jacobian();
@@ -36,8 +37,8 @@ class Penalty final : public Penalized {
       by_q.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_q();
       by_v.noalias() -= a_ * dynamics_.J().transpose() * jacobians_.c_v();
     }
-    auto slopes = out.bottomRows(mechanism_.nv);
-    factor_.solveInPlace(slopes);
+    auto rows = out.bottomRows(mechanism_.nv);
+    factor_.solveInPlace(rows);
   }
 };
 
@@ -47,9 +48,9 @@ Penalized::Penalized(const FormulationContext& context)
     : Formulation(context),
       M_(mechanism_.nv, mechanism_.nv),
       f_(mechanism_.nv),
-      guess_(mechanism_.rows),
+      target_(mechanism_.rows),
       lambda_(Eigen::VectorXd::Zero(mechanism_.rows)),
-      penalised_(mechanism_.nv, mechanism_.nv),
+      penalized_mass_(mechanism_.nv, mechanism_.nv),
       factor_(mechanism_.nv) {}
 
 void Penalized::start(const std::vector<double>& cut_q, double t, const double* y) {
@@ -63,7 +64,7 @@ bool Penalized::accelerate(double, const double* y, double* vdot) {
   if (!assemble(y + mechanism_.nq)) return false;
   Eigen::Map<Eigen::VectorXd> x(vdot, mechanism_.nv);
   x = f_;
-  if (mechanism_.rows > 0) x.noalias() += a_ * dynamics_.J().transpose() * guess_;
+  if (mechanism_.rows > 0) x.noalias() += a_ * dynamics_.J().transpose() * target_;
   factor_.solveInPlace(x);
   return true;
 }
@@ -76,11 +77,11 @@ bool Penalized::assemble(const double* v) {
     return factor_.info() == Eigen::Success;
   }
   for (int r = 0; r < mechanism_.rows; ++r) {
-    guess_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
+    target_[r] = dynamics_.gamma()[r] - 2 * Omega * mu * dynamics_.row_rates()[r] - Omega * Omega * dynamics_.Phi()[r];
   }
-  penalised_ = M_;
-  penalised_.noalias() += a_ * dynamics_.J().transpose() * dynamics_.J();
-  factor_.compute(penalised_);
+  penalized_mass_ = M_;
+  penalized_mass_.noalias() += a_ * dynamics_.J().transpose() * dynamics_.J();
+  factor_.compute(penalized_mass_);
   return factor_.info() == Eigen::Success;
 }
 

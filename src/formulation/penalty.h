@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `penalty` and `augmented-lagrangian` share: constraints as a mass a, a damper and a spring in every row,
+// Common base of `penalty` and `augmented-lagrangian`: a mass a, a damper and a spring in every constraint equation,
 //   (M + a J^T J) vdot = tau - h + a J^T (gamma - 2 Omega mu J v - Omega^2 Phi)     (Bayo, Garcia de Jalon & Serna
 //   1988).
 #pragma once
@@ -18,18 +18,19 @@ class Penalized : public Formulation {
 
  protected:
   bool factorizes_constraints() const override { return false; }
-  // M_, f_ and wish_ at the position of dynamics_ and the speeds v, and the factors of M + a J^T J. False: it has none.
+  // Computes M_, f_ and target_ at the position of dynamics_ with velocities v, and the factors of M + a J^T J. Returns
+  // false if it is not positive definite.
   bool assemble(const double* v);
-  // The penalised accelerations at y, their factors kept. False: M has none.
+  // The penalized accelerations at y; keeps the factors. Returns false if the matrix is not positive definite.
   bool accelerate(double t, const double* y, double* vdot) override;
-  // From slopes of J vdot - gamma to those of J vdot - wish_.
+  // Converts jacobians_.c from derivatives of J vdot - gamma to those of J vdot - target_.
   void stabilization_jacobian();
 
   double a_ = 0;
   Eigen::MatrixXd M_;
-  Eigen::VectorXd f_, guess_;  // tau - h; what J vdot should be
+  Eigen::VectorXd f_, target_;  // tau - h; target of J vdot
   Eigen::VectorXd lambda_;
-  Eigen::MatrixXd penalised_;  // M + a J^T J
+  Eigen::MatrixXd penalized_mass_;  // M + a J^T J
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

@@ -10,17 +10,21 @@ namespace gelenk {
 namespace {
 
 constexpr std::array<FormulationKind, 8> kinds = {{
-    {"projection", "q and v put back on the constraints after every step, least change in the mass metric",
+    {"projection",
+     "index 1; q and v projected onto the constraints after every step, smallest change in the mass metric",
      make_projection},
-    {"baumgarte", "constraint errors fed back into the accelerations; errors stay bounded, not zero", make_baumgarte},
-    {"udwadia-kalaba", "accelerations by the pseudo-inverse and no stabilisation; drifts", make_udwadia_kalaba},
-    {"penalty", "constraints as stiff mass, damper and spring; errors by the penalty's size", make_penalty},
-    {"augmented-lagrangian", "penalty with multipliers iterated to convergence in every evaluation",
+    {"baumgarte", "index 1 with feedback of the constraint errors; errors remain bounded, not zero", make_baumgarte},
+    {"udwadia-kalaba", "accelerations from the pseudo-inverse without stabilization; constraint errors drift",
+     make_udwadia_kalaba},
+    {"penalty", "constraints as mass, damper and stiff spring; errors are proportional to constraint forces",
+     make_penalty},
+    {"augmented-lagrangian", "penalty method with multipliers iterated to convergence in every evaluation",
      make_augmented_lagrangian},
-    {"independent", "independent coordinates by pivoting; the others solved from them in every evaluation",
+    {"independent", "coordinate partitioning by pivoting; dependent coordinates solved for in every evaluation",
      make_independent},
-    {"index3", "multipliers as unknowns beside the constraints on q; a DAE of index 3", make_index3},
-    {"stabilized-index2", "multipliers as unknowns beside the constraints on q and v; a DAE of index 2",
+    {"index3", "DAE of index 3: constraints on q, with multipliers as unknowns", make_index3},
+    {"stabilized-index2",
+     "DAE of index 2: constraints on q and v, with multipliers as unknowns (Gear, Gupta & Leimkuhler)",
      make_stabilized_index2},
 }};
 

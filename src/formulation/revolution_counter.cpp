@@ -8,8 +8,9 @@
 namespace gelenk {
 namespace {
 
-// Of an angle over a step, to tell the turn. A rod that passes the axis on its neighbour closely spins fast for a
-// moment; the slower of the two ends then tells its turn, which is less than a half.
+// Mean velocity of an angle over a step, used to identify the turn. A rod that passes close to the axis on its neighbor
+// rotates fast for a short time; its rotation in the step is less than half a turn, and the slower of both ends is the
+// better estimate.
 double mean_speed(const Cut& cut, double before, double after) {
   if (!cut.is_rod()) return (before + after) / 2;
   if (before * after <= 0) return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counts the turns of cut joints, whose angles the state knows within a turn only.
+// Counts the full turns of cut joints, whose angles follow from the state only modulo one turn.
 #pragma once
 
 #include <vector>
@@ -13,15 +13,15 @@ class RevolutionCounter {
  public:
   RevolutionCounter(const Mechanism& mechanism, Dynamics& dynamics);
 
-  // Coordinates of the cut joints with their angles counted through all turns; cut_nq numbers.
+  // Coordinates of the cut joints with unwrapped angles; cut_nq numbers.
   const std::vector<double>& coordinates() const { return q_; }
-  // Their speeds, where they were counted last; cut_nv numbers.
+  // Their velocities at the last count; cut_nv numbers.
   const std::vector<double>& speeds() const { return v_last_; }
-  // Starts counting: angles nearest to the numbers given. y = (q, v).
+  // Starts counting at (t, y), y = (q, v), with the angles nearest to cut_q.
   void count_from(const std::vector<double>& cut_q, double t, const double* y);
-  // The counts, for the state at which the run stands.
+  // Saves or restores the counts.
   void serialize(Archive& archive);
-  // The speeds at both ends of the step say which turn it is.
+  // Updates the counts after a step to (t, y); the velocities at both ends of the step identify the turn.
   void count(double t, const double* y);
 
  private:

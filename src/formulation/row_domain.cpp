@@ -14,12 +14,12 @@ RowDomain::RowDomain(const Mechanism& mechanism, const Dynamics& dynamics)
   }
 }
 
-bool RowDomain::holds() const {
+bool RowDomain::is_defined() const {
   return std::ranges::none_of(cuts_,
                               [&](int c) { return is_undefined(mechanism_.cuts[c].joint, dynamics_.cut_pose(c)); });
 }
 
-std::string RowDomain::edge() const {
+std::string RowDomain::undefined_reason() const {
   for (const int c : cuts_) {
     const Cut& cut = mechanism_.cuts[c];
     const std::string_view found = near_undefined(cut.joint, dynamics_.cut_pose(c));

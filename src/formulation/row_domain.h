@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the rows of loops are defined: of some joints that close loops they are not everywhere (a rod in line with an
-// axis).
+// The domain of the constraint equations: those of some loop-closing joints are not defined everywhere (a rod collinear
+// with an axis).
 #pragma once
 
 #include <string>
@@ -14,15 +14,15 @@ class RowDomain {
  public:
   RowDomain(const Mechanism& mechanism, const Dynamics& dynamics);
 
-  // Where `dynamics` stands.
-  bool holds() const;
-  // Why rows are not defined near there, in words; empty: they are.
-  std::string edge() const;
+  // Whether the constraint equations are defined at the present position of `dynamics`.
+  bool is_defined() const;
+  // Describes why constraint equations are not defined near there; empty: they are.
+  std::string undefined_reason() const;
 
  private:
   const Mechanism& mechanism_;
   const Dynamics& dynamics_;
-  std::vector<int> cuts_;  // whose rows are not defined everywhere
+  std::vector<int> cuts_;  // cut joints whose constraint equations are not defined everywhere
 };
 
 }  // namespace gelenk

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `stabilized-index2`: both the constraints and their rates, with a second set of multipliers for these
+// `stabilized-index2`: the constraints and their time derivatives, with a second set of multipliers
 // (Gear, Gupta & Leimkuhler 1985),
-//   qdot = N (v - J^T mu),   M vdot + h + J^T lambda = tau,   J v = 0,   Phi = 0.
-// mu vanishes with the step's error. Their J^T mu is kept rather than M^-1 J^T mu: the metric of a correction that
-// small shows in no result, and M^-1 would have to be found and differentiated in every iteration.
+//   qdot = N (v - J^T mu),   M vdot + h + J^T lambda = tau,   J v = b,   Phi = 0.
+// mu is of the size of the step's error. J^T mu is used as in the source rather than M^-1 J^T mu: the metric of such a
+// small correction does not affect the result, and M^-1 would have to be computed and differentiated in every
+// iteration.
 #include "formulation/with_multipliers.h"
 
 namespace gelenk {
@@ -12,7 +13,7 @@ namespace {
 class StabilizedIndex2 final : public WithMultipliers {
  public:
   explicit StabilizedIndex2(const FormulationContext& context)
-      : WithMultipliers("stabilized-index2", context), moved_(mechanism_.nv), rate_(mechanism_.nq) {}
+      : WithMultipliers("stabilized-index2", context), JT_mu_(mechanism_.nv), rate_(mechanism_.nq) {}
 
   int multipliers() const override { return 2 * mechanism_.rows; }
   int index(int i) const override { return i < size() ? 1 : 2; }
@@ -21,19 +22,20 @@ class StabilizedIndex2 final : public WithMultipliers {
     Vector r(out, unknowns());
     if (!equations_of_motion(t, x, xdot, r)) return false;
     if (mechanism_.rows == 0) return r.allFinite();
-    moved_.noalias() =
+    JT_mu_.noalias() =
         dynamics_.J().transpose() * Eigen::Map<const Eigen::VectorXd>(x + size() + mechanism_.rows, mechanism_.rows);
-    dynamics_.qdot_from_v(x, moved_.data(), rate_.data());
+    dynamics_.qdot_from_v(x, JT_mu_.data(), rate_.data());
     r.head(mechanism_.nq) += rate_;
     for (int k = 0; k < mechanism_.rows; ++k) {
       r[size() + k] = dynamics_.row_rates()[k];
-      // A row without position has no mu either.
+      // A constraint without a position level has no mu either.
       r[size() + mechanism_.rows + k] = holds_position(k) ? dynamics_.Phi()[k] : x[size() + mechanism_.rows + k];
     }
     return r.allFinite();
   }
 
-  // Exact where mu = 0; slopes of N J^T by q, times a mu of a step's error, are left out.
+  // Exact for mu = 0; the derivatives of N J^T with respect to q, times a mu of the size of the step's error, are
+  // omitted.
   bool residual_jacobians(double t, const double* x, const double* xdot, double* by_x, double* by_xdot) override {
     Matrix F_x(by_x, unknowns(), unknowns());
     Matrix F_xdot(by_xdot, unknowns(), unknowns());
@@ -52,7 +54,7 @@ class StabilizedIndex2 final : public WithMultipliers {
   }
 
  private:
-  Eigen::VectorXd moved_, rate_;  // J^T mu; N of it
+  Eigen::VectorXd JT_mu_, rate_;  // J^T mu; N J^T mu
 };
 
 }  // namespace

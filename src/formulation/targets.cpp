@@ -6,7 +6,7 @@
 namespace gelenk {
 namespace {
 
-// derivative(order): of the input, orders 0 to 2; of the others none are known.
+// derivative(order): of the input, for orders 0 to 2; higher ones are unknown.
 template <class Derivative>
 MotionLaw::Derivatives of_row(const CoordinateRow& row, double t, Derivative derivative) {
   if (row.law) return row.law->at(t);

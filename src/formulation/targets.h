@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the coordinate rows of a mechanism are to be at a time.
+// Targets of the coordinate rows of a mechanism as functions of time.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@ class Targets {
   bool none() const { return rows_.empty(); }
   // s, s', s'' of each row at t [s] (Dynamics::set_targets); overwritten by the next call.
   const double* at(double t, const Inputs& inputs);
-  // Likewise at the time t at which the run stands, as outputs are read there (Inputs::rate).
+  // The same at the present time t of the run, as read by outputs (Inputs::rate).
   const double* as_read(double t, const Inputs& inputs);
-  // s and its first four derivatives, as read; of inputs those that are known.
+  // s and its first four derivatives as read by outputs; unknown derivatives of inputs are 0.
   MotionLaw::Derivatives derivatives(int row, double t, const Inputs& inputs) const;
 
  private:

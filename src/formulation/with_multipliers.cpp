@@ -6,8 +6,8 @@
 namespace gelenk {
 namespace {
 
-// Share of the soundest ratio of pivots at a start below which a refusal is put down to the rows.
-constexpr double nearly_singular = 0.1;
+// Relative to the largest pivot ratio at a start: below it a failure is attributed to a singular configuration.
+constexpr double near_singular_fraction = 0.1;
 
 }  // namespace
 
@@ -30,15 +30,15 @@ bool WithMultipliers::consistent(double t, double* x, double* xdot) {
 
 std::string WithMultipliers::obstacle(const double* y) {
   if (!Eigen::Map<const Eigen::VectorXd>(y, size()).allFinite()) return {};
-  if (std::string flat = Formulation::obstacle(y); !flat.empty()) return flat;
+  if (std::string reason = Formulation::obstacle(y); !reason.empty()) return reason;
   dynamics_.factorize();
-  const std::string cure = ", and " + name_ + " needs independent ones; the formulation projection does not";
+  const std::string advice = ", but the formulation " + name_ + " requires independent ones; use projection instead";
   if (dynamics_.rank() < mechanism_.rows) {
-    return "the loops have " + std::to_string(mechanism_.rows) + " constraint rows of rank " +
-           std::to_string(dynamics_.rank()) + cure;
+    return "the loops have " + std::to_string(mechanism_.rows) + " constraint equations of rank " +
+           std::to_string(dynamics_.rank()) + advice;
   }
-  if (dynamics_.pivot_ratio() < nearly_singular * best_pivot_ratio_) {
-    return "close to a singular position, where the loops' constraint rows lose rank" + cure;
+  if (dynamics_.pivot_ratio() < near_singular_fraction * best_pivot_ratio_) {
+    return "close to a singular configuration, where the constraint equations of the loops become dependent" + advice;
   }
   return {};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `index3` and `stabilized-index2` share: the multipliers are unknowns beside q and v, and the constraints are
-// equations that the integrator itself fulfils, in every step. As an ODE, where one is asked for, they are the index-1
-// form.
+// Common base of `index3` and `stabilized-index2`: the multipliers are unknowns in addition to q and v, and the
+// integrator satisfies the constraints as equations in every step. As an ODE, for methods that require one, they are
+// the index-1 form.
 #pragma once
 
 #include <string>
@@ -23,15 +23,15 @@ class WithMultipliers : public Formulation {
   using Vector = Eigen::Map<Eigen::VectorXd>;
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
 
-  // Writes into r: qdot - N v and M vdot + h + J^T lambda - tau. dynamics_ is then at x, dynamics_.J() included. False:
+  // r <- qdot - N v and M vdot + h + J^T lambda - tau. Leaves dynamics_ at x, including dynamics_.J(). Returns false if
   // x is not finite.
   bool equations_of_motion(double t, const double* x, const double* xdot, Vector& r);
-  // Their slopes into F_x and M into F_xdot, the rest zeros; leaves slopes_ at x. False: as above.
+  // Their Jacobian into F_x and M into F_xdot, the other entries zero; leaves jacobians_ at x. Returns false as above.
   bool motion_jacobian(double t, const double* x, const double* xdot, Matrix& F_x, Matrix& F_xdot);
-  // The first and the second `rows` unknowns after y, or equations after those of motion.
+  // Indices of the first and the second `rows` unknowns after y, or equations after those of motion.
   auto first() const { return Eigen::seqN(size(), mechanism_.rows); }
   auto second() const { return Eigen::seqN(size() + mechanism_.rows, mechanism_.rows); }
-  // Whether row k holds positions, not only their rates.
+  // Whether constraint equation k holds positions, not only their rates.
   bool holds_position(int k) const { return position_rows_[k]; }
 
  private:
@@ -41,7 +41,7 @@ class WithMultipliers : public Formulation {
   std::vector<bool> position_rows_;
   RowMatrix M_;
   Eigen::VectorXd f_;            // tau - h
-  double best_pivot_ratio_ = 0;  // largest pivot ratio of the rows at a start
+  double best_pivot_ratio_ = 0;  // largest pivot ratio of the constraint Jacobian at a start
 };
 
 }  // namespace gelenk

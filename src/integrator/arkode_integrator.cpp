@@ -6,19 +6,20 @@
 namespace gelenk {
 namespace {
 
-// Of a step over the one before; ARKODE's own. After one that was tried more than once the next is no longer.
-constexpr double most_growth = 20;
-constexpr double most_first_growth = 1e4;
+// Limits on the ratio of a step to the one before, as in ARKODE. After a step with several attempts the next one is not
+// longer.
+constexpr double max_growth = 20;
+constexpr double max_first_growth = 1e4;
 
-// The step [s] that follows `last` where `next` would be best, cut short at `end`: as ARKODE does it when it goes on,
-// to the rounding, of which it knows nothing when taken to where a run was saved.
-double stopped(double next, double last, double t, double end) {
+// The step [s] that follows `last` if `next` would be best, cut short at `end`, computed to the last bit as ARKODE does
+// in an uninterrupted run; a stepper restored from a saved state does not know it.
+double step_to_end(double next, double last, double t, double end) {
   if (t + next <= end) return next;
   const double left = (end - t) * (1 - 4 * SUN_UNIT_ROUNDOFF);
   return last * (left / last);
 }
 
-// out = sum of c[j] x[j], in one pass: the vectors are short. out may be one of them.
+// out = sum of c[j] x[j] in one pass, since the vectors are short. out may be one of them.
 template <int count>
 void combine(const double* c, N_Vector* x, N_Vector out) {
   const double* from[count];
@@ -54,23 +55,23 @@ SUNErrCode combine_any(int count, sunrealtype* c, N_Vector* x, N_Vector out) {
 }  // namespace
 
 ArkodeIntegrator::ArkodeIntegrator(Equations& system) : SundialsIntegrator(system, false) {
-  y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are made like y_
+  y_->ops->nvlinearcombination = combine_any;  // all vectors of the steppers are clones of y_
 }
 
 ArkodeIntegrator::~ArkodeIntegrator() {
   for (Stepper& stepper : steppers_) ARKodeFree(&stepper.memory);
 }
 
-void ArkodeIntegrator::own(void* memory, double tolerance) {
+void ArkodeIntegrator::adopt(void* memory, double tolerance) {
   memory_ = sundials::made(memory);
   steppers_.emplace_back().memory = memory_;
   ARKodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
   ARKodeSStolerances(memory_, tolerance, tolerance);
   ARKodeSetPostprocessStepFn(memory_, project);
   ARKodeSetMaxNumSteps(memory_, -1);
-  ARKodeSetMaxGrowth(memory_, most_growth);
-  ARKodeSetMaxErrTestFails(memory_, most_error_fails);
-  // No dense output is read: steps end at the communication points.
+  ARKodeSetMaxGrowth(memory_, max_growth);
+  ARKodeSetMaxErrTestFails(memory_, max_error_test_failures);
+  // Dense output is not used: steps end at the communication points.
   ARKodeSetInterpolantType(memory_, ARK_INTERP_NONE);
 }
 
@@ -100,7 +101,7 @@ double ArkodeIntegrator::current_step(void* memory) {
   return step;
 }
 
-// ARKODE offers no copy of its memory, but of a one-step method the next step's length is all that counts of it.
+// ARKODE cannot copy its memory, but of a one-step method only the length of the next step matters.
 void ArkodeIntegrator::serialize(Archive& archive) {
   SundialsIntegrator::serialize(archive);
   archive.serialize(step_at_end_);
@@ -112,7 +113,7 @@ void ArkodeIntegrator::serialize(Archive& archive) {
     stepper.first_step = step;
     reinitialize(stepper.memory);
     ARKodeSetInitStep(stepper.memory, step);
-    ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? most_growth : most_first_growth);
+    ARKodeSetMaxFirstGrowth(stepper.memory, stepper.used ? max_growth : max_first_growth);
   }
 }
 
@@ -122,13 +123,13 @@ void ArkodeIntegrator::prepare(double end) {
 }
 
 void ArkodeIntegrator::begin(double end) {
-  // A reset drops the derivative kept from the last step, which belongs to the former inputs, but not the step size.
+  // A reset discards the derivative from the last step, which belongs to the former inputs, but not the step size.
   if (fresh_ || jumped_) ARKodeReset(memory_, t_, y_.get());
   fresh_ = false;
   ARKodeSetStopTime(memory_, end);
   const Stepper& stepper = steppers_[in_use()];
   if (stepper.first_step && stepper.last_step > 0) {
-    ARKodeSetInitStep(memory_, stopped(*stepper.first_step, stepper.last_step, t_, end));
+    ARKodeSetInitStep(memory_, step_to_end(*stepper.first_step, stepper.last_step, t_, end));
   }
 }
 
@@ -140,7 +141,7 @@ Step ArkodeIntegrator::make_step(double end) {
   const int flag = ARKodeEvolve(memory_, end, y_.get(), &t_, ARK_ONE_STEP);
   if (flag >= 0) {
     Stepper& stepper = steppers_[in_use()];
-    stepper.growth = attempts() - attempts_before > 1 ? 1 : stepper.used ? most_growth : most_first_growth;
+    stepper.growth = attempts() - attempts_before > 1 ? 1 : stepper.used ? max_growth : max_first_growth;
     stepper.used = true;
     stepper.stopped = flag == ARK_TSTOP_RETURN;
     stepper.first_step.reset();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Adaptive Runge-Kutta methods of SUNDIALS' ARKODE, projected after each accepted step. One-step methods: a jump of
-// the inputs costs them nothing but the derivative kept from the last step.
+// Base class of the adaptive Runge-Kutta methods of SUNDIALS' ARKODE, projected after each accepted step. One-step
+// methods: a jump of the inputs invalidates only the derivative kept from the last step.
 #pragma once
 
 #include <arkode/arkode.h>
@@ -23,25 +23,25 @@ class ArkodeIntegrator : public SundialsIntegrator {
  protected:
   explicit ArkodeIntegrator(Equations& system);
 
-  // Takes a stepper over, and sets what all methods share. The last one taken over is in use.
-  void own(void* memory, double tolerance);
-  // Goes on with another of the steppers owned, which is to try this step [s] first; 0: it finds one.
+  // Takes ownership of a stepper, applies the common settings, and makes it the one in use.
+  void adopt(void* memory, double tolerance);
+  // Continues with another stepper, which tries this step [s] first; 0: it chooses one.
   void use(int stepper, double step);
-  // Takes a stepper to (t_, y_) as if it had never made a step; its settings stay.
+  // Resets a stepper to (t_, y_) as if it had made no steps; its settings remain.
   virtual void reinitialize(void* memory) = 0;
-  // s: that a stepper which has stopped where it was to will try next.
+  // s: the step that a stepper will try after it has reached its stop time.
   virtual double next_step(std::size_t stepper) const;
-  // Before the steps to `end`; t_ is their start.
+  // Called before the steps to `end`; t_ is their start.
   virtual void choose_stepper(double /*end*/) {}
-  // Before each of these steps.
+  // Called before each of these steps.
   virtual void reconsider_stepper() {}
-  long attempts() const;  // of steps, by the stepper in use
-  // Of its next step over the last one, at most.
+  long attempts() const;  // number of step attempts of the stepper in use
+  // Limit on the ratio of its next step to the last one.
   double growth(std::size_t stepper) const { return steppers_[stepper].growth; }
-  double current_step() const;  // s: that it tries next; at a communication point the last one, cut short there
+  double current_step() const;  // s: next step to be tried; at a communication point the last one, cut short there
 
   void* memory_ = nullptr;  // the stepper in use
-  double step_at_end_ = 0;  // s: current_step() where the last advance ended
+  double step_at_end_ = 0;  // s: current_step() at the end of the last advance
 
  private:
   void prepare(double end) final;
@@ -54,11 +54,11 @@ class ArkodeIntegrator : public SundialsIntegrator {
 
   struct Stepper {
     void* memory = nullptr;
-    bool stopped = false;              // its last step ended where it was to stop
-    bool used = false;                 // has made steps: the next one may not be as much longer as a first one's next
-    std::optional<double> first_step;  // s, to be tried first; 0: it finds one
-    double last_step = 0;              // s, before that one; 0: of no concern
-    double growth = 1;                 // of the next step over the last one
+    bool stopped = false;              // the last step ended at the stop time
+    bool used = false;                 // it has made steps, so the growth limit of the first step no longer applies
+    std::optional<double> first_step;  // s: first step to be tried; 0: it chooses one
+    double last_step = 0;              // s: the step before that; 0: not relevant
+    double growth = 1;                 // limit on the ratio of the next step to the last one
   };
   std::size_t in_use() const { return std::ranges::find(steppers_, memory_, &Stepper::memory) - steppers_.begin(); }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `auto`: the explicit method, until an implicit one is cheaper. What each costs is counted while it runs, as
-// evaluations per simulated second, so the choice follows from what the run meets: stiffness that comes and goes,
-// inputs that jump, communication steps. Counts, not clocks: the same calls give the same bits.
+// `auto`: the explicit method, until an implicit one is less expensive. Costs are counted during the run, as
+// evaluations per simulated second, so the choice follows from the run itself: stiffness that comes and goes, inputs
+// that jump, communication steps. Evaluations are counted rather than time, so that the same calls give the same bits.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,20 +13,20 @@
 namespace gelenk {
 namespace {
 
-constexpr int stretch_steps = 100;     // what a price is taken from
+constexpr int window_steps = 100;      // steps over which a cost is measured
 constexpr double stages = 13;          // of an explicit step of order 8
-constexpr double accuracy_margin = 4;  // by which accuracy keeps explicit steps shorter than stability does
-constexpr double clearly = 0.8;        // by this much a method has to be cheaper to be changed to
-constexpr int longest_wait = 1 << 10;  // stretches between two trials that did not pay
-// Up to so many equations the implicit method, whose matrices are full, is ready from the start; beyond it is made when
-// it is needed, which asks of the heap within a step.
-constexpr int most_ready = 1000;
+constexpr double accuracy_margin = 4;  // factor by which accuracy limits explicit steps more than stability does
+constexpr double required_gain = 0.8;  // a method must cost less than this fraction to be switched to
+constexpr int max_wait = 1 << 10;      // windows between two unsuccessful trials
+// For systems up to this size the implicit method, whose matrices are dense, is created at the start; for larger ones
+// when it is needed, which allocates memory within a step.
+constexpr int max_size_prepared = 1000;
 
-// Costs in evaluations: measured on the flyball governor.
+// Overhead of a step and cost of a Jacobian in evaluations: measured on the flyball governor.
 constexpr std::array<double, 2> cost_of_step = {1, 3};
 double cost_of_jacobian(int size) { return 2.0 * size; }
 
-// Hands calls on and counts what they cost.
+// Forwards all calls and counts the evaluations.
 class EvaluationCounter final : public Equations {
  public:
   explicit EvaluationCounter(Equations& counted) : counter_(counted) {}
@@ -64,14 +64,14 @@ class Automatic final : public Integrator {
         n_(system.size()),
         y_(n_),
         fastest_rate_(system) {
-    if (n_ <= most_ready) make_implicit();
+    if (n_ <= max_size_prepared) make_implicit();
   }
 
   void restart(double t, const double* y) override {
     t_ = t;
     std::copy_n(y, n_, y_.begin());
     methods_[current_]->restart(t_, y_.data());
-    stretch_ = {};
+    window_ = {};
   }
 
   void inputs_changed() override { methods_[current_]->inputs_changed(); }
@@ -94,20 +94,20 @@ class Automatic final : public Integrator {
     bool both = methods_[implicit_method] != nullptr;
     archive.serialize(both);
     if (both) make_implicit();
-    if (!both) methods_[implicit_method].reset();  // made after the record
+    if (!both) methods_[implicit_method].reset();  // created after the state was saved
     if (archive.reading()) methods_[current_]->restart(t_, y_.data());
     methods_[explicit_method]->serialize(archive);
     if (both) methods_[implicit_method]->serialize(archive);
-    archive.serialize(stretch_.time, stretch_.cost, stretch_.steps, price_);
+    archive.serialize(window_.time, window_.cost, window_.steps, cost_per_second_);
     fastest_rate_.serialize(archive);
-    archive.serialize(trial_);
+    archive.serialize(probation_);
     trials_.serialize(archive);
   }
 
   double advance(double end, double* y) override {
     do {
-      go_on(end);
-      if (stretch_.steps >= stretch_steps) review();
+      advance_window(end);
+      if (window_.steps >= window_steps) review();
     } while (t_ < end && !counter_.budget_exhausted());
     count();
     std::ranges::copy(y_, y);
@@ -116,46 +116,46 @@ class Automatic final : public Integrator {
 
  private:
   enum Method { explicit_method, implicit_method };
-  struct Stretch {
+  struct Window {
     double time = 0, cost = 0;  // s; evaluations
     long steps = 0;
-    double price() const { return cost / time; }
+    double cost_per_second() const { return cost / time; }
   };
 
-  void go_on(double end) {
+  void advance_window(double end) {
     const double cost = counter_.cost();
     const long steps = methods_[current_]->steps();
     const double start = t_;
     try {
-      t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps - stretch_.steps);
+      t_ = methods_[current_]->advance_some(end, y_.data(), window_steps - window_.steps);
     } catch (const IntegrationError& first) {
-      change_to(1 - current_);  // perhaps the other can
+      change_to(1 - current_);  // the other method may succeed
       try {
-        t_ = methods_[current_]->advance_some(end, y_.data(), stretch_steps);
+        t_ = methods_[current_]->advance_some(end, y_.data(), window_steps);
       } catch (const IntegrationError&) {
         throw IntegrationError(first);
       }
-      trial_ = 0;
-      stretch_ = {};
+      probation_ = 0;
+      window_ = {};
       return;
     }
-    stretch_.time += t_ - start;
-    stretch_.steps += methods_[current_]->steps() - steps;
-    stretch_.cost += counter_.cost() - cost;
+    window_.time += t_ - start;
+    window_.steps += methods_[current_]->steps() - steps;
+    window_.cost += counter_.cost() - cost;
   }
 
-  // After each stretch: whether another method is worth a trial, or the trial was.
+  // Called after each window: decides whether another method is worth a trial, or whether the trial was successful.
   void review() {
-    stretch_.cost += cost_of_step[current_] * static_cast<double>(stretch_.steps);
-    const Stretch last = stretch_;
-    stretch_ = {};
-    const bool on_trial = trial_ > 0;
-    if (on_trial) --trial_;
-    if (trial_ > 0) return;  // a multistep method starts with small steps
-    const double before = price_[1 - current_];
-    price_[current_] = last.price();
-    if (on_trial) {
-      if (price_[current_] < clearly * before) {
+    window_.cost += cost_of_step[current_] * static_cast<double>(window_.steps);
+    const Window last = window_;
+    window_ = {};
+    const bool on_probation = probation_ > 0;
+    if (on_probation) --probation_;
+    if (probation_ > 0) return;  // a multistep method starts with small steps
+    const double other_cost = cost_per_second_[1 - current_];
+    cost_per_second_[current_] = last.cost_per_second();
+    if (on_probation) {
+      if (cost_per_second_[current_] < required_gain * other_cost) {
         trials_.succeeded();
       } else {
         trials_.failed();
@@ -165,18 +165,19 @@ class Automatic final : public Integrator {
     }
     if (!trials_.due()) return;
     if (current_ == explicit_method) {
-      if (fastest_rate_.at(t_, y_.data()) * last.time > suspicious_reach * static_cast<double>(last.steps))
-        attempt(implicit_method);
-    } else if (clearly * price_[current_] > before || clearly * price_[current_] > least_explicit_price()) {
-      attempt(explicit_method);
+      if (fastest_rate_.at(t_, y_.data()) * last.time > stability_check_limit * static_cast<double>(last.steps))
+        start_trial(implicit_method);
+    } else if (required_gain * cost_per_second_[current_] > other_cost ||
+               required_gain * cost_per_second_[current_] > min_explicit_cost()) {
+      start_trial(explicit_method);
     }
   }
 
-  // What stability asks of the explicit method.
-  double least_explicit_price() { return accuracy_margin * stages * fastest_rate_.at(t_, y_.data()) / stable_reach; }
+  // Lower bound on the cost of the explicit method due to stability.
+  double min_explicit_cost() { return accuracy_margin * stages * fastest_rate_.at(t_, y_.data()) / stability_limit; }
 
-  void attempt(int method) {
-    trial_ = 2;
+  void start_trial(int method) {
+    probation_ = 2;
     change_to(method);
   }
 
@@ -206,10 +207,10 @@ class Automatic final : public Integrator {
   int current_ = explicit_method;
   double t_ = 0;
   std::vector<double> y_;
-  Stretch stretch_;
-  std::array<double, 2> price_ = {INFINITY, INFINITY};  // evaluations per simulated second, when last used
-  int trial_ = 0;                                       // stretches of a trial that are still to come
-  Backoff trials_{4, longest_wait};
+  Window window_;
+  std::array<double, 2> cost_per_second_ = {INFINITY, INFINITY};  // evaluations per simulated second, at the last use
+  int probation_ = 0;                                             // windows left in a trial
+  Backoff trials_{4, max_wait};
   FastestRate fastest_rate_;
 };
 

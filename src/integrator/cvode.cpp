@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SUNDIALS' CVODES on ydot = f(t, y), of variable order and step (Hindmarsh et al. 2005): BDF with Newton's method,
-// projected within each step as with IDA, and Adams-Moulton with fixed-point iteration, projected after each
-// step.
+// SUNDIALS' CVODES for ydot = f(t, y), of variable order and step (Hindmarsh et al. 2005): BDF with Newton's method,
+// projected within each step as with IDA, and Adams-Moulton with fixed-point iteration, projected after each step.
 #include <cvodes/cvodes.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
@@ -15,30 +14,31 @@ namespace {
 
 using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
 
-// The local error test's share of the tolerance, with BDF of one of 1e-4 (bdf_tolerance, see ida.cpp). On the same
-// scenes errors are 0.3 to 60 times the tolerance.
+// Fraction of the tolerance used in the local error test, for BDF at a tolerance of 1e-4 (bdf_tolerance, see ida.cpp).
+// On the same scenes errors are 0.3 to 60 times the tolerance.
 constexpr double bdf_fraction = 0.002;
 constexpr double adams_fraction = 0.003;
-// Below this the error test meets rounding: half of it costs the squeezer seventy times the steps, whose errors add up.
-constexpr double least_tolerance = 2e-13;
+// Below this the error test is dominated by rounding: with half of it the squeezer takes seventy times as many steps,
+// whose errors add up.
+constexpr double min_tolerance = 2e-13;
 
 class Cvode : public SundialsIntegrator {
  public:
   ~Cvode() override { CVodeFree(&memory_); }
 
  protected:
-  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {  // of one step
+  Cvode(Equations& system, int method, double tolerance) : SundialsIntegrator(system) {  // tolerance: of one step
     memory_ = sundials::made(CVodeCreate(method, context_));
     CVodeInit(memory_, sundials::rhs, 0, y_.get());
     CVodeSetUserData(memory_, static_cast<SundialsIntegrator*>(this));
-    tolerance = std::max(least_tolerance, tolerance);
+    tolerance = std::max(min_tolerance, tolerance);
     CVodeSStolerances(memory_, tolerance, tolerance);
     CVodeSetMaxNumSteps(memory_, -1);
-    CVodeSetMaxErrTestFails(memory_, most_error_fails);
+    CVodeSetMaxErrTestFails(memory_, max_error_test_failures);
   }
 
   virtual bool restarts_at_jumps() const = 0;
-  // After a step: what is still to be done to y_ before it is handed out. False: not closed.
+  // Completes y_ after a step. Returns false if the projection fails.
   virtual bool finish(double) { return true; }
 
   void* memory_ = nullptr;
@@ -96,12 +96,12 @@ class Bdf final : public Cvode {
   }
 
  private:
-  // Where the starter does not meet them (started.cpp) the scene is stiff, and the history is worth keeping.
+  // If the starter does not handle them (starter.cpp), the scene is stiff, and the history is worth keeping.
   bool restarts_at_jumps() const override { return false; }
-  double finest_tolerance() const override { return tolerance_of_bdf(bdf_fraction, least_tolerance); }
+  double finest_tolerance() const override { return inverse_bdf_tolerance(bdf_fraction, min_tolerance); }
 
-  // As with IDA (ida.cpp): the projected state's difference from the prediction is handed on as the step's correction.
-  // CVODE's own hook moves the state alone, not the derivatives of the history.
+  // As with IDA (ida.cpp), the difference of the projected state from the prediction is returned as the correction of
+  // the step. CVODE's own projection function changes the state only, not the derivatives of the history.
   static int solve_and_project(SUNNonlinearSolver solver, N_Vector y0, N_Vector correction, N_Vector weights,
                                sunrealtype tolerance, sunbooleantype setup, void* memory) {
     double t = 0;
@@ -126,9 +126,9 @@ class Bdf final : public Cvode {
   NewtonSolve newton_solve_ = nullptr;
 };
 
-// An Adams method extrapolates derivatives: a projection handed on as part of the step's correction, as with BDF, would
-// enter them divided by the step and spoil the next error estimate (four-bar: the step shrinks to nothing). So only
-// the state from which the next step starts is moved, after the step, and the derivatives stay.
+// An Adams method extrapolates derivatives: a projection returned as part of the correction, as with BDF, would enter
+// them divided by the step and spoil the next error estimate (four-bar: the step decreases to zero). Therefore only the
+// state from which the next step starts is projected, after the step; the derivatives are unchanged.
 class Adams final : public Cvode {
  public:
   Adams(Equations& system, const IntegratorOptions& options)
@@ -138,14 +138,14 @@ class Adams final : public Cvode {
   }
 
  private:
-  // Derivatives carried across a jump spoil many steps: on the four-bar with a new torque every millisecond and no
-  // starter, tolerance 1e-8, errors of 1e4 times the tolerance instead of some hundred times, for as much work.
+  // Derivatives continued across a jump spoil many steps: on the four-bar with a new torque every millisecond and no
+  // starter, tolerance 1e-8, errors are 1e4 times the tolerance instead of some hundred times, for as much work.
   bool restarts_at_jumps() const override { return true; }
-  double finest_tolerance() const override { return least_tolerance / adams_fraction; }
+  double finest_tolerance() const override { return min_tolerance / adams_fraction; }
 
   bool finish(double t) override {
     if (!system_.project(t, sundials::data(y_.get()))) return false;
-    // What the next step will take as its prediction holds, between steps, the state reached.
+    // Between steps, the vector that becomes the next prediction holds the state reached.
     N_Vector state = nullptr;
     N_Vector other = nullptr;
     double time = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Explicit Runge-Kutta with adaptive steps (ARKODE's ERKStep), projected after each accepted step. Of several tables, a
-// ladder from few stages to many, the one is used that takes the run from one communication point to the next with the
-// fewest evaluations: where those lie close, a cheap method's one step serves as well as a dear one's.
+// Explicit Runge-Kutta with adaptive steps (ARKODE's ERKStep), projected after each accepted step. Of several embedded
+// pairs, from few stages to many, the one is used that takes the run from one communication point to the next with the
+// fewest evaluations: if these are close, one step of an inexpensive method is as good as one of an expensive method.
 #include <arkode/arkode_erkstep.h>
 
 #include <algorithm>
@@ -15,31 +15,32 @@
 namespace gelenk {
 namespace {
 
-// The classical method (Kutta 1901), order 4. All that four stages can tell of the error is of order 3; the weights
-// with which h^3 y''' / 6 comes out follow from the conditions of orders 1 to 3. A part of it is held to the whole
-// tolerance, so that errors stay where those of the other tables do: four-bar and arm in steps of 1 ms, N-four-bars and
-// a double pendulum in steps of 10 and 20 ms. The 3/8 rule and Kuntzmann's did no better.
+// The classical method (Kutta 1901), order 4. The best error estimate from its four stages is of order 3; the weights
+// that yield h^3 y''' / 6 follow from the conditions of orders 1 to 3. A fraction of it is compared with the tolerance,
+// so that errors are those of the other tables: four-bar and arm in steps of 1 ms, N-four-bars and a double pendulum in
+// steps of 10 and 20 ms. The 3/8 rule and Kuntzmann's method did no better.
 ARKodeButcherTable classical() {
-  constexpr double share = 0.04;
+  constexpr double error_fraction = 0.04;
   double c[] = {0, 1. / 2, 1. / 2, 1};
   double A[] = {0, 0, 0, 0, 1. / 2, 0, 0, 0, 0, 1. / 2, 0, 0, 0, 0, 1, 0};
   double b[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
   const double third[] = {2. / 3, -2. / 3, -2. / 3, 2. / 3};
   double d[4];
-  for (int i = 0; i < 4; ++i) d[i] = b[i] - share * third[i];
+  for (int i = 0; i < 4; ++i) d[i] = b[i] - error_fraction * third[i];
   return sundials::made(ARKodeButcherTable_Create(4, 4, 2, c, A, b, d));
 }
 
 struct EmbeddedPair {
-  ARKODE_ERKTableID table;  // ARKODE_ERK_NONE: the one above
+  ARKODE_ERKTableID table;  // ARKODE_ERK_NONE: the classical method above
   int stages;
-  double share;  // of the tolerance, for the local error test
+  double tolerance_fraction;  // used in the local error test
 };
 
-// Of ARKODE's tables of order 5 to 9 the last two gave the smallest error for the evaluations budget_exhausted, on
-// loops and trees (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 above, 8
-// below. The share is such that errors stay within some tens of times the tolerance (see ida.cpp; here 0.1 to 22
-// times). Below them: many small steps in place of few long ones add up, so each has to be the better.
+// Of ARKODE's tables of order 5 to 9 the last two gave the smallest error for a given number of evaluations on loops
+// and trees (four-bar, slider-crank, Andrews' squeezer, double pendulum, heavy top, cart-pole): order 6 at loose
+// tolerances, 8 at tight ones. The fractions are such that errors are within some tens of times the tolerance (see
+// ida.cpp; here 0.1 to 22 times). The pairs of lower order take many small steps whose errors add up, so each step has
+// to be more accurate.
 constexpr std::array<EmbeddedPair, 4> embedded_pairs = {{
     {ARKODE_ERK_NONE, 4, 1},
     {ARKODE_CASH_KARP_6_4_5, 6, 0.03},
@@ -48,23 +49,23 @@ constexpr std::array<EmbeddedPair, 4> embedded_pairs = {{
 }};
 int highest_pair(double tolerance) { return tolerance > 3e-7 ? 2 : 3; }
 
-// Every twentieth step is rejected with it; with ARKODE's own 0.96, every fifth (scenes as above).
+// With it every twentieth step is rejected; with ARKODE's own 0.96, every fifth (scenes as above).
 constexpr double safety = 0.9;
 
-// Below this the error test meets rounding.
-constexpr double least_tolerance = 1e-13;
+// Below this the error test is dominated by rounding.
+constexpr double min_tolerance = 1e-13;
 
-// Of steps of a lower rung in one communication step: it has met something.
-constexpr long most_attempts = 6;
-constexpr int longest_wait = 256;  // communication steps between two trials of another rung
+// Step attempts of a lower pair in one communication step, above which the highest pair takes over.
+constexpr long max_attempts = 6;
+constexpr int max_wait = 256;  // communication steps between two trials of another pair
 
 class Erk final : public ArkodeIntegrator {
  public:
   Erk(Equations& system, const IntegratorOptions& options)
       : ArkodeIntegrator(system), top_(highest_pair(options.tolerance)), pair_(top_) {
     for (int i = 0; i <= top_; ++i) {
-      own(ERKStepCreate(sundials::rhs, 0, y_.get(), context_),
-          std::max(least_tolerance, embedded_pairs[i].share * options.tolerance));
+      adopt(ERKStepCreate(sundials::rhs, 0, y_.get(), context_),
+            std::max(min_tolerance, embedded_pairs[i].tolerance_fraction * options.tolerance));
       take_table(embedded_pairs[i].table);
       ARKodeSetSafetyFactor(memory_, safety);
       controllers_[i] = sundials::make_step_controller(context_);
@@ -76,7 +77,7 @@ class Erk final : public ArkodeIntegrator {
     const double start = t_;
     const std::vector<double> from(y, y + system_.size());
     for (int i = 0; i <= top_; ++i) {
-      go(i, end - start);
+      switch_to(i, end - start);
       restart(start, from.data());
       advance_some(end, y, 1);
     }
@@ -114,49 +115,49 @@ class Erk final : public ArkodeIntegrator {
   void choose_stepper(double end) override {
     const double length = end - t_;
     const long steps = attempts() - attempts_before_;
-    const bool alike = steps > 0 && std::abs(length - length_) < 1e-6 * length;
-    if (alike) climb(length, steps * embedded_pairs[pair_].stages);
+    const bool same_length = steps > 0 && std::abs(length - length_) < 1e-6 * length;
+    if (same_length) select_pair(length, steps * embedded_pairs[pair_].stages);
     length_ = length;
     attempts_before_ = attempts();
   }
 
   void reconsider_stepper() override {
-    if (pair_ == top_ || attempts() - attempts_before_ < most_attempts) return;
+    if (pair_ == top_ || attempts() - attempts_before_ < max_attempts) return;
     trial_ = false;
-    length_ = 0;  // the next communication step is not like this one
+    length_ = 0;  // do not compare the next communication step with this one
     trials_.failed();
-    go(top_, current_step());
+    switch_to(top_, current_step());
     attempts_before_ = attempts();
   }
 
   // cost: evaluations of the last communication step.
-  void climb(double length, long cost) {
+  void select_pair(double length, long cost) {
     if (trial_) {
       trial_ = false;
       if (cost < cost_before_) {
         trials_.succeeded();
       } else {
-        go(pair_before_, pair_before_ > pair_ ? std::min(length, step_at_end_) : length);
+        switch_to(pair_before_, pair_before_ > pair_ ? std::min(length, step_at_end_) : length);
         trials_.failed();
         return;
       }
     }
     const bool one_step = cost == embedded_pairs[pair_].stages;
     if (pair_ < top_ && cost > embedded_pairs[pair_ + 1].stages) {
-      attempt(pair_ + 1, step_at_end_, cost);
+      start_trial(pair_ + 1, step_at_end_, cost);
     } else if (one_step && pair_ > 0 && trials_.due()) {
-      attempt(pair_ - 1, length, cost);
+      start_trial(pair_ - 1, length, cost);
     }
   }
 
-  void attempt(int pair, double step, long cost) {
+  void start_trial(int pair, double step, long cost) {
     trial_ = true;
     pair_before_ = pair_;
     cost_before_ = cost;
-    go(pair, step);
+    switch_to(pair, step);
   }
 
-  void go(int pair, double step) {
+  void switch_to(int pair, double step) {
     pair_ = pair;
     use(pair, step);
   }
@@ -165,10 +166,10 @@ class Erk final : public ArkodeIntegrator {
   int top_, pair_;
   double length_ = 0;  // s, of the last communication step
   long attempts_before_ = 0;
-  bool trial_ = false;  // of a rung, since the last communication step
+  bool trial_ = false;  // of another pair, in the last communication step
   int pair_before_ = 0;
   long cost_before_ = 0;  // evaluations
-  Backoff trials_{2, longest_wait};
+  Backoff trials_{2, max_wait};
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The improved Euler method, fixed steps, projected after each: q moved by h (v + h/2 vdot), v += h vdot, one
-// evaluation a step. Exact where the acceleration is constant. Of order 1: positions err by h^3 in a step but speeds
-// by h^2 (h^2/2 times the acceleration's rate), which sum up to h over the run, and positions follow the speeds.
+// The improved Euler method, fixed steps, projected after each: q displaced by h (v + h/2 vdot), v += h vdot, one
+// evaluation per step. Exact for constant acceleration. Of order 1: in a step positions have errors of h^3 but
+// velocities of h^2 (h^2/2 times the rate of the acceleration), which sum up to h over the run, and positions follow
+// the velocities.
 #include <vector>
 
 #include "integrator/fixed_step.h"
@@ -27,7 +28,7 @@ class Euler final : public FixedStep {
   }
 
   int nq_;
-  std::vector<double> dq_;  // a speed for each coordinate's freedom, times time
+  std::vector<double> dq_;  // displacement along the velocities (nv)
 };
 
 }  // namespace

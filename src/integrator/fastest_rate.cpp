@@ -7,13 +7,13 @@
 namespace gelenk {
 namespace {
 
-constexpr int iterations = 8;    // at most,
-constexpr double settled = 0.1;  // or until it does not change by more, relatively
+constexpr int max_iterations = 8;
+constexpr double relative_tolerance = 0.1;  // change of the estimate at which the iteration ends
 
 }  // namespace
 
 FastestRate::FastestRate(Equations& system)
-    : system_(system), n_(system.size()), direction_(n_), beside_(n_), f_(n_), f_beside_(n_) {
+    : system_(system), n_(system.size()), direction_(n_), perturbed_(n_), f_(n_), f_perturbed_(n_) {
   for (int i = 0; i < n_; ++i) direction_[i] = 1 + 0.3 * i / n_;
 }
 
@@ -23,21 +23,21 @@ double FastestRate::at(double t, const double* y) {
   for (int k = 0; k < n_; ++k) size += y[k] * y[k];
   const double h = 1e-7 * std::sqrt(1 + size);
   double rate = 0;
-  for (int i = 0; i < iterations; ++i) {
+  for (int i = 0; i < max_iterations; ++i) {
     double length = 0;
     for (const double x : direction_) length += x * x;
     length = std::sqrt(length);
     if (!(length > 0 && std::isfinite(length))) break;
-    for (int k = 0; k < n_; ++k) beside_[k] = y[k] + h * direction_[k] / length;
-    if (!system_.rhs(t, beside_.data(), f_beside_.data())) break;
+    for (int k = 0; k < n_; ++k) perturbed_[k] = y[k] + h * direction_[k] / length;
+    if (!system_.rhs(t, perturbed_.data(), f_perturbed_.data())) break;
     const double before = rate;
     rate = 0;
     for (int k = 0; k < n_; ++k) {
-      direction_[k] = (f_beside_[k] - f_[k]) / h;
+      direction_[k] = (f_perturbed_[k] - f_[k]) / h;
       rate += direction_[k] * direction_[k];
     }
     rate = std::sqrt(rate);
-    if (std::abs(rate - before) < settled * rate) break;
+    if (std::abs(rate - before) < relative_tolerance * rate) break;
   }
   if (!(rate > 0 && std::isfinite(rate))) std::ranges::fill(direction_, 1.0);
   return rate;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether stability binds an explicit method.
+// Detects whether stability limits the steps of an explicit method.
 #pragma once
 
 #include <vector>
@@ -9,24 +9,24 @@
 
 namespace gelenk {
 
-// An explicit method's step times the largest eigenvalue of df/dy: it is stable to about 4, and where it is accurate to
-// its tolerance alone, is seldom beyond 1.
-constexpr double suspicious_reach = 2.0;
-constexpr double stable_reach = 4.0;
+// Step of an explicit method times the largest eigenvalue of df/dy: it is stable up to about 4, and seldom exceeds 1 if
+// accuracy alone limits the step.
+constexpr double stability_check_limit = 2.0;
+constexpr double stability_limit = 4.0;
 
-// The largest eigenvalue of df/dy by magnitude [1/s], by the power method on differences of f.
+// The largest eigenvalue of df/dy by magnitude [1/s], by power iteration with finite differences of f.
 class FastestRate {
  public:
   explicit FastestRate(Equations& system);
-  // Takes up to 9 evaluations. 0: not known.
+  // Returns the estimate at (t, y), at the cost of up to 9 evaluations; 0: unknown.
   double at(double t, const double* y);
   void serialize(Archive& archive) { archive.serialize(direction_); }
 
  private:
   Equations& system_;
   int n_;
-  std::vector<double> direction_;  // the one found last is a good one to begin with
-  std::vector<double> beside_, f_, f_beside_;
+  std::vector<double> direction_;  // the last one, a good initial guess for the next estimate
+  std::vector<double> perturbed_, f_, f_perturbed_;
 };
 
 }  // namespace gelenk

@@ -16,8 +16,9 @@ void FixedStep::restart(double t, const double* y) {
 }
 
 double FixedStep::advance(double end, double* y) {
-  // As many equal steps as are needed, none longer than the step. Ends come rounded, the later the coarser: where whole
-  // steps fit up to that, all have the size asked for, so that the same grid gives the same bits however it is cut.
+  // Equal steps, as many as needed so that none is longer than the step size. Times are rounded, more coarsely the
+  // later they are: if whole steps fit within that, all have the given size, so that the same grid gives the same bits
+  // however it is divided into communication steps.
   const double start = t_;
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(end));
   const double span = end - start;
@@ -43,15 +44,15 @@ double FixedStep::advance(double end, double* y) {
 void FixedStep::take_step(double t, double h, double end) {
   make_step(t, h);
   t_ = end;
-  if (!system_.project(t_, y_.data())) refuse(system_, t_, y_.data(), "the loops could not be closed again");
+  if (!system_.project(t_, y_.data())) refuse(system_, t_, y_.data(), "constraint projection did not converge");
 }
 
-// One step of the grid, in parts where there are events in it.
+// One step of the grid, divided at events.
 void FixedStep::step_by_events(double end) {
   while (t_ < end) {
     const Step step = locator_.step(*this, end);
     if (step == Step::too_many_events) refuse(system_, t_, y_.data(), system_.modes().too_many_events());
-    if (step != Step::made) throw IntegrationError(fault_);
+    if (step != Step::made) throw IntegrationError(error_);
     system_.accepted(t_, y_.data());
     ++steps_;
   }
@@ -60,8 +61,8 @@ void FixedStep::step_by_events(double end) {
 Step FixedStep::step_towards(double end) {
   try {
     take_step(t_, end - t_, end);
-  } catch (const IntegrationError& fault) {
-    fault_ = fault.what();
+  } catch (const IntegrationError& error) {
+    error_ = error.what();
     return Step::not_closed;
   }
   return Step::made;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way from one communication point to the next in equal steps, each projected, which fixed-step methods share.
+// Base class of fixed-step methods: equal steps from one communication point to the next, each projected.
 #pragma once
 
 #include <vector>
@@ -17,9 +17,9 @@ class FixedStep : public Integrator, private Stepping {
  protected:
   FixedStep(Equations& system, const IntegratorOptions& options);
 
-  // Takes y_ from t to t + h, not yet projected.
+  // Advances y_ from t to t + h, without projection.
   virtual void make_step(double t, double h) = 0;
-  // k_ = f(t, y). Throws IntegrationError.
+  // Computes k_ = f(t, y). Throws IntegrationError if it is not finite.
   void evaluate(double t, const double* y);
 
   Equations& system_;
@@ -36,7 +36,7 @@ class FixedStep : public Integrator, private Stepping {
   void take_step(double t, double h, double end);
 
   Locator locator_;
-  std::string fault_;  // of a step that could not be made
+  std::string error_;  // message of a step that failed
   double step_;
   double t_ = 0;
 };

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `generalized-alpha` (Chung & Hulbert 1993), fixed steps, with the auxiliary accelerations a,
-//   q+ = q moved by h v + h^2 ((1/2 - beta) a + beta a+),   v+ = v + h ((1 - gamma) a + gamma a+),
+//   q+ = q displaced by h v + h^2 ((1/2 - beta) a + beta a+),   v+ = v + h ((1 - gamma) a + gamma a+),
 //   (1 - alpha_m) a+ + alpha_m a = (1 - alpha_f) vdot+ + alpha_f vdot,
-// and vdot+ (of index3 with lambda+) such that the equations hold at the end of the step (Arnold & Bruls 2007); on
-// quaternions q is moved by displace() (Bruls, Cardona & Arnold 2012). Its members are `hht` (Hilber, Hughes & Taylor
-// 1977; alpha_m = 0) and `newmark` (Newmark 1959; the trapezoidal rule, alpha_m = alpha_f = 0). Of order 2.
+// and vdot+ (for index3 with lambda+) such that the equations hold at the end of the step (Arnold & Bruls 2007);
+// quaternions are displaced by displace() (Bruls, Cardona & Arnold 2012). Members of the family are `hht` (Hilber,
+// Hughes & Taylor 1977; alpha_m = 0) and `newmark` (Newmark 1959; the trapezoidal rule, alpha_m = alpha_f = 0). Of
+// order 2.
 //
-// a stands for vdot at t + theta h, theta = alpha_m - alpha_f. Where nothing lies behind (a start, a jump of the
-// inputs), the first step is the trapezoidal rule, and a+ is extrapolated from vdot at its ends. With a = vdot for a
-// start each jump would cost an error of order h, and a stiff spring would kick.
+// a approximates vdot at t + theta h, theta = alpha_m - alpha_f. After a start or a jump of the inputs the first step
+// is the trapezoidal rule, and a+ is extrapolated from vdot at its ends. Starting with a = vdot would cause an error of
+// order h at each jump, and excite stiff springs.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -23,19 +24,19 @@ namespace {
 
 struct Coefficients {
   double alpha_m, alpha_f;
-  double gamma() const { return 0.5 - alpha_m + alpha_f; }                  // of order 2
-  double beta() const { return 0.25 * (gamma() + 0.5) * (gamma() + 0.5); }  // most damping
+  double gamma() const { return 0.5 - alpha_m + alpha_f; }                  // for order 2
+  double beta() const { return 0.25 * (gamma() + 0.5) * (gamma() + 0.5); }  // for maximum damping
 };
 
-// Newton's method, in speeds: changes of a step relative to 1 + |v|.
-constexpr double solved = 1e-13;
-constexpr double enough = 1e-9;  // where rounding ends the progress earlier; of index3 it grows as the step shrinks
-// Contraction above which a matrix of an earlier step is made anew; twice or half cost the same.
-constexpr double slow = 0.1;
-constexpr double hopeless = 0.9;  // contraction that leads nowhere
-constexpr int most_iterations = 25;
-constexpr double same_step = 0.05;     // relative, for a matrix to serve again
-constexpr double least_ratio = 1e-16;  // of pivots
+// Convergence of Newton's method: change of the velocities in a step relative to 1 + |v|.
+constexpr double convergence_tolerance = 1e-13;
+constexpr double stagnation_tolerance = 1e-9;  // if rounding ends the progress; it grows for short steps of index3
+// Contraction above which the matrix of an earlier step is recomputed; twice or half this value costs the same.
+constexpr double refactorization_contraction = 0.1;
+constexpr double max_contraction = 0.9;  // above it the iteration is given up
+constexpr int max_iterations = 25;
+constexpr double step_change_tolerance = 0.05;  // relative change of the step up to which a matrix is reused
+constexpr double min_pivot_ratio = 1e-16;       // smallest to largest pivot
 
 class GeneralizedAlpha final : public FixedStep {
  public:
@@ -58,21 +59,21 @@ class GeneralizedAlpha final : public FixedStep {
         F_xdot_(system.unknowns(), system.unknowns()),
         A_(nv_ + m_, nv_ + m_),
         N_(nq_, nv_),
-        right_(nv_ + m_),
-        change_(nv_ + m_),
+        rhs_(nv_ + m_),
+        correction_(nv_ + m_),
         lu_(nv_ + m_) {}
 
   void restart(double t, const double* y) override {
     FixedStep::restart(t, y);
     fresh_ = true;
-    matrix_made_for_ = 0;
+    matrix_step_ = 0;
   }
   void inputs_changed() override { fresh_ = true; }
-  // The matrix of Newton's method, too, so that saving changes nothing; its factors are made of it again.
+  // Includes the Newton matrix, so that saving changes nothing; its factors are recomputed from it.
   void serialize(Archive& archive) override {
     Integrator::serialize(archive);
-    archive.serialize(fresh_, last_step_, vdot_, a_, x_, matrix_made_for_);
-    if (matrix_made_for_ == 0) return;
+    archive.serialize(fresh_, last_step_, vdot_, a_, x_, matrix_step_);
+    if (matrix_step_ == 0) return;
     for (double& entry : A_.reshaped()) archive.serialize(entry);
     if (archive.reading()) lu_.compute(A_);
   }
@@ -81,41 +82,41 @@ class GeneralizedAlpha final : public FixedStep {
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
-  // Shares of vdot+ in q (of h^2), in v (of h) and in a+.
-  struct Shares {
+  // Weights of vdot+ in q (times h^2), in v (times h) and in a+.
+  struct Weights {
     double position, speed, acceleration;
   };
 
   void make_step(double t, double h) override {
     if (fresh_) begin(t);
-    const Shares shares = prepare(h);
+    const Weights weights = prepare(h);
     Eigen::Map<Vector> vdot(xdot_.data() + nq_, nv_);
     vdot = vdot_;
-    if (!solve(t + h, h, shares)) {
+    if (!solve(t + h, h, weights)) {
       refuse(
           system_, t, y_.data(),
           "Newton's method does not converge in a step of " + text::rounded(h) + " s; a shorter solver.step may help");
     }
-    place(h, shares);  // with the last correction
+    update_state(h, weights);  // includes the last correction
     vdot_ = vdot;
-    a_ = a_fixed_ + shares.acceleration * vdot_;
+    a_ = a_fixed_ + weights.acceleration * vdot_;
     last_step_ = h;
     fresh_ = false;
     std::copy_n(x_.begin(), n_, y_.begin());
   }
 
-  // vdot_ and, of a DAE, the multipliers at the start.
+  // Initializes vdot_ and, for a DAE, the multipliers.
   void begin(double t) {
     std::ranges::copy(y_, x_.begin());
     if (!system_.consistent(t, x_.data(), xdot_.data())) {
       refuse(system_, t, y_.data(), "the accelerations are not finite");
     }
     vdot_ = Eigen::Map<const Vector>(xdot_.data() + nq_, nv_);
-    std::fill_n(xdot_.begin(), nq_, 0.0);  // not needed; the rows of qdot are not used
+    std::fill_n(xdot_.begin(), nq_, 0.0);  // not needed: the rows of qdot are not used
   }
 
-  // Of q and v, in h^2 and in h, and of a+: their fixed parts, and the shares of vdot+ in them.
-  Shares prepare(double h) {
+  // Computes the fixed parts of q (times h^2), of v (times h) and of a+; returns the weights of vdot+ in them.
+  Weights prepare(double h) {
     const double theta = c_.alpha_m - c_.alpha_f;
     if (fresh_) {
       q_fixed_ = vdot_ / 4;
@@ -125,14 +126,14 @@ class GeneralizedAlpha final : public FixedStep {
     }
     if (h != last_step_) a_ = vdot_ + h / last_step_ * (a_ - vdot_);
     a_fixed_ = (c_.alpha_f * vdot_ - c_.alpha_m * a_) / (1 - c_.alpha_m);
-    const double share = (1 - c_.alpha_f) / (1 - c_.alpha_m);
+    const double weight = (1 - c_.alpha_f) / (1 - c_.alpha_m);
     q_fixed_ = (0.5 - c_.beta()) * a_ + c_.beta() * a_fixed_;
     v_fixed_ = (1 - c_.gamma()) * a_ + c_.gamma() * a_fixed_;
-    return {c_.beta() * share, c_.gamma() * share, share};
+    return {c_.beta() * weight, c_.gamma() * weight, weight};
   }
 
   // x_ <- the state at the end of the step for vdot+ as in xdot_.
-  void place(double h, const Shares& s) {
+  void update_state(double h, const Weights& s) {
     const Eigen::Map<const Vector> vdot(xdot_.data() + nq_, nv_);
     const Eigen::Map<const Vector> v(y_.data() + nq_, nv_);
     dq_ = h * v + h * h * (q_fixed_ + s.position * vdot);
@@ -143,67 +144,69 @@ class GeneralizedAlpha final : public FixedStep {
 
   enum class Newton { solved, continues, stalls, fails };
 
-  // After a correction of this size, of which the one before, with the same matrix, had size_before; 0: there is none.
-  Newton judge(double size, double size_before, bool renewed) const {
+  // Assesses the iteration after a correction of this size; size_before: of the one before with the same matrix, 0 if
+  // there is none.
+  Newton assess(double size, double size_before, bool renewed) const {
     if (!std::isfinite(size)) return Newton::fails;
-    if (size <= solved) return Newton::solved;
+    if (size <= convergence_tolerance) return Newton::solved;
     if (size_before == 0) return Newton::continues;
     const double contraction = size / size_before;
-    if (contraction <= slow)
-      return contraction / (1 - contraction) * size <= solved ? Newton::solved : Newton::continues;
-    if (size <= enough) return Newton::solved;
+    if (contraction <= refactorization_contraction)
+      return contraction / (1 - contraction) * size <= convergence_tolerance ? Newton::solved : Newton::continues;
+    if (size <= stagnation_tolerance) return Newton::solved;
     if (!renewed) return Newton::stalls;
-    // Of q only rounding may be left, which a short step magnifies.
-    if (m_ > 0 && moved_ <= solved) return Newton::solved;
-    return contraction > hopeless ? Newton::fails : Newton::continues;
+    // Only rounding may be left in q, magnified by a short step.
+    if (m_ > 0 && position_change_ <= convergence_tolerance) return Newton::solved;
+    return contraction > max_contraction ? Newton::fails : Newton::continues;
   }
 
-  // Newton's method for vdot+ and the multipliers. Its matrix serves over many steps, as long as it contracts well.
-  bool solve(double t, double h, const Shares& s) {
+  // Newton's method for vdot+ and the multipliers. Its matrix is reused over many steps as long as the iteration
+  // contracts well.
+  bool solve(double t, double h, const Weights& s) {
     bool renewed = false;
     double size_before = 0;  // with the same matrix; 0: it is new
-    for (int i = 0; i < most_iterations; ++i) {
-      place(h, s);
+    for (int i = 0; i < max_iterations; ++i) {
+      update_state(h, s);
       if (!system_.residual(t, x_.data(), xdot_.data(), r_.data())) return false;
-      if (std::abs(matrix_made_for_ - s.speed * h) > same_step * s.speed * h) {
-        if (!make_matrix(t, h, s)) return false;
+      if (std::abs(matrix_step_ - s.speed * h) > step_change_tolerance * s.speed * h) {
+        if (!compute_matrix(t, h, s)) return false;
         renewed = true;
         size_before = 0;
       }
       const double size = correct(h, s);
-      const Newton newton = judge(size, size_before, renewed);
+      const Newton newton = assess(size, size_before, renewed);
       if (newton == Newton::solved) return true;
       if (newton == Newton::fails) return false;
-      if (newton == Newton::stalls) matrix_made_for_ = 0;
+      if (newton == Newton::stalls) matrix_step_ = 0;
       size_before = size;
     }
     return false;
   }
 
-  // One correction of xdot_ and the multipliers; its size.
-  double correct(double h, const Shares& s) {
-    right_.head(nv_) = Eigen::Map<const Vector>(r_.data() + nq_, nv_);
-    for (int k = 0; k < m_; ++k) right_[nv_ + k] = r_[n_ + k] / share(k, h, s);
-    change_ = lu_.solve(right_);
+  // Applies one correction to xdot_ and the multipliers; returns its size.
+  double correct(double h, const Weights& s) {
+    rhs_.head(nv_) = Eigen::Map<const Vector>(r_.data() + nq_, nv_);
+    for (int k = 0; k < m_; ++k) rhs_[nv_ + k] = r_[n_ + k] / weight(k, h, s);
+    correction_ = lu_.solve(rhs_);
     double size = 0;
-    moved_ = s.position * h * h * change_.head(nv_).lpNorm<Eigen::Infinity>();
+    position_change_ = s.position * h * h * correction_.head(nv_).lpNorm<Eigen::Infinity>();
     for (int k = 0; k < nv_; ++k) {
-      xdot_[nq_ + k] -= change_[k];
-      size = std::max(size, h * std::abs(change_[k]) / (1 + std::abs(x_[nq_ + k])));
+      xdot_[nq_ + k] -= correction_[k];
+      size = std::max(size, h * std::abs(correction_[k]) / (1 + std::abs(x_[nq_ + k])));
     }
-    for (int k = 0; k < m_; ++k) x_[n_ + k] -= change_[nv_ + k];
-    return change_.allFinite() ? size : INFINITY;
+    for (int k = 0; k < m_; ++k) x_[n_ + k] -= correction_[nv_ + k];
+    return correction_.allFinite() ? size : INFINITY;
   }
 
-  // Of vdot+ in what constraint k holds: in q, or in v alone.
-  double share(int k, double h, const Shares& s) const {
+  // Weight of vdot+ in the quantity that constraint k holds: q, or v alone.
+  double weight(int k, double h, const Weights& s) const {
     return system_.index(n_ + k) == 3 ? s.position * h * h : s.speed * h;
   }
 
-  // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the share of vdot+ in q
-  // (or in v): so the condition does not depend on the step (Bottasso, Bauchau & Cardona 2007). That a displacement is
-  // turned on its way, by an angle of the order of h, is left out.
-  bool make_matrix(double t, double h, const Shares& s) {
+  // d(rows of vdot and of the constraints)/d(vdot+, multipliers), the latter rows divided by the weight of vdot+ in q
+  // (or in v), so that the condition number does not depend on the step (Bottasso, Bauchau & Cardona 2007). The
+  // rotation of a displacement during the step, by an angle of the order of h, is neglected.
+  bool compute_matrix(double t, double h, const Weights& s) {
     if (!system_.residual_jacobians(t, x_.data(), xdot_.data(), F_x_.data(), F_xdot_.data())) return false;
     N_ = -F_x_.block(0, nq_, nq_, nv_);
     auto speeds = A_.topLeftCorner(nv_, nv_);
@@ -218,32 +221,32 @@ class GeneralizedAlpha final : public FixedStep {
     }
     A_.bottomRightCorner(m_, m_).setZero();
     lu_.compute(A_);
-    matrix_made_for_ = s.speed * h;
-    return pivot_ratio(lu_) > least_ratio;
+    matrix_step_ = s.speed * h;
+    return pivot_ratio(lu_) > min_pivot_ratio;
   }
 
   Coefficients c_;
   int nq_, nv_, m_;
   bool fresh_ = true;           // vdot_ and a_ are not those of the last step
-  double moved_ = 0;            // m or rad, by the last correction
+  double position_change_ = 0;  // m or rad: change of q by the last correction
   double last_step_ = 0;        // s
-  double matrix_made_for_ = 0;  // s, the share of vdot+ in v; 0: there is none
+  double matrix_step_ = 0;      // s: weight of vdot+ in v for which the matrix was computed; 0: there is none
   std::vector<double> x_, xdot_, r_;
   Vector dq_, vdot_, a_, q_fixed_, v_fixed_, a_fixed_;
   Matrix F_x_, F_xdot_, A_, N_;
-  Vector right_, change_;
+  Vector rhs_, correction_;
   Eigen::PartialPivLU<Matrix> lu_;
 };
 
 }  // namespace
 
-// Spectral radius rho at infinite frequency, the same of all eigenvalues there (Chung & Hulbert 1993, eq. 25).
+// rho: spectral radius at infinite frequency, the same for all eigenvalues there (Chung & Hulbert 1993, eq. 25).
 std::unique_ptr<Integrator> make_generalized_alpha(Equations& system, const IntegratorOptions& options) {
   const double rho = options.rho_inf;
   return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{(2 * rho - 1) / (rho + 1), rho / (rho + 1)});
 }
 
-// alpha = -alpha_f from -1/3 to 0.
+// The parameter of the source is alpha = -alpha_f, from -1/3 to 0.
 std::unique_ptr<Integrator> make_hht(Equations& system, const IntegratorOptions& options) {
   const double rho = options.rho_inf;
   return std::make_unique<GeneralizedAlpha>(system, options, Coefficients{0, (1 - rho) / (1 + rho)});

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// BDF of variable order (SUNDIALS IDA; Hindmarsh et al. 2005). On 0 = ydot - f(t, y), projected within each step: when
-// Newton's method has found the correction, the corrected state is put back on the constraints and what is left is
-// handed to IDA as its correction. So the history that IDA extrapolates lies on the constraints too. On a DAE,
-// F(t, x, xdot) = 0, with errors and Newton's equations scaled by the index.
+// BDF of variable order and step (SUNDIALS IDA; Hindmarsh et al. 2005). On 0 = ydot - f(t, y), projected within each
+// step: when Newton's method has found the correction, the corrected state is projected onto the constraints, and its
+// difference from the prediction is returned to IDA as the correction. The history that IDA extrapolates therefore
+// satisfies the constraints too. On a DAE, F(t, x, xdot) = 0, with errors and Newton's equations scaled according to
+// the index.
 #include <idas/idas.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
@@ -19,27 +20,27 @@ namespace {
 
 using NewtonSolve = int (*)(SUNNonlinearSolver, N_Vector, N_Vector, N_Vector, sunrealtype, sunbooleantype, void*);
 
-// The local error test's share of a tolerance of 1e-4 (bdf_tolerance), such that what the steps leave adds up to some
-// tens of times the tolerance, with all adaptive methods alike. Here: four-bar, arm with 7 joints, double pendulum,
-// heavy top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
+// Fraction of a tolerance of 1e-4 used in the local error test (bdf_tolerance), such that accumulated errors are some
+// tens of times the tolerance, as with all adaptive methods. Here: four-bar, arm with 7 joints, double pendulum, heavy
+// top, squeezer and a change point, 0.03 to 5 s, tolerances 1e-4 to 1e-8: 1 to 90 times.
 constexpr double local_fraction = 0.006;
-// Below this differences of order six of the state's rounding are no small part of the error test: half of it costs an
-// engine with six loops three times the steps.
-constexpr double least_tolerance = 2e-13;
+// Below this, differences of order six of the rounding of the state are no small part of the error test: with half of
+// it an engine with six loops takes three times as many steps.
+constexpr double min_tolerance = 2e-13;
 
-// Of the shortest time in which something changes by as much as it is: for a quotient of differences.
-constexpr double quotient_fraction = 1e-6;
-// Of the step whose error meets the tolerance, for the first one.
-constexpr double first_share_of_error = 0.5;
+// Step of a finite difference relative to the shortest time in which a component changes by its own size.
+constexpr double difference_fraction = 1e-6;
+// First step relative to the one whose error equals the tolerance.
+constexpr double first_step_error_fraction = 0.5;
 
 // For a DAE:
-constexpr double dae_share = 0.01;
-// Newton's method leaves this share of the tolerance in q, hence of (tolerance / h) in speeds of index 3. With IDA's
-// own 0.33 index3 errs some five times as much for as many evaluations (four-bar, 1e-4 to 1e-10).
-constexpr double newton_share = 0.03;
-// Newton's method has to reach its share above rounding.
-constexpr double least_dae_tolerance = 1e-13;
-constexpr double first_share = 1e-3;  // of the first step in the first communication step
+constexpr double dae_fraction = 0.01;
+// Fraction of the tolerance that Newton's method leaves in q, and thus of (tolerance / h) in velocities of index 3.
+// With IDA's default 0.33 index3 has some five times the error for as many evaluations (four-bar, 1e-4 to 1e-10).
+constexpr double newton_fraction = 0.03;
+// Newton's method has to reach its fraction above rounding.
+constexpr double min_dae_tolerance = 1e-13;
+constexpr double max_first_step_fraction = 1e-3;  // first step relative to the first communication step
 
 class Ida final : public SundialsIntegrator {
  public:
@@ -47,11 +48,11 @@ class Ida final : public SundialsIntegrator {
       : SundialsIntegrator(system),
         n_(system.size()),
         dae_(system.multipliers() > 0),
-        tolerance_(dae_ ? std::max(least_dae_tolerance, dae_share * options.tolerance)
-                        : std::max(least_tolerance, bdf_tolerance(local_fraction, options.tolerance))),
+        tolerance_(dae_ ? std::max(min_dae_tolerance, dae_fraction * options.tolerance)
+                        : std::max(min_tolerance, bdf_tolerance(local_fraction, options.tolerance))),
         ydot_(sundials::new_vector(system, context_)),
         f_(system.unknowns()),
-        by_rates_(f_.size() * f_.size()) {
+        F_xdot_(f_.size() * f_.size()) {
     memory_ = sundials::made(IDACreate(context_));
     IDAInit(memory_, residual, 0, y_.get(), ydot_.get());
     IDASetUserData(memory_, this);
@@ -64,7 +65,7 @@ class Ida final : public SundialsIntegrator {
     }
     IDASetJacFn(memory_, jacobian);
     IDASetMaxNumSteps(memory_, -1);
-    IDASetMaxErrTestFails(memory_, most_error_fails);
+    IDASetMaxErrTestFails(memory_, max_error_test_failures);
     newton_ = sundials::made(SUNNonlinSol_Newton(y_.get(), context_));
     newton_solve_ = newton_->ops->solve;
     newton_->ops->solve = solve_and_project;
@@ -77,26 +78,26 @@ class Ida final : public SundialsIntegrator {
 
  private:
   double finest_tolerance() const override {
-    return dae_ ? least_dae_tolerance / dae_share : tolerance_of_bdf(local_fraction, least_tolerance);
+    return dae_ ? min_dae_tolerance / dae_fraction : inverse_bdf_tolerance(local_fraction, min_tolerance);
   }
 
   void prepare_dae() {
-    IDAWFtolerances(memory_, weigh);
-    IDASetNonlinConvCoef(memory_, newton_share);
+    IDAWFtolerances(memory_, error_weights);
+    IDASetNonlinConvCoef(memory_, newton_fraction);
     scaled_ = std::make_unique<sundials::ScaledSolver>(system_, memory_, context_);
     IDASetLinearSolver(memory_, scaled_->solver(), scaled_->matrix());
-    // The solver's own scaling is what a changed cj asks for.
+    // The scaling of the solver already accounts for a changed cj.
     IDASetLinearSolutionScaling(memory_, SUNFALSE);
   }
 
-  // A jump of the inputs that the starter does not meet (started.cpp) does not begin anew: the scene is stiff, and the
+  // A jump of the inputs that the starter does not handle (starter.cpp) causes no restart: the scene is stiff, and the
   // history is worth keeping.
   void prepare(double end) override {
-    if (fresh_) begin_anew(end);
+    if (fresh_) reinitialize(end);
     IDASetStopTime(memory_, end);
   }
 
-  void begin_anew(double end) {
+  void reinitialize(double end) {
     double* x = sundials::data(y_.get());
     double* xdot = sundials::data(ydot_.get());
     if (!system_.consistent(t_, x, xdot)) refuse(system_, t_, x, "the accelerations are not finite");
@@ -107,39 +108,40 @@ class Ida final : public SundialsIntegrator {
     fresh_ = false;
   }
 
-  // [s] Of an ODE; 0: IDA's own, which takes y by its rate to the tolerance and no further, and so is shorter by
-  // 1/sqrt(tolerance): thirteen more steps, at least, until it is doubled often enough (1e-8). The first step, of order
-  // 1, errs by half its square times yddot.
+  // First step [s] for an ODE; 0: IDA's own, in which y changes at its present rate by the tolerance only, and which is
+  // shorter by 1/sqrt(tolerance): at least thirteen more steps until it has been doubled often enough (1e-8). The error
+  // of the first step, of order 1, is half its square times yddot.
   double first_step_by_curvature(double end) {
     const double* y = sundials::data(y_.get());
     const double* ydot = sundials::data(ydot_.get());
     double rate = 1 / (end - t_);
     for (int i = 0; i < n_; ++i) rate = std::max(rate, std::abs(ydot[i]) / (1 + std::abs(y[i])));
-    const double h = quotient_fraction / rate;
+    const double h = difference_fraction / rate;
     for (int i = 0; i < n_; ++i) f_[i] = y[i] + h * ydot[i];
-    if (!system_.rhs(t_ + h, f_.data(), by_rates_.data())) return 0;
-    double most = 1 / ((end - t_) * (end - t_));
+    if (!system_.rhs(t_ + h, f_.data(), F_xdot_.data())) return 0;
+    double max_curvature = 1 / ((end - t_) * (end - t_));
     for (int i = 0; i < n_; ++i) {
-      most = std::max(most, std::abs(by_rates_[i] - ydot[i]) / h / (2 * tolerance_ * (1 + std::abs(y[i]))));
+      max_curvature =
+          std::max(max_curvature, std::abs(F_xdot_[i] - ydot[i]) / h / (2 * tolerance_ * (1 + std::abs(y[i]))));
     }
-    return first_share_of_error / std::sqrt(most);
+    return first_step_error_fraction / std::sqrt(max_curvature);
   }
 
-  // [s] Of a DAE: IDA's own, which is as short as the tolerance, leaves of multipliers of index 3 their rounding only.
-  // The first step, of order 1, errs by half its square times the acceleration.
+  // First step [s] for a DAE: with IDA's own, which is as short as the tolerance, multipliers of index 3 would be
+  // rounding only. The error of the first step, of order 1, is half its square times the acceleration.
   double first_step(double end) const {
     const double* y = sundials::data(y_.get());
     const double* ydot = sundials::data(ydot_.get());
-    double most = 0;
+    double max_acceleration = 0;
     for (int i = system_.coordinates(); i < n_; ++i) {
-      most = std::max(most, std::abs(ydot[i]) / (tolerance_ * (1 + std::abs(y[i]))));
+      max_acceleration = std::max(max_acceleration, std::abs(ydot[i]) / (tolerance_ * (1 + std::abs(y[i]))));
     }
-    const double longest = first_share * (end - t_);
-    return longest * longest * most > 1 ? 1 / std::sqrt(most) : longest;
+    const double longest = max_first_step_fraction * (end - t_);
+    return longest * longest * max_acceleration > 1 ? 1 / std::sqrt(max_acceleration) : longest;
   }
 
   Step make_step(double end) override {
-    if (dae_) share_out_rest(end);
+    if (dae_) split_remainder(end);
     const int flag = IDASolve(memory_, end, &t_, y_.get(), ydot_.get(), IDA_ONE_STEP);
     if (flag >= 0) return Step::made;
     if (flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL || flag == IDA_NLS_FAIL) return Step::too_small;
@@ -147,8 +149,9 @@ class Ida final : public SundialsIntegrator {
     return residual ? Step::not_finite : Step::stopped;
   }
 
-  // A step cut very short at `end` would leave index-3 speeds and multipliers what Newton's method leaves of q over it.
-  void share_out_rest(double end) {
+  // Avoids a very short step at `end`: velocities and multipliers of index 3 would have the error that Newton's method
+  // leaves in q divided by it.
+  void split_remainder(double end) {
     const double h = present_step();
     const double rest = end - t_;
     IDASetStopTime(memory_, h < rest && rest < 2 * h ? t_ + rest / 2 : end);
@@ -160,7 +163,7 @@ class Ida final : public SundialsIntegrator {
     return t;
   }
 
-  // s. Before the first step IDA tells that of the run before.
+  // Present step [s]. Before the first step IDA reports that of the previous run.
   double present_step() const {
     double h = 0;
     long steps = 0;
@@ -169,10 +172,10 @@ class Ida final : public SundialsIntegrator {
     return steps == 0 || h == 0 ? first_step_ : h;
   }
 
-  // Errors of index p may be larger than the tolerance by h^(1-p) (Hairer, Lubich & Roche 1989). Multipliers are not
-  // tested: those of index 3 err by O(1) wherever the step changes, though it does no harm to q and v, and with them in
-  // the test one run of index3 in four stopped before its end (four-bar, slider-crank; 1e-4 to 1e-10).
-  static int weigh(N_Vector y, N_Vector weights, void* self) {
+  // Errors of index p may exceed the tolerance by a factor h^(1-p) (Hairer, Lubich & Roche 1989). Multipliers are not
+  // tested: those of index 3 have errors of O(1) whenever the step changes, though without harm to q and v, and with
+  // them in the test one run of index3 in four failed (four-bar, slider-crank; 1e-4 to 1e-10).
+  static int error_weights(N_Vector y, N_Vector weights, void* self) {
     const Ida& ida = *static_cast<Ida*>(self);
     const double h = ida.present_step();
     const double* x = sundials::data(y);
@@ -193,9 +196,9 @@ class Ida final : public SundialsIntegrator {
                       N_Vector, N_Vector, N_Vector) {
     Ida& ida = *static_cast<Ida*>(self);
     double* columns = SUNDenseMatrix_Data(J);
-    if (!ida.system_.residual_jacobians(t, sundials::data(y), sundials::data(ydot), columns, ida.by_rates_.data()))
+    if (!ida.system_.residual_jacobians(t, sundials::data(y), sundials::data(ydot), columns, ida.F_xdot_.data()))
       return 1;
-    for (std::size_t i = 0; i < ida.by_rates_.size(); ++i) columns[i] += cj * ida.by_rates_[i];
+    for (std::size_t i = 0; i < ida.F_xdot_.size(); ++i) columns[i] += cj * ida.F_xdot_[i];
     return 0;
   }
 
@@ -229,12 +232,12 @@ class Ida final : public SundialsIntegrator {
     return {steps, error_fails + solver_fails};
   }
 
-  int n_;  // of y; of a DAE the multipliers are behind it
+  int n_;  // size of y; for a DAE the multipliers follow
   bool dae_;
   double tolerance_;
   double first_step_ = 0;  // s
   sundials::Vector ydot_;
-  std::vector<double> f_, by_rates_;
+  std::vector<double> f_, F_xdot_;
   std::unique_ptr<sundials::DenseSolver> linear_;
   std::unique_ptr<sundials::ScaledSolver> scaled_;
   SUNNonlinearSolver newton_ = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all integrators offer. One instance belongs to one simulation.
+// The interface of all integrators. Each instance belongs to one simulation.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@
 namespace gelenk {
 
 struct IntegratorOptions {
-  double tolerance = 1e-6;  // relative; absolute per unit of y
+  double tolerance = 1e-6;  // relative; absolute for components of y below 1
   double step = 1e-3;       // s, of fixed-step methods
-  double rho_inf = 0.8;     // of generalized-alpha and hht: spectral radius at infinite frequency, 0 to 1 (hht: 1/2)
+  double rho_inf = 0.8;     // generalized-alpha and hht: spectral radius at infinite frequency, 0 to 1 (hht: 1/2 to 1)
 };
 
-// The step asked for could not be made; says why and how far it came.
+// Thrown if a step cannot be made; the message states the cause and the time reached.
 class IntegrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -29,36 +29,37 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  // Begins anew at (t, y).
+  // Starts or restarts at (t, y).
   virtual void restart(double t, const double* y) = 0;
-  // The inputs have jumped since the last advance.
+  // Call if inputs have changed discontinuously since the last advance.
   virtual void inputs_changed() {}
-  // Whether steps go beyond events, which whoever has them made looks for; at first they end there.
+  // Whether steps may extend across events, which the caller then locates; by default they end there.
   virtual void pass_events(bool /*on*/) {}
-  // Advances to `end` > t exactly, or to the end of the first step after which the system's evaluations are
-  // budget_exhausted(); writes the state there to y and returns the time. Throws IntegrationError and leaves y alone;
-  // restart() is due then.
+  // Advances to `end` > t [s] exactly, or to the end of the first step after which the evaluation budget of the system
+  // is exhausted; writes the state there to y and returns the time. Throws IntegrationError and leaves y unchanged;
+  // restart() must follow.
   virtual double advance(double end, double* y) = 0;
-  // Likewise, but for at least one step and no more than `most`, where the method can stop between: returns the time
-  // reached, of which y is the state.
-  virtual double advance_some(double end, double* y, long /*most*/) { return advance(end, y); }
+  // The same for at least one step and at most max_steps, if the method can stop in between: returns the time reached;
+  // y is the state there.
+  virtual double advance_some(double end, double* y, long /*max_steps*/) { return advance(end, y); }
 
-  // Steps are no finer with a tolerance below this. 0: they always are.
+  // Tolerance below which steps do not become smaller; 0: there is none.
   virtual double finest_tolerance() const { return 0; }
 
-  // Makes some steps towards `end`, so that what they need of the heap is there; y is written over. Exceptions as of
-  // advance(). Where it stands afterwards is not said.
+  // Makes some steps towards `end` so that the memory they need is allocated; overwrites y. Throws as advance() does.
+  // The state afterwards is unspecified.
   virtual void warm_up(double end, double* y) { advance_some(end, y, 2); }
-  // A multistep method's history, or the factors of a Newton matrix that serves again, cannot be written down: a past.
-  // What such a method will do is known from where it had none, and from what it was asked for since.
-  // Whether it ever has one; whether the next advance gives it one; whether it has one.
+  // The history of a multistep method, or the factors of a Newton matrix that is reused, cannot be saved. The future of
+  // such a method follows from its last state without a history and the calls since.
+  // may_have_history(): whether the method ever has one; will_have_history(): whether the next advance creates one;
+  // has_history(): whether there is one now.
   virtual bool may_have_history() const { return will_have_history(); }
   virtual bool will_have_history() const { return false; }
   virtual bool has_history() const { return false; }
-  // Has none from here on; (t, y) is where it stands.
+  // Discards the history; (t, y) is the present state.
   virtual void discard_history(double t, const double* y) { restart(t, y); }
-  // What it carries from one communication point to the next besides (t, y) and its past, after restart() there when
-  // reading. Not to be written while it has one.
+  // Saves or restores the data carried between communication points in addition to (t, y) and the history; when
+  // reading, after restart() there. Must not be called while there is a history.
   virtual void serialize(Archive& archive) { archive.serialize(steps_, rejected_); }
 
   long steps() const { return steps_; }
@@ -75,13 +76,13 @@ struct IntegratorKind {
   std::unique_ptr<Integrator> (*make)(Equations& system, const IntegratorOptions& options);
 };
 
-// All integrators that can be named in a scene (registry.cpp).
+// All integrators (registry.cpp); names as in scene/words.h.
 std::span<const IntegratorKind> integrator_kinds();
 
 // Throws std::out_of_range for an unknown name.
 std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& system, const IntegratorOptions& options);
 
-// One per file.
+// One function per integrator.
 std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);
@@ -94,44 +95,44 @@ std::unique_ptr<Integrator> make_generalized_alpha(Equations& system, const Inte
 std::unique_ptr<Integrator> make_hht(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_newmark(Equations& system, const IntegratorOptions& options);
 
-// Tells a run that gets nowhere from one that is long: a window of steps must take it some way towards the end.
+// Detects a run that makes no progress: a window of steps must advance the time by some fraction of the interval.
 class StallDetector {
  public:
-  StallDetector(double start, double end) : least_(1e-4 * (end - start)), mark_(start) {}
-  // Call after each step. Empty, or why to give up.
+  StallDetector(double start, double end) : min_advance_(1e-4 * (end - start)), mark_(start) {}
+  // Call after each step to t [s]. Returns why to give up; otherwise empty.
   std::string step_to(double t);
 
  private:
-  static constexpr int window = 20000;  // steps; some tens of milliseconds for a small mechanism
-  double least_, mark_;
+  static constexpr int window = 20000;  // steps; some tens of milliseconds of computing time for a small mechanism
+  double min_advance_, mark_;
   int count_ = 0;
 };
 
-// When to try another way again: after each failure later, up to a longest wait.
+// Decides when to try an alternative again: the wait grows after each failure, up to a maximum.
 class Backoff {
  public:
-  // factor: by which a failure makes the wait longer; longest: in calls of due().
-  Backoff(int factor, int longest) : factor_(factor), longest_(longest) {}
-  // Counts a chance for a trial; whether to take it.
+  // factor: by which a failure multiplies the wait; max_wait: in calls of due().
+  Backoff(int factor, int max_wait) : factor_(factor), max_wait_(max_wait) {}
+  // Counts an opportunity for a trial; returns whether to make it.
   bool due() {
     if (waiting_ > 0) --waiting_;
     return waiting_ == 0;
   }
-  // What due() would say.
+  // Whether the next due() will return true.
   bool near() const { return waiting_ <= 1; }
   void succeeded() { wait_ = 1; }
   void serialize(Archive& archive) { archive.serialize(wait_, waiting_); }
-  void failed() { waiting_ = wait_ = std::min(factor_ * wait_, longest_); }
+  void failed() { waiting_ = wait_ = std::min(factor_ * wait_, max_wait_); }
 
  private:
-  int factor_, longest_;
+  int factor_, max_wait_;
   int wait_ = 1, waiting_ = 1;
 };
 
-// "t = 1.2031 s: ..." as integrators begin their messages.
+// "t = 1.2031 s: ", the prefix of the messages of integrators.
 std::string at_time(double t);
 
-// Throws IntegrationError: what stands in the way of the equations at y where they know it, otherwise `why`.
+// Throws IntegrationError with the obstacle that the equations report at y, otherwise with `why`.
 [[noreturn]] void refuse(Equations& system, double t, const double* y, const std::string& why);
 
 }  // namespace gelenk

@@ -3,30 +3,34 @@
 #include <array>
 
 #include "integrator/integrator.h"
-#include "integrator/started.h"
+#include "integrator/starter.h"
 #include "util/text.h"
 
 namespace gelenk {
 namespace {
 
 template <auto make>
-std::unique_ptr<Integrator> started(Equations& system, const IntegratorOptions& options) {
+std::unique_ptr<Integrator> with_starter_of(Equations& system, const IntegratorOptions& options) {
   return with_starter(make(system, options), system, options);
 }
 
 constexpr std::array<IntegratorKind, 11> kinds = {{
-    {"auto", "erk, and cvode where that is cheaper; ida for formulations with multipliers", make_automatic},
-    {"erk", "explicit Runge-Kutta, adaptive steps, order by tolerance (ARKODE), projected after each step", make_erk},
-    {"ida", "BDF of variable order (IDA), projected within each step; for stiff scenes", started<make_ida>},
-    {"rk4", "the classical Runge-Kutta method of order 4 with fixed steps, projected after each step", make_rk4},
-    {"euler", "the improved Euler method of order 1 with fixed steps, projected after each step", make_euler},
-    {"cvode", "BDF of variable order (CVODES), projected by its own hook; for stiff scenes", started<make_cvode>},
-    {"cvode-adams", "Adams-Moulton of variable order (CVODES), projected after each step", started<make_cvode_adams>},
-    {"dirk", "implicit Runge-Kutta, L-stable, adaptive steps (ARKODE), projected after each step", make_dirk},
-    {"generalized-alpha", "second order with damping of what is fast, implicit, fixed steps (Chung & Hulbert)",
+    {"auto", "automatic: erk, or cvode where that costs less; ida for formulations with multipliers", make_automatic},
+    {"erk", "explicit Runge-Kutta, adaptive step and order (ARKODE), projected after each step", make_erk},
+    {"ida", "BDF, variable step and order (IDA), projected within each step; for stiff scenes",
+     with_starter_of<make_ida>},
+    {"rk4", "classical Runge-Kutta method of order 4, fixed steps, projected after each step", make_rk4},
+    {"euler", "improved Euler method of order 1, fixed steps, projected after each step", make_euler},
+    {"cvode", "BDF, variable step and order (CVODES), projected within each step; for stiff scenes",
+     with_starter_of<make_cvode>},
+    {"cvode-adams", "Adams-Moulton, variable step and order (CVODES), projected after each step",
+     with_starter_of<make_cvode_adams>},
+    {"dirk", "diagonally implicit Runge-Kutta, L-stable, adaptive steps (ARKODE), projected after each step",
+     make_dirk},
+    {"generalized-alpha", "implicit, second order with damping of high frequencies, fixed steps (Chung & Hulbert)",
      make_generalized_alpha},
-    {"hht", "second order with damping of what is fast, implicit, fixed steps (Hilber, Hughes & Taylor)", make_hht},
-    {"newmark", "the trapezoidal rule, second order without damping, implicit, fixed steps", make_newmark},
+    {"hht", "implicit, second order with damping of high frequencies, fixed steps (Hilber, Hughes & Taylor)", make_hht},
+    {"newmark", "trapezoidal rule: implicit, second order without numerical damping, fixed steps", make_newmark},
 }};
 
 }  // namespace
@@ -42,8 +46,8 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
 
 std::string StallDetector::step_to(double t) {
   if (++count_ < window) return {};
-  if (t - mark_ < least_) {
-    return "the last " + std::to_string(window) + " steps took the run only " + text::rounded(t - mark_) + " s further";
+  if (t - mark_ < min_advance_) {
+    return "the last " + std::to_string(window) + " steps advanced the time by only " + text::rounded(t - mark_) + " s";
   }
   count_ = 0;
   mark_ = t;

@@ -16,10 +16,10 @@ class Rk4 final : public FixedStep {
   void make_step(double t, double h) override {
     evaluate(t, y_.data());
     std::ranges::copy(k_, sum_.begin());
-    for (const double part : {0.5, 0.5, 1.0}) {
-      for (int i = 0; i < n_; ++i) stage_[i] = y_[i] + part * h * k_[i];
-      evaluate(t + part * h, stage_.data());
-      const double weight = part == 0.5 ? 2 : 1;
+    for (const double fraction : {0.5, 0.5, 1.0}) {
+      for (int i = 0; i < n_; ++i) stage_[i] = y_[i] + fraction * h * k_[i];
+      evaluate(t + fraction * h, stage_.data());
+      const double weight = fraction == 0.5 ? 2 : 1;
       for (int i = 0; i < n_; ++i) sum_[i] += weight * k_[i];
     }
     for (int i = 0; i < n_; ++i) y_[i] += h / 6 * sum_[i];

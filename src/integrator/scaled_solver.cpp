@@ -10,8 +10,8 @@
 namespace gelenk::sundials {
 namespace {
 
-// Of pivots: below this the factors are rounding, of rows that repeat others.
-constexpr double least_ratio = 1e-16;
+// Below this ratio of pivots the rows are dependent up to rounding.
+constexpr double min_pivot_ratio = 1e-16;
 
 ScaledSolver& of(SUNLinearSolver solver) { return *static_cast<ScaledSolver*>(solver->content); }
 
@@ -23,7 +23,7 @@ ScaledSolver::ScaledSolver(const Equations& system, void* ida_memory, SUNContext
       solver_(made(SUNLinSolNewEmpty(context))),
       row_scale_(system.unknowns()),
       column_scale_(system.unknowns()),
-      right_(system.unknowns()),
+      rhs_(system.unknowns()),
       scaled_(system.unknowns(), system.unknowns()),
       lu_(system.unknowns()) {
   solver_->content = this;
@@ -57,18 +57,18 @@ int ScaledSolver::setup(SUNLinearSolver solver, SUNMatrix A) {
   self.find_scales();
   self.scaled_ = self.row_scale_.asDiagonal() * J * self.column_scale_.asDiagonal();
   self.lu_.compute(self.scaled_);
-  return pivot_ratio(self.lu_) > least_ratio ? 0 : 1;
+  return pivot_ratio(self.lu_) > min_pivot_ratio ? 0 : 1;
 }
 
-// The scales are those of the present cj, not of the factors'.
+// The scales belong to the present cj, not to that of the factors.
 int ScaledSolver::solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, sunrealtype) {
   ScaledSolver& self = of(solver);
   const Eigen::Index n = self.row_scale_.size();
   self.find_scales();
   const Eigen::Map<const Eigen::VectorXd> right(data(b), n);
   Eigen::Map<Eigen::VectorXd> out(data(x), n);
-  self.right_ = self.row_scale_.cwiseProduct(right);
-  out = self.lu_.solve(self.right_);
+  self.rhs_ = self.row_scale_.cwiseProduct(right);
+  out = self.lu_.solve(self.rhs_);
   out.array() *= self.column_scale_.array();
   return out.allFinite() ? 0 : 1;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Newton's linear equations of a DAE in IDA, scaled by the step so that their condition does not grow without bound as
-// it shrinks (Petzold & Lotstedt 1986; Bottasso, Bauchau & Cardona 2007): with cj the coefficient of xdot, the unknown
-// i of index p is found as cj^(p-1) times another, and row i, if it determines xdot[i], is divided by cj^p. What is
-// left hardly depends on cj: factors serve, and stay nearly exact, while the step changes.
+// The linear equations of Newton's method for a DAE in IDA, scaled by the step so that their condition number remains
+// bounded as the step decreases (Petzold & Lotstedt 1986; Bottasso, Bauchau & Cardona 2007): with cj the coefficient of
+// xdot, an unknown i of index p is replaced by cj^(p-1) times another, and row i, if it determines xdot[i], is divided
+// by cj^p. The result hardly depends on cj, so factors remain nearly exact while the step changes.
 #pragma once
 
 #include <Eigen/LU>
@@ -15,7 +15,7 @@ namespace gelenk::sundials {
 
 class ScaledSolver {
  public:
-  // ida_memory: asked for cj; must outlive this.
+  // ida_memory: provides cj; must outlive this.
   ScaledSolver(const Equations& system, void* ida_memory, SUNContext context);
   ScaledSolver(const ScaledSolver&) = delete;
   ScaledSolver& operator=(const ScaledSolver&) = delete;
@@ -32,7 +32,7 @@ class ScaledSolver {
   Matrix matrix_;
   LinearSolver solver_;
   std::vector<int> row_power_, column_power_;
-  Eigen::VectorXd row_scale_, column_scale_, right_;
+  Eigen::VectorXd row_scale_, column_scale_, rhs_;
   Eigen::MatrixXd scaled_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
 };

@@ -9,45 +9,45 @@
 namespace gelenk::sundials {
 namespace {
 
-constexpr double bias = 1.5;          // on error estimates, ARKODE's own
-constexpr double least_error = 1e-6;  // below it an estimate may be rounding
-constexpr double least_growth = 0.1;  // of a step over the one before, ARKODE's own
+constexpr double bias = 1.5;        // factor on error estimates, ARKODE's own
+constexpr double min_error = 1e-6;  // smaller estimates may be rounding
+constexpr double min_growth = 0.1;  // ratio of a step to the one before, ARKODE's own
 
-struct Before {
-  double step = 0, error = 0;  // s; of the last accepted step, none: 0
-  double tried = 0, next = 0;  // s: the last step tried, and the one thought best after it
+struct History {
+  double step = 0, error = 0;  // s, and error of the last accepted step; 0: none
+  double tried = 0, next = 0;  // s: the last step tried, and the best next step according to it
 };
 
-Before& before(SUNAdaptController c) { return *static_cast<Before*>(c->content); }
+History& history(SUNAdaptController c) { return *static_cast<History*>(c->content); }
 
 SUNAdaptController_Type type(SUNAdaptController) { return SUN_ADAPTCONTROLLER_H; }
 
-// From one step to the next the error's factor of h^k changes, and as much again from this one to the next: where the
-// steps were cut short at communication points this holds, too.
+// The coefficient of h^k in the error has changed from the last step to this one and is assumed to change by the same
+// factor again; this also holds for steps cut short at communication points.
 SUNErrCode estimate(SUNAdaptController c, sunrealtype h, int p, sunrealtype error, sunrealtype* next) {
   const double k = p + 1;
   const double e = std::max(bias * error, 1e-10);
   *next = h * std::pow(e, -1 / k);
-  const Before& last = before(c);
-  if (last.error > least_error && e > least_error) {
+  const History& last = history(c);
+  if (last.error > min_error && e > min_error) {
     *next *= std::min(1.0, h / last.step * std::pow(last.error / e, 1 / k));
   }
-  before(c).tried = h;
-  before(c).next = *next;
+  history(c).tried = h;
+  history(c).next = *next;
   return SUN_SUCCESS;
 }
 
 SUNErrCode accept(SUNAdaptController c, sunrealtype h, sunrealtype error) {
-  before(c).step = h;
-  before(c).error = bias * error;
+  history(c).step = h;
+  history(c).error = bias * error;
   return SUN_SUCCESS;
 }
 
-// Asked for when a stepper is taken to where a run was saved, of which all that is remembered is still true.
+// Called when a stepper is restored to a saved state, for which the history is still valid.
 SUNErrCode reset(SUNAdaptController) { return SUN_SUCCESS; }
 
 SUNErrCode destroy(SUNAdaptController c) {
-  delete &before(c);
+  delete &history(c);
   SUNAdaptController_DestroyEmpty(c);
   return SUN_SUCCESS;
 }
@@ -55,7 +55,7 @@ SUNErrCode destroy(SUNAdaptController c) {
 }  // namespace
 
 StepController make_step_controller(SUNContext context) {
-  auto content = std::make_unique<Before>();
+  auto content = std::make_unique<History>();
   StepController controller(made(SUNAdaptController_NewEmpty(context)));
   controller->content = content.release();
   controller->ops->gettype = type;
@@ -66,15 +66,15 @@ StepController make_step_controller(SUNContext context) {
   return controller;
 }
 
-// As ARKODE does it, to the rounding.
-double next_step(const StepController& controller, double safety, double most_growth) {
-  const auto [step, error, tried, next] = before(controller.get());
+// Computed as by ARKODE, to the last bit.
+double next_step(const StepController& controller, double safety, double max_growth) {
+  const auto [step, error, tried, next] = history(controller.get());
   if (tried == 0) return 0;
-  return tried * (std::max(std::min(next * safety, most_growth * tried), least_growth * tried) / tried);
+  return tried * (std::max(std::min(next * safety, max_growth * tried), min_growth * tried) / tried);
 }
 
 void serialize(const StepController& controller, Archive& archive) {
-  Before& last = before(controller.get());
+  History& last = history(controller.get());
   archive.serialize(last.step, last.error, last.tried, last.next);
 }
 

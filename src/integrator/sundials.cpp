@@ -9,7 +9,7 @@ Context::Context() {
   if (SUNContext_Create(SUN_COMM_NULL, &context_) != SUN_SUCCESS) throw std::bad_alloc();
   SUNContext_ClearErrHandlers(context_);
   SUNContext_PushErrHandler(context_, keep, this);
-  // Warnings have a way of their own, to stderr.
+  // Warnings are otherwise written to stderr separately.
   SUNLogger logger = nullptr;
   SUNContext_GetLogger(context_, &logger);
   SUNLogger_SetErrorFilename(logger, "");

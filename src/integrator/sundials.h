@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ownership of SUNDIALS objects, and its errors as ours.
+// Ownership of SUNDIALS objects, and capture of their error messages.
 #pragma once
 
 #include <nvector/nvector_serial.h>
@@ -15,7 +15,7 @@
 
 namespace gelenk::sundials {
 
-// A context that prints nothing and keeps the last error's text.
+// A SUNDIALS context that prints nothing and keeps the text of the last error.
 class Context {
  public:
   Context();
@@ -55,14 +55,14 @@ using NonlinearSolver = std::unique_ptr<std::remove_pointer_t<SUNNonlinearSolver
 
 inline double* data(N_Vector v) { return N_VGetArrayPointer(v); }
 
-// SUNDIALS returns null only when memory is short.
+// Throws std::bad_alloc for null, which SUNDIALS returns only if memory allocation fails.
 template <class T>
 T* made(T* pointer) {
   if (pointer == nullptr) throw std::bad_alloc();
   return pointer;
 }
 
-// What Newton's method solves its linear equations with; as many unknowns as y has.
+// A dense linear solver for Newton's method, of the size of y.
 struct DenseSolver {
   DenseSolver(N_Vector y, SUNContext context)
       : matrix(made(SUNDenseMatrix(N_VGetLength(y), N_VGetLength(y), context))),

@@ -7,17 +7,17 @@
 
 namespace gelenk {
 
-double bdf_tolerance(double share, double tolerance) {
-  return share * tolerance * std::pow(std::min(1.0, tolerance / 1e-4), 0.2);
+double bdf_tolerance(double fraction, double tolerance) {
+  return fraction * tolerance * std::pow(std::min(1.0, tolerance / 1e-4), 0.2);
 }
 
-double tolerance_of_bdf(double share, double error) {
-  const double whole = error / share;
+double inverse_bdf_tolerance(double fraction, double error) {
+  const double whole = error / fraction;
   return whole > 1e-4 ? whole : 1e-4 * std::pow(whole / 1e-4, 1 / 1.2);
 }
 
 N_Vector sundials::new_vector(const Equations& system, SUNContext context) {
-  N_Vector v = made(N_VNew_Serial(std::max(1, system.unknowns()), context));  // a scene may have nothing that moves
+  N_Vector v = made(N_VNew_Serial(std::max(1, system.unknowns()), context));  // a scene may have no moving bodies
   N_VConst(0, v);
   return v;
 }
@@ -43,32 +43,32 @@ void SundialsIntegrator::serialize(Archive& archive) {
   fresh_ = true;
 }
 
-void SundialsIntegrator::keep_counts() { kept_ = {steps_, rejected_}; }
+void SundialsIntegrator::keep_counts() { base_counts_ = {steps_, rejected_}; }
 
 double SundialsIntegrator::advance(double end, double* y) {
-  patience_end_ = t_;  // no advance ends where it begins
+  stall_end_ = t_;  // no advance ends at its start
   return advance_some(end, y, std::numeric_limits<long>::max());
 }
 
-double SundialsIntegrator::advance_some(double end, double* y, long most) {
+double SundialsIntegrator::advance_some(double end, double* y, long max_steps) {
   system_.polish(takes_differences_);
   const double start = t_;
-  if (end != patience_end_) {
+  if (end != stall_end_) {
     stall_detector_ = StallDetector(start, end);
-    patience_end_ = end;
+    stall_end_ = end;
   }
   const bool locates = locator_.is_needed() && !passes_events_;
-  // Where a step is very short nothing is left of multipliers but rounding.
+  // In a very short step multipliers would be rounding only.
   const bool across = system_.multipliers() > 0;
   const auto step_towards = [&] {
     if (!locates) return make_step(end);
     return across ? locator_.step_across(*this, end) : locator_.step(*this, end);
   };
   prepare(end);
-  for (; t_ < end && most > 0; --most) {
+  for (; t_ < end && max_steps > 0; --max_steps) {
     Step step = step_towards();
     if (step != Step::made && jumped_ && t_ == start) {
-      // A history that cannot be carried across the jump.
+      // The history cannot be continued across the jump.
       restart(start, y);
       prepare(end);
       step = step_towards();
@@ -82,8 +82,8 @@ double SundialsIntegrator::advance_some(double end, double* y, long most) {
     if (system_.budget_exhausted()) break;
   }
   const Counts made = count();
-  steps_ = kept_.steps + made.steps;
-  rejected_ = kept_.rejected + made.rejected;
+  steps_ = base_counts_.steps + made.steps;
+  rejected_ = base_counts_.rejected + made.rejected;
   std::copy_n(sundials::data(y_.get()), system_.size(), y);
   return t_;
 }
@@ -103,13 +103,13 @@ void SundialsIntegrator::fail(Step step, double start) {
   std::string why;
   switch (step) {
     case Step::too_small:
-      why = "no step is small enough for the tolerance";
+      why = "the tolerance cannot be met even with the smallest step size";
       break;
     case Step::not_finite:
       why = "the accelerations are not finite";
       break;
     case Step::not_closed:
-      why = "the loops could not be closed again";
+      why = "constraint projection did not converge";
       break;
     case Step::too_many_events:
       why = system_.modes().too_many_events();

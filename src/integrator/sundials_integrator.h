@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way from one communication point to the next, which SUNDIALS' adaptive integrators share.
+// Base class of the adaptive SUNDIALS integrators: steps from one communication point to the next.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,12 @@
 
 namespace gelenk {
 
-// For the error of one step of BDF: this share of the tolerance at 1e-4, and less below. Steps of order 5 become
-// shorter as its sixth root and more in number, and what they leave adds up: a fixed share of it would leave errors as
+// Tolerance for the local error of a BDF step: this fraction of the tolerance at 1e-4, and less below. Steps of order 5
+// decrease with its sixth root, and their errors add up: a constant fraction would leave errors proportional to
 // tolerance^(5/6), at 1e-8 six times as many tolerances as at 1e-4.
-double bdf_tolerance(double share, double tolerance);
-// The tolerance of which that is the error of one step.
-double tolerance_of_bdf(double share, double error);
+double bdf_tolerance(double fraction, double tolerance);
+// The inverse: the tolerance for which a BDF step has this local error.
+double inverse_bdf_tolerance(double fraction, double error);
 
 class SundialsIntegrator : public Integrator, private Stepping {
  public:
@@ -24,7 +24,7 @@ class SundialsIntegrator : public Integrator, private Stepping {
   void inputs_changed() final { jumped_ = true; }
   void pass_events(bool on) final { passes_events_ = on; }
   double advance(double end, double* y) final;
-  double advance_some(double end, double* y, long most) final;
+  double advance_some(double end, double* y, long max_steps) final;
   bool will_have_history() const override { return true; }
   bool has_history() const override { return !fresh_; }
   void serialize(Archive& archive) override;
@@ -32,33 +32,34 @@ class SundialsIntegrator : public Integrator, private Stepping {
   Equations& system() const { return system_; }
 
  protected:
-  // takes_differences: of the states it has been through.
+  // takes_differences: whether the method uses differences of former states.
   explicit SundialsIntegrator(Equations& system, bool takes_differences = true);
 
-  // Before the steps to `end`: begins anew at (t_, y_) if fresh_, and stops at `end`.
+  // Called before the steps to `end`: restarts at (t_, y_) if fresh_, and sets the stop time.
   virtual void prepare(double end) = 0;
-  // One step; writes t_ and y_.
+  // Makes one step; writes t_ and y_.
   virtual Step make_step(double end) = 0;
-  // How far the step that failed had come [s].
+  // Time reached by the step that failed [s].
   virtual double reached() const = 0;
-  // Takes up (t_, y_) if fresh_; steps stop at `end` from now on.
+  // Continues from (t_, y_) if fresh_, with the stop time `end`.
   virtual void begin(double end) { prepare(end); }
-  // Steps made and refused: all, or since keep_counts() by methods that forget them when they begin anew.
+  // Accepted and rejected steps: all, or since keep_counts() for methods that reset them on restart.
   struct Counts {
     long steps = 0, rejected = 0;
   };
   virtual Counts count() = 0;
   void keep_counts();
 
-  // A step that meets a jump of the forces (a damped stop) shrinks until it is as short as the jump is small.
-  static constexpr int most_error_fails = 40;
+  // At a discontinuity of the forces (a damped stop) a step is shortened until its length is as small as the
+  // discontinuity.
+  static constexpr int max_error_test_failures = 40;
 
   sundials::Context context_;
   Equations& system_;
-  sundials::Vector y_;  // of a DAE the multipliers are behind y in it
+  sundials::Vector y_;  // for a DAE, followed by the multipliers
   double t_ = 0;
-  bool fresh_ = true;    // (t_, y_) is not where the last step ended
-  bool jumped_ = false;  // the inputs are not those of the last step
+  bool fresh_ = true;    // (t_, y_) is not the end of the last step
+  bool jumped_ = false;  // inputs have changed since the last step
 
  private:
   double time() const final { return t_; }
@@ -72,16 +73,16 @@ class SundialsIntegrator : public Integrator, private Stepping {
   bool takes_differences_;
   bool passes_events_ = false;
   StallDetector stall_detector_{0, 0};
-  double patience_end_ = 0;  // s: of the advance that it is for
-  Counts kept_;
+  double stall_end_ = 0;  // s: end of the advance that stall_detector_ belongs to
+  Counts base_counts_;
 };
 
 namespace sundials {
 
-// f(t, y) and exact df/dy, as ARKODE and CVODES call for them. integrator: a SundialsIntegrator*.
+// f(t, y) and exact df/dy with the signatures of ARKODE and CVODES. integrator: a SundialsIntegrator*.
 int rhs(sunrealtype t, N_Vector y, N_Vector ydot, void* integrator);
 int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* integrator, N_Vector, N_Vector, N_Vector);
-// unknowns() zeros.
+// A vector of unknowns() zeros.
 N_Vector new_vector(const Equations& system, SUNContext context);
 
 }  // namespace sundials

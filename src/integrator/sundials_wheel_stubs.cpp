@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The archives of the sundials4py wheel were built for its Python module: when one of SUNDIALS' objects goes, they
-// call these to free the table of Python callables that hangs on it. No object of ours has one, so there is
-// nothing to free. Compiled only when that wheel is the SUNDIALS that CMake found.
+// The static libraries of the sundials4py wheel were built for its Python module: when a SUNDIALS object is destroyed,
+// they call these functions to free its table of Python callables. Our objects have none, so there is nothing to free.
+// Compiled only when CMake found SUNDIALS in that wheel.
 #define GELENK_NOTHING_TO_FREE(name) \
   void name(void*);                  \
   void name(void*) {}

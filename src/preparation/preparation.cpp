@@ -354,7 +354,7 @@ struct Preparer {
       const SingularStart found =
           examine_start(mechanism, *dynamics[i], of.mobility, guesses.tree, guesses.cuts, of.start);
       if (!found.on_branch) throw AssemblyError(describe_no_branch(scene, out.reduced, island, found));
-      if (found.share < doubtful_fraction) {
+      if (found.pivot_fraction < doubtful_fraction) {
         out.warnings.push_back(describe_singular_start(scene, out.reduced, island, found));
       }
       dynamics[i]->set_position(of.start.q.data());

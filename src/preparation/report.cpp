@@ -216,14 +216,16 @@ std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, 
 std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
                                     const SingularStart& start) {
   const std::string owner = owner_of_row(scene, reduced.islands[island], start.row);
-  std::string out = prefix(scene) + "the start is " +
-                    (start.share < 1e-9 ? "a singular configuration of " + owner
-                                        : "close to a singular configuration of " + owner + " (relative pivot " +
-                                              text::rounded(start.share, 2) + ")") +
-                    ", where branches of motion meet: ";
+  std::string out =
+      prefix(scene) + "the start is " +
+      (start.pivot_fraction < 1e-9 ? "a singular configuration of " + owner
+                                   : "close to a singular configuration of " + owner + " (relative pivot " +
+                                         text::rounded(start.pivot_fraction, 2) + ")") +
+      ", where branches of motion meet: ";
   if (!start.moves) return out + "at rest nothing determines the branch that the motion will take";
   // In a singular configuration the position is accurate to the square root of round-off only.
-  const double open = std::max(1e-8, std::min(start.share, 2e-16 / (start.share * start.share)));
+  const double open =
+      std::max(1e-8, std::min(start.pivot_fraction, 2e-16 / (start.pivot_fraction * start.pivot_fraction)));
   return out +
          "the branch nearest to the given start values is used, and the relative error of the velocities is about " +
          text::rounded(open, 1);

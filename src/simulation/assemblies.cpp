@@ -31,8 +31,8 @@ AssemblyPart in_users_words(const Scene& scene, const ReducedScene& reduced, int
     assembly.distance = branch.distance;
     assembly.degrees_of_freedom = branch.degrees_of_freedom;
     assembly.hits = branch.hits;
-    assembly.chosen = branch.chosen;
-    assembly.flat = branch.flat;
+    assembly.chosen = branch.is_default;
+    assembly.flat = branch.is_not_isolated;
   }
   return out;
 }
@@ -67,7 +67,7 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
   for (int i = 0; i < static_cast<int>(reduced.islands.size()); ++i) {
     const Mechanism& mechanism = reduced.islands[i];
     if (mechanism.rows == 0) continue;
-    const Search search{.most_starts = most_starts, .seed = seed, .links = links_of(scene, reduced, i, bodies)};
+    const Search search{.max_starts = most_starts, .seed = seed, .links = links_of(scene, reduced, i, bodies)};
     if (!bodies.empty() && search.links.empty()) continue;
     const auto dynamics = make_dynamics(mechanism, loads[i]);
     dynamics->set_targets(Targets(mechanism).at(0, no_inputs));

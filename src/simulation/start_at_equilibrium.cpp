@@ -23,13 +23,13 @@ void Simulation::Impl::start_at_equilibrium() {
     }
     Assembled& start = prepared.islands[i].start;
     try {
-      Rest rest = find_rest({.mechanism = mechanism,
-                             .loads = island.loads(),
-                             .mobility = island.prepared().mobility,
-                             .u = u.now(),
-                             .targets = targets,
-                             .time = natural_time(given, scene.units)},
-                            start.q, island.formulation().revolutions().coordinates());
+      Equilibrium rest = find_equilibrium({.mechanism = mechanism,
+                                           .loads = island.loads(),
+                                           .mobility = island.prepared().mobility,
+                                           .u = u.now(),
+                                           .targets = targets,
+                                           .time = natural_time(given, scene.units)},
+                                          start.q, island.formulation().revolutions().coordinates());
       start.q = std::move(rest.q);
       prepared.islands[i].cut_start = std::move(rest.cut_q);
     } catch (const NoEquilibrium& fault) {

@@ -26,7 +26,7 @@ def test_singular_positions_are_logged_as_warnings(tmp_path: Path) -> None:
         message for status, category, message in said if (status, category) == (1, b"logStatusWarning")
     ]
     assert [round(float(w.split()[2]), 2) for w in warnings] == [0.71, 1.22]
-    assert all("singular position" in w for w in warnings)
+    assert all("singular configuration" in w for w in warnings)
     step = 0.01
     times = gelenk.simulate(fmu, stop=2, step=step).singular_positions
     # Told at the point after an evaluation beyond it, which may be the next step's.

@@ -295,9 +295,9 @@ def test_a_cubic_is_that_of_its_ends(units: Any) -> None:
         if f(0) * f(1) < 0:
             assert abs(f(cubic.zero())) < 1e-14
         slopes = c[1], c[1] + 2 * c[2] + 3 * c[3]
-        assert cubic.turns() == (slopes[0] * slopes[1] < 0)
-        if cubic.turns():
-            s = cubic.turning_point()
+        assert cubic.has_extremum() == (slopes[0] * slopes[1] < 0)
+        if cubic.has_extremum():
+            s = cubic.extremum()
             assert abs(c[1] + s * (2 * c[2] + 3 * s * c[3])) < 1e-13
 
 
@@ -305,7 +305,7 @@ def test_without_rates_a_cubic_is_the_line(units: Any) -> None:
     line = units.Cubic(-1.0, math.nan, 3.0, 0.0)
     assert line.zero() == pytest.approx(0.25, abs=1e-15)
     assert line.value(0.5) == pytest.approx(1, abs=1e-15)
-    assert not line.turns()
+    assert not line.has_extremum()
 
 
 # --- stages of a state ---

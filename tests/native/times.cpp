@@ -103,8 +103,8 @@ void bind_times(nb::module_& m) {
       .def(nb::init<double, double, double, double>())
       .def("value", &Cubic::value)
       .def("zero", &Cubic::zero)
-      .def("turns", &Cubic::turns)
-      .def("turning_point", &Cubic::turning_point);
+      .def("has_extremum", &Cubic::has_extremum)
+      .def("extremum", &Cubic::extremum);
 
   using gelenk::Computed;
   using gelenk::Stage;

@@ -222,5 +222,7 @@ def test_forms_that_need_independent_rows_say_so(formulation: str) -> None:
     source = two_wheeled_cart(0.5, 0.0) | {"solver": {"formulation": formulation}}
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize()
-    with pytest.raises(gelenk.StepError, match=r"constraint rows of rank 3, and .* needs independent ones"):
+    with pytest.raises(
+        gelenk.StepError, match=r"constraint equations of rank 3, but .* requires independent ones"
+    ):
         plant.step_to(0.1)

@@ -45,6 +45,6 @@ def test_a_rocker_is_not_driven_beyond_its_dead_centre(integrator: str) -> None:
         assert abs(plant.output("A.phi") - before) < 0.3
         before = plant.output("A.phi")
         assert plant.diagnostics["constraints.position"] < 1e-9  # closed to rounding
-    assert "dead centre of what drives it, beyond which a given motion cannot be followed" in words
+    assert "dead center of its driven joint, beyond which the prescribed motion cannot be followed" in words
     # The plant stands at the last time it got to: a step of 0.5 rad/s times 0.005 s before the end, at most.
     assert most - 0.0026 < plant.output("D.phi") < most

@@ -131,7 +131,7 @@ def test_rows_that_repeat_others_are_refused(form: str) -> None:
     simulation.initialize(0.0, 1e-8)
     before = simulation.values()
     with pytest.raises(
-        gelenk.StepError, match=rf"t = 0 s: .*5 constraint rows of rank 4.*{form}.*projection"
+        gelenk.StepError, match=rf"t = 0 s: .*5 constraint equations of rank 4.*{form}.*projection"
     ):
         simulation.step_to(0.1)
     assert simulation.time == 0.0
@@ -147,7 +147,7 @@ def test_short_steps_end_beside_a_singular_position(n: int) -> None:
     source["solver"] = {"integrator": "ida", "formulation": "stabilized-index2"}
     simulation = gelenk.Simulation(gelenk.load(source))
     simulation.initialize(0.0, 1e-9)
-    with pytest.raises(gelenk.StepError, match=r"t = 0\.7\d+ s: close to a singular position"):
+    with pytest.raises(gelenk.StepError, match=r"t = 0\.7\d+ s: close to a singular configuration"):
         simulation.step_to(2.0)
     assert simulation.time == 0.0
 

@@ -224,7 +224,7 @@ def test_index3_refuses_rows_that_repeat_others() -> None:
     solver = {"integrator": "generalized-alpha", "formulation": "index3", "step": H}
     simulation = gelenk.Simulation(gelenk.load({**bricard(), "solver": solver}))
     simulation.initialize(0.0)
-    with pytest.raises(gelenk.StepError, match=r"5 constraint rows of rank 4"):
+    with pytest.raises(gelenk.StepError, match=r"5 constraint equations of rank 4"):
         simulation.step_to(0.1)
 
 

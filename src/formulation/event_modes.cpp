@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "formulation/modes.h"
+#include "formulation/event_modes.h"
 
 namespace gelenk {
 
-Modes::Modes(Dynamics& dynamics, int nq, EventLog& log)
+EventModes::EventModes(Dynamics& dynamics, int nq, EventLog& log)
     : dynamics_(dynamics),
       nq_(nq),
       log_(log),
       sides_(static_cast<std::size_t>(dynamics.branching().count())),
-      present_(sides_.size()),
+      present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()) {}
 
-void Modes::indicator_values(const double* y, double* g, double* gdot) {
+void EventModes::indicator_values(const double* y, double* g, double* gdot) {
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   dynamics_.branching().indicators(g, gdot);
 }
 
-void Modes::hold_mode(double t, const bool* positive) {
+void EventModes::hold_mode(double t, const bool* positive) {
   held_ = positive != nullptr;
   held_from_ = t;
-  left_mode_ = INFINITY;
+  mode_exit_time_ = INFINITY;
   if (held_) {
     for (int& side : sides_) {
       side = positive[0] ? 1 : positive[1] ? -1 : 0;
@@ -31,14 +31,14 @@ void Modes::hold_mode(double t, const bool* positive) {
   dynamics_.branching().hold(held_ ? sides_.data() : nullptr);
 }
 
-void Modes::look(double t, const double* v) {
+void EventModes::check(double t, const double* v) {
   dynamics_.set_velocity(v);
-  dynamics_.branching().sides(present_.data());
-  if (present_ != sides_ && is_beyond()) left_mode_ = t;
+  dynamics_.branching().sides(present_sides_.data());
+  if (present_sides_ != sides_ && is_outside()) mode_exit_time_ = t;
 }
 
-// Just where the mode ends a state is of either: of its branch rounding decides.
-bool Modes::is_beyond() {
+// At the boundary of the mode a state belongs to either side, as rounding decides.
+bool EventModes::is_outside() {
   dynamics_.branching().indicators(g_.data(), gdot_.data());
   for (std::size_t i = 0; i < g_.size(); ++i) {
     const bool held = sides_[i / 2] == (i % 2 == 0 ? 1 : -1);

@@ -7,7 +7,8 @@
 
 namespace gelenk {
 
-// A multistep method for an ODE, with explicit Runge-Kutta steps after each jump of the inputs; that of a DAE itself.
+// Adds explicit Runge-Kutta steps after each jump of the inputs to a multistep method for an ODE; for a DAE returns the
+// method unchanged.
 std::unique_ptr<Integrator> with_starter(std::unique_ptr<Integrator> multistep, Equations& system,
                                          const IntegratorOptions& options);
 
