@@ -1,28 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# make demo     build Gelenk into .venv, export a four-bar, run it, plot it
-# make test     formatting, ruff, mypy, all tests
-# make tidy     compile all with warnings as errors and clang-tidy (half an hour; CI does so too)
-# make lint     what make test and make tidy look at without running anything
-# make format   set all code
-# make pytest   the tests alone; one file: make pytest TESTS=tests/test_layout.py
-# make reductions  measure what each reduction gains, for docs/reductions.md
-# make charts   draw what methods cost and where they fail, for docs/work-precision.md, docs/stability.md
-# make accuracy  measure what adaptive integrators make of a tolerance, for docs/accuracy.md; QUICK=1: a small part
-# make tutorial  draw the pictures of docs/tutorial-lqr.md, docs/tutorial-wheels.md
-# make real-time  measure a controller's loop around FMUs, for docs/fmu.md
-# make growth   measure what scenes cost by their size, for docs/performance.md
-# make bench    measure kernels and runs beside other engines, for docs/performance.md; QUICK=1: a small part
-# make costs    count what standard jobs cost, for tests/costs/figures.json; WHY="..." says why they changed
-# make clocks   the tests that read clocks, one at a time; it wants a machine on which nothing else runs
-# make special  compare ways of computing at special positions: all families, 2000 random mechanisms
-# make masters  the shipped scenes in masters of other people, Java's included, for docs/fmu.md; needs Maven
-# make sanitize the FMU under AddressSanitizer, UBSan, ThreadSanitizer and valgrind
-# make smoke    a minute of fuzzing, where clang is, and the native units under AddressSanitizer and UBSan
-# make fuzz     the readers of scenes and states under libFuzzer, SECONDS_EACH=600; needs clang
-# make states   write the fuzzers' seeds of FMU states anew, where what a state holds has changed
-# make win64    the FMU runtime for Windows, from SUNDIALS_SOURCE; needs MinGW-w64
-# make clean    remove what was built
-# A Python >= 3.12 is looked for; `make PYTHON=... ` names one. Everything else comes from PyPI.
+# make demo     build into .venv, export a four-bar, simulate its FMU, plot the results
+# make test     check formatting, run the linters and all tests
+# make tidy     compile everything with warnings as errors and clang-tidy (half an hour; CI does so, too)
+# make lint     the checks of make test and make tidy, without running any tests
+# make format   format all code
+# make pytest   run the tests only; one file: make pytest TESTS=tests/test_layout.py
+# make reductions  measure the gain of each reduction: tables of docs/reductions.md
+# make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
+# make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
+# make tutorial  draw the figures of docs/tutorial-lqr.md and docs/tutorial-wheels.md
+# make real-time  measure control loops that step FMUs: table of docs/fmu.md
+# make growth   measure how cost scales with the size of a scene: table of docs/performance.md
+# make bench    benchmark kernels and runs against other engines: docs/performance.md; QUICK=1: a subset
+# make costs    update the reference evaluation and instruction counts: tests/costs/figures.json; WHY="..."
+# make clocks   run the timing tests, on an otherwise idle machine
+# make special  compare computation paths at special configurations: all families, 2000 random mechanisms
+# make masters  run the shipped scenes in third-party masters: table of docs/fmu.md; needs Maven and Java
+# make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
+# make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
+# make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
+# make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
+# make win64    build the FMU runtime for Windows from SUNDIALS_SOURCE; needs MinGW-w64
+# make clean    remove everything that was built
+# PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -56,20 +56,20 @@ test: style pytest
 lint: style tidy
 
 pytest: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	@echo "Running $(TESTS) with $(JOBS) jobs (all tests: a quarter of an hour); a dot for each, and percents"
+	@echo "Running $(TESTS) with $(JOBS) jobs (all tests: a quarter of an hour)"
 	$(BIN)/python -m pytest -n $(JOBS) $(TESTS)
 
-# Whatever reads only.
+# Checks that do not change files.
 style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	@echo "Looking at format, ruff and types (a minute)"
+	@echo "Checking format, lint and types (a minute)"
 	$(BIN)/clang-format --dry-run -Werror $(NATIVE)
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
 
-# Compiles all of it with warnings as errors and clang-tidy, and makes the FMUs of scenes/ as a C++ user does.
+# Compiles everything with warnings as errors and clang-tidy, and builds the FMUs of scenes/ like a C++ project.
 tidy: $(VENV)/tools.stamp
-	@echo "Compiling all with warnings as errors and clang-tidy (half an hour the first time)"
+	@echo "Compiling with warnings as errors and clang-tidy (half an hour the first time)"
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset ci -DPython_EXECUTABLE=$(abspath $(BIN))/python
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset ci -j $(JOBS)
 	PATH="$(abspath $(BIN)):$$PATH" bash tests/cmake_user/run.sh build/ci build/cmake_user
@@ -77,11 +77,11 @@ tidy: $(VENV)/tools.stamp
 reductions: $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/reductions.py
 
-# Half an hour: one run at a time, for times to be comparable.
+# Half an hour: one run at a time, so that times are comparable.
 charts: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.charts
 
-# Two hours with two processes; it goes on where it was stopped.
+# Two hours with two processes; an interrupted measurement is resumed.
 accuracy: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.accuracy --jobs $(JOBS) $(if $(QUICK),--quick)
 
@@ -91,18 +91,18 @@ tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 real-time: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/real_time.py
 
-# Some minutes; it wants a machine on which nothing else runs.
+# Some minutes, on an otherwise idle machine.
 growth: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.growth
 
-# Some minutes of compiling and installing the first time (the other engines come from PyPI), then some twenty.
+# About twenty minutes, plus some for compiling and installing the first time (the other engines come from PyPI).
 bench: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset release -B build/bench -DPython_EXECUTABLE=$(abspath $(BIN))/python \
 	  -DGELENK_BENCHMARKS=ON -DGELENK_SCENES=OFF
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build build/bench -j $(JOBS) --target gelenk-kernels gelenk-runs
 	$(BIN)/python -m benchmarks.speed $(if $(QUICK),--quick)
 
-# Needs valgrind.
+# Needs Valgrind.
 costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m costs.counting "$(WHY)"
 
@@ -110,18 +110,18 @@ costs: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python -m pytest -m clock $(TESTS)
 
-# Half an hour; findings go to build/special.txt. ARGS="--only 'random 87'" compares one of them again.
+# Half an hour; findings are written to build/special.txt. ARGS="--only 'random 87'" repeats one comparison.
 ARGS ?=
 special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests:. $(BIN)/python -m special.study --jobs $(JOBS) $(ARGS)
 
-# Ten minutes, most of them Maestro's.
+# Ten minutes, most of them for Maestro.
 MASTERS := $(abspath build/masters)
 masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
 	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
 
-# Two native builds, and some ten minutes.
+# Two native builds and about ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset debug -DPython_EXECUTABLE=$(abspath $(BIN))/python -DGELENK_SCENES=OFF
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset debug -j $(JOBS) --target gelenk_fmu
@@ -132,18 +132,18 @@ sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers memcheck
 	PYTHONPATH=tests $(BIN)/python -m fmu.sanitizers helgrind
 
-# What continuous integration can afford. The runtimes of sanitizers stand before the interpreter, which has none.
+# Part of continuous integration. The runtimes of the sanitizers are preloaded, since the interpreter has none.
 RUNTIMES = $(shell $(CXX) -print-file-name=libasan.so) $(shell $(CXX) -print-file-name=libubsan.so)
 smoke: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@if command -v $(CLANGXX) >/dev/null; then $(MAKE) fuzz SECONDS_EACH=20; \
-	else echo "make smoke: no fuzzing: $(CLANGXX) was not found (CLANGXX=... names another)"; fi
+	else echo "make smoke: fuzzing skipped: $(CLANGXX) was not found (CLANGXX=... selects another compiler)"; fi
 	@case "$(RUNTIMES)" in \
 	  /*\ /*) GELENK_SANITIZE=address LD_PRELOAD="$(RUNTIMES)" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
 	    $(BIN)/python -m pytest -q -s tests/native ;; \
-	  *) echo "make smoke: nothing under sanitizers: $(CXX) has no libasan.so or no libubsan.so" ;; \
+	  *) echo "make smoke: sanitizers skipped: $(CXX) has no libasan.so or no libubsan.so" ;; \
 	esac
 
-# What is found new stays in build/fuzz/corpus; bytes that break something in build/fuzz.
+# New inputs are kept in build/fuzz/corpus, inputs that cause a failure in build/fuzz.
 SECONDS_EACH ?= 600
 CLANGXX ?= clang++
 fuzz: $(VENV)/tools.stamp
@@ -159,7 +159,7 @@ fuzz: $(VENV)/tools.stamp
 states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fuzz.states
 
-# The library goes into the package in .venv, where `gelenk export --platforms linux64,win64` finds it.
+# The library is installed into the package in .venv, where `gelenk export --platforms linux64,win64` finds it.
 WIN64 := $(abspath build/sundials-win64)
 win64: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@test -f "$(SUNDIALS_SOURCE)/CMakeLists.txt" || \
@@ -185,17 +185,17 @@ clean:
 
 $(VENV)/created.stamp:
 	@python=$$(sh cmake/find_python.sh); \
-	echo "Making $(VENV) with $$python (half a minute)"; \
+	echo "Creating $(VENV) with $$python (half a minute)"; \
 	"$$python" -m venv --clear $(VENV)
 	@$(PIP) install --upgrade pip
 	@touch $@
 
-# First as any user installs it: pip fetches what the build needs and builds apart. After an edit, what the
-# linters brought into .venv is used and only what changed is compiled. What is shown is a line for each step.
+# The first build is that of a user: pip fetches the build requirements and builds in isolation. Later builds use the
+# tools installed in .venv for the linters and are incremental. One line is printed for each step.
 $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	@mkdir -p build; \
 	if [ -e $@ ] && [ -e $(VENV)/tools.stamp ] && [ -z "$(filter pyproject.toml,$?)" ]; then \
-	  echo "Building Gelenk again (what has changed)"; \
+	  echo "Building Gelenk (incremental)"; \
 	  export PATH="$(abspath $(BIN)):$$PATH"; \
 	  what=(--no-build-isolation --no-deps --force-reinstall -C build-dir=build/wheel .); \
 	else \
@@ -208,6 +208,6 @@ $(VENV)/gelenk.stamp: $(VENV)/created.stamp $(BUILD) $(NATIVE) $(PACKAGE)
 	@touch $@
 
 $(VENV)/tools.stamp: $(VENV)/created.stamp pyproject.toml
-	@echo "Fetching linters and what tests need (a minute)"
+	@echo "Fetching the linters and the requirements of the tests (a minute)"
 	@$(PIP) install --progress-bar off --group test --group lint
 	@touch $@

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # gelenk_add_fmu(NAME SCENE [OUTPUT file.fmu] [EXCLUDE_FROM_ALL])
 #
-# Adds the target NAME, which packs SCENE (a .json file; .yaml too where gelenk-export was built with yaml-cpp) into
-# NAME.fmu in the current binary directory, or into OUTPUT. Built with `all` unless EXCLUDE_FROM_ALL is given.
-# The FMU is made anew when the scene or Gelenk changes; no compiler runs. Its path is the target's property
-# GELENK_FMU.
+# Adds the target NAME, which exports SCENE (a .json file, or .yaml if gelenk-export was built with yaml-cpp) to
+# NAME.fmu in the current binary directory, or to OUTPUT. It is part of `all` unless EXCLUDE_FROM_ALL is given.
+# The FMU is rebuilt when the scene or Gelenk changes, without a compiler. The target's property GELENK_FMU is its
+# path.
 function(gelenk_add_fmu NAME SCENE)
   cmake_parse_arguments(PARSE_ARGV 2 arg "EXCLUDE_FROM_ALL" "OUTPUT" "")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "gelenk_add_fmu(${NAME}): unknown arguments '${arg_UNPARSED_ARGUMENTS}'; "
-      "known are OUTPUT <file> and EXCLUDE_FROM_ALL")
+      "expected OUTPUT <file> or EXCLUDE_FROM_ALL")
   endif()
   cmake_path(ABSOLUTE_PATH SCENE BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE scene)
   if(NOT arg_OUTPUT)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# SUNDIALS, Eigen, nlohmann-json, FMI headers, yaml-cpp, zlib: from Python wheels where an interpreter has them,
-# else from the system. A <Package>_DIR given by the user wins over both.
+# SUNDIALS, Eigen, nlohmann-json, FMI headers, yaml-cpp, zlib: from Python wheels if they are installed, otherwise from
+# the system. A <Package>_DIR given by the user has priority.
 
-# The interpreter that is asked: -DPython_EXECUTABLE, an active virtualenv, or whatever is on PATH.
+# The interpreter: -DPython_EXECUTABLE, that of an active virtualenv, or one on PATH.
 set(Python_FIND_VIRTUALENV FIRST)
 set(Python_FIND_UNVERSIONED_NAMES FIRST)
 if(GELENK_PYTHON)
@@ -22,8 +22,8 @@ if(Python_Interpreter_FOUND)
   endforeach()
 endif()
 
-# Takes the wheel's folder unless the user gave another; a folder that this function chose in a former run is
-# chosen anew, since the interpreter may be another one now and pip builds in environments that pass away.
+# Uses the wheel's folder unless the user gave another. A folder chosen by this function in an earlier run is replaced,
+# since the interpreter may have changed and pip builds in temporary environments.
 function(gelenk_wheel_dir variable folder)
   if(DEFINED CACHE{${variable}} AND "$CACHE{${variable}}" STREQUAL "$CACHE{gelenk_chose_${variable}}")
     unset(${variable} CACHE)
@@ -38,12 +38,12 @@ gelenk_wheel_dir(Eigen3_DIR "${wheel_eigen}")
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 add_library(gelenk_eigen INTERFACE)
 target_link_libraries(gelenk_eigen INTERFACE Eigen3::Eigen)
-target_compile_definitions(gelenk_eigen INTERFACE EIGEN_MPL2_ONLY)  # nothing under the LGPL gets in
+target_compile_definitions(gelenk_eigen INTERFACE EIGEN_MPL2_ONLY)  # excludes code under the LGPL
 
 gelenk_wheel_dir(SUNDIALS_DIR "${wheel_sundials}")
 find_package(SUNDIALS 7.1 REQUIRED COMPONENTS
   idas cvodes arkode nvecserial sunmatrixdense sunlinsoldense sunnonlinsolnewton sunnonlinsolfixedpoint)
-# One name for all that we use; _static where both kinds are installed, the FMU must carry it inside.
+# One target for all libraries used; static ones if available, since the FMU must contain them.
 add_library(gelenk_sundials INTERFACE)
 foreach(part idas cvodes arkode nvecserial sunmatrixdense sunlinsoldense sunnonlinsolnewton sunnonlinsolfixedpoint core
         generic)
@@ -53,7 +53,7 @@ foreach(part idas cvodes arkode nvecserial sunmatrixdense sunlinsoldense sunnonl
     target_link_libraries(gelenk_sundials INTERFACE SUNDIALS::${part})
   endif()
 endforeach()
-# The archives of the sundials4py wheel call a few functions of its Python module, which stands beside them.
+# The archives of the sundials4py wheel call a few functions of its Python module (sundials_wheel_stubs.cpp).
 file(GLOB sundials_python_module ${SUNDIALS_DIR}/../../../sundials4py*.so)
 set(GELENK_SUNDIALS_WHEEL OFF)
 if(sundials_python_module)
@@ -100,12 +100,12 @@ if(GELENK_WITH_YAML)  # AUTO counts as true
   endif()
 endif()
 
-# gelenk-export packs with it; without, it stores.
+# gelenk-export compresses FMUs with zlib; without it, files are stored uncompressed.
 set(GELENK_ZLIB OFF)
 gelenk_wheel_dir(ZLIB_DIR "${wheel_zlib}")
 find_package(ZLIB QUIET CONFIG COMPONENTS static)
 if(TARGET ZLIB::ZLIBSTATIC)
-  set(GELENK_ZLIB ZLIB::ZLIBSTATIC -no-pie)  # the wheel's archive depends on its position
+  set(GELENK_ZLIB ZLIB::ZLIBSTATIC -no-pie)  # the wheel's archive is not position-independent
 else()
   find_package(ZLIB QUIET MODULE)
   if(ZLIB_FOUND)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# `cmake --install`: the export tool, the FMU runtime and a package, so that find_package(gelenk) gives
-# gelenk_add_fmu() to other CMake projects.
+# `cmake --install`: the export tool, the FMU runtime and a CMake package, so that find_package(gelenk) provides
+# gelenk_add_fmu() to other projects.
 if(TARGET gelenk-export AND TARGET gelenk_fmu)
   include(GNUInstallDirs)
   include(CMakePackageConfigHelpers)
@@ -8,7 +8,7 @@ if(TARGET gelenk-export AND TARGET gelenk_fmu)
   set(licenses_dir ${CMAKE_INSTALL_LIBDIR}/gelenk/licenses)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/gelenk)
   if(GELENK_YAML AND wheel_yaml AND yaml-cpp_DIR STREQUAL wheel_yaml)
-    # A wheel's library may go away with its virtualenv: take it along.
+    # Copy the library of a wheel, since its virtualenv may be deleted.
     install(IMPORTED_RUNTIME_ARTIFACTS ${GELENK_YAML_TARGET}
       LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk COMPONENT native)
     install(FILES licenses/export-tool/yaml-cpp.txt DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk COMPONENT native)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The Python module gelenk._core and what the package carries: the FMU runtime, the schema, the scenes, the
-# licences.
+# The Python module gelenk._core and the data of the package: the FMU runtime, the schema, the scenes, the licenses.
 gelenk_wheel_dir(nanobind_DIR "${wheel_nanobind}")
 find_package(nanobind CONFIG REQUIRED)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The FMUs of scenes/, into fmus/ of the build folder. YAML scenes are left out when there is no yaml-cpp.
+# The FMUs of scenes/, in fmus/ of the build folder. YAML scenes are skipped without yaml-cpp.
 file(GLOB scenes CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.json ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.yaml)
 add_custom_target(scene_fmus ALL)

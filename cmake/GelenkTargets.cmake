@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The native targets: the core, the FMU runtime, the export tool. Folders are globbed: a new file needs no edit here.
-set(rooms util field math joint element scene check scene_file mechanism linear kinematics derivatives dynamics assembly analysis event formulation integrator
+# The native targets: the core, the FMU runtime, the export tool. Sources are globbed, so new files need no edit here.
+set(modules util field math joint element scene check scene_file mechanism linear kinematics derivatives dynamics assembly analysis event formulation integrator
   preparation outputs simulation)
-list(TRANSFORM rooms PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
-list(TRANSFORM rooms APPEND /*.cpp OUTPUT_VARIABLE patterns)
+list(TRANSFORM modules PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
+list(TRANSFORM modules APPEND /*.cpp OUTPUT_VARIABLE patterns)
 file(GLOB core_sources CONFIGURE_DEPENDS ${patterns} ${CMAKE_CURRENT_SOURCE_DIR}/modelDescription/*.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/fmu/runtime/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/*.cpp)
 set(yaml_source ${CMAKE_CURRENT_SOURCE_DIR}/src/scene_file/yaml.cpp)
@@ -17,8 +17,8 @@ set(first ${CMAKE_CURRENT_SOURCE_DIR}/src/analysis/equilibrium.cpp
 list(REMOVE_ITEM core_sources ${first})
 list(PREPEND core_sources ${first})
 
-# What reads, reduces and describes scenes runs once: made small, since every FMU carries it. So is what power series go
-# through, when a master asks for output derivatives.
+# Code that reads, reduces and describes scenes runs once and is optimized for size, since every FMU contains it. So is
+# the evaluation of power series, for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
   "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
@@ -26,12 +26,12 @@ set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
   "/(formulation/branch_acceleration|analysis/(equilibrium|singular_start|mobility)|kinematics/(loads|model)|outputs/(outputs_dual|port_readings)|simulation/(assemblies|assembled_start|events|inspection|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")
 list(APPEND small ${once})
-list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # which every step goes through
+list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # executed in every step
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 gelenk_harden(${small})
 
-# Loops in the kernels are as short as joints have freedoms and loops have rows: laid out for vectors they take longer (a
-# fifth on a four-bar). Straight code still is.
+# Loops in the kernels run over the few velocities of a joint or constraint equations of a loop. Vectorized loops take
+# longer (a fifth on a four-bar); straight-line code is still vectorized.
 set(kernels ${core_sources})
 list(FILTER kernels INCLUDE REGEX "/(linear|kinematics|derivatives|dynamics)/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
 list(REMOVE_ITEM kernels ${small})
@@ -46,7 +46,7 @@ target_link_libraries(gelenk_core
   PUBLIC gelenk_eigen
   PRIVATE gelenk_flags gelenk_sundials gelenk_json Threads::Threads)
 
-# The stubs must come after the archives that call them, so they are told as something that SUNDIALS needs.
+# The stubs must follow the archives that call them, so they are declared as a dependency of SUNDIALS.
 if(GELENK_SUNDIALS_WHEEL)
   add_library(gelenk_sundials_stubs STATIC ${stubs_source})
   target_link_libraries(gelenk_sundials_stubs PRIVATE gelenk_flags)
@@ -71,7 +71,7 @@ if(EXISTS ${export_source})
   endif()
 endif()
 
-# The JSON Schema of scene files, written from the joint registry at build time.
+# The JSON Schema of scene files, generated from the registries at build time.
 set(schema_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/tool/schema_main.cpp)
 set(GELENK_SCHEMA ${PROJECT_BINARY_DIR}/schema/scene.schema.json)
 add_executable(gelenk-schema ${schema_source})
@@ -80,7 +80,7 @@ add_custom_command(OUTPUT ${GELENK_SCHEMA} COMMAND gelenk-schema ${GELENK_SCHEMA
   DEPENDS gelenk-schema COMMENT "Writing scene.schema.json" VERBATIM)
 add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
 
-# Licences of what an FMU carries; the texts stand beside the runtime as they do in the installed package.
+# Licenses of the software in an FMU, in the same location relative to the runtime as in the installed package.
 file(GLOB GELENK_LICENSES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/licenses/*.txt)
 list(APPEND GELENK_LICENSES ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
 file(COPY ${GELENK_LICENSES} ${CMAKE_CURRENT_SOURCE_DIR}/licenses/win64 DESTINATION ${PROJECT_BINARY_DIR}/licenses)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Prints a Python >= 3.12 that can make virtual environments and build extensions; fails, and says why, where there
-# is none. A name on PATH is not enough: version managers leave scripts there that only print an error.
+# Prints a Python >= 3.12 that can create virtual environments and build extensions, or fails with a message. A name on
+# PATH is not sufficient: version managers install scripts there that only print an error.
 usable() {
   "$1" -c '
 import os, sys, sysconfig, venv, ensurepip
@@ -18,5 +18,5 @@ for candidate in python3 python3.12 python3.13 python3.14 python3.15 \
   usable "$candidate" && { echo "$candidate"; exit 0; }
 done
 echo "Gelenk needs Python >= 3.12 with venv and Python.h; none was found on PATH or among pyenv's versions." >&2
-echo "Install one (Debian: python3, python3-venv, python3-dev), or name it: make PYTHON=/path/to/python3.12 ..." >&2
+echo "Install one (Debian: python3, python3-venv, python3-dev), or select it: make PYTHON=/path/to/python3.12 ..." >&2
 exit 1

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints where pip put the libraries that Gelenk's native code is built on, one `name=directory` a line.
+"""Print the directories of the wheels with native libraries that Gelenk uses, one `name=directory` per line.
 
-Nothing is imported: packages are only located. What is not installed is not printed; CMake then looks for
-a system package of that name.
+Packages are located without importing them. Packages that are not installed are not printed; CMake then looks
+for a system package of that name.
 """
 
 from importlib.metadata import PackageNotFoundError, distribution
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def file_of(package: str, name: str) -> Path | None:
-    """The place of a file inside an installed distribution, or None where there is no such file."""
+    """Return the path of a file in an installed distribution, or None if there is no such file."""
     try:
         path = Path(str(distribution(package).locate_file(name)))
     except PackageNotFoundError:
@@ -20,13 +20,13 @@ def file_of(package: str, name: str) -> Path | None:
 
 
 def folder_of(module: str) -> Path | None:
-    """The folder of an importable package, or None."""
+    """Return the folder of an importable package, or None."""
     spec = find_spec(module)
     return Path(spec.origin).parent if spec and spec.origin else None
 
 
 def main() -> None:
-    """Prints what is there."""
+    """Print the directories that exist."""
     sundials = file_of("sundials4py", "lib64/cmake/sundials") or file_of("sundials4py", "lib/cmake/sundials")
     eigen = file_of("cmeel-eigen", "cmeel.prefix/share/eigen3/cmake")
     yaml = file_of("cmeel-yaml-cpp", "cmeel.prefix/lib/cmake/yaml-cpp")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells each step of `pip install -v`, read from stdin, in a line: what is fetched, what is compiled."""
+"""Print one line for each step of `pip install -v`, read from stdin: downloads and compiled files."""
 
 import re
 import sys
@@ -9,11 +9,11 @@ COMPILED = re.compile(r"(\[\d+/\d+\]) (?:.*CMakeFiles/[^/]*\.dir/)?(.*?)(?:\.o)?
 
 
 def step(line: str) -> str | None:
-    """What a line of pip's output says of the progress; None if nothing."""
+    """Return the progress reported by a line of pip's output, or None."""
     if download := DOWNLOAD.match(line):
         return f"fetching {download[1]} ({download[2]})"
     if line.startswith("Installing build dependencies: started"):
-        return "installing what the build needs"
+        return "installing the build requirements"
     if line.startswith("*** Configuring CMake"):
         return "configuring"
     if compiled := COMPILED.match(line):
@@ -25,5 +25,5 @@ def step(line: str) -> str | None:
 
 if __name__ == "__main__":
     for line in sys.stdin:
-        if told := step(line.strip()):
-            print(f"  {told}", flush=True)
+        if progress := step(line.strip()):
+            print(f"  {progress}", flush=True)

@@ -12,13 +12,13 @@ std::string joined(const SceneError& error) {
   return text;
 }
 
-fmi2Status say(Instance& instance, Category category, fmi2Status status, const char* function,
-               const std::string& what) noexcept {
+fmi2Status log_status(Instance& instance, Category category, fmi2Status status, const char* function,
+                      const std::string& what) noexcept {
   try {
-    instance.log().say(category, std::string(function) + ": " + what);
+    instance.log().write(category, std::string(function) + ": " + what);
     return status;
   } catch (...) {
-    return status;  // no memory for the sentence, or the master's logger threw: the status must do
+    return status;  // no memory for the message, or the master's logger threw
   }
 }
 
@@ -28,38 +28,39 @@ fmi2Status report_exception(Instance& instance, const char* function) noexcept {
   try {
     throw;
   } catch (const StepError& error) {
-    return say(instance, Category::discard, fmi2Discard, function, error.what());
+    return log_status(instance, Category::discard, fmi2Discard, function, error.what());
   } catch (const SceneError& error) {
-    return say(instance, Category::error, fmi2Error, function, joined(error));
+    return log_status(instance, Category::error, fmi2Error, function, joined(error));
   } catch (const AssemblyError& error) {
-    return say(instance, Category::error, fmi2Error, function, error.what());
+    return log_status(instance, Category::error, fmi2Error, function, error.what());
   } catch (const UsageError& error) {
-    return say(instance, Category::error, fmi2Error, function, error.what());
+    return log_status(instance, Category::error, fmi2Error, function, error.what());
   } catch (const std::invalid_argument& error) {
-    return say(instance, Category::error, fmi2Error, function, error.what());
+    return log_status(instance, Category::error, fmi2Error, function, error.what());
   } catch (const std::bad_alloc&) {
     return report_out_of_memory(instance, function);
   } catch (const std::exception& error) {
     instance.fail();
-    return say(instance, Category::error, fmi2Error, function,
-               std::string("fault of the FMU: ") + error.what() + "; reset or free the instance");
+    return log_status(instance, Category::error, fmi2Error, function,
+                      std::string("internal error of the FMU: ") + error.what() + "; reset or free the instance");
   } catch (...) {
     instance.fail();
-    return say(instance, Category::error, fmi2Error, function, "unknown fault of the FMU; reset or free the instance");
+    return log_status(instance, Category::error, fmi2Error, function,
+                      "unknown internal error of the FMU; reset or free the instance");
   }
 }
 
 fmi2Status report_out_of_memory(Instance& instance, const char* function) noexcept {
   instance.fail();
-  return say(instance, Category::error, fmi2Error, function, "no memory left; reset or free the instance");
+  return log_status(instance, Category::error, fmi2Error, function, "out of memory; reset or free the instance");
 }
 
 fmi2Status refuse(Instance& instance, const char* function, const std::string& why) {
-  return say(instance, Category::error, fmi2Error, function, why);
+  return log_status(instance, Category::error, fmi2Error, function, why);
 }
 
 fmi2Status discard(Instance& instance, const char* function, const std::string& why) {
-  return say(instance, Category::discard, fmi2Discard, function, why);
+  return log_status(instance, Category::discard, fmi2Discard, function, why);
 }
 
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept {
@@ -67,9 +68,9 @@ bool allowed(Instance& instance, const char* function, unsigned modes) noexcept 
   try {
     std::string where;
     for (unsigned bit = 1; bit <= static_cast<unsigned>(Mode::error); bit *= 2) {
-      if ((modes & bit) != 0) where += (where.empty() ? "" : " or ") + std::string(words(static_cast<Mode>(bit)));
+      if ((modes & bit) != 0) where += (where.empty() ? "" : " or ") + std::string(describe(static_cast<Mode>(bit)));
     }
-    refuse(instance, function, std::string("called ") + words(instance.mode()) + ", expected " + where);
+    refuse(instance, function, std::string("called ") + describe(instance.mode()) + ", expected " + where);
   } catch (...) {
     refuse(instance, function, {});
   }

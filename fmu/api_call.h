@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The edge between C and C++: every FMI function runs inside call(), which no exception leaves.
+// The interface between C and C++: every FMI function runs inside call(), which throws no exceptions.
 #pragma once
 
 #include <cstring>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "fmu/floats.h"
+#include "fmu/floating_point_guard.h"
 #include "fmu/instance.h"
 #include "fmu/memory.h"
 
@@ -17,25 +17,26 @@ namespace gelenk {
 inline constexpr unsigned any_mode = ~0U;
 inline constexpr unsigned before_steps = Mode::instantiated | Mode::initialization;
 inline constexpr unsigned between_steps = Mode::step_complete | Mode::step_failed;
-// Where values can be read: from assembly on.
+// Modes in which computed values can be read.
 inline constexpr unsigned assembled = between_steps | Mode::initialization | Mode::terminated;
 
-// Turns the exception in flight into a status and one log line. `function` is the FMI function's name.
+// Converts the current exception to a status and one log message. function: name of the FMI function.
 fmi2Status report_exception(Instance& instance, const char* function) noexcept;
 
-// The call was made, but with the last memory: the instance can only be reset or freed. Returns fmi2Error.
+// Logs that memory ran out; afterwards the instance can only be reset or freed. Returns fmi2Error.
 fmi2Status report_out_of_memory(Instance& instance, const char* function) noexcept;
 
-// Says why a call is refused; returns fmi2Error.
+// Logs why a call is invalid; returns fmi2Error.
 fmi2Status refuse(Instance& instance, const char* function, const std::string& why);
 
-// Says why there is nothing to tell; returns fmi2Discard.
+// Logs why a result does not exist; returns fmi2Discard.
 fmi2Status discard(Instance& instance, const char* function, const std::string& why);
 
-// Whether the instance is in one of the modes; if not, the log says what is wrong.
+// Whether the instance is in one of the modes; if not, logs an error.
 bool allowed(Instance& instance, const char* function, unsigned modes) noexcept;
 
-// An enumeration of C may hold any number, and reading one that is none of its items is undefined in C++.
+// The number of an enumeration item. C callers may pass any number, and reading one that is not an item is undefined
+// behavior in C++.
 template <class Enum>
 int number_of(const Enum& value) noexcept {
   static_assert(sizeof(Enum) == sizeof(int));
@@ -44,17 +45,18 @@ int number_of(const Enum& value) noexcept {
   return number;
 }
 
-// Runs body(instance) -> fmi2Status if the call is in order. A null component is an error without a word.
+// Runs body(instance) -> fmi2Status if the component is valid and in one of the modes. A null component gives fmi2Error
+// without a log message.
 template <class Body>
 fmi2Status call(fmi2Component component, const char* function, unsigned modes, Body&& body) noexcept {
   auto* instance = static_cast<Instance*>(component);
   if (instance == nullptr) return fmi2Error;
-  const PlainFloats floats;
+  const FloatingPointGuard floating_point;
   const MemoryReserve memory;
   if (!allowed(*instance, function, modes)) return fmi2Error;
   try {
     const fmi2Status status = std::forward<Body>(body)(*instance);
-    return status == fmi2OK && memory.drawn() ? report_out_of_memory(*instance, function) : status;
+    return status == fmi2OK && memory.was_used() ? report_out_of_memory(*instance, function) : status;
   } catch (...) {
     return report_exception(*instance, function);
   }

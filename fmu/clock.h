@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Communication points as counted steps: t = origin + n h. Masters sum their time, or multiply, or take differences,
-// each with its own rounding; the plant sees the same instants from all of them.
+// Communication points as counted steps, t = origin + n h. Masters compute their time by sums, products or differences,
+// with different rounding errors; this way the plant sees the same times from all of them.
 #pragma once
 
 #include <algorithm>
@@ -13,24 +13,24 @@ namespace gelenk {
 
 class Clock {
  public:
-  // The next step begins at `time` [s], and so does the count.
+  // Restarts the count at `time` [s], the start of the next step.
   void start(double time) {
     *this = {};
     end_ = time;
   }
 
-  // Whether a step of size h may begin at the master's time `current`: where the last one ended, up to the rounding
-  // of the two clocks: 1e-9 of a step, and 16 units in the last place.
-  bool meets(double current, double h) const {
+  // Whether a step of size h may begin at the master's time `current`, that is, at the end of the last one up to
+  // rounding errors: 1e-9 of a step plus 16 units in the last place.
+  bool continues_at(double current, double h) const {
     const double ulp = std::numeric_limits<double>::epsilon() * std::max(std::abs(current), std::abs(end_));
     return std::abs(current - end_) <= 1e-9 * h + 16 * ulp;
   }
 
-  // Where that step ends [s]; to be called for steps that meet.
+  // Makes this step and returns its end [s]. Requires continues_at(current, h).
   double step(double current, double h) {
     const double counted = origin_ + (count_ + 1) * size_;
-    const bool same = std::abs(h - size_) <= 1e-9 * h && std::abs(counted - (current + h)) <= 1e-9 * h;
-    if (!same) {
+    const bool continues_count = std::abs(h - size_) <= 1e-9 * h && std::abs(counted - (current + h)) <= 1e-9 * h;
+    if (!continues_count) {
       origin_ = current;
       count_ = 0;
       size_ = h;
@@ -48,7 +48,7 @@ class Clock {
  private:
   double origin_ = 0;
   double size_ = std::numeric_limits<double>::quiet_NaN();
-  double count_ = 0;  // whole
+  double count_ = 0;  // an integer
   double end_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of outputs and states, by states and inputs and by time.
+// Derivatives of outputs and states with respect to states, inputs and time.
 #include "fmu/runtime/plant_derivatives.h"
 
 #include "fmu/api_call.h"
@@ -7,10 +7,10 @@
 namespace gelenk {
 namespace {
 
-// Throws for a list that is not there.
+// Throws for a missing list.
 void expect(const char* what, size_t count, const void* list) {
   if (count > 0 && list == nullptr) {
-    throw UsageError(std::string(what) + ": found nothing, expected " + std::to_string(count) + " of them");
+    throw UsageError(std::string(what) + ": found a null pointer, expected an array of " + std::to_string(count));
   }
 }
 
@@ -46,7 +46,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
   });
 }
 
-// FMI wants these after steps only; Maestro asks for them in initialization mode, where they are known, too.
+// FMI permits this call only after steps; Maestro also makes it in initialization mode, where the values are known,
+// too.
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
   return gelenk::differentiate(c, "fmi2GetRealOutputDerivatives", gelenk::assembled, [&](Plant& plant) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A library linked here would ask for the glibc of this machine or newer, for a handful of symbols of which older
-// versions do the same. Those are asked for instead, so that the FMU loads wherever docs/fmu.md says. The linker leads
-// the calls to the __wrap_ functions (cmake/GelenkFmu.cmake names them).
+// A library linked on this machine would require its glibc or a newer one, because of a few symbols whose older
+// versions do the same. Here the older versions are requested instead, so that the FMU loads on all systems named in
+// docs/fmu.md. The linker redirects the calls to the __wrap_ functions (listed in cmake/GelenkFmu.cmake).
 #include <cstddef>
 
 #if defined(__x86_64__) && defined(__GLIBC__)
@@ -10,15 +10,15 @@
 #include <pthread.h>
 #include <sys/stat.h>
 
-// Every symbol of the first glibc for x86-64 has this version.
+// The version of all symbols of the first glibc for x86-64.
 #define GELENK_FIRST(function) __asm__(".symver first_" #function "," #function "@GLIBC_2.2.5")
 
-// The names are the linker's and glibc's.
+// The names are those of the linker and glibc.
 // NOLINTBEGIN(bugprone-reserved-identifier,performance-no-int-to-ptr)
 extern "C" {
 
-// 2.29, 2.35 and 2.38 brought versions of these that leave out a variant of error handling nobody asks for; the numbers
-// are computed by the same code.
+// glibc 2.29, 2.35 and 2.38 introduced versions of these without an obsolete variant of error handling; the results are
+// computed by the same code.
 #define GELENK_REAL(function)        \
   GELENK_FIRST(function);            \
   double first_##function(double x); \
@@ -35,17 +35,17 @@ GELENK_REAL_2(pow)
 GELENK_REAL_2(hypot)
 GELENK_REAL_2(fmod)
 
-// 2.33 made functions of what had been inline code in programs around these.
+// glibc 2.33 introduced functions for what had been inline code around these.
 GELENK_FIRST(__xstat);
 GELENK_FIRST(__fxstat);
 int first___xstat(int version, const char* path, struct stat* found);
 int first___fxstat(int version, int file, struct stat* found);
-constexpr int stat_version = 1;  // of struct stat on x86-64, of which stat64 is another name
+constexpr int stat_version = 1;  // of struct stat on x86-64, which is the same as stat64
 
 int __wrap_stat(const char* path, struct stat* found) { return first___xstat(stat_version, path, found); }
 int __wrap_fstat64(int file, struct stat* found) { return first___fxstat(stat_version, file, found); }
 
-// 2.34 moved these from libpthread into libc.
+// glibc 2.34 moved these from libpthread to libc.
 GELENK_FIRST(pthread_once);
 GELENK_FIRST(__pthread_key_create);
 int first_pthread_once(pthread_once_t* once, void (*function)());
@@ -57,13 +57,14 @@ int __wrap___pthread_key_create(pthread_key_t* key, void (*destroy)(void*)) {
 }
 
 #if __GLIBC_PREREQ(2, 32)
-// Whether counters shared by threads may be counted without locks: the host may start a thread at any time.
+// Always false: whether reference counts may be changed without atomic operations. The host may start threads at any
+// time.
 extern char __libc_single_threaded;
 char __libc_single_threaded = 0;
 #endif
 
 #if __GLIBC_PREREQ(2, 35)
-// Finds the tables that exceptions unwind by, as was done before 2.35 had a function for it.
+// Finds the unwind tables of exceptions, for which glibc has a function since 2.35.
 int _dl_find_object(void* address, struct dl_find_object* result) noexcept {
   struct Search {
     ElfW(Addr) address;

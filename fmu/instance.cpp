@@ -19,7 +19,7 @@ std::string seconds(double t) { return "t = " + text::number(t) + " s"; }
 
 }  // namespace
 
-const char* words(Mode mode) {
+const char* describe(Mode mode) {
   switch (mode) {
     case Mode::instantiated:
       return "before fmi2EnterInitializationMode";
@@ -34,7 +34,7 @@ const char* words(Mode mode) {
     case Mode::error:
       break;
   }
-  return "after a fault of the FMU";
+  return "after an internal error of the FMU";
 }
 
 Instance::Instance(std::shared_ptr<const PlantModel> model, Log log)
@@ -60,8 +60,8 @@ void Instance::exit_initialization() {
   plant_.assemble();
   clock_.start(plant_.time());
   const std::string report = plant_.assembly_report();
-  if (!report.empty()) log_.say(Category::events, report);
-  for (const std::string& warning : plant_.start_warnings()) log_.say(Category::warning, warning);
+  if (!report.empty()) log_.write(Category::events, report);
+  for (const std::string& warning : plant_.start_warnings()) log_.write(Category::warning, warning);
   enter(Mode::step_complete);
 }
 
@@ -81,35 +81,35 @@ void Instance::step(double current, double h) {
   if (!(std::isfinite(h) && h > 0)) {
     throw UsageError("communication step: found " + text::number(h) + " s, expected a positive, finite number");
   }
-  if (!clock_.meets(current, h)) {
-    throw UsageError("communication point: found " + seconds(current) + ", but the plant stands at " +
+  if (!clock_.continues_at(current, h)) {
+    throw UsageError("communication point: found " + seconds(current) + ", but the plant is at " +
                      seconds(clock_.end()) +
-                     (current < clock_.end() ? " and cannot go back" : "; steps must follow each other without a gap"));
+                     (current < clock_.end() ? " and cannot go back" : "; steps must be contiguous"));
   }
   if (current + h == current) {
     throw UsageError("communication step: found " + text::number(h) + " s, too small to change " + seconds(current));
   }
-  // A millionth of a step for the master's rounding.
+  // A millionth of a step allows for rounding by the master.
   if (current + h > stop_ + 1e-6 * h) {
-    throw UsageError("communication step: found one to " + seconds(current + h) + ", past the stop time " +
+    throw UsageError("communication step: found one to " + seconds(current + h) + ", beyond the stop time " +
                      text::number(stop_) + " s of fmi2SetupExperiment");
   }
   Clock next = clock_;
-  const long passages = plant_.count(Diagnostic::singular_positions);
+  const long crossings = plant_.count(Diagnostic::singular_positions);
   try {
     plant_.step_to(std::max(next.step(current, h), plant_.time()));
   } catch (const StepBudgetError&) {
-    left_at_plant_time(false);
+    fail_step(false);
     throw;
   } catch (const StepError&) {
-    left_at_plant_time(true);
+    fail_step(true);
     throw;
   }
   clock_ = next;
   mode_ = Mode::step_complete;
-  if (!log_.listens(Category::events) && plant_.count(Diagnostic::singular_positions) == passages) return;
+  if (!log_.is_enabled(Category::events) && plant_.count(Diagnostic::singular_positions) == crossings) return;
   for (const EventReport& event : plant_.events()) {
-    log_.say(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
+    log_.write(event.is_doubtful ? Category::warning : Category::events, describe_event(event));
   }
 }
 
@@ -120,9 +120,9 @@ SavedState* Instance::save() {
 }
 
 SavedState* Instance::adopt(std::unique_ptr<SavedState> state) {
-  SavedState* plain = state.get();
-  states_.emplace(plain, std::move(state));
-  return plain;
+  SavedState* adopted = state.get();
+  states_.emplace(adopted, std::move(state));
+  return adopted;
 }
 
 SavedState* Instance::find(fmi2FMUstate state) const {
@@ -131,7 +131,7 @@ SavedState* Instance::find(fmi2FMUstate state) const {
 }
 
 void Instance::restore(SavedState& state) {
-  if (mode_ == Mode::error) plant_ = Plant(model_);  // nothing of it can be relied on
+  if (mode_ == Mode::error) plant_ = Plant(model_);  // its members may be inconsistent
   if (state.own) return read(state.archive);
   Archive before;
   write(before);
@@ -165,7 +165,7 @@ void Instance::serialize(Archive& archive) {
   mode_ = static_cast<Mode>(1U << static_cast<unsigned>(bit));
 }
 
-void Instance::left_at_plant_time(bool stuck) {
+void Instance::fail_step(bool stuck) {
   clock_.start(plant_.time());
   mode_ = Mode::step_failed;
   stuck_ = stuck;
@@ -173,7 +173,7 @@ void Instance::left_at_plant_time(bool stuck) {
 
 void Instance::enter(Mode mode) {
   mode_ = mode;
-  log_.say(Category::events, log_.instance_name() + " is now " + words(mode));
+  log_.write(Category::events, log_.instance_name() + " is now " + describe(mode));
 }
 
 }  // namespace gelenk

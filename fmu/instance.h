@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instance: what stands behind an fmi2Component. Knows in which mode it is and what it has told the master.
+// Instance: the implementation of an fmi2Component, with its mode in the FMI state machine.
 #pragma once
 
 #include <map>
@@ -15,20 +15,20 @@
 
 namespace gelenk {
 
-// FMI 2.0, section 4.2.4 (state machine of a slave); bits, so that calls can name the modes they are allowed in.
+// State machine of a slave, FMI 2.0, section 4.2.4. Bits, so that sets of modes can be formed.
 enum class Mode : unsigned {
   instantiated = 1,
   initialization = 2,
   step_complete = 4,
-  step_failed = 8,  // a step was discarded: the plant stands at the time reached and can go on from there
+  step_failed = 8,  // a step was discarded: the plant is at the time reached and can continue from there
   terminated = 16,
-  error = 32,  // a fault of our own: only reset and free are left
+  error = 32,  // internal error: only reset and free are allowed
 };
 constexpr unsigned operator|(Mode a, Mode b) { return static_cast<unsigned>(a) | static_cast<unsigned>(b); }
 constexpr unsigned operator|(unsigned a, Mode b) { return a | static_cast<unsigned>(b); }
 
-// "in initialization mode": completes "fmi2DoStep was called ...".
-const char* words(Mode mode);
+// A phrase such as "in initialization mode", which completes "fmi2DoStep: called ...".
+const char* describe(Mode mode);
 
 class Instance {
  public:
@@ -38,7 +38,7 @@ class Instance {
   Log& log() { return log_; }
   Plant& plant() { return plant_; }
 
-  // The calls of the state machine; the caller has checked the mode. They throw what Plant throws.
+  // Transitions of the state machine; the caller has checked the mode. They throw what Plant throws.
   void setup_experiment(std::optional<double> tolerance, double start, std::optional<double> stop);
   void enter_initialization();
   void exit_initialization();
@@ -46,17 +46,18 @@ class Instance {
   void reset();
   void fail() { mode_ = Mode::error; }
 
-  // Advances by h > 0 from the master's time. Throws StepError (then in step_failed) and UsageError (no change).
+  // Advances from the master's time `current` by h > 0 [s]. Throws StepError (the mode is then step_failed) and
+  // UsageError (no change).
   void step(double current, double h);
-  // Whether the last step failed where trying again helps only with other inputs.
+  // Whether the last step failed such that a retry can only succeed with other inputs.
   bool stuck() const { return mode_ == Mode::step_failed && stuck_; }
 
-  // FMU states belong to the instance that made them, and are gone with it.
+  // FMU states belong to the instance that created them and are freed with it.
   SavedState* save();
-  void save(SavedState& over) { write(over.archive); }
-  // Null: this is none of this instance's.
+  void save(SavedState& state) { write(state.archive); }
+  // Returns null for a state that does not belong to this instance.
   SavedState* find(fmi2FMUstate state) const;
-  // Throws what Plant::serialize throws, and stays as it was.
+  // Throws what Plant::serialize throws; the instance is then unchanged.
   void restore(SavedState& state);
   SavedState* adopt(std::unique_ptr<SavedState> state);
   void free(SavedState* state) { states_.erase(state); }
@@ -65,7 +66,7 @@ class Instance {
   void write(Archive& archive);
   void read(Archive& archive);
   void serialize(Archive& archive);
-  void left_at_plant_time(bool stuck);
+  void fail_step(bool stuck);
   void enter(Mode mode);
 
   std::shared_ptr<const PlantModel> model_;
@@ -73,8 +74,8 @@ class Instance {
   Plant plant_;
   Clock clock_;
   Mode mode_ = Mode::instantiated;
-  bool stuck_ = false;  // of step_failed: see stuck()
-  double stop_;         // s; infinite: none given
+  bool stuck_ = false;  // in mode step_failed: see stuck()
+  double stop_;         // stop time [s]; infinite: none given
   std::map<const void*, std::unique_ptr<SavedState>> states_;
 };
 

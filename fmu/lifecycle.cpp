@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instances come, change their mode, and go.
+// Creation and deletion of instances, and changes of their mode.
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -14,7 +14,7 @@
 namespace gelenk {
 namespace {
 
-// In UTF-8, on every system.
+// The path as UTF-8, on every system.
 std::string text_of(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
@@ -25,7 +25,7 @@ struct Closing {
 };
 using File = std::unique_ptr<std::FILE, Closing>;
 
-// Programs that the host starts meanwhile do not inherit it.
+// Opens a file such that processes started by the host do not inherit its handle.
 File open_to_read(const std::filesystem::path& path) {
 #ifdef _WIN32
   return File(_wfopen(path.c_str(), L"rbN"));
@@ -48,41 +48,42 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 std::shared_ptr<const PlantModel> load(const char* location, const std::string& guid) {
-  if (location == nullptr) throw UsageError("resource location: found nothing, expected the FMU's resources directory");
+  if (location == nullptr)
+    throw UsageError("resource location: found a null pointer, expected the FMU's resources directory");
   const std::filesystem::path path = directory_of_uri(location) / "scene.json";
   const std::string json = read_file(path);
   auto model = std::make_shared<const PlantModel>(json, text_of(path));
   if (guid != model->guid) {
     throw UsageError("GUID: found '" + guid + "', expected '" + model->guid +
-                     "'; modelDescription.xml, resources/scene.json and the binary are not of one export");
+                     "'; modelDescription.xml, resources/scene.json and the binary are not from the same export");
   }
   return model;
 }
 
 std::string refusal(fmi2Type type, const char* guid) {
   if (number_of(type) != fmi2CoSimulation)
-    return "found a wish for model exchange, expected co-simulation: this FMU has no other";
-  if (guid == nullptr) return "GUID: found nothing, expected the one in modelDescription.xml";
+    return "type: found model exchange, expected co-simulation, the only type that this FMU supports";
+  if (guid == nullptr) return "GUID: found a null pointer, expected the one in modelDescription.xml";
   return {};
 }
 
 fmi2Component instantiate(const Log& log, fmi2Type type, const char* guid, const char* location) {
   std::string why;
   try {
-    if (log.instance_name().empty()) throw UsageError("instance name: found nothing, expected a name");
+    if (log.instance_name().empty()) throw UsageError("instance name: found none, expected a nonempty string");
     why = refusal(type, guid);
     if (why.empty()) {
       const MemoryReserve memory;
       auto instance = std::make_unique<Instance>(load(location, guid), log);
-      if (!memory.drawn()) return instance.release();
-      why = "no memory left";
+      if (!memory.was_used()) return instance.release();
+      why = "out of memory";
     }
   } catch (const SceneError& error) {
     for (const std::string& line : error.lines()) why += (why.empty() ? "" : "; ") + line;
   } catch (const std::exception& error) {
     why = error.what();
   }
-  log.say(Category::error, "fmi2Instantiate: " + why);
+  log.write(Category::error, "fmi2Instantiate: " + why);
   return nullptr;
 }
 
@@ -101,12 +102,12 @@ const char* fmi2GetVersion() { return "2.0"; }
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions* functions,
                               fmi2Boolean /*visible*/, fmi2Boolean loggingOn) {
-  const gelenk::PlainFloats floats;
+  const gelenk::FloatingPointGuard floating_point;
   try {
     return gelenk::instantiate(
         gelenk::Log(functions, instanceName != nullptr ? instanceName : "", loggingOn != fmi2False), fmuType, fmuGUID,
         fmuResourceLocation);
-  } catch (...) {  // no memory even for a sentence
+  } catch (...) {  // no memory even for a message
     return nullptr;
   }
 }
@@ -118,7 +119,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
   return gelenk::call(c, "fmi2SetDebugLogging", gelenk::any_mode, [&](Instance& instance) {
     if (nCategories > 0 && categories == nullptr) {
       return gelenk::refuse(instance, "fmi2SetDebugLogging",
-                            "categories: found nothing, expected " + std::to_string(nCategories) + " names");
+                            "categories: found a null pointer, expected an array of " + std::to_string(nCategories));
     }
     const char* unknown = instance.log().select(loggingOn != fmi2False, nCategories, categories);
     if (unknown == nullptr) return fmi2OK;

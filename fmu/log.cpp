@@ -21,8 +21,8 @@ fmi2Status status_of(Category category) {
   return fmi2OK;
 }
 
-// Bytes of the UTF-8 character at the beginning of a text that is not empty; 0: there is none.
-std::size_t character(std::string_view text) {
+// Length in bytes of the UTF-8 character at the beginning of a nonempty text; 0: not UTF-8.
+std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);
   if (first < 0x80) return 1;
@@ -63,17 +63,17 @@ const char* Log::select(bool on, std::size_t count, const fmi2String names[]) {
   return nullptr;
 }
 
-void Log::say(Category category, std::string_view sentence) const {
+void Log::write(Category category, std::string_view message) const {
   const auto c = static_cast<std::size_t>(category);
   if (logger_ == nullptr || !on_[c]) return;
-  const std::string format = as_format(sentence);
+  const std::string format = as_format(message);
   logger_(environment_, name_.c_str(), status_of(category), log_categories[c].name, format.c_str());
 }
 
 std::string as_format(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = character(text.substr(i));
+    const std::size_t length = character_length(text.substr(i));
     if (length == 0 || static_cast<unsigned char>(text[i]) < ' ') {
       out += length == 0 ? '?' : ' ';
       ++i;

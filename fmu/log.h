@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an instance says to its master: one finished sentence at a time.
+// Log messages of an instance to its master.
 #pragma once
 
 #include <array>
@@ -13,19 +13,19 @@ namespace gelenk {
 
 class Log {
  public:
-  // callbacks may be null, and so may its logger: then nothing is said.
+  // callbacks may be null, and so may its logger: then nothing is logged.
   Log(const fmi2CallbackFunctions* callbacks, std::string instance_name, bool events);
 
   // The name given at instantiation.
   const std::string& instance_name() const { return name_; }
 
-  // All categories on or off, or those named on and the others off. Returns the first name that is unknown, else
-  // null; nothing is changed then.
+  // Switches all categories on or off or, with names, those on and the others off. Returns null or, without any change,
+  // the first unknown name.
   const char* select(bool on, std::size_t count, const fmi2String names[]);
 
-  bool listens(Category category) const { return logger_ != nullptr && on_[static_cast<std::size_t>(category)]; }
+  bool is_enabled(Category category) const { return logger_ != nullptr && on_[static_cast<std::size_t>(category)]; }
   // Throws std::bad_alloc.
-  void say(Category category, std::string_view sentence) const;
+  void write(Category category, std::string_view message) const;
 
  private:
   static constexpr std::size_t n = log_categories.size();
@@ -35,8 +35,8 @@ class Log {
   std::array<bool, n> on_{};
 };
 
-// The text as printf prints it back, each % doubled, since loggers take the message for a format; on one line, and in
-// UTF-8, as strings of FMI are: other bytes (of a damaged file) become question marks.
+// The text as a printf format: % is doubled, since loggers interpret messages as formats, control characters become
+// spaces, and bytes that are not UTF-8 (of a damaged file) question marks.
 std::string as_format(std::string_view text);
 
 }  // namespace gelenk

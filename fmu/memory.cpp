@@ -14,7 +14,7 @@
 namespace gelenk {
 namespace {
 
-// std::mutex is no constant on every system, and malloc is called before there are constructors.
+// std::mutex is not constant-initialized on every system, and malloc is called before constructors run.
 class SpinLock {
  public:
   void lock() noexcept {
@@ -26,7 +26,7 @@ class SpinLock {
   std::atomic_flag flag_;
 };
 
-// Blocks one behind the other; room comes back from the last one, and when none is left.
+// A stack of blocks: memory is reclaimed when the last block or all blocks are freed.
 class Store {
  public:
   void* take(std::size_t n) noexcept {
@@ -40,16 +40,16 @@ class Store {
     return bytes_.data() + last_;
   }
 
-  // Bytes from a block of ours to the end of what is taken; 0: not from here.
-  std::size_t room_of(const void* block) noexcept {
+  // Number of bytes from a block to the end of the used part; 0: the block is not from this store.
+  std::size_t size_bound(const void* block) noexcept {
     const auto* at = static_cast<const std::byte*>(block);
     if (!is_mine(at)) return 0;
     const std::scoped_lock lock(lock_);
     return static_cast<std::size_t>(bytes_.data() + used_ - at);
   }
 
-  // False: not from here.
-  bool give_back(const void* block) noexcept {
+  // Returns false if the block is not from this store.
+  bool release(const void* block) noexcept {
     const auto* at = static_cast<const std::byte*>(block);
     if (!is_mine(at)) return false;
     const std::scoped_lock lock(lock_);
@@ -63,7 +63,7 @@ class Store {
     return !std::less<>()(at, bytes_.data()) && std::less<>()(at, bytes_.data() + bytes_.size());
   }
 
-  // Pages that nobody touches cost nothing.
+  // Pages that are never touched take no physical memory.
   alignas(std::max_align_t) std::array<std::byte, std::size_t{16} << 20U> bytes_{};
   std::size_t used_ = 0, last_ = 0, blocks_ = 0;
   SpinLock lock_;
@@ -71,34 +71,34 @@ class Store {
 
 constinit Store store;
 constinit thread_local bool open = false;
-constinit thread_local bool drawn_upon = false;
+constinit thread_local bool reserve_used = false;
 
 void* from_reserve(std::size_t n) noexcept {
   void* block = open ? store.take(n) : nullptr;
-  if (block != nullptr) drawn_upon = true;
+  if (block != nullptr) reserve_used = true;
   return block;
 }
 
 }  // namespace
 
-MemoryReserve::MemoryReserve() : open_before_(open), drawn_before_(drawn_upon) {
+MemoryReserve::MemoryReserve() : open_before_(open), used_before_(reserve_used) {
   open = true;
-  drawn_upon = false;
+  reserve_used = false;
 }
 
 MemoryReserve::~MemoryReserve() {
   open = open_before_;
-  drawn_upon = drawn_before_;
+  reserve_used = used_before_;
 }
 
-bool MemoryReserve::drawn() const { return drawn_upon; }
+bool MemoryReserve::was_used() const { return reserve_used; }
 
 }  // namespace gelenk
 
 // The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 
-// The linker (cmake/GelenkTargets.cmake) leads all calls of the library, of what it contains too, to these.
+// The linker (cmake/GelenkFmu.cmake) redirects all calls in the library, including its static dependencies, to these.
 void* __real_malloc(std::size_t n);
 void* __real_calloc(std::size_t count, std::size_t n);
 void* __real_realloc(void* block, std::size_t n);
@@ -117,20 +117,20 @@ void* __wrap_calloc(std::size_t count, std::size_t n) {
 }
 
 void* __wrap_realloc(void* block, std::size_t n) {
-  const std::size_t room = gelenk::store.room_of(block);
+  const std::size_t room = gelenk::store.size_bound(block);
   if (room == 0) {
-    // What was there cannot be measured, so it cannot move to the reserve.
+    // The size of the block is unknown, so it cannot be moved to the reserve.
     return __real_realloc(block, n);
   }
   void* other = __wrap_malloc(n);
   if (other == nullptr) return nullptr;
   std::memcpy(other, block, std::min(n, room));
-  gelenk::store.give_back(block);
+  gelenk::store.release(block);
   return other;
 }
 
 void __wrap_free(void* block) {
-  if (!gelenk::store.give_back(block)) __real_free(block);
+  if (!gelenk::store.release(block)) __real_free(block);
 }
 
 }  // extern "C"

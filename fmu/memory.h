@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happens when memory runs out: memory.cpp stands before malloc.
+// Behavior when memory runs out; memory.cpp wraps malloc.
 #pragma once
 
 namespace gelenk {
 
-// While it lives, this thread gets from a reserve what malloc refuses, and the call that noticed nothing is refused at
-// its end: some destructors ask for memory themselves (those of the JSON library list what they hold), and an
-// exception out of one would end the host's process; SUNDIALS does not survive what it could make by half only. With
-// the reserve used up, allocations fail as usual.
+// During its lifetime, if malloc fails, this thread gets memory from a reserve, and the FMI call returns an error at
+// its end. Otherwise allocation failures could not be handled: some destructors allocate (those of the JSON library
+// list their contents), where an exception would terminate the host's process, and SUNDIALS does not survive partly
+// created objects. If the reserve is exhausted, allocations fail as usual.
 class MemoryReserve {
  public:
   MemoryReserve();
@@ -15,11 +15,11 @@ class MemoryReserve {
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  // Something came from the reserve.
-  bool drawn() const;
+  // Whether memory was taken from the reserve.
+  bool was_used() const;
 
  private:
-  bool open_before_, drawn_before_;  // of a call around this one: a logger may call
+  bool open_before_, used_before_;  // of an enclosing call: a logger may call FMI functions
 };
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Functions of FMI 2.0 that belong to model serialize.
+// The functions of FMI 2.0 for model exchange, which this FMU does not support.
 #include "fmu/api_call.h"
 
 namespace gelenk {
@@ -7,7 +7,7 @@ namespace {
 
 fmi2Status model_exchange_only(fmi2Component c, const char* function) noexcept {
   return call(c, function, any_mode, [&](Instance& instance) {
-    return refuse(instance, function, "belongs to model exchange; this FMU is for co-simulation");
+    return refuse(instance, function, "is a function for model exchange; this FMU is for co-simulation");
   });
 }
 

@@ -13,23 +13,23 @@
 namespace gelenk {
 namespace {
 
-constexpr std::uint64_t mark = 0x65746174734b4c47;  // "GLKstate", if the byte order is this machine's
-constexpr std::uint64_t version = 1;                // of the layout, here and of what the classes write
+constexpr std::uint64_t magic = 0x65746174734b4c47;  // "GLKstate" in this machine's byte order
+constexpr std::uint64_t version = 1;                 // of the layout of the header and of the archive
 constexpr std::size_t guid_length = 36;
 
-struct Head {
-  std::uint64_t mark, version;
-  std::array<char, 40> guid;  // zeros behind it
-  std::uint64_t words;        // of the record
+struct Header {
+  std::uint64_t magic, version;
+  std::array<char, 40> guid;  // padded with zeros
+  std::uint64_t words;        // of the archive
 };
 
-Head head_of(std::string_view guid, std::size_t words) {
-  Head head{mark, version, {}, words};
-  std::copy_n(guid.begin(), std::min(guid.size(), guid_length), head.guid.begin());
-  return head;
+Header header_of(std::string_view guid, std::size_t words) {
+  Header header{magic, version, {}, words};
+  std::copy_n(guid.begin(), std::min(guid.size(), guid_length), header.guid.begin());
+  return header;
 }
 
-constexpr std::size_t frame = sizeof(Head) + sizeof(std::uint64_t);  // head and checksum
+constexpr std::size_t overhead = sizeof(Header) + sizeof(std::uint64_t);  // header and checksum
 
 [[noreturn]] void refuse(const std::string& found, const std::string& expected) {
   throw std::invalid_argument("found " + found + ", expected " + expected);
@@ -38,44 +38,44 @@ constexpr std::size_t frame = sizeof(Head) + sizeof(std::uint64_t);  // head and
 }  // namespace
 
 std::size_t serialized_size(const SavedState& state) {
-  return frame + state.archive.words().size() * sizeof(std::uint64_t);
+  return overhead + state.archive.words().size() * sizeof(std::uint64_t);
 }
 
 void serialize(const SavedState& state, std::string_view guid, std::span<char> bytes) {
   const std::vector<std::uint64_t>& words = state.archive.words();
-  const Head head = head_of(guid, words.size());
+  const Header header = header_of(guid, words.size());
   const std::size_t length = words.size() * sizeof(std::uint64_t);
-  std::memcpy(bytes.data(), &head, sizeof head);
-  if (length > 0) std::memcpy(bytes.data() + sizeof head, words.data(), length);
-  const std::uint64_t sum = checksum({bytes.data(), sizeof head + length});
-  std::memcpy(bytes.data() + sizeof head + length, &sum, sizeof sum);
+  std::memcpy(bytes.data(), &header, sizeof header);
+  if (length > 0) std::memcpy(bytes.data() + sizeof header, words.data(), length);
+  const std::uint64_t sum = checksum({bytes.data(), sizeof header + length});
+  std::memcpy(bytes.data() + sizeof header + length, &sum, sizeof sum);
 }
 
 std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes) {
-  if (bytes.size() < frame) {
-    refuse(std::to_string(bytes.size()) + " bytes", "at least " + std::to_string(frame));
+  if (bytes.size() < overhead) {
+    refuse(std::to_string(bytes.size()) + " bytes", "at least " + std::to_string(overhead));
   }
-  Head head{};
-  std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.mark != mark) refuse("bytes that are no state of a plant", "those of fmi2SerializeFMUstate");
-  if (head.version != version) {
-    refuse("a state of layout " + std::to_string(head.version), "layout " + std::to_string(version));
+  Header header{};
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic != magic) refuse("bytes that are not a saved state", "bytes written by fmi2SerializeFMUstate");
+  if (header.version != version) {
+    refuse("a state of layout " + std::to_string(header.version), "layout " + std::to_string(version));
   }
-  const std::string_view found(head.guid.data(), guid_length);
+  const std::string_view found(header.guid.data(), guid_length);
   if (found != guid) {
     refuse("a state of another FMU, whose GUID is '" + std::string(found) + "'", "'" + std::string(guid) + "'");
   }
-  const std::size_t length = bytes.size() - frame;
-  if (length % sizeof(std::uint64_t) != 0 || head.words != length / sizeof(std::uint64_t)) {
-    refuse(std::to_string(bytes.size()) + " bytes", "as many as fmi2SerializedFMUstateSize told");
+  const std::size_t length = bytes.size() - overhead;
+  if (length % sizeof(std::uint64_t) != 0 || header.words != length / sizeof(std::uint64_t)) {
+    refuse(std::to_string(bytes.size()) + " bytes", "the number returned by fmi2SerializedFMUstateSize");
   }
   std::uint64_t sum = 0;
-  std::memcpy(&sum, bytes.data() + sizeof head + length, sizeof sum);
-  if (sum != checksum({bytes.data(), sizeof head + length})) {
-    refuse("a state whose checksum is wrong", "it as it was written");
+  std::memcpy(&sum, bytes.data() + sizeof header + length, sizeof sum);
+  if (sum != checksum({bytes.data(), sizeof header + length})) {
+    refuse("a state with a wrong checksum", "the state as it was written");
   }
-  std::vector<std::uint64_t> words(head.words);
-  if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof head, length);
+  std::vector<std::uint64_t> words(header.words);
+  if (length > 0) std::memcpy(words.data(), bytes.data() + sizeof header, length);
   return std::make_unique<SavedState>(SavedState{Archive(std::move(words)), false});
 }
 

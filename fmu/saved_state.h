@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands behind an fmi2FMUstate, and how it travels between processes.
+// The implementation of an fmi2FMUstate, and its serialization for other processes.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@ namespace gelenk {
 
 struct SavedState {
   Archive archive;
-  bool own = true;  // this instance wrote it, or has gone on from it once; otherwise it came from outside
+  bool own = true;  // whether this instance wrote it or has already restored it; otherwise it was deserialized
 };
 
-// Bytes of a state: a head (a mark, the layout's version, the plant's fingerprint, the length), the record's words in
-// the machine's byte order, a checksum of all before. For instances of the same FMU and build.
+// Number of bytes of a serialized state: header (magic number, version of the layout, GUID, length), the words of the
+// archive in the machine's byte order, and a checksum. Only for instances of the same FMU and build.
 std::size_t serialized_size(const SavedState& state);
 
-// bytes: serialized_size() of them. guid: of the FMU; it covers scene and version.
+// Serializes a state. bytes: serialized_size(state) bytes. guid: that of the FMU, which identifies scene and version.
 void serialize(const SavedState& state, std::string_view guid, std::span<char> bytes);
 
-// Throws std::invalid_argument, saying what was found and what is expected.
+// Throws std::invalid_argument with what was found and what is expected.
 std::unique_ptr<SavedState> deserialize(std::string_view guid, std::span<const char> bytes);
 
 }  // namespace gelenk

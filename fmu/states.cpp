@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// FMU states: taken, gone back to, given away as bytes.
+// FMU states: saving, restoring, serialization.
 #include "fmu/api_call.h"
 
 namespace gelenk {
@@ -12,15 +12,15 @@ fmi2Status with_state(fmi2Component c, const char* function, unsigned modes, fmi
     SavedState* found = instance.find(state);
     if (found == nullptr) {
       return refuse(instance, function,
-                    std::string("FMU state: found ") + (state == nullptr ? "nothing" : "one that is not there") +
-                        ", expected one that this instance has made and not freed");
+                    std::string("FMU state: found ") + (state == nullptr ? "a null pointer" : "an unknown one") +
+                        ", expected one that this instance has created and not freed");
     }
     return body(instance, *found);
   });
 }
 
-fmi2Status no_room(Instance& instance, const char* function, const char* what) {
-  return refuse(instance, function, std::string(what) + ": found nothing, expected where to write it");
+fmi2Status refuse_null_pointer(Instance& instance, const char* function, const char* what) {
+  return refuse(instance, function, std::string(what) + ": found a null pointer, expected a place for the result");
 }
 
 }  // namespace
@@ -32,24 +32,24 @@ using gelenk::SavedState;
 
 namespace {
 
-// A fault's traces are not to be kept; going back is a way out of it.
-constexpr unsigned sound = gelenk::assembled | Mode::instantiated;
+// After an internal error the state must not be saved, but a saved one may be restored.
+constexpr unsigned savable_modes = gelenk::assembled | Mode::instantiated;
 
 }  // namespace
 
 extern "C" {
 
-// With a state given it is written over, and its memory used again.
+// If a state is given, it is overwritten and its memory reused.
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* FMUstate) {
   constexpr const char* name = "fmi2GetFMUstate";
   if (FMUstate != nullptr && *FMUstate != nullptr) {
-    return gelenk::with_state(c, name, sound, *FMUstate, [](Instance& instance, SavedState& state) {
+    return gelenk::with_state(c, name, savable_modes, *FMUstate, [](Instance& instance, SavedState& state) {
       instance.save(state);
       return fmi2OK;
     });
   }
-  return gelenk::call(c, name, sound, [&](Instance& instance) {
-    if (FMUstate == nullptr) return gelenk::no_room(instance, name, "FMU state");
+  return gelenk::call(c, name, savable_modes, [&](Instance& instance) {
+    if (FMUstate == nullptr) return gelenk::refuse_null_pointer(instance, name, "FMU state");
     *FMUstate = instance.save();
     return fmi2OK;
   });
@@ -82,7 +82,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* FMUstate) {
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t* size) {
   constexpr const char* name = "fmi2SerializedFMUstateSize";
   return gelenk::with_state(c, name, gelenk::any_mode, FMUstate, [&](Instance& instance, SavedState& state) {
-    if (size == nullptr) return gelenk::no_room(instance, name, "size");
+    if (size == nullptr) return gelenk::refuse_null_pointer(instance, name, "size");
     *size = gelenk::serialized_size(state);
     return fmi2OK;
   });
@@ -91,12 +91,12 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
   constexpr const char* name = "fmi2SerializeFMUstate";
   return gelenk::with_state(c, name, gelenk::any_mode, FMUstate, [&](Instance& instance, SavedState& state) {
-    if (serializedState == nullptr) return gelenk::no_room(instance, name, "bytes");
+    if (serializedState == nullptr) return gelenk::refuse_null_pointer(instance, name, "bytes");
     const std::size_t needed = gelenk::serialized_size(state);
     if (size < needed) {
       return gelenk::refuse(instance, name,
                             "size: found " + std::to_string(size) + ", expected " + std::to_string(needed) +
-                                " as of fmi2SerializedFMUstateSize");
+                                ", the number returned by fmi2SerializedFMUstateSize");
     }
     gelenk::serialize(state, instance.plant().model().guid, {serializedState, needed});
     return fmi2OK;
@@ -107,8 +107,9 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
                                    fmi2FMUstate* FMUstate) {
   constexpr const char* name = "fmi2DeSerializeFMUstate";
   return gelenk::call(c, name, gelenk::any_mode, [&](Instance& instance) {
-    if (serializedState == nullptr) return gelenk::refuse(instance, name, "bytes: found nothing, expected a state");
-    if (FMUstate == nullptr) return gelenk::no_room(instance, name, "FMU state");
+    if (serializedState == nullptr)
+      return gelenk::refuse(instance, name, "bytes: found a null pointer, expected a state");
+    if (FMUstate == nullptr) return gelenk::refuse_null_pointer(instance, name, "FMU state");
     auto state = gelenk::deserialize(instance.plant().model().guid, {serializedState, size});
     *FMUstate = instance.adopt(std::move(state));
     return fmi2OK;

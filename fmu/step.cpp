@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stepping, and what became of the last step.
+// Steps and the status of the last step.
 #include "fmu/api_call.h"
 
 namespace gelenk {
@@ -7,20 +7,21 @@ namespace {
 
 constexpr unsigned stepped = between_steps | Mode::terminated;
 
-// Tells a fact after a step; kinds this FMU has nothing to tell of are discarded, as the standard asks.
+// Returns a status value after a step; other kinds are discarded, as the standard requires.
 template <class T, class Value>
 fmi2Status get_status(fmi2Component c, const char* function, fmi2StatusKind kind, fmi2StatusKind known, T* value,
-                      Value&& fact) noexcept {
+                      Value&& compute) noexcept {
   return call(c, function, stepped, [&](Instance& instance) {
-    if (value == nullptr) return refuse(instance, function, "value: found nothing, expected where to write it");
+    if (value == nullptr)
+      return refuse(instance, function, "value: found a null pointer, expected a place for the result");
     if (number_of(kind) != number_of(known))
-      return discard(instance, function, "not known; this FMU tells fmi2LastSuccessfulTime and fmi2Terminated");
-    *value = fact(instance);
+      return discard(instance, function, "unknown kind; this FMU supports fmi2LastSuccessfulTime and fmi2Terminated");
+    *value = compute(instance);
     return fmi2OK;
   });
 }
 
-// Statuses that only a slave with steps running in the background has.
+// Status functions for slaves with asynchronous steps.
 fmi2Status nothing_pending(fmi2Component c, const char* function) noexcept {
   return call(c, function, stepped, [function](Instance& instance) {
     return discard(instance, function, "no step is running: fmi2DoStep returns when it is done");
@@ -61,9 +62,9 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, 
   return gelenk::nothing_pending(c, "fmi2GetIntegerStatus");
 }
 
-// After a step that could not be made the wish to end is true: a master that changes nothing would try the same step
-// for ever. One that sets other inputs may go on from the last successful time all the same. A step cut short is no
-// reason to end: there is a way on, and each call goes part of it.
+// fmi2Terminated is true after a step that failed, since a master that changes nothing would repeat it forever. A
+// master that sets other inputs may still continue from the last successful time. After a step that ended early because
+// of its evaluation budget it is false: repeated calls make progress.
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean* value) {
   return gelenk::get_status(c, "fmi2GetBooleanStatus", kind, fmi2Terminated, value,
                             [](Instance& instance) { return instance.stuck() ? fmi2True : fmi2False; });

@@ -38,7 +38,7 @@ std::string unescaped(std::string_view text, std::string_view location) {
   return out;
 }
 
-// Length of "scheme:" at the beginning, 0 if there is none. One letter is a drive.
+// Length of "scheme:" at the beginning, 0 if there is none. A single letter is a drive.
 std::size_t scheme_length(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos || colon < 2 || !is_letter(text[0])) return 0;
@@ -54,7 +54,7 @@ bool is_file_scheme(std::string_view scheme) {
                             [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-// FMI's strings are UTF-8 on every system.
+// Strings of FMI are UTF-8 on every system.
 std::filesystem::path path_of(const std::string& utf8) { return {std::u8string(utf8.begin(), utf8.end())}; }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fmi2Instantiate's resource location: masters write it in many ways.
+// The resource location of fmi2Instantiate, for which masters use various spellings.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace gelenk {
 
-// The directory meant by file:/path, file:///path, file:////path, file://localhost/path, or a plain path; percent
-// escapes are resolved in URIs (not in plain paths), and C:/ is told from a leading /C:/.
-// Throws std::invalid_argument for another scheme or host, and for a broken escape.
+// The directory denoted by file:/path, file:///path, file:////path, file://localhost/path, or a plain path. In URIs,
+// not in plain paths, percent escapes are decoded, and /C:/ becomes C:/. Throws std::invalid_argument for another
+// scheme or host and for an invalid escape.
 std::filesystem::path directory_of_uri(std::string_view location);
 
 }  // namespace gelenk

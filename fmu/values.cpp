@@ -22,13 +22,13 @@ const char* fmi_name(ParameterType type) {
   return "Integer";
 }
 
-// Everything that reading and setting have in common to refuse; an empty text when there is nothing.
+// Errors in arguments that reading and setting have in common; empty if there are none.
 std::string fault(const Catalog& catalog, ParameterType type, const fmi2ValueReference* references, size_t count,
                   const void* values) {
   if (count == 0) return {};
   if (references == nullptr || values == nullptr) {
-    return std::string(references == nullptr ? "value references" : "values") + ": found nothing, expected " +
-           std::to_string(count) + " of them";
+    return std::string(references == nullptr ? "value references" : "values") +
+           ": found a null pointer, expected an array of " + std::to_string(count);
   }
   for (size_t i = 0; i < count; ++i) {
     const Variable* v = catalog.find(references[i]);
@@ -53,7 +53,7 @@ fmi2Status get(fmi2Component c, const char* function, ParameterType type, const 
       const Variable& v = plant.catalog().variables()[references[i]];
       const bool set_by_master = v.source == Source::input || v.source == Source::parameter;
       if (instance.mode() == Mode::instantiated && !set_by_master) {
-        return refuse(instance, function, v.name + " can be read from fmi2EnterInitializationMode on");
+        return refuse(instance, function, v.name + " can be read only after fmi2EnterInitializationMode");
       }
       values[i] = static_cast<T>(plant.get(static_cast<int>(references[i])));
     }
@@ -61,7 +61,7 @@ fmi2Status get(fmi2Component c, const char* function, ParameterType type, const 
   });
 }
 
-// All values are checked before the first is set: a call counts as a whole or not at all.
+// All values are checked before the first one is set, so that a call sets all of them or none.
 template <class T>
 fmi2Status set(fmi2Component c, const char* function, ParameterType type, const fmi2ValueReference* references,
                size_t count, const T* values) noexcept {
@@ -74,7 +74,7 @@ fmi2Status set(fmi2Component c, const char* function, ParameterType type, const 
       const Variable& v = plant.catalog().variables()[references[i]];
       if (running && v.variability == Variability::fixed) {
         return refuse(instance, function,
-                      v.name + " is a fixed parameter: it can be set until fmi2ExitInitializationMode");
+                      v.name + " is a fixed parameter: it can be set only before fmi2ExitInitializationMode");
       }
       plant.check(static_cast<int>(references[i]), static_cast<double>(values[i]));
     }
@@ -94,7 +94,7 @@ fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2Valu
     const std::string why = fault(plant.catalog(), ParameterType::real, references, count, values);
     if (!why.empty()) return refuse(instance, function, why);
     if (count > 0 && orders == nullptr) {
-      return refuse(instance, function, "orders: found nothing, expected " + std::to_string(count) + " of them");
+      return refuse(instance, function, "orders: found a null pointer, expected an array of " + std::to_string(count));
     }
     for (size_t i = 0; i < count; ++i) {
       plant.check_input_derivative(static_cast<int>(references[i]), orders[i], values[i]);
@@ -106,7 +106,7 @@ fmi2Status set_derivatives(fmi2Component c, const char* function, const fmi2Valu
   });
 }
 
-// No variable is a String: any reference is wrong.
+// No variable is a String, so any reference is invalid.
 fmi2Status strings(fmi2Component c, const char* function, size_t count) noexcept {
   return call(c, function, any_mode, [&](Instance& instance) {
     return count == 0 ? fmi2OK : refuse(instance, function, "this FMU has no variables of type String");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the FMU runtime can do, and the categories of what it says: modelDescription.xml declares them, the FMI
-// functions keep to them.
+// Capabilities of the FMU runtime and its log categories. modelDescription.xml declares them, the FMI functions use
+// them.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace gelenk {
 
 struct Capability {
   const char* name;
-  bool works;
+  bool supported;
 };
 
 inline constexpr std::array<Capability, 8> capabilities = {{
@@ -31,13 +31,13 @@ struct LogCategory {
   const char* description;
 };
 
-// Standard names of FMI 2.0, section 2.2.4. Warnings, discards and errors are told unless the master declines.
+// Standard names of FMI 2.0, section 2.2.4. Warnings, discards and errors are logged unless the master disables them.
 enum class Category : unsigned { events, warning, discard, error };
 inline constexpr std::array<LogCategory, 4> log_categories = {{
-    {"logEvents", "what assembly found, changes of the instance's mode"},
-    {"logStatusWarning", "singular positions passed, where loops could go on by another branch"},
-    {"logStatusDiscard", "steps that could not be made, derivatives that do not exist"},
-    {"logStatusError", "wrong calls and why they were refused"},
+    {"logEvents", "results of the assembly, events, changes of the instance's mode"},
+    {"logStatusWarning", "singular configurations crossed, from which the mechanism could continue on another branch"},
+    {"logStatusDiscard", "failed steps, derivatives that do not exist"},
+    {"logStatusError", "invalid calls and the reasons why they were rejected"},
 }};
 inline constexpr std::string_view log_all = "logAll";
 

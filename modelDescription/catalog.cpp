@@ -31,7 +31,7 @@ Variable described(const Signal& signal, Causality causality, Source source, std
   return v;
 }
 
-// Of a choice, what its numbers stand for: ": 1 projection, 2 baumgarte".
+// The meaning of an enumeration's numbers, as part of its description: ": 1 projection, 2 baumgarte".
 std::string numbered(const std::vector<std::string>& items) {
   std::string text;
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -40,10 +40,10 @@ std::string numbered(const std::vector<std::string>& items) {
   return text;
 }
 
-// The nearest; 0 for 0.
+// The nearest power of ten; 0 for 0.
 double power_of_ten(double x) { return x > 0 ? std::pow(10.0, std::round(std::log10(x))) : 0; }
 
-// Whether speed i is the rate of coordinate i; of a quaternion's components no speed is.
+// Whether velocity i is the time derivative of coordinate i, which does not hold for quaternions.
 bool is_rate_of_coordinate(const JointKind& kind, int i) {
   const auto n = static_cast<std::size_t>(i);
   return n < kind.v.size() && kind.v[n].unit == std::string(kind.q[n].unit) + "/s";
@@ -71,7 +71,7 @@ Catalog::Catalog(const Scene& scene) {
     }
   }
   add_diagnostics();
-  add_sizes(scene);
+  add_nominals(scene);
   if (!scene.outputs.empty()) hide_unwanted(scene);
 }
 
@@ -135,15 +135,16 @@ void Catalog::add_diagnostics() {
   const std::vector<Signal> signals = diagnostic_signals();
   for (std::size_t i = 0; i < signals.size(); ++i) {
     variables_.push_back(described(signals[i], Causality::local, Source::diagnostic, i));
-    // Counts are reals, since an Integer of FMI would be full after an hour.
+    // Counts are Real, since an Integer of FMI would overflow after an hour.
     if (signals[i].name.starts_with("solver.")) variables_.back().variability = Variability::discrete;
     const auto which = static_cast<Diagnostic>(i);
     if (which != Diagnostic::potential_energy && which != Diagnostic::total_energy) variables_.back().min = 0;
   }
 }
 
-// Forces, torques and energies are of the size of the weight and what it does over the largest body.
-void Catalog::add_sizes(const Scene& scene) {
+// The magnitudes of forces, torques and energies are estimated from the weight and its work over the length of the
+// largest body.
+void Catalog::add_nominals(const Scene& scene) {
   double mass = 0;
   double length = 0;
   for (const Body& body : scene.bodies) mass += body.mass;

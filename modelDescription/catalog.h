@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Catalog: the one table of an FMU's variables. modelDescription.xml, the documentation page and the FMI
-// functions all work from it, so nothing about a variable is said twice.
+// Catalog: the table of an FMU's variables, from which modelDescription.xml, the documentation page and the FMI
+// functions are all derived.
 #pragma once
 
 #include <limits>
@@ -18,7 +18,7 @@ namespace gelenk {
 enum class Causality { input, output, parameter, local };
 enum class Variability { continuous, discrete, fixed, tunable };
 
-// Where a variable's value lives.
+// The source of a variable's value.
 enum class Source {
   input,       // Simulation::input
   output,      // Simulation::output
@@ -37,16 +37,16 @@ struct Variable {
   Variability variability = Variability::continuous;
   ParameterType type = ParameterType::real;
   Source source = Source::diagnostic;
-  int index = 0;                // in the source's list
-  std::optional<double> start;  // inputs and parameters; all others are calculated
+  int index = 0;                // in the list of the source
+  std::optional<double> start;  // of inputs and parameters; all others are calculated
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  double nominal = 0;      // the size to expect; 0: not known
-  bool hidden = false;     // an output that is not wanted, and no state or derivative of one: not in the description
-  int derivative_of = -1;  // index of the variable whose time derivative this is, where it is a state
+  double nominal = 0;      // expected magnitude; 0: not known
+  bool hidden = false;     // not in modelDescription.xml: an output that is neither wanted, a state nor its derivative
+  int derivative_of = -1;  // index of the state variable whose time derivative this is; -1: none
 };
 
-// The time derivative of a coordinate that no speed is: der(Q[i]) of a quaternion.
+// The time derivative of a coordinate that is not a joint velocity: der(Q[i]) of a quaternion.
 struct Rate {
   int joint = 0;      // in scene.joints
   int component = 0;  // of the joint's coordinates
@@ -60,11 +60,11 @@ struct State {
 
 class Catalog {
  public:
-  // Of a scene that was read and checked: its names are all different.
+  // Creates the catalog of a scene that has been checked, so that all names are different.
   explicit Catalog(const Scene& scene);
 
-  // In this order: inputs, outputs, parameters, rates, diagnostics; those that are hidden, too. A variable's value
-  // reference is its index.
+  // All variables, including hidden ones, in this order: inputs, outputs, parameters, rates, diagnostics. The value
+  // reference of a variable is its index.
   const std::vector<Variable>& variables() const { return variables_; }
   const Variable* find(unsigned value_reference) const {
     return value_reference < variables_.size() ? &variables_[value_reference] : nullptr;
@@ -73,12 +73,12 @@ class Catalog {
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const std::vector<Rate>& rates() const { return rates_; }
 
-  // The outputs that hold the coordinates of a joint: the first one's index in the outputs; speeds follow.
+  // Index, among the outputs, of the first coordinate of a joint; the velocities follow the coordinates.
   int first_output(int joint) const { return first_output_[static_cast<std::size_t>(joint)]; }
 
-  // Declares these as states (Simulation::independent): of a coordinate its rate is the derivative, of a speed the
-  // acceleration. Of those that are not wanted, all are in the description, too, though not as outputs: a linear model
-  // takes them all.
+  // Declares these outputs as states (StateDerivatives::independent), with their rates and accelerations as
+  // derivatives. States that are not wanted as outputs are also in the description, as local variables, since a linear
+  // model requires all of them.
   void declare_states(const IndependentOutputs& independent);
   const std::vector<State>& states() const { return states_; }
 
@@ -87,7 +87,7 @@ class Catalog {
   void add_outputs(const Scene& scene);
   void add_parameters(const Scene& scene);
   void add_diagnostics();
-  void add_sizes(const Scene& scene);
+  void add_nominals(const Scene& scene);
   void declare(int state, int derivative);
   void hide_unwanted(const Scene& scene);
   int output_variable(int output) const { return outputs_begin_ + output; }
@@ -98,7 +98,7 @@ class Catalog {
   std::vector<State> states_;
   std::vector<int> first_output_;        // per joint
   std::vector<const JointKind*> kinds_;  // per joint
-  std::vector<int> joint_of_;            // per output; -1: a sensor's
+  std::vector<int> joint_of_;            // per output; -1: not of a joint
   int outputs_begin_ = 0;
   int rates_begin_ = 0;
 };

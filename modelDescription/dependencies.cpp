@@ -18,11 +18,11 @@ Knowns listed(const std::set<int>& indices) {
   return std::make_shared<const std::vector<int>>(indices.begin(), indices.end());
 }
 
-// What the outputs of one part can depend on.
-struct Part {
-  std::set<int> positions, states;  // states that are coordinates; those and speeds
-  int speeds = 0;                   // among the states
-  Knowns of_positions, of_states;   // the same, listed
+// The knowns on which the outputs of one island can depend.
+struct IslandKnowns {
+  std::set<int> positions, states;  // the coordinates among the states; all states
+  int speeds = 0;                   // number of velocities among the states
+  Knowns of_positions, of_states;   // `positions` and `states` as lists
 
   void list() {
     of_positions = listed(positions);
@@ -30,7 +30,7 @@ struct Part {
   }
 };
 
-// The bodies at an element's ports without the ground, of a joint one of the two.
+// The bodies at an element's ports, one of the two for a joint, without the ground.
 std::vector<int> moving_bodies(const Scene& scene, const NameIndex& numbers, const ElementPlace& element) {
   std::vector<int> out;
   for (const BodyFrame& frame : element.frames) out.push_back(numbers.body(frame.body));
@@ -44,8 +44,9 @@ std::vector<int> moving_bodies(const Scene& scene, const NameIndex& numbers, con
   return out;
 }
 
-// By body of the scene: bodies with the same number hang together by joints, without the ground. A force is felt at
-// once by these, by others of the part only through springs, so through states.
+// For each body of the scene, the number of its cluster: bodies connected by joints, not via the ground. A force
+// directly affects the accelerations of its own cluster only; it acts on the rest of the island through springs, that
+// is, through states.
 std::vector<int> clusters_of(const Scene& scene, const NameIndex& numbers) {
   DisjointSets sets(scene.bodies.size());
   for (const Joint& joint : scene.joints) {
@@ -53,7 +54,7 @@ std::vector<int> clusters_of(const Scene& scene, const NameIndex& numbers) {
     const int child = numbers.body(joint.child.body);
     if (parent >= 0 && child >= 0) sets.join(parent, child);
   }
-  // What constraints couple feels forces at once, too.
+  // Constraints transmit forces directly, too.
   for (const Constraint& constraint : scene.constraints) {
     const std::vector<int> bodies = moving_bodies(scene, numbers, constraint);
     for (std::size_t i = 1; i < bodies.size(); ++i) sets.join(bodies[0], bodies[i]);
@@ -63,21 +64,21 @@ std::vector<int> clusters_of(const Scene& scene, const NameIndex& numbers) {
   return out;
 }
 
-// Parameters that move joints can couple parts, and free what loops hold still.
+// Parameters that move joints can couple islands and make immobile loops movable.
 bool geometry_may_change(const Scene& scene) {
   return std::ranges::any_of(scene.parameters,
                              [](const std::string& path) { return path.find(".position") != std::string::npos; });
 }
 
-class Finder {
+class DependencyAnalysis {
  public:
-  Finder(const Simulation& simulation, const Catalog& catalog)
+  DependencyAnalysis(const Simulation& simulation, const Catalog& catalog)
       : scene_(simulation.scene()),
         reduced_(StartReport(simulation).prepared().reduced),
         signals_(simulation.outputs()),
         catalog_(catalog),
         numbers_(scene_),
-        parts_(reduced_.islands.size()),
+        islands_(reduced_.islands.size()),
         cluster_(clusters_of(scene_, numbers_)),
         inputs_of_(scene_.bodies.size()) {
     collect_states(simulation);
@@ -85,7 +86,7 @@ class Finder {
   }
 
   std::vector<Knowns> run() {
-    std::vector<Knowns> out(catalog_.variables().size(), nothing_);
+    std::vector<Knowns> out(catalog_.variables().size(), no_knowns_);
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Variable& v = catalog_.variables()[i];
       if (v.source == Source::rate) out[i] = of_rate(catalog_.rates()[static_cast<std::size_t>(v.index)]);
@@ -101,37 +102,38 @@ class Finder {
     for (const State& state : catalog_.states()) {
       const Variable& v = catalog_.variables()[static_cast<std::size_t>(state.variable)];
       const Signal& signal = signals_[static_cast<std::size_t>(v.index)];
-      Part& part = parts_[static_cast<std::size_t>(reduced_.joints[static_cast<std::size_t>(signal.joint)].island)];
-      if (signal.level == 0) part.positions.insert(state.variable);
-      if (signal.level == 1) ++part.speeds;
-      part.states.insert(state.variable);
+      IslandKnowns& island =
+          islands_[static_cast<std::size_t>(reduced_.joints[static_cast<std::size_t>(signal.joint)].island)];
+      if (signal.level == 0) island.positions.insert(state.variable);
+      if (signal.level == 1) ++island.speeds;
+      island.states.insert(state.variable);
     }
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (std::size_t p = 0; p < islands_.size(); ++p) {
       const MobilityAnalysis& mobility = StartReport(simulation).prepared().islands[p].mobility;
-      // By inputs that are motions whatever moves with them is determined at once.
-      known_ =
-          known_ && parts_[p].speeds == reduced_.islands[p].nv - mobility.rank && !follows_input(reduced_.islands[p]);
-      whole_.positions.insert(parts_[p].positions.begin(), parts_[p].positions.end());
-      whole_.states.insert(parts_[p].states.begin(), parts_[p].states.end());
+      // Inputs that prescribe motions determine all coupled motions directly.
+      structure_is_known_ = structure_is_known_ && islands_[p].speeds == reduced_.islands[p].nv - mobility.rank &&
+                            !follows_input(reduced_.islands[p]);
+      all_islands_.positions.insert(islands_[p].positions.begin(), islands_[p].positions.end());
+      all_islands_.states.insert(islands_[p].states.begin(), islands_[p].states.end());
     }
-    known_ = known_ && !geometry_may_change(scene_);
-    for (Part& part : parts_) part.list();
-    whole_.list();
+    structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_);
+    for (IslandKnowns& island : islands_) island.list();
+    all_islands_.list();
   }
 
-  // They are the first variables.
+  // Inputs are the first variables.
   void collect_inputs(const std::vector<Signal>& inputs) {
     std::set<int> all;
     for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
       const Signal& input = inputs[static_cast<std::size_t>(i)];
       all.insert(i);
-      if (input.section == sections::constraints) continue;  // whatever moves with it: see known_
+      if (input.section == sections::constraints) continue;  // a prescribed motion: see structure_is_known_
       for (const int body : moving_bodies(scene_, numbers_, element_of(input))) {
         inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])].insert(i);
       }
     }
-    all.insert(whole_.states.begin(), whole_.states.end());
-    all_ = listed(all);
+    all.insert(all_islands_.states.begin(), all_islands_.states.end());
+    all_knowns_ = listed(all);
   }
 
   const ElementPlace& element_of(const Signal& signal) const {
@@ -147,20 +149,20 @@ class Finder {
     return std::ranges::any_of(mechanism.coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   }
 
-  // island: none where something stands still.
-  const Part& part(int island) const {
-    if (!known_) return whole_;
-    return island < 0 ? still_ : parts_[static_cast<std::size_t>(island)];
+  // island: -1 for what is immobile.
+  const IslandKnowns& knowns_of(int island) const {
+    if (!structure_is_known_) return all_islands_;
+    return island < 0 ? immobile_ : islands_[static_cast<std::size_t>(island)];
   }
 
-  // The states of a part, and the inputs that bodies of it feel.
+  // The states of an island and the inputs that act directly on these bodies.
   Knowns of_accelerations(const std::vector<int>& bodies, int island) {
-    if (!known_) return all_;
+    if (!structure_is_known_) return all_knowns_;
     std::set<int> clusters;
     for (const int body : bodies) clusters.insert(cluster_[static_cast<std::size_t>(body)]);
     Knowns& out = accelerations_[{island, clusters}];
     if (out) return out;
-    std::set<int> on = part(island).states;
+    std::set<int> on = knowns_of(island).states;
     for (const int cluster : clusters) {
       const std::set<int>& inputs = inputs_of_[static_cast<std::size_t>(cluster)];
       on.insert(inputs.begin(), inputs.end());
@@ -173,17 +175,17 @@ class Finder {
     const auto j = static_cast<std::size_t>(signal.joint);
     const JointPlace& place = reduced_.joints[j];
     const bool moves = place.role != JointPlace::Role::merged;
-    const Part& p = part(moves ? place.island : -1);
+    const IslandKnowns& p = knowns_of(moves ? place.island : -1);
     if (p.states.contains(variable)) return of_state(signal, variable);
-    if (!known_) return all_;
+    if (!structure_is_known_) return all_knowns_;
     if (signal.level == 2) {
       const ElementPlace at{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
-      return moves ? of_accelerations(moving_bodies(scene_, numbers_, at), place.island) : nothing_;
+      return moves ? of_accelerations(moving_bodies(scene_, numbers_, at), place.island) : no_knowns_;
     }
     return signal.level == 0 ? p.of_positions : p.of_states;
   }
 
-  // Itself; a quaternion's component through the length that is kept all four.
+  // A state depends on itself; a component of a quaternion on all four, through their normalization.
   Knowns of_state(const Signal& signal, int variable) const {
     const JointKind& kind = *find_joint_kind(scene_.joints[static_cast<std::size_t>(signal.joint)].type);
     const int component = signal.component - (kind.nq - 4);
@@ -192,27 +194,28 @@ class Finder {
     return listed({first, first + 1, first + 2, first + 3});
   }
 
-  // Of a quaternion's component: by the states of its joint.
+  // The rate of a component of a quaternion depends on the states of the joint.
   Knowns of_rate(const Rate& rate) const {
     const JointPlace& place = reduced_.joints[static_cast<std::size_t>(rate.joint)];
-    return known_ ? part(place.role == JointPlace::Role::merged ? -1 : place.island).of_states : all_;
+    return structure_is_known_ ? knowns_of(place.role == JointPlace::Role::merged ? -1 : place.island).of_states
+                               : all_knowns_;
   }
 
   Knowns of_element(const Signal& signal) {
-    if (!known_) return all_;
+    if (!structure_is_known_) return all_knowns_;
     const ElementPlace& element = element_of(signal);
     const bool whole = signal.section == sections::sensors &&
                        kind_of(scene_.sensors[static_cast<std::size_t>(signal.element)].is).of_whole;
     const int island = island_of(element);
-    if (signal.section == sections::constraints && island < 0) return nothing_;
+    if (signal.section == sections::constraints && island < 0) return no_knowns_;
     if (signal.stage == Stage::acceleration) {
       return of_accelerations(moving_bodies(scene_, numbers_, element), island);
     }
-    const Part& from = whole ? whole_ : part(island);
+    const IslandKnowns& from = whole ? all_islands_ : knowns_of(island);
     return signal.stage == Stage::position ? from.of_positions : from.of_states;
   }
 
-  // -1: all that it is at stands still.
+  // The island on which an element acts; -1 if all its ports are immobile.
   int island_of(const ElementPlace& element) const {
     int out = -1;
     for (const BodyFrame& frame : element.frames) out = std::max(out, place(scene_, reduced_, -1, frame).island);
@@ -228,29 +231,29 @@ class Finder {
   const std::vector<Signal>& signals_;
   const Catalog& catalog_;
   NameIndex numbers_;
-  std::vector<Part> parts_;
+  std::vector<IslandKnowns> islands_;
   std::vector<int> cluster_;                                       // by body
   std::vector<std::set<int>> inputs_of_;                           // by cluster
   std::map<std::pair<int, std::set<int>>, Knowns> accelerations_;  // by island and clusters
-  Part whole_;
-  Knowns nothing_ = listed({});
-  Part still_{.positions = {}, .states = {}, .of_positions = nothing_, .of_states = nothing_};
-  Knowns all_;         // states and inputs
-  bool known_ = true;  // the states make up every part, and parts stay what they are
+  IslandKnowns all_islands_;
+  Knowns no_knowns_ = listed({});
+  IslandKnowns immobile_{.positions = {}, .states = {}, .of_positions = no_knowns_, .of_states = no_knowns_};
+  Knowns all_knowns_;               // states and inputs
+  bool structure_is_known_ = true;  // the states determine every island, and no parameter can change the islands
 };
 
 }  // namespace
 
 std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalog& catalog) {
-  return Finder(simulation, catalog).run();
+  return DependencyAnalysis(simulation, catalog).run();
 }
 
 std::vector<Knowns> initial_dependencies_of(const Catalog& catalog, const std::vector<Knowns>& dependencies) {
   std::set<int> parameters;
   const auto& variables = catalog.variables();
   for (std::size_t i = 0; i < variables.size(); ++i) {
-    const bool of_methods = variables[i].name.starts_with("solver.") && variables[i].name != "solver.start";
-    if (variables[i].source == Source::parameter && !of_methods) parameters.insert(static_cast<int>(i));
+    const bool is_method_setting = variables[i].name.starts_with("solver.") && variables[i].name != "solver.start";
+    if (variables[i].source == Source::parameter && !is_method_setting) parameters.insert(static_cast<int>(i));
   }
   std::map<std::vector<int>, Knowns> with_inputs;
   std::vector<Knowns> out;

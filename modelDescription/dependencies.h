@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which inputs and states each output and each state's derivative can depend on: ModelStructure of
-// modelDescription.xml.
+// Dependencies of outputs and state derivatives on inputs and states, for ModelStructure in modelDescription.xml.
 #pragma once
 
 #include <memory>
@@ -11,17 +10,17 @@
 
 namespace gelenk {
 
-// Indices of variables, ascending. Variables that depend on the same share a list: most of a large part do.
+// Indices of variables, ascending. Variables with equal dependencies share a list, as most variables of an island do.
 using Knowns = std::shared_ptr<const std::vector<int>>;
 
-// By variable of the catalogue, inputs and states; of what is no output and no derivative: an empty list. Told from
-// the structure: by parts without coupling, and by level (coordinates, speeds, accelerations), so a value listed may
-// happen not to act, and one that is not listed cannot.
-// simulation: assembled; the catalogue's states are declared.
+// For each variable of the catalog, the inputs and states on which it can depend; empty for variables that are neither
+// outputs nor derivatives. Determined from the structure (islands and levels: coordinates, velocities, accelerations),
+// so that a listed value may have no effect, but one that is not listed cannot have any.
+// simulation: assembled; the states of the catalog must have been declared.
 std::vector<Knowns> dependencies_of(const Simulation& simulation, const Catalog& catalog);
 
-// The same for values at the start: on inputs and parameters. What an output is computed with (solver.*) does not
-// act on it there.
+// The same for initial values, which depend on inputs and parameters. Settings of methods (solver.*) do not affect
+// them, except solver.start.
 std::vector<Knowns> initial_dependencies_of(const Catalog& catalog, const std::vector<Knowns>& dependencies);
 
 }  // namespace gelenk

@@ -15,7 +15,7 @@ struct Bits128 {
 // Fowler, Noll & Vo, FNV-1a: offset basis and prime for 128 bits.
 constexpr Bits128 offset_basis = {0x6c62272e07bb0142, 0x62b821756295c58d};
 
-// By the prime 2^88 + 0x13b; what lies beyond 128 bits falls off.
+// Product with the prime 2^88 + 0x13b modulo 2^128.
 Bits128 times_prime(Bits128 hash) {
   constexpr std::uint64_t rest = 0x13b;
   const std::uint64_t first = (hash.low & 0xffffffff) * rest;

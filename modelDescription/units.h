@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Units as FMI wants them defined: what they measure, and what people like to read instead.
+// Unit definitions of FMI: physical quantities and display units.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace gelenk {
 
-// What a unit of a scene's variables measures, by the names of Modelica.Units.SI: "Angle"; empty: several things or
+// The physical quantity of a unit, by its name in Modelica.Units.SI ("Angle"); empty if it is ambiguous or there is
 // none.
 std::string_view quantity(std::string_view unit);
 
@@ -19,10 +19,10 @@ struct DisplayUnit {
   double factor;  // shown = factor * value
 };
 
-// Other units in which to show a unit; the first one is the usual one.
+// Alternative units in which values may be displayed, the default first.
 std::span<const DisplayUnit> display_units(std::string_view unit);
 
-// The first of them; empty if there is none.
+// The first display unit; empty if there is none.
 std::string default_display_unit(std::string_view unit);
 
 }  // namespace gelenk

@@ -73,7 +73,7 @@ class Writer {
 
 void write_capabilities(Writer& w, const FmuFacts& facts) {
   w.open(1, "CoSimulation").attribute("modelIdentifier", facts.model_identifier);
-  for (const Capability& c : capabilities) w.attribute(c.name, c.works);
+  for (const Capability& c : capabilities) w.attribute(c.name, c.supported);
   w.attribute("maxOutputDerivativeOrder", max_output_derivative_order).end();
 }
 
@@ -116,7 +116,7 @@ void write_types(Writer& w, const Catalog& catalog) {
   w.close(1, "TypeDefinitions");
 }
 
-// The words behind the numbers of choices, for programs; for people they stand in the descriptions.
+// The names of the items of enumerations, for programs; for readers they are in the descriptions.
 void write_choices(Writer& w, const Catalog& catalog) {
   for (const Variable& v : catalog.variables()) {
     if (v.type != ParameterType::enumeration) continue;
@@ -130,7 +130,7 @@ void write_choices(Writer& w, const Catalog& catalog) {
   }
 }
 
-// FMI's schema lets a tool have one element here.
+// The schema of FMI permits one element per tool here.
 void write_annotations(Writer& w, const Scene& scene, const Catalog& catalog, const FmuFacts& facts) {
   w.open(1, "VendorAnnotations").inside();
   w.open(2, "Tool").attribute("name", "Gelenk").inside();
@@ -152,7 +152,7 @@ void write_log_categories(Writer& w) {
   w.close(1, "LogCategories");
 }
 
-// By variable: its place in the description, from 1, as FMI counts; 0: hidden.
+// For each variable its position in modelDescription.xml, from 1, as FMI counts; 0: hidden.
 using PlacesInFile = std::vector<int>;
 
 PlacesInFile places_in_file(const Catalog& catalog) {
@@ -179,7 +179,7 @@ void write_type(Writer& w, const Variable& v, const PlacesInFile& places) {
       w.open(3, "Boolean").attribute("start", v.start == 1.0);
       break;
     case ParameterType::integer:
-    case ParameterType::enumeration:  // FMI's Enumeration is refused by Maestro and passed over by libcosim
+    case ParameterType::enumeration:  // Maestro rejects FMI's Enumeration, libcosim ignores it
       w.open(3, "Integer").attribute("min", static_cast<int>(v.min)).attribute("max", static_cast<int>(v.max));
       w.attribute("start", static_cast<int>(v.start.value_or(v.min)));
       break;
@@ -198,26 +198,26 @@ void write_variable(Writer& w, const Variable& v, std::size_t value_reference, c
   w.close(2, "ScalarVariable");
 }
 
-// Not telling the dependencies means all of them. So lists that are complete are left out where they are long, and
-// where parts that act on each other are large, so that their lists would grow as the square of their number, all long
-// lists.
-constexpr std::size_t few = 64;
-constexpr std::size_t most_listed = 1'000'000;  // numbers, in all long lists together
+// An omitted list of dependencies means all of them. Complete lists are therefore omitted if they are long. For large
+// coupled models, whose lists would grow quadratically, all long lists are omitted.
+constexpr std::size_t short_list = 64;         // dependencies
+constexpr std::size_t max_listed = 1'000'000;  // dependencies, in all long lists together
 
 bool lists_are_readable(const std::set<int>& indices, const std::vector<Knowns>& dependencies, std::size_t all) {
   std::size_t sum = 0;
   for (const int index : indices) {
     const std::size_t size = dependencies[static_cast<std::size_t>(index)]->size();
-    if (size > few && size < all) sum += size;
+    if (size > short_list && size < all) sum += size;
   }
-  return sum <= most_listed;
+  return sum <= max_listed;
 }
 
 // dependencies: by variable. all: how many knowns make up a list that can be left out.
 void write_unknowns(Writer& w, std::string_view element, const std::set<int>& indices,
                     const std::vector<Knowns>& dependencies, std::size_t all, const PlacesInFile& places) {
   if (indices.empty()) return;
-  const std::size_t longest = lists_are_readable(indices, dependencies, all) ? std::max(all - 1, few) : few;
+  const std::size_t longest =
+      lists_are_readable(indices, dependencies, all) ? std::max(all - 1, short_list) : short_list;
   w.open(2, element).inside();
   for (const int index : indices) {
     w.open(3, "Unknown").attribute("index", places[static_cast<std::size_t>(index)]);
@@ -250,8 +250,8 @@ void write_structure(Writer& w, const Catalog& catalog, const std::vector<Knowns
   w.open(1, "ModelStructure").inside();
   write_unknowns(w, "Outputs", outputs, dependencies, knowns, places);
   write_unknowns(w, "Derivatives", derivatives, dependencies, knowns, places);
-  // Of the parameters almost all act on everything, so these lists would only be long.
-  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalog, dependencies), few + 1, places);
+  // Almost all parameters affect everything, so long lists would carry no information.
+  write_unknowns(w, "InitialUnknowns", initial, initial_dependencies_of(catalog, dependencies), short_list + 1, places);
   w.close(1, "ModelStructure");
 }
 

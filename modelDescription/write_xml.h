@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// modelDescription.xml of FMI 2.0, from the catalogue.
+// modelDescription.xml of FMI 2.0, generated from the catalog.
 #pragma once
 
 #include <string>
@@ -11,18 +11,18 @@
 
 namespace gelenk {
 
-// What an FMU's files share.
+// Data that several files of an FMU contain.
 struct FmuFacts {
   std::string model_identifier;  // names the binary
   std::string guid;
-  int order = 0;  // how many states the mechanism has, three for a quaternion
+  int order = 0;  // number of states of the mechanism, counting three for a quaternion
 };
 
-// dependencies: by variable, as dependencies_of() tells them.
+// Returns the XML text. dependencies: those of dependencies_of().
 std::string write_model_description(const Scene& scene, const Catalog& catalog, const std::vector<Knowns>& dependencies,
                                     const FmuFacts& facts);
 
-// The text with the characters that XML and HTML keep for themselves written out; control characters are dropped.
+// The text with the special characters of XML and HTML escaped; control characters are dropped.
 std::string escaped(std::string_view text);
 
 }  // namespace gelenk

@@ -117,7 +117,7 @@ def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
     for name in gelenk.model.inspection.REDUCTIONS:
         assert re.search(rf" {name} [0-9.]+ us ", text), name
     assert "C: sliding along y, C: turning about x and C: turning about z" in text
-    assert "leave open the reactions f[2], t[1], t[3] of A, B, C and D" in text
+    assert "statically indeterminate: f[2], t[1], t[3] of A, B, C and D" in text
     assert "mobility 1 freedom, where counting (6 for each body, less what is constrained) gives -2;" in text
     assert max(map(len, lines)) <= 110
 
@@ -171,7 +171,7 @@ def test_export_without_a_reduction(four_bar_file: Path, tmp_path: Path) -> None
         carried = json.loads(archive.read("resources/scene.json"))
         page = archive.read("documentation/index.html").decode()
     assert "<li>planar: switched off in the scene</li>" in page
-    assert "redundant_rows: 3 rows repeat others at every position" in page
+    assert "redundant_rows: 3 constraint equations are redundant at every position" in page
     assert carried["solver"]["reductions"] == {"planar": False, "outputs": False}
     out = told("simulate", "x.fmu", "--stop", "0.05", "--output", "-", cwd=tmp_path)
     assert out == gelenk.simulate(four_bar_file, stop=0.05, without=["planar", "outputs"]).csv()

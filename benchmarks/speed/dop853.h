@@ -13,7 +13,7 @@
 class Dop853 {
  public:
   Dop853(PinocchioModel& model, double tolerance) : model_(model), n_(model.size()), tolerance_(tolerance) {
-    jacobians_.assign(dop853::stages + 1, VectorXd::Zero(2 * n_));
+    stage_rates_.assign(dop853::stages + 1, VectorXd::Zero(2 * n_));
     vdot_.setZero(n_);
   }
 
@@ -22,7 +22,7 @@ class Dop853 {
     y_.resize(2 * n_);
     y_ << q, v;
     step_ = step;
-    slope(t_, y_, jacobians_[0]);
+    state_rate(t_, y_, stage_rates_[0]);
     if (step_ <= 0) step_ = first_step();
   }
   VectorXd q() const { return y_.head(n_); }
@@ -52,7 +52,7 @@ class Dop853 {
   }
 
  private:
-  void slope(double t, const VectorXd& y, VectorXd& out) {
+  void state_rate(double t, const VectorXd& y, VectorXd& out) {
     q_ = y.head(n_);
     v_ = y.tail(n_);
     model_.acceleration(t, q_, v_, vdot_);
@@ -61,29 +61,29 @@ class Dop853 {
   }
   double first_step() const {
     const double scale = std::sqrt(2.0 * n_) * tolerance_;
-    const double size = y_.norm() / scale, rate = jacobians_[0].norm() / scale;
+    const double size = y_.norm() / scale, rate = stage_rates_[0].norm() / scale;
     return std::min(1e-2, 0.01 * (size + 1e-5) / (rate + 1e-5) + 1e-6);
   }
   double attempt(double h) {
     for (int i = 1; i < dop853::stages; ++i) {
       between_ = y_;
       for (int j = 0; j < i; ++j) {
-        if (dop853::A[i][j] != 0) between_ += h * dop853::A[i][j] * jacobians_[j];
+        if (dop853::A[i][j] != 0) between_ += h * dop853::A[i][j] * stage_rates_[j];
       }
-      slope(t_ + h * dop853::C[i], between_, jacobians_[i]);
+      state_rate(t_ + h * dop853::C[i], between_, stage_rates_[i]);
     }
     next_ = y_;
     for (int j = 0; j < dop853::stages; ++j) {
-      if (dop853::B[j] != 0) next_ += h * dop853::B[j] * jacobians_[j];
+      if (dop853::B[j] != 0) next_ += h * dop853::B[j] * stage_rates_[j];
     }
-    slope(t_ + h, next_, jacobians_[dop853::stages]);
+    state_rate(t_ + h, next_, stage_rates_[dop853::stages]);
     double fifth = 0, third = 0;
     for (int i = 0; i < 2 * n_; ++i) {
       const double scale = tolerance_ * (1 + std::max(std::fabs(y_[i]), std::fabs(next_[i])));
       double e5 = 0, e3 = 0;
       for (int j = 0; j <= dop853::stages; ++j) {
-        e5 += dop853::E5[j] * jacobians_[j][i];
-        e3 += dop853::E3[j] * jacobians_[j][i];
+        e5 += dop853::E5[j] * stage_rates_[j][i];
+        e3 += dop853::E3[j] * stage_rates_[j][i];
       }
       fifth += e5 * e5 / (scale * scale);
       third += e3 * e3 / (scale * scale);
@@ -95,19 +95,19 @@ class Dop853 {
     ++steps_;
     y_ = next_;
     if (!model_.has_loops()) {
-      jacobians_[0].swap(jacobians_[dop853::stages]);
+      stage_rates_[0].swap(stage_rates_[dop853::stages]);
       return;
     }
     VectorXd q = y_.head(n_), v = y_.tail(n_);
     model_.project(q, v);
     y_ << q, v;
-    slope(t_, y_, jacobians_[0]);
+    state_rate(t_, y_, stage_rates_[0]);
   }
 
   PinocchioModel& model_;
   int n_;
   double tolerance_, t_ = 0, step_ = 0;
   long steps_ = 0;
-  std::vector<VectorXd> jacobians_;
+  std::vector<VectorXd> stage_rates_;
   VectorXd y_, next_, between_, q_, v_, vdot_;
 };

@@ -7,22 +7,22 @@
 namespace gelenk {
 namespace {
 
-constexpr std::size_t longest = 200;  // bytes; 255 with an ending and what is appended while it is written
+constexpr std::size_t max_stem_bytes = 200;  // file systems allow 255, with extension and a temporary suffix
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 char capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
-// Up to the first dot, without spaces at the end: what Windows looks at.
-std::string_view before_endings(std::string_view name) {
+// The part that Windows compares with device names: up to the first dot, without trailing spaces.
+std::string_view without_extensions(std::string_view name) {
   name = name.substr(0, name.find('.'));
   return name.substr(0, name.find_last_not_of(' ') + 1);
 }
 
-// Not at the end of a character of several bytes, but between two.
-std::string_view cut(std::string_view text) {
-  if (text.size() <= longest) return text;
-  std::size_t n = longest;
+// Truncates a text between two UTF-8 characters.
+std::string_view truncated(std::string_view text) {
+  if (text.size() <= max_stem_bytes) return text;
+  std::size_t n = max_stem_bytes;
   while (n > 0 && (static_cast<unsigned char>(text[n]) & 0xc0U) == 0x80U) --n;
   return text.substr(0, n);
 }
@@ -30,7 +30,7 @@ std::string_view cut(std::string_view text) {
 }  // namespace
 
 bool is_device_name(std::string_view name) {
-  std::string device(before_endings(name));
+  std::string device(without_extensions(name));
   std::ranges::transform(device, device.begin(), capital);
   constexpr std::array alone = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"};
   if (std::ranges::find(alone, device) != alone.end()) return true;
@@ -40,18 +40,19 @@ bool is_device_name(std::string_view name) {
 }
 
 std::string file_stem(std::string_view name) {
-  std::string stem(cut(name));
+  std::string stem(truncated(name));
   constexpr std::string_view forbidden = "<>:\"/\\|?*";
   for (char& c : stem) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7f' || forbidden.find(c) != std::string_view::npos) c = '_';
   }
-  // Windows drops dots and spaces at the end; what begins with a dot is hidden, with a hyphen an option.
+  // Windows drops trailing dots and spaces; names with a leading dot are hidden, with a leading hyphen taken for
+  // options.
   for (std::size_t i = stem.size(); i > 0 && (stem[i - 1] == '.' || stem[i - 1] == ' '); --i) stem[i - 1] = '_';
   for (char& c : stem) {
     if (c != '.' && c != ' ' && c != '-') break;
     c = '_';
   }
-  if (is_device_name(stem)) stem.insert(before_endings(stem).size(), "_");
+  if (is_device_name(stem)) stem.insert(without_extensions(stem).size(), "_");
   return stem.empty() ? "_" : stem;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names that come from a scene and become files: in the folder where one stands, in an FMU's archive.
+// File names derived from names in a scene, for files in the working directory and in the archive of an FMU.
 #pragma once
 
 #include <string>
@@ -7,15 +7,16 @@
 
 namespace gelenk {
 
-// CON, NUL, COM1 and the like, in small letters too, also with an ending ("con.txt"): Windows opens a device instead of
-// such a file, and archives that hold one cannot be unpacked there. (Microsoft, "Naming Files, Paths, and Namespaces".)
+// Whether Windows reserves the name for a device: CON, NUL, COM1 etc., regardless of case and extension ("con.txt").
+// Such files cannot be opened there, nor can archives with them be extracted. (Microsoft, "Naming Files, Paths, and
+// Namespaces".)
 bool is_device_name(std::string_view name);
 
-// What is to stand before a file's ending: the name itself where it is a file name on Linux, macOS and Windows, that of
-// a file in the folder itself and not hidden; else the nearest one, with _ for what cannot be. name: UTF-8.
+// A file name without extension for the name (UTF-8): the name itself if it is valid on Linux, macOS and Windows, is
+// not hidden and does not contain a path; otherwise a similar one, with _ in place of invalid characters.
 std::string file_stem(std::string_view name);
 
-// What FMI wants a modelIdentifier to be, a name of C, which names the FMU's libraries.
+// A modelIdentifier for the name: a C identifier, as FMI requires. The FMU's libraries have this name.
 std::string model_identifier(std::string_view name);
 
 }  // namespace gelenk

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 std::string read_file(const fs::path& path, const std::string& what) {
   std::error_code none;
-  if (fs::is_directory(path, none)) throw ExportError(path.string() + ": " + what + " expected, found a directory");
+  if (fs::is_directory(path, none)) throw ExportError(path.string() + ": found a directory, expected " + what);
   std::ifstream file(path, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw ExportError(path.string() + ": " + what + " could not be read: " + std::strerror(errno));
@@ -46,8 +46,8 @@ Binary binary_of(const fs::path& runtime) {
   const bool gzip = runtime.extension() == ".gz";
   const std::string ending = (gzip ? runtime.stem() : runtime).extension().string();
   if (ending != ".so" && ending != ".dll") {
-    throw ExportError(runtime.string() + ": the FMU runtime: found the ending '" + ending +
-                      "', expected .so (linux64) or .dll (win64), and .gz after it where it is compressed");
+    throw ExportError(runtime.string() + ": the FMU runtime: found the extension '" + ending +
+                      "', expected .so (linux64) or .dll (win64), followed by .gz if it is compressed");
   }
   return {runtime, gzip, ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
 }
@@ -56,11 +56,13 @@ void add_binary(Zip& zip, const Binary& binary, const std::string& model_identif
   const std::string name = "binaries/" + binary.platform + "/" + model_identifier + binary.ending;
   if (!binary.gzip) return zip.add(name, binary.content, true);
   if (zip.add_gzip(name, binary.content, true)) return;
-  throw ExportError(binary.file.string() + ": the FMU runtime: found no plain gzip file, expected one by its name");
+  throw ExportError(
+      binary.file.string() +
+      ": the FMU runtime: found a file that is not in plain gzip format, expected gzip because of its name");
 }
 
-// Names of the files in a directory, sorted: directory order differs between machines. Not of those in folders below:
-// these hold the licences of what an FMU does not carry.
+// Names of the files in a directory, sorted because directory order differs between machines. Subdirectories are
+// skipped: they contain the licenses of software that is not in every FMU.
 std::vector<fs::path> files_in(const fs::path& directory) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -68,18 +70,18 @@ std::vector<fs::path> files_in(const fs::path& directory) {
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     if (entry->is_regular_file()) files.push_back(entry->path().filename());
   }
-  if (error) throw ExportError(directory.string() + ": directory of licences could not be read: " + error.message());
+  if (error) throw ExportError(directory.string() + ": directory of licenses could not be read: " + error.message());
   std::ranges::sort(files);
   return files;
 }
 
 void add_licenses(Zip& zip, const fs::path& directory) {
   for (const fs::path& file : files_in(directory)) {
-    zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a licence"));
+    zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a license"));
   }
 }
 
-// A file beside its final place that vanishes unless it is moved there.
+// A temporary file next to its final location, deleted unless it is moved there.
 class DraftFile {
  public:
   explicit DraftFile(fs::path final_path) : final_(std::move(final_path)), draft_(final_) { draft_ += ".part"; }

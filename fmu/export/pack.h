@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exporting: scene + prebuilt runtime -> FMU. Runs no compiler.
+// Export: scene + prebuilt runtime -> FMU, without a compiler.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,20 @@
 
 namespace gelenk {
 
-// A file that could not be read or written, and why.
+// A file could not be read or written; the message gives the reason.
 class ExportError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Writes the FMU to `out`, as a whole or not at all; the same arguments give the same bytes.
-//   runtimes  libraries with the FMI functions, whose endings tell the platform: .so linux64, .dll win64. They are
-//             nearly all of an FMU, so they may come compressed once for all: .so.gz, .dll.gz are taken over
-//   licenses  directory whose files go into documentation/licenses, and those of its directory named as a platform of
-//             the FMU's; empty: none
-//   compress  for all the rest; empty: it is stored as it is, and there is no model.png, which would be as large again
-// Throws ExportError, SceneError, and AssemblyError when the start values cannot be assembled.
+// Writes the FMU to `out`, completely or not at all. The same arguments give the same bytes.
+//   runtimes  libraries with the FMI functions; the extension determines the platform: .so linux64, .dll win64. Since
+//   they
+//             are nearly all of an FMU, precompressed files are accepted (.so.gz, .dll.gz) and not compressed again
+//   licenses  directory whose files are copied to documentation/licenses, along with those in its subdirectories named
+//             after the platforms of the FMU; empty: none
+//   compress  used for all other files; empty: they are stored uncompressed, and model.png is omitted because of its
+//   size
+// Throws ExportError, SceneError, and AssemblyError if the loops cannot be closed from the start values.
 void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
                 const std::filesystem::path& out, const std::filesystem::path& licenses, const Compress& compress);
 

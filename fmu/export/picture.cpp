@@ -23,8 +23,8 @@ constexpr Color metal_edge = {84, 116, 148};
 constexpr Color earth = {130, 130, 130};
 constexpr Color wire = {176, 98, 30};
 constexpr Color drive = {214, 72, 48};
-constexpr double margin = 40;        // pixels
-constexpr std::size_t legible = 12;  // names of more joints than these would lie on each other
+constexpr double margin = 40;                   // pixels
+constexpr std::size_t max_labeled_joints = 12;  // with more joints the names would overlap
 
 std::vector<Pose3> poses_of(Simulation& simulation) {
   std::vector<Pose3> out;
@@ -34,13 +34,13 @@ std::vector<Pose3> poses_of(Simulation& simulation) {
   return out;
 }
 
-// Whether there is anything to draw: a joint with all freedoms holds nothing.
-bool holds(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
+// Whether a joint is drawn: one with six degrees of freedom constrains nothing.
+bool constrains(const Joint& joint) { return find_joint_kind(joint.type)->nv < 6; }
 
-// Whether there is something between two bodies to draw.
-bool joins(const Force& force) { return force.frames.size() == 2; }
+// Whether a force is drawn: one between two bodies.
+bool is_between_bodies(const Force& force) { return force.frames.size() == 2; }
 
-// From where the scene is looked at: directions of the picture's axes in the world.
+// The view: directions of the picture's axes in the world frame.
 struct View {
   Vector3d right{1, 0, 0}, up{0, 0, 1};
 
@@ -64,7 +64,7 @@ View view_of(const Simulation& simulation) {
   return view;
 }
 
-// Corners of the smallest convex polygon around some points, in order (Andrew's monotone chain).
+// Corners of the convex hull of points, in order (Andrew's monotone chain).
 std::vector<Vector2d> hull(std::vector<Vector2d> points) {
   std::ranges::sort(
       points, [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
@@ -84,9 +84,9 @@ std::vector<Vector2d> hull(std::vector<Vector2d> points) {
   return out;
 }
 
-// The same, or the two ends of what is too thin for a polygon.
+// The convex hull, or its two ends if it is too thin for a polygon.
 std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
-  constexpr double thin = 6;  // pixels
+  constexpr double min_width = 6;  // pixels
   std::vector<Vector2d> corners = hull(points);
   if (corners.size() < 3) return corners;
   std::pair ends(corners[0], corners[1]);
@@ -98,14 +98,14 @@ std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
   const Vector2d along = (ends.second - ends.first).normalized();
   const bool is_thin = std::ranges::all_of(corners, [&](const Vector2d& p) {
     const Vector2d d = p - ends.first;
-    return std::abs(along.x() * d.y() - along.y() * d.x()) < thin;
+    return std::abs(along.x() * d.y() - along.y() * d.x()) < min_width;
   });
   return is_thin ? std::vector<Vector2d>{ends.first, ends.second} : corners;
 }
 
-class Artist {
+class PictureBuilder {
  public:
-  explicit Artist(Simulation& simulation)
+  explicit PictureBuilder(Simulation& simulation)
       : scene_(simulation.scene()), numbers_(scene_), poses_(poses_of(simulation)), view_(view_of(simulation)) {
     find_marks();
     fit();
@@ -113,12 +113,12 @@ class Artist {
 
   Picture run() {
     for (const Joint& joint : scene_.joints) {
-      if (!holds(joint)) continue;
+      if (!constrains(joint)) continue;
       draw_ground(joint.parent);
       draw_ground(joint.child);
     }
     for (const Force& force : scene_.forces) {
-      if (!joins(force)) continue;
+      if (!is_between_bodies(force)) continue;
       draw_ground(force.frames[0]);
       draw_ground(force.frames[1]);
     }
@@ -135,7 +135,7 @@ class Artist {
     return b < 0 ? frame.X_BF.p : poses_[static_cast<std::size_t>(b)].point(frame.X_BF.p);
   }
 
-  // Where on the bodies joints and forces take hold, and their centres of mass.
+  // Collects, for each body, its center of mass and the points at which joints and forces act.
   void find_marks() {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) marks_.push_back({poses_[b].point(scene_.bodies[b].com)});
     const auto mark = [&](const BodyFrame& frame) {
@@ -143,18 +143,18 @@ class Artist {
       if (b >= 0) marks_[static_cast<std::size_t>(b)].push_back(in_world(frame));
     };
     for (const Joint& joint : scene_.joints) {
-      if (!holds(joint)) continue;
+      if (!constrains(joint)) continue;
       mark(joint.parent);
       mark(joint.child);
     }
     for (const Force& force : scene_.forces) {
-      if (!joins(force)) continue;
+      if (!is_between_bodies(force)) continue;
       mark(force.frames[0]);
       mark(force.frames[1]);
     }
   }
 
-  // Scale and middle, so that everything is in the picture.
+  // Chooses scale and origin such that everything is in the picture.
   void fit() {
     constexpr double far = std::numeric_limits<double>::infinity();
     Vector2d least(far, far);
@@ -166,11 +166,11 @@ class Artist {
     for (const std::vector<Vector3d>& of_body : marks_) std::ranges::for_each(of_body, include);
     for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
     for (const Force& force : scene_.forces) {
-      if (!joins(force)) continue;
+      if (!is_between_bodies(force)) continue;
       include(in_world(force.frames[0]));
       include(in_world(force.frames[1]));
     }
-    if (!(least.x() <= most.x())) return;  // nothing there
+    if (!(least.x() <= most.x())) return;  // nothing to draw
     const Vector2d room(picture_.width - 2 * margin, picture_.height - 2 * margin);
     const Vector2d size = most - least;
     scale_ = std::min(room.x() / std::max(size.x(), 1e-9), room.y() / std::max(size.y(), 1e-9));
@@ -216,11 +216,12 @@ class Artist {
       line(corners, 5, metal);
     }
     disc(center, 2, ink, ink);
-    if (scene_.joints.size() <= legible) picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
+    if (scene_.joints.size() <= max_labeled_joints)
+      picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
   }
 
   void draw_force(const Force& force) {
-    if (!joins(force)) return;
+    if (!is_between_bodies(force)) return;
     const Vector2d from = on_paper(in_world(force.frames[0]));
     const Vector2d to = on_paper(in_world(force.frames[1]));
     const Vector2d along = to - from;
@@ -234,7 +235,7 @@ class Artist {
   }
 
   void draw_joint(const Joint& joint) {
-    if (!holds(joint)) return;
+    if (!constrains(joint)) return;
     const Vector2d at = on_paper(in_world(joint.child));
     const Vector2d from = on_paper(in_world(joint.parent));
     if ((at - from).norm() > 1) line({from, at}, 2, ink);
@@ -251,7 +252,7 @@ class Artist {
     } else {
       disc(at, 6, ink, fill);
     }
-    if (scene_.joints.size() <= legible) picture_.labels.push_back({at + Vector2d(9, -9), joint.name});
+    if (scene_.joints.size() <= max_labeled_joints) picture_.labels.push_back({at + Vector2d(9, -9), joint.name});
   }
 
   void draw_gravity() {
@@ -271,12 +272,12 @@ class Artist {
   std::vector<std::vector<Vector3d>> marks_;  // by body, in the world
   View view_;
   Picture picture_;
-  double scale_ = 1;  // pixels per metre
+  double scale_ = 1;  // pixels per meter
   Vector2d origin_ = Vector2d(240, 180);
 };
 
 }  // namespace
 
-Picture draw(Simulation& simulation) { return Artist(simulation).run(); }
+Picture draw(Simulation& simulation) { return PictureBuilder(simulation).run(); }
 
 }  // namespace gelenk

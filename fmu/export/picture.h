@@ -15,13 +15,13 @@ namespace gelenk {
 
 using Color = std::array<std::uint8_t, 3>;  // red, green, blue
 
-// Filled inside, with an edge `width` wide; points in pixels, x to the right, y down.
+// A filled shape with an outline; points and sizes in pixels, x to the right, y down.
 struct Shape {
   enum class Kind { line, polygon, disc };
   Kind kind = Kind::line;
-  std::vector<Eigen::Vector2d> points;  // line: open; polygon: closed, convex; disc: the centre
+  std::vector<Eigen::Vector2d> points;  // line: open; polygon: closed, convex; disc: the center
   double radius = 0;                    // of a disc
-  double width = 1;
+  double width = 1;                     // of the outline or line
   Color edge{}, fill{};
 };
 
@@ -36,12 +36,13 @@ struct Picture {
   std::vector<Label> labels;
 };
 
-// simulation: assembled. Its bodies are drawn where they are, in their plane or from aslant above.
+// Draws the bodies of an assembled simulation at their present positions, in their plane or seen obliquely from above.
 Picture draw(Simulation& simulation);
 
+// The picture as an SVG element.
 std::string write_svg(const Picture& picture);
 
-// Without the labels.
+// The picture as PNG, without labels.
 std::string write_png(const Picture& picture, const Compress& compress);
 
 }  // namespace gelenk

@@ -59,7 +59,9 @@ void add_table(std::string& page, const char* heading, Causality causality, cons
 }
 
 std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
-std::string degrees(int n) { return counted(n, "degree"); }
+std::string degrees_of_freedom(int n) {
+  return std::to_string(n) + (n == 1 ? " degree of freedom" : " degrees of freedom");
+}
 
 void add_reductions(std::string& page, const Inspection& report) {
   const ModelSize& before = report.described;
@@ -71,19 +73,19 @@ void add_reductions(std::string& page, const Inspection& report) {
   };
   row("moving bodies", before.bodies, after.bodies);
   row("coordinates", before.coordinates, after.coordinates);
-  row("speeds", before.speeds, after.speeds);
-  row("constraint rows", before.rows, after.rows);
-  row("parts solved apart", before.islands, after.islands);
-  row("parts computed in a plane", 0, after.planar_islands);
-  page += "</table>\n<p>What was looked for, to compute no more than the scene needs:</p>\n<ul>\n";
+  row("velocities", before.speeds, after.speeds);
+  row("constraint equations", before.rows, after.rows);
+  row("islands (integrated separately)", before.islands, after.islands);
+  row("islands computed in a plane", 0, after.planar_islands);
+  page += "</table>\n<p>Reductions and their results:</p>\n<ul>\n";
   for (const ReductionReport& reduction : report.reductions) {
     for (const std::string& note : reduction.notes) {
       page += "<li>" + escaped(reduction.name) + ": " + escaped(note) + "</li>\n";
     }
     if (!reduction.on) page += "<li>" + escaped(reduction.name) + ": switched off in the scene</li>\n";
   }
-  page += "</ul>\n<p>" + degrees(report.reduced.degrees_of_freedom) +
-          " of freedom; counting 6 for each body, less what is constrained, gives " +
+  page += "</ul>\n<p>" + degrees_of_freedom(report.reduced.degrees_of_freedom) +
+          "; Gruebler's count (6 for each body, less what is constrained) gives " +
           std::to_string(report.counted_degrees_of_freedom) + ".";
   for (const std::string& cause : report.mobility) page += " " + escaped(cause) + ".";
   page += "</p>\n";
@@ -98,31 +100,32 @@ std::string write_documentation(Simulation& simulation, const Catalog& catalog, 
   const std::string name = escaped(scene.name);
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name +
                      "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n<p>";
-  page += "Multibody plant with " + std::to_string(size.bodies) + (size.bodies == 1 ? " body" : " bodies") +
-          " that can move: " + counted(size.coordinates, "coordinate") + ", " + counted(size.speeds, "speed") + ", " +
-          counted(size.rows, "constraint row") + " of rank " + std::to_string(size.rank) + ", so " +
-          degrees(size.degrees_of_freedom) + " of freedom; " +
-          (size.planar ? "all motion is in one plane" : "motion is in space") + ".</p>\n";
-  page += "<p>Co-simulation FMU of FMI 2.0. Steps of any size; " + text::number(scene.experiment.step) +
-          " s is the one proposed. Parameters can be set until initialisation ends, tunable ones also between steps. "
-          "SI units, angles in radians; they "
-          "count turns.</p>\n";
-  page += "<p>Within a step an input is held, or follows the derivatives, of order 1 to " +
+  page += "Multibody plant with " + std::to_string(size.bodies) +
+          (size.bodies == 1 ? " moving body: " : " moving bodies: ") + counted(size.coordinates, "coordinate") + ", " +
+          std::to_string(size.speeds) + (size.speeds == 1 ? " velocity" : " velocities") + ", " +
+          counted(size.rows, "constraint equation") + " of rank " + std::to_string(size.rank) + ", so " +
+          degrees_of_freedom(size.degrees_of_freedom) + "; " +
+          (size.planar ? "the mechanism is planar" : "the mechanism is spatial") + ".</p>\n";
+  page += "<p>FMI 2.0 FMU for co-simulation. The communication step size is arbitrary; " +
+          text::number(scene.experiment.step) +
+          " s is suggested. Parameters can be set until the end of initialization, tunable ones also between steps. "
+          "All values are in SI units. Angles are in radians and count full turns.</p>\n";
+  page += "<p>During a step an input is constant, or follows the time derivatives of order 1 to " +
           std::to_string(Inputs::highest_order) +
-          ", that fmi2SetRealInputDerivatives gave it for the step; afterwards it stays at the value reached. A step "
-          "that takes more than solver.max_evaluations ends early with fmi2Discard: fmi2GetRealStatus tells where, and "
-          "the next step goes on from there.</p>\n";
-  page +=
-      "<figure>\n" + write_svg(picture) + "<figcaption>At the start. Red joints are driven.</figcaption>\n</figure>\n";
+          " that were set with fmi2SetRealInputDerivatives; afterwards it is held at the value reached. A step that "
+          "requires more than solver.max_evaluations evaluations ends early with fmi2Discard: fmi2GetRealStatus "
+          "returns the time reached, from which the next step continues.</p>\n";
+  page += "<figure>\n" + write_svg(picture) +
+          "<figcaption>The mechanism at the start. Red joints are driven by motors.</figcaption>\n</figure>\n";
   add_table(page, "Inputs", Causality::input, catalog);
   add_table(page, "Outputs", Causality::output, catalog);
-  add_table(page, "States that are no outputs, and their derivatives", Causality::local, catalog, true);
+  add_table(page, "States that are not outputs, and their derivatives", Causality::local, catalog, true);
   add_table(page, "Parameters", Causality::parameter, catalog);
   add_table(page, "Diagnostics", Causality::local, catalog);
-  if (!left_out.empty()) page += "<p>Of the scene it was made of was " + escaped(left_out) + ".</p>\n";
+  if (!left_out.empty()) page += "<p>Part of the scene was " + escaped(left_out) + ".</p>\n";
   add_reductions(page, inspect(simulation, scene));
-  page += "<p>Made by Gelenk " + escaped(gelenk_version()) +
-          ". The scene is in <code>resources/scene.json</code>, the licences of what the runtime contains are in "
+  page += "<p>Generated by Gelenk " + escaped(gelenk_version()) +
+          ". The scene is in <code>resources/scene.json</code>, the licenses of the software in the runtime are in "
           "<a href=\"licenses/\">licenses</a>.</p>\n</body>\n</html>\n";
   return page;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drawing into pixels, and PNG (ISO/IEC 15948).
+// Rasterization of a picture, and PNG (ISO/IEC 15948).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,13 +14,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-double to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d ab = b - a;
   const double t = ab.squaredNorm() > 0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
   return (p - a - t * ab).norm();
 }
 
-// From p to the shape's line; negative inside a closed one.
+// Distance of p from the outline of a shape; negative inside a closed one.
 double distance(const Shape& shape, const Vector2d& p) {
   if (shape.kind == Shape::Kind::disc) return (p - shape.points[0]).norm() - shape.radius;
   const std::size_t n = shape.points.size();
@@ -30,7 +30,7 @@ double distance(const Shape& shape, const Vector2d& p) {
   for (std::size_t i = 0; i + (closed ? 0 : 1) < n; ++i) {
     const Vector2d& a = shape.points[i];
     const Vector2d& b = shape.points[(i + 1) % n];
-    nearest = std::min(nearest, to_segment(p, a, b));
+    nearest = std::min(nearest, distance_to_segment(p, a, b));
     left += (b - a).x() * (p - a).y() > (b - a).y() * (p - a).x() ? 1 : -1;
   }
   const bool inside = closed && std::abs(left) == static_cast<int>(n);
@@ -46,7 +46,7 @@ class Canvas {
     for (const Shape& shape : picture.shapes) paint(shape);
   }
 
-  // Rows as PNG has them: a filter's number (none), then the pixels.
+  // The scanlines of PNG: the filter type (none), then the pixels.
   std::string rows() const {
     std::string out;
     const auto stride = std::size_t{3} * static_cast<std::size_t>(width_);
@@ -58,7 +58,7 @@ class Canvas {
   }
 
  private:
-  // Pixels, the end not included.
+  // Pixel ranges, right and bottom exclusive.
   struct Box {
     int left, top, right, bottom;
     bool contains(int x, int y) const { return left <= x && x < right && top <= y && y < bottom; }
@@ -78,7 +78,7 @@ class Canvas {
             clipped(most.x() + reach + 1, width_), clipped(most.y() + reach + 1, height_)};
   }
 
-  // Of a line only what lies about its pieces is looked at: a long one goes slantwise through much that is empty.
+  // For a line, only the boxes around its segments are examined, since the box around an oblique line is mostly empty.
   void paint(const Shape& shape) {
     const double reach = shape.radius + shape.width + 1;
     const bool line = shape.kind == Shape::Kind::line;
@@ -98,7 +98,7 @@ class Canvas {
     }
   }
 
-  // cover: how much of the pixel the colour takes, if between 0 and 1.
+  // cover: fraction of the pixel that the color covers; clamped to 0 and 1.
   void blend(int x, int y, const Color& color, double cover) {
     const double part = std::clamp(cover, 0.0, 1.0);
     std::uint8_t* pixel = &pixels_[std::size_t{3} * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +

@@ -8,7 +8,7 @@
 namespace gelenk {
 namespace {
 
-// Tenths of a pixel, and no more digits than that; made of whole numbers, since printf follows the locale.
+// A number with one decimal, formatted with integers because printf depends on the locale.
 std::string tenths(double x) {
   const long n = std::lround(10 * x);
   const long whole = std::abs(n) / 10;

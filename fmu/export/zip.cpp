@@ -48,9 +48,9 @@ std::uint32_t crc32(std::string_view content) {
 
 void Zip::add(const std::string& name, std::string_view content, bool executable) {
   const std::string stream = compress_ ? compress_(content) : std::string();
-  constexpr std::size_t around = 6;  // a head of two bytes, a checksum of four
-  if (stream.size() > around && stream.size() - around < content.size()) {
-    const std::string_view packed(stream.data() + 2, stream.size() - around);
+  constexpr std::size_t zlib_overhead = 6;  // bytes: header 2, checksum 4
+  if (stream.size() > zlib_overhead && stream.size() - zlib_overhead < content.size()) {
+    const std::string_view packed(stream.data() + 2, stream.size() - zlib_overhead);
     put_entry(name, packed, deflated, crc32(content), content.size(), executable);
   } else {
     put_entry(name, content, stored, crc32(content), content.size(), executable);
@@ -59,15 +59,15 @@ void Zip::add(const std::string& name, std::string_view content, bool executable
 
 bool Zip::add_gzip(const std::string& name, std::string_view gzip, bool executable) {
   using namespace std::string_view_literals;
-  constexpr std::size_t fixed = 10;
-  constexpr std::size_t tail = 8;
-  if (gzip.size() < fixed || !gzip.starts_with("\x1f\x8b\x08"sv)) return false;
-  constexpr char named = 8;
-  if (gzip[3] != 0 && gzip[3] != named) return false;
-  const std::size_t head = gzip[3] == named ? gzip.find('\0', fixed) + 1 : fixed;
-  if (head < fixed || gzip.size() <= head + tail) return false;
-  const std::string_view packed = gzip.substr(head, gzip.size() - head - tail);
-  const std::string_view sums = gzip.substr(gzip.size() - tail);
+  constexpr std::size_t fixed_header = 10;  // bytes
+  constexpr std::size_t trailer = 8;        // bytes: CRC-32, size
+  if (gzip.size() < fixed_header || !gzip.starts_with("\x1f\x8b\x08"sv)) return false;
+  constexpr char name_flag = 8;
+  if (gzip[3] != 0 && gzip[3] != name_flag) return false;
+  const std::size_t header = gzip[3] == name_flag ? gzip.find('\0', fixed_header) + 1 : fixed_header;
+  if (header < fixed_header || gzip.size() <= header + trailer) return false;
+  const std::string_view packed = gzip.substr(header, gzip.size() - header - trailer);
+  const std::string_view sums = gzip.substr(gzip.size() - trailer);
   put_entry(name, packed, deflated, number(sums), number(sums.substr(4)), executable);
   return true;
 }
@@ -86,7 +86,7 @@ void Zip::put_entry(const std::string& name, std::string_view packed, std::uint3
   bytes_ += packed;
 }
 
-// What a local header and the directory say alike, from "version needed" to "extra field length".
+// The fields common to local headers and the central directory, from "version needed" to "extra field length".
 void Zip::put_common(const Entry& entry) {
   put(bytes_, 20, 2);
   put(bytes_, names_are_utf8, 2);

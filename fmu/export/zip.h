@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ZIP archive in memory (APPNOTE.TXT 6.3, sections 4.3.7, 4.3.12, 4.3.16). Dates are fixed, so that the same content
-// gives the same bytes.
+// A ZIP archive in memory (APPNOTE.TXT 6.3, sections 4.3.7, 4.3.12, 4.3.16). Dates are constant, so that the same
+// content gives the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,23 @@
 
 namespace gelenk {
 
-// Gives the zlib stream (RFC 1950) of bytes, without a dictionary. Who packs brings it: zlib itself, or Python's.
+// Compresses bytes to a zlib stream (RFC 1950) without a dictionary. Provided by the caller: zlib, or Python's zlib.
 using Compress = std::function<std::string(std::string_view)>;
 
 class Zip {
  public:
-  // compress: makes smaller what it can; empty: entries are stored as they are.
+  // compress: used for entries that become smaller; empty: all entries are stored uncompressed.
   explicit Zip(Compress compress) : compress_(std::move(compress)) {}
 
-  // name: relative, with forward slashes, UTF-8. Throws std::length_error when the archive would pass 4 GB.
+  // name: relative, with forward slashes, UTF-8. Throws std::length_error if the archive would exceed 4 GB or 65535
+  // files.
   void add(const std::string& name, std::string_view content, bool executable = false);
 
-  // The content of a gzip file (RFC 1952), taken over as it is compressed there. False: it is no such file, or one with
-  // more in its head than a name.
+  // Adds the content of a gzip file (RFC 1952) without recompressing it. Returns false if it is not such a file or has
+  // a header with more than a name.
   bool add_gzip(const std::string& name, std::string_view gzip, bool executable = false);
 
-  // The archive's bytes; the archive is then empty.
+  // Returns the bytes of the archive, which is empty afterwards.
   std::string finish();
 
  private:
@@ -44,7 +45,7 @@ class Zip {
   std::string bytes_;
 };
 
-// CRC-32 of ISO 3309, as ZIP and PNG want it.
+// CRC-32 of ISO 3309, as used by ZIP and PNG.
 std::uint32_t crc32(std::string_view content);
 
 }  // namespace gelenk

@@ -33,7 +33,7 @@ PlantModel::PlantModel(std::string_view scene_json, const std::string& file)
     : scene(read_scene_json(scene_json, file)), catalog(scene), guid(fingerprint(scene_json)) {}
 
 const PlantModel::States& PlantModel::states() const {
-  std::call_once(asked_, [this] {
+  std::call_once(states_once_, [this] {
     Simulation simulation(scene);
     simulation.assemble();
     States found{catalog, StateDerivatives(simulation).independent()};
@@ -69,16 +69,16 @@ void Plant::assemble() {
       fresh.set_input_derivative(i, order, inputs_.derivative(i, order));
     }
   }
-  fresh.initialize(start_, wished_tolerance());
+  fresh.initialize(start_, requested_tolerance());
   first_inputs_ = inputs_;
   simulation_.emplace(std::move(fresh));
   assembled_ = settings_;
 }
 
-double Plant::wished_tolerance() const {
+double Plant::requested_tolerance() const {
   const double own = scene_.experiment.tolerance;
-  const bool other = own != model_->scene.experiment.tolerance;
-  return other || (tolerance_confirmed_ && tolerance_ > own) ? 0 : tolerance_;
+  const bool is_changed = own != model_->scene.experiment.tolerance;
+  return is_changed || (tolerance_confirmed_ && tolerance_ > own) ? 0 : tolerance_;
 }
 
 std::string Plant::assembly_report() const {
@@ -135,14 +135,16 @@ void Plant::check(int variable, double value) const {
   } else if (v.source != Source::input) {
     throw std::invalid_argument(v.name + " is computed by the plant and cannot be set");
   } else if (!std::isfinite(value)) {
-    throw std::invalid_argument(v.name + ": found " + text::number(value) + ", expected a finite number; it stays " +
-                                text::number(input(v.index)) + " " + v.unit);
+    throw std::invalid_argument(v.name + ": found " + text::number(value) +
+                                ", expected a finite number; the value remains " + text::number(input(v.index)) + " " +
+                                v.unit);
   }
 }
 
 void Plant::check_input_derivative(int variable, int order, double value) const {
   const Variable& v = catalog().variables()[static_cast<std::size_t>(variable)];
-  if (v.source != Source::input) throw std::invalid_argument(v.name + ": found no input, expected one");
+  if (v.source != Source::input)
+    throw std::invalid_argument(v.name + ": found a variable that is not an input, expected an input");
   const std::string fault = Inputs::fault(order, value);
   if (!fault.empty()) throw std::invalid_argument(v.name + ": " + fault);
 }
@@ -165,9 +167,9 @@ void Plant::set(int variable, double value) {
   }
   const Parameter& parameter = catalog().parameters()[index];
   if (parameter.name == "solver.tolerance") {
-    const double wished = wished_tolerance();
+    const double requested = requested_tolerance();
     tolerance_confirmed_ = true;
-    if (wished_tolerance() != wished) simulation_.reset();
+    if (requested_tolerance() != requested) simulation_.reset();
   }
   if (value == parameter.get(scene_)) return;
   set_parameter(scene_, parameter, value);
@@ -191,7 +193,7 @@ void Plant::tune(int variable, double value) {
 void Plant::serialize(Archive& archive) {
   bool assembled = simulation_.has_value();
   double start = start_;
-  double tolerance = std::copysign(tolerance_, tolerance_confirmed_ ? -1 : 1);  // the sign holds the flag
+  double tolerance = std::copysign(tolerance_, tolerance_confirmed_ ? -1 : 1);  // the sign contains the flag
   Settings when_assembled = assembled_;
   Settings present = settings_;
   archive.serialize(assembled, start, tolerance);
@@ -211,7 +213,7 @@ void Plant::serialize(Archive& archive) {
     tolerance_confirmed_ = confirmed;
     if (assembled) {
       std::swap(inputs_, first);
-      take(when_assembled, present);
+      adopt(when_assembled, present);
       inputs_ = std::move(first);
     } else if (settings_ != present) {
       present.put(catalog(), scene_);
@@ -221,8 +223,8 @@ void Plant::serialize(Archive& archive) {
   if (assembled) simulation_->serialize(archive);
 }
 
-// Of a run that was assembled with one and has been tuned to the other.
-void Plant::take(const Settings& assembled, const Settings& present) {
+// Adopts the settings of a run that was assembled with `assembled` and tuned to `present`.
+void Plant::adopt(const Settings& assembled, const Settings& present) {
   if (!simulation_) {
     assembled.put(catalog(), scene_);
     settings_ = assembled;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plant: one instance of a model, seen through its catalogue: values by variable, whether they are settings of the
-// scene, inputs, or computed.
+// Plant: one instance of a model, with access by the variables of its catalog: parameters of the scene, inputs and
+// computed values.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@
 
 namespace gelenk {
 
-// What all instances of an FMU share. Immutable.
+// Immutable data shared by all instances of an FMU.
 struct PlantModel {
   PlantModel(std::string_view scene_json, const std::string& file);  // throws SceneError
 
@@ -26,16 +26,16 @@ struct PlantModel {
   Catalog catalog;
   std::string guid;
 
-  // What modelDescription.xml declares as states: those of the scene as it was exported, whatever parameters are set.
-  // Found when first asked for, by assembling it.
+  // The states that modelDescription.xml declares: those of the exported scene, independent of parameters set later.
+  // Determined on first use, by assembling the scene.
   struct States {
-    Catalog catalog;  // with them
+    Catalog catalog;  // with these states declared
     IndependentOutputs independent;
   };
   const States& states() const;
 
  private:
-  mutable std::once_flag asked_;
+  mutable std::once_flag states_once_;
   mutable std::optional<States> states_;
 };
 
@@ -46,44 +46,45 @@ class Plant {
   const PlantModel& model() const { return *model_; }
   const Catalog& catalog() const { return model_->catalog; }
 
-  // When the run starts [s], and the master's wish for the tolerance (0: none). It gives way to a solver.tolerance that
-  // is set to another value than the scene's; of the scene's own, when that is set, the smaller counts: some masters
-  // set all parameters to what they are, and wish for 0.1 (Maestro 3).
+  // Sets the start time [s] and the tolerance requested by the master (0: none). A value of solver.tolerance that
+  // differs from the scene's takes precedence over it. If solver.tolerance is set to the scene's value, the smaller of
+  // the two applies: some masters set all parameters to their defaults and request 0.1 (Maestro 3).
   void set_experiment(double start, double tolerance);
 
-  // Builds and assembles the simulation if that has not happened since the last parameter was set.
-  // Throws SceneError (settings that do not fit together), AssemblyError.
+  // Creates and assembles the simulation unless this has been done since a parameter was last set. Throws SceneError
+  // for inconsistent parameters, and AssemblyError.
   void assemble();
 
-  // By index in the catalogue. Values that need the simulation assemble it. Booleans are 0 and 1.
+  // The value of a variable, by its index in the catalog; assembles the simulation if necessary. Booleans are 0 and 1.
   double get(int variable);
 
-  // Throws std::invalid_argument for what check() refuses.
+  // Throws std::invalid_argument for what check() rejects.
   void set(int variable, double value);
 
-  // As set(), while running: a tunable parameter then acts from the next step on, and nothing is assembled anew.
+  // As set(), during a run: a tunable parameter takes effect from the next step on, without a new assembly.
   void tune(int variable, double value);
 
-  // The time derivative of an input, of this order and from now on (simulation.h). Throws what the check below does.
+  // Sets the time derivative of this order of an input (simulation.h). Throws what check_input_derivative() throws.
   void set_input_derivative(int variable, int order, double value);
 
-  // Whether set() will take the value: throws std::invalid_argument, naming the variable, if not.
+  // Throws std::invalid_argument, with the variable's name, if set() would reject the value.
   void check(int variable, double value) const;
-  // Likewise whether set_input_derivative() will.
+  // The same for set_input_derivative().
   void check_input_derivative(int variable, int order, double value) const;
 
-  // Everything that decides how the run goes on, settings included, written down or taken from a record of any instance
-  // of this model; where it was assembled with other settings it is assembled anew. See Simulation::serialize. Throws
-  // std::invalid_argument for a record of something else, and SceneError, AssemblyError; it is undefined then.
+  // Writes or reads all data that determine how the run continues, including parameters; archives of any instance of
+  // this model can be read. If that was assembled with other parameters, this plant is assembled again. See
+  // Simulation::serialize. Throws std::invalid_argument for an archive of something else, SceneError and AssemblyError;
+  // the plant must then not be used.
   void serialize(Archive& archive);
 
-  // What is behind the outputs, assembled.
+  // The assembled simulation; assembles it if necessary.
   Simulation& simulation();
 
-  // As Simulation's; assembled plants only.
+  // See Simulation; require an assembled plant.
   void step_to(double end) { simulation_->step_to(end); }
   double time() const { return simulation_ ? simulation_->time() : start_; }
-  long count(Diagnostic diagnostic);  // of one that counts
+  long count(Diagnostic diagnostic);  // the value of a diagnostic that is a count
   std::vector<EventReport> events() const { return simulation_->events(); }
   std::string assembly_report() const;
   std::vector<std::string> start_warnings() const;
@@ -91,20 +92,20 @@ class Plant {
  private:
   double input(int index) const { return simulation_ ? simulation_->input(index) : inputs_.value(index); }
   double rate(const Rate& rate);
-  double wished_tolerance() const;  // 0: the scene's
-  void take(const Settings& assembled, const Settings& present);
+  double requested_tolerance() const;  // 0: the scene's
+  void adopt(const Settings& assembled, const Settings& present);
 
   std::shared_ptr<const PlantModel> model_;
   Scene scene_;          // with the parameters set so far
   Settings settings_;    // of scene_
-  Settings assembled_;   // of simulation_, when it was assembled
+  Settings assembled_;   // when simulation_ was assembled
   Inputs inputs_;        // as set so far
-  Inputs first_inputs_;  // when the simulation was assembled
+  Inputs first_inputs_;  // when simulation_ was assembled
   std::optional<Simulation> simulation_;
-  std::vector<AnyJoint> joints_;  // as many as rates need, by joint
+  std::vector<AnyJoint> joints_;  // by joint of the scene
   double start_ = 0;
   double tolerance_ = 0;
-  bool tolerance_confirmed_ = false;  // solver.tolerance was set
+  bool tolerance_confirmed_ = false;  // whether solver.tolerance was set
 };
 
 }  // namespace gelenk

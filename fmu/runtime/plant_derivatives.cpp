@@ -19,7 +19,7 @@ const Variable& variable(const Catalog& catalog, unsigned reference) {
                    std::to_string(catalog.variables().size()));
 }
 
-// Where an output is among the simulation's states; none if it is not.
+// The index of an output among the simulation's states, or none.
 int state_of(const std::vector<StateVariable>& states, int output) {
   const auto found = std::ranges::find(states, output, &StateVariable::output);
   return found == states.end() ? StateVariable::none : static_cast<int>(found - states.begin());
@@ -47,7 +47,7 @@ class Directions {
                                    : dx_[static_cast<std::size_t>(state)]) += value;
   }
 
-  // Its row among the outputs; of a quaternion's rates, after them.
+  // The row of an unknown: index of the output or, for rates of quaternions, of the state after all outputs.
   Eigen::Index row(unsigned reference) const {
     const Variable& unknown = variable(catalog_, reference);
     if (unknown.source == Source::output) return unknown.index;
@@ -90,7 +90,7 @@ void output_derivatives(Plant& plant, References outputs, const int* orders, dou
   std::vector<int> indices;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const Variable& v = variable(plant.catalog(), outputs[i]);
-    if (v.source != Source::output) throw UsageError(v.name + " is no output: only outputs have derivatives");
+    if (v.source != Source::output) throw UsageError(v.name + " is not an output: only outputs have time derivatives");
     if (orders[i] < 1 || orders[i] > max_output_derivative_order) {
       throw UsageError("order: found " + std::to_string(orders[i]) + " for " + v.name + ", expected 1 to " +
                        std::to_string(max_output_derivative_order));

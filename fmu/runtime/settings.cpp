@@ -6,7 +6,7 @@
 namespace gelenk {
 namespace {
 
-// A joint has at most 7 coordinates and 6 speeds.
+// The flags of a joint: at most 26, for 7 coordinates and 6 velocities.
 template <class Start>
 auto flags(Start& start) {
   return std::array{&start.q_given, &start.v_given, &start.q_fixed, &start.v_fixed};

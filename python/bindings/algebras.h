@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How poses, motions and forces of either algebra are shown to Python, and read: poses are 4x4 matrices, motions and
-// forces 6-vectors (angular part first); planar algebra is shown in space, with the plane's normal along z.
+// Conversion of poses, motions and forces of both algebras to and from Python: poses are 4x4 matrices, motions and
+// forces 6-vectors (angular part first); planar quantities are converted to spatial ones, with the plane's normal
+// along z.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,7 +39,7 @@ typename A::Pose pose(const Eigen::Matrix4d& X) {
     return {X.topLeftCorner<3, 3>(), X.topRightCorner<3, 1>()};
   }
 }
-// A Motion or a Force of the algebra from its 6-vector.
+// A Motion or Force of the algebra from a 6-vector.
 template <class A, class Out>
 Out pair_of(const Vector6& V) {
   if constexpr (A::planar) {

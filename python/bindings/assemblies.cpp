@@ -12,7 +12,7 @@ using gelenk::AssemblyPart;
 
 namespace {
 
-// Of all coordinates of a part: "A.phi", and units.
+// Names ("A.phi") and units of all coordinates of an island.
 std::vector<std::pair<std::string, std::string>> coordinates(const gelenk::Scene& scene, const AssemblyPart& part) {
   std::vector<std::pair<std::string, std::string>> out;
   for (const int j : part.joints) {
@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, std::string>> coordinates(const gelenk::Scene
   return out;
 }
 
-// One after the other, in the same order.
+// The values of all coordinates, in the same order.
 std::vector<double> values(const Assembly& assembly) {
   std::vector<double> out;
   for (const std::vector<double>& q : assembly.q) out.insert(out.end(), q.begin(), q.end());
@@ -53,18 +53,18 @@ nb::list listed(const gelenk::Scene& scene, const std::vector<std::string>& bodi
 }  // namespace
 
 void gelenk::bind_assemblies(nb::module_& m) {
-  nb::class_<Assembly>(m, "Assembly", "One way to put a part of a mechanism together.")
-      .def_prop_ro("values", &values, "Of all coordinates of the part.")
+  nb::class_<Assembly>(m, "Assembly", "An assembly of one island.")
+      .def_prop_ro("values", &values, "Values of all coordinates of the island.")
       .def_ro("distance", &Assembly::distance)
       .def_ro("degrees_of_freedom", &Assembly::degrees_of_freedom)
       .def_ro("hits", &Assembly::hits)
       .def_ro("chosen", &Assembly::chosen)
       .def_ro("flat", &Assembly::flat);
-  nb::class_<AssemblyPart>(m, "AssemblyPart", "A part with loops that moves apart from the rest.")
+  nb::class_<AssemblyPart>(m, "AssemblyPart", "An island with loops, and its assemblies.")
       .def_ro("assemblies", &AssemblyPart::assemblies)
       .def_ro("starts", &AssemblyPart::starts)
       .def_ro("closed", &AssemblyPart::closed)
       .def_ro("settled", &AssemblyPart::settled);
   m.def("list_assemblies", &listed, nb::arg("scene"), nb::arg("bodies"), nb::arg("most_starts"), nb::arg("seed"),
-        "By part: the ways to put it together, names and units of its coordinates. Raises AssemblyError.");
+        "For each island with loops: its assemblies, names and units of its coordinates. Raises AssemblyError.");
 }

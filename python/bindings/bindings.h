@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces of the Python module gelenk._core, one file each.
+// The parts of the Python module gelenk._core, one file each.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,6 +9,7 @@ namespace gelenk {
 void bind_errors(nanobind::module_& m);
 void bind_scene(nanobind::module_& m);
 void bind_parameters(nanobind::module_& m);
+void bind_signals(nanobind::module_& m);
 void bind_simulation(nanobind::module_& m);
 void bind_inspection(nanobind::module_& m);
 void bind_assemblies(nanobind::module_& m);

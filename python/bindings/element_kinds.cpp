@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What kinds of elements there are, and their numbers, for Python. No kind is known here: the registry lists them.
+// The kinds of elements and their numbers, for Python. The kinds are those of the registry.
 #include "elements.h"
 
 #include <nanobind/eigen/dense.h>
@@ -30,7 +30,7 @@ const char* kind_name(Port::Kind kind) {
   return names[static_cast<int>(kind)];
 }
 
-// As given, about an angle and about a length.
+// The unit as given, for an angle and for a length.
 nb::list units(std::string_view unit) {
   nb::list out;
   for (const bool is_angle : {true, false}) out.append(unit_of(unit, {.name = {}, .speed = {}, .is_angle = is_angle}));
@@ -39,7 +39,7 @@ nb::list units(std::string_view unit) {
 
 nb::object shown(const Eigen::Vector3d& x) { return nb::cast(std::vector<double>(x.begin(), x.end())); }
 
-// What the element's field holds.
+// The value of a field of an element.
 nb::object value_in(const Field& field, const void* element) {
   switch (field.type) {
     case Field::Type::number:
@@ -227,7 +227,7 @@ void put_number(std::span<const Field> fields, void* element, const std::string&
         return;
     }
   }
-  throw std::invalid_argument("no field is called " + name);
+  throw std::invalid_argument("unknown field: " + name);
 }
 
 }  // namespace gelenk

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The elements of src/element, kind by kind, for the tests of the laws that every one must obey. No kind is known here:
-// the registry lists them.
+// The elements of src/element, kind by kind, for the tests of the laws that every one must obey. The kinds are those of
+// the registry.
 #include "elements.h"
 
 #include <nanobind/eigen/dense.h>
@@ -33,7 +33,7 @@ std::string name_of() {
   }
 }
 
-// One of that name among the alternatives of a variant, with these numbers.
+// An element of this kind, among the alternatives of a variant, with these numbers.
 template <class... E>
 std::variant<E...> made(const std::variant<E...>*, const std::string& kind, const ElementNumbers& numbers) {
   std::variant<E...> out;
@@ -43,7 +43,7 @@ std::variant<E...> made(const std::variant<E...>*, const std::string& kind, cons
     for (const auto& [name, value] : numbers) put_number(One::fields(), &element, name, value);
     return true;
   };
-  if (!(take(E()) || ...)) throw std::invalid_argument("no kind is called " + kind);
+  if (!(take(E()) || ...)) throw std::invalid_argument("unknown kind: " + kind);
   return out;
 }
 
@@ -67,14 +67,14 @@ nb::dict shown(const PortJacobians& jacobians) {
   return out;
 }
 
-// A force whose ports are wherever they are said to be.
-class ForceAnywhere {
+// A force whose ports are at given poses.
+class ForceAtPorts {
   using Poses = std::vector<Eigen::Matrix4d>;
   using Velocities = std::vector<Vector6>;
 
   template <std::size_t n>
   struct Here {
-    Attachment at;  // a body's frame is its port
+    Attachment at;  // the frame of each body coincides with its port
     Loads loads;
     std::array<Spatial::Pose, n> X;
     std::array<Spatial::Motion, n> V;
@@ -85,7 +85,7 @@ class ForceAnywhere {
   auto at(const Poses& poses, const Velocities& velocities, const Vector& u, const Eigen::Matrix3d& R_0W,
           const Function& function) const {
     if (poses.size() != ports() || velocities.size() != ports())
-      throw std::invalid_argument("the force has " + std::to_string(ports()) + " ports");
+      throw std::invalid_argument("expected poses and velocities of " + std::to_string(ports()) + " ports");
     check(u, input_count(force_), "inputs");
     return std::visit(
         [&]<class F>(const F& force) {
@@ -107,7 +107,7 @@ class ForceAnywhere {
   }
 
  public:
-  ForceAnywhere(const std::string& kind, const ElementNumbers& numbers)
+  ForceAtPorts(const std::string& kind, const ElementNumbers& numbers)
       : force_(made(static_cast<const AnyForce*>(nullptr), kind, numbers)) {}
 
   nb::list inputs() const { return shown_signals(inputs_of(force_)); }
@@ -140,11 +140,11 @@ class ForceAnywhere {
       return false;
     });
   }
-  // Whether its numbers fit each other.
+  // Whether the numbers are mutually consistent.
   bool is_sound() const { return !fault_of(force_, {}); }
-  // None where the element has none of its own.
+  // None if the element does not supply its own.
   nb::object jacobians(const Poses& poses, const Velocities& velocities, const Vector& u,
-                    const Eigen::Matrix3d& R_0W) const {
+                       const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
       if constexpr (requires { force.jacobians(here.ports.data(), u.data()); }) {
         return shown(force.jacobians(here.ports.data(), u.data()));
@@ -167,7 +167,7 @@ class ForceAnywhere {
   AnyForce force_;
 };
 
-// Whatever acts along a coordinate: motors and what joints have of their own.
+// A force along a joint coordinate: a motor, or an element that belongs to the joint.
 template <class Any, class Tuple>
 struct AlongAny;
 template <class... Motor, class... Force>
@@ -228,7 +228,7 @@ class AlongOne {
         },
         force_);
   }
-  // By q, v and the inputs.
+  // Derivatives with respect to q, v and the inputs.
   std::vector<double> derivatives_by_duals(double q, double v, const Vector& u) const {
     return std::visit(
         [&]<class F>(const F& force) {
@@ -249,27 +249,29 @@ class AlongOne {
 }  // namespace
 
 void bind_elements(nb::module_& module) {
-  nb::module_ m = module.def_submodule("elements", "The elements of every kind, see src/element/element.h.");
+  nb::module_ m =
+      module.def_submodule("elements", "The functions of all kinds of elements, see src/element/element.h.");
   m.def("kinds", &shown_kinds,
-        "All kinds of motors, forces, constraints, sensors, and of what joints have along a coordinate: names, ports, "
-        "fields, outputs, with the units as FMI spells them.");
-  nb::class_<ForceAnywhere>(m, "Force",
-                            "A force with numbers by the names of its fields. Its ports are at 4x4 poses; velocities "
-                            "are (w, v of the port's origin) [rad/s, m/s], along the axes of a frame that stands "
-                            "still, and so are the wrenches (torque, force) [N m, N] at the ports' origins. R_0W: "
-                            "the world's axes along these.")
+        "All kinds of motors, forces, constraints, sensors, and forces along joint coordinates: names, ports, fields, "
+        "outputs, with units in FMI spelling.");
+  nb::class_<ForceAtPorts>(
+      m, "Force",
+      "A force with numbers by the names of its fields. The poses of its ports are 4x4 matrices in a "
+      "frame 0 at rest. Velocities (w, v of the port's origin) [rad/s, m/s] and wrenches (torque, "
+      "force) [N m, N] at the ports' origins are written in frame 0. R_0W: the rotation of the "
+      "world frame in frame 0.")
       .def(nb::init<const std::string&, const ElementNumbers&>(), nb::arg("kind"), nb::arg("numbers"))
-      .def_prop_ro("inputs", &ForceAnywhere::inputs)
-      .def_prop_ro("ports", &ForceAnywhere::ports)
-      .def("act", &ForceAnywhere::act, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"), nb::arg("R_0W"))
-      .def_prop_ro("is_sound", &ForceAnywhere::is_sound)
-      .def("energy", &ForceAnywhere::energy, nb::arg("poses"))
-      .def("undefined", &ForceAnywhere::undefined, nb::arg("poses"))
-      .def("jacobians", &ForceAnywhere::jacobians, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"),
+      .def_prop_ro("inputs", &ForceAtPorts::inputs)
+      .def_prop_ro("ports", &ForceAtPorts::ports)
+      .def("act", &ForceAtPorts::act, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"), nb::arg("R_0W"))
+      .def_prop_ro("is_sound", &ForceAtPorts::is_sound)
+      .def("energy", &ForceAtPorts::energy, nb::arg("poses"))
+      .def("undefined", &ForceAtPorts::undefined, nb::arg("poses"))
+      .def("jacobians", &ForceAtPorts::jacobians, nb::arg("poses"), nb::arg("velocities"), nb::arg("inputs"),
            nb::arg("R_0W"))
-      .def("derivatives_by_duals", &ForceAnywhere::derivatives_by_duals, nb::arg("poses"), nb::arg("velocities"),
+      .def("derivatives_by_duals", &ForceAtPorts::derivatives_by_duals, nb::arg("poses"), nb::arg("velocities"),
            nb::arg("inputs"), nb::arg("R_0W"));
-  nb::class_<AlongOne>(m, "Along", "What acts along a coordinate, with numbers by the names of its fields.")
+  nb::class_<AlongOne>(m, "Along", "A force along a joint coordinate, with numbers by the names of its fields.")
       .def(nb::init<const std::string&, const ElementNumbers&>(), nb::arg("kind"), nb::arg("numbers"))
       .def_prop_ro("inputs", &AlongOne::inputs)
       .def_prop_ro("inertia", &AlongOne::inertia)

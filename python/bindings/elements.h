@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kinds of elements and their numbers, as Python sees them.
+// Conversion of kinds of elements and of their numbers for Python.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -14,17 +14,17 @@
 
 namespace gelenk {
 
-// By the name of the field; those of a group as "sine.phase". A flag: 0 or 1, a choice: its place among the words.
+// Values by name of the field, in groups as "sine.phase". Flags are 0 or 1, choices the index of the word.
 using ElementNumbers = std::map<std::string, std::variant<double, std::vector<double>>>;
 
-// By section of the scene: a list of kinds.
+// For each section of the scene, a list of its kinds.
 nanobind::dict shown_kinds();
-// defaults: an element with what its fields hold at first.
+// defaults: an element with the default values of its fields.
 nanobind::list shown_fields(std::span<const Field> fields, const void* defaults);
 nanobind::list shown_signals(std::span<const SignalGroup> groups);
-// Of what joints have, which has no name of its own: the mapping it stands in, or its first field.
+// The name of a force along a joint coordinate: its mapping in the joint, or its first field.
 std::string name_along(std::string_view group, std::span<const Field> fields);
-// Throws std::invalid_argument for a name or a size that is not the element's.
+// Throws std::invalid_argument for an unknown name or a wrong size.
 void put_number(std::span<const Field> fields, void* element, const std::string& name,
                 const ElementNumbers::mapped_type& value);
 

@@ -10,7 +10,7 @@ namespace nb = nanobind;
 
 namespace {
 
-// The classes live in Python (gelenk/errors.py), where they carry their documentation and types.
+// The exception classes are defined in Python (gelenk/errors.py), with documentation and types.
 template <class Argument>
 void raise(const char* name, const Argument& argument) {
   try {

@@ -31,12 +31,12 @@ void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem
 }  // namespace
 
 void gelenk::bind_fmu(nb::module_& m) {
-  m.def(
-      "export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-      nb::arg("compress").none(),
-      "Write the FMU: scene, runtime libraries and the files of the folder licenses, all made smaller by compress, as\n"
-      "zlib.compress does. Raises ExportError, SceneError, AssemblyError.");
+  m.def("export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
+        nb::arg("compress").none(),
+        "Write the FMU with the scene, the runtime libraries and the files of the folder licenses, compressed by "
+        "compress\n"
+        "(zlib.compress, or None). Raises ExportError, SceneError, AssemblyError.");
   m.def("file_stem", &gelenk::file_stem, nb::arg("name"),
-        "The name, or the nearest one that is a file's on Linux, macOS and Windows.");
-  m.def("is_device_name", &gelenk::is_device_name, nb::arg("name"), "Whether Windows keeps the name for a device.");
+        "The name, or a similar one that is a valid file name on Linux, macOS and Windows.");
+  m.def("is_device_name", &gelenk::is_device_name, nb::arg("name"), "Whether Windows reserves the name for a device.");
 }

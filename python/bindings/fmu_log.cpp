@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The logger that is given to FMUs which Python runs. fmpy has one pointer for the loggers of a whole process, which
-// every plant would overwrite and leave behind when it is closed; and Python's functions cannot take the arguments that
-// a message of other tools' FMUs comes with.
+// The logger for FMUs that run in Python. fmpy has a single pointer for the loggers of a process, which every plant
+// would overwrite and leave dangling when it is closed; and Python functions cannot take the variadic arguments that
+// FMUs of other tools pass.
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
@@ -19,29 +19,29 @@ namespace nb = nanobind;
 
 namespace {
 
-// Collects what an FMU says; from any of its threads.
+// Collects the log messages of an FMU, from any of its threads.
 class FmuLog {
  public:
-  void add(int status, std::string sentence) {
+  void add(int status, std::string message) {
     const std::scoped_lock lock(mutex_);
-    sentences_.emplace_back(status, std::move(sentence));
+    messages_.emplace_back(status, std::move(message));
   }
 
-  // What was said since the last time: statuses of FMI and sentences, in any encoding.
+  // Returns the messages since the last call: FMI status and text, in any encoding.
   std::vector<std::pair<int, nb::bytes>> take() {
     std::vector<std::pair<int, std::string>> taken;
     {
       const std::scoped_lock lock(mutex_);
-      taken.swap(sentences_);
+      taken.swap(messages_);
     }
     std::vector<std::pair<int, nb::bytes>> out;
-    for (const auto& [status, sentence] : taken) out.emplace_back(status, nb::bytes(sentence.data(), sentence.size()));
+    for (const auto& [status, message] : taken) out.emplace_back(status, nb::bytes(message.data(), message.size()));
     return out;
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::pair<int, std::string>> sentences_;
+  std::vector<std::pair<int, std::string>> messages_;
 };
 
 std::string formatted(const char* format, std::va_list arguments) {
@@ -56,7 +56,7 @@ std::string formatted(const char* format, std::va_list arguments) {
 
 }  // namespace
 
-// fmi2CallbackLogger, with the log as the component's environment. Nothing is thrown into an FMU.
+// fmi2CallbackLogger, with the log as component environment. No exception is thrown into the FMU.
 extern "C" {
 // NOLINTNEXTLINE(modernize-avoid-variadic-functions): FMI's type
 static void gelenk_fmu_logger(void* environment, const char* /*instance*/, int status, const char* /*category*/,
@@ -66,7 +66,7 @@ static void gelenk_fmu_logger(void* environment, const char* /*instance*/, int s
   va_start(arguments, message);
   try {
     static_cast<FmuLog*>(environment)->add(status, formatted(message, arguments));
-  } catch (...) {  // no memory: a sentence less
+  } catch (...) {  // out of memory: the message is lost
     (void)environment;
   }
   va_end(arguments);
@@ -74,11 +74,11 @@ static void gelenk_fmu_logger(void* environment, const char* /*instance*/, int s
 }
 
 void gelenk::bind_fmu_log(nb::module_& m) {
-  nb::class_<FmuLog>(m, "FmuLog", "Collects what an FMU logs; has to live as long as the FMU's instance.")
+  nb::class_<FmuLog>(m, "FmuLog", "Collects the log messages of an FMU; must outlive the FMU's instance.")
       .def(nb::init<>())
-      .def("take", &FmuLog::take, "What was logged since the last time: pairs of a status of FMI and bytes.")
+      .def("take", &FmuLog::take, "Return the messages since the last call: pairs of FMI status and bytes.")
       .def_prop_ro(
           "environment", [](FmuLog& log) { return reinterpret_cast<std::uintptr_t>(&log); },
-          "For fmi2CallbackFunctions.componentEnvironment.");
+          "Value of fmi2CallbackFunctions.componentEnvironment.");
   m.attr("fmu_logger") = reinterpret_cast<std::uintptr_t>(&gelenk_fmu_logger);
 }

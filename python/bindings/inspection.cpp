@@ -14,20 +14,21 @@ using gelenk::ReductionReport;
 using gelenk::RedundantRow;
 
 void gelenk::bind_inspection(nb::module_& m) {
-  nb::class_<RedundantRow>(m, "RedundantRow", "A row of a loop that repeats others at every position.")
+  nb::class_<RedundantRow>(m, "RedundantRow", "A loop-closure equation that is redundant at every position.")
       .def_ro("joint", &RedundantRow::joint)
-      .def_ro("motion", &RedundantRow::motion, "What it forbids, in the joint's frame.");
-  nb::class_<ReductionReport>(m, "ReductionReport", "What one reduction did.")
+      .def_ro("motion", &RedundantRow::motion, "The motion that it prevents, in the joint's frame.");
+  nb::class_<ReductionReport>(m, "ReductionReport", "Result of one reduction.")
       .def_ro("name", &ReductionReport::name)
       .def_ro("on", &ReductionReport::on)
       .def_ro("changed", &ReductionReport::changed, "Whether it made the model smaller.")
-      .def_ro("notes", &ReductionReport::notes, "Sentences; none: it found nothing to do.");
-  nb::class_<MovedFrame>(m, "MovedFrame", "A joint's frame in a body, moved so that loops with rounded numbers close.")
+      .def_ro("notes", &ReductionReport::notes, "Sentences; empty: not applicable.");
+  nb::class_<MovedFrame>(m, "MovedFrame",
+                         "A joint's frame in a body, moved so that loops with rounded dimensions close.")
       .def_ro("joint", &MovedFrame::joint)
       .def_ro("body", &MovedFrame::body)
-      .def_ro("turn", &MovedFrame::turn, "By how much it was turned [rad].")
-      .def_ro("shift", &MovedFrame::shift, "By how much it was shifted [m].");
-  nb::class_<Inspection>(m, "Inspection", "What the reductions did to a scene.")
+      .def_ro("turn", &MovedFrame::turn, "Angle by which it was rotated [rad].")
+      .def_ro("shift", &MovedFrame::shift, "Distance by which it was shifted [m].");
+  nb::class_<Inspection>(m, "Inspection", "Report on the reductions of a scene.")
       .def_ro("described", &Inspection::described)
       .def_ro("reduced", &Inspection::reduced)
       .def_ro("reductions", &Inspection::reductions)
@@ -37,6 +38,6 @@ void gelenk::bind_inspection(nb::module_& m) {
       .def_ro("initial_degrees_of_freedom", &Inspection::initial_degrees_of_freedom)
       .def_ro("moved_frames", &Inspection::moved_frames)
       .def_ro("mobility", &Inspection::mobility)
-      .def_ro("left_out", &Inspection::left_out, "What no wanted output depends on, as a sentence; empty: nothing.");
+      .def_ro("left_out", &Inspection::left_out, "Clause on parts that no requested output depends on; empty: none.");
   m.attr("reduction_names") = nb::cast(words::reductions);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The joint functions of src/joint, kind by kind, for the tests of the laws that every joint must obey.
-// Poses are 4x4 matrices, motions and forces 6-vectors (angular part first); planar algebra is shown in
-// space, with the plane's normal along z.
+// Poses are 4x4 matrices, motions and forces 6-vectors (angular part first); planar quantities are converted to
+// spatial ones, with the plane's normal along z.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/map.h>
@@ -25,9 +25,9 @@ namespace nb = nanobind;
 namespace gelenk {
 namespace {
 
-// One joint in one algebra.
+// A joint in one algebra.
 class JointInAlgebra {
-  // Calls function.operator()<A>(joint) with this object's algebra and the joint's own type.
+  // Calls function.operator()<A>(joint) with the algebra of this object and the type of the joint.
   template <class Function>
   auto in_algebra(const Function& function) const {
     return std::visit(
@@ -45,7 +45,7 @@ class JointInAlgebra {
       : axes_(std::move(axes)), joint_(make(kind, axes_)), planar_(planar) {
     for (const auto& [name, value] : numbers) put_number(kind_of(joint_).fields, data_of(joint_), name, value);
     if (planar && kind_of(joint_).planar == PlanarRole::never)
-      throw std::invalid_argument(kind + " joints leave the plane; planar algebra has none");
+      throw std::invalid_argument(kind + " joints are not planar and do not exist in planar algebra");
   }
 
   Eigen::Matrix4d X_FM(const Vector& q) const {
@@ -104,7 +104,7 @@ class JointInAlgebra {
     });
     return q;
   }
-  // (W, Phi): a row of W for each wrench, torque first, written in F.
+  // (W, Phi): each row of W is a wrench, torque first, written in F.
   std::pair<Eigen::MatrixXd, Vector> rows(const Eigen::Matrix4d& X) const {
     return in_algebra([&]<class A>(const auto& j) {
       Row<A> found[6];
@@ -137,7 +137,7 @@ class JointInAlgebra {
  private:
   static AnyJoint make(const std::string& kind, const std::vector<Eigen::Vector3d>& axes) {
     const JointKind* found = find_joint_kind(kind);
-    if (found == nullptr) throw std::invalid_argument("no kind of joint is called " + kind);
+    if (found == nullptr) throw std::invalid_argument("unknown kind of joint: " + kind);
     if (static_cast<int>(axes.size()) != found->axes)
       throw std::invalid_argument(kind + " joints have " + std::to_string(found->axes) + " axes");
     return make_joint(kind, axes);
@@ -190,8 +190,8 @@ nb::list kinds() {
 }  // namespace
 
 void bind_joints(nb::module_& module) {
-  nb::module_ m = module.def_submodule("joints", "The functions of every kind of joint, see src/joint/base.h.");
-  m.def("kinds", &kinds, "All kinds of joint: name, sizes, names of coordinates, speeds and accelerations.");
+  nb::module_ m = module.def_submodule("joints", "The functions of all kinds of joints, see src/joint/base.h.");
+  m.def("kinds", &kinds, "All kinds of joints: name, sizes, names of coordinates, velocities and accelerations.");
   nb::class_<JointInAlgebra>(m, "Joint")
       .def(nb::init<const std::string&, std::vector<Eigen::Vector3d>, bool, const ElementNumbers&>(), nb::arg("kind"),
            nb::arg("axes") = std::vector<Eigen::Vector3d>{}, nb::arg("planar") = false,
@@ -205,7 +205,7 @@ void bind_joints(nb::module_& module) {
       .def("speeds", &JointInAlgebra::speeds, nb::arg("q"), nb::arg("V"))
       .def("qdot_from_v", &JointInAlgebra::qdot_from_v, nb::arg("q"), nb::arg("v"))
       .def("v_from_qdot", &JointInAlgebra::v_from_qdot, nb::arg("q"), nb::arg("qdot"))
-      .def("normalise", &JointInAlgebra::normalize, nb::arg("q"))
+      .def("normalize", &JointInAlgebra::normalize, nb::arg("q"))
       .def("coordinates", &JointInAlgebra::coordinates, nb::arg("X_FM"), nb::arg("q"))
       .def("rows", &JointInAlgebra::rows, nb::arg("X_FM"))
       .def("rows_bias", &JointInAlgebra::rows_bias, nb::arg("X_FM"), nb::arg("V"))

@@ -2,7 +2,7 @@
 #include "bindings.h"
 
 NB_MODULE(_core, m) {
-  m.doc() = "Gelenk's core: scenes, simulations, FMU export. Use the package gelenk, which wraps it.";
+  m.doc() = "The compiled core of Gelenk: scenes, simulations, FMU export. Use the package gelenk, which wraps it.";
   gelenk::bind_errors(m);
   gelenk::bind_scene(m);
   gelenk::bind_parameters(m);

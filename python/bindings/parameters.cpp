@@ -34,7 +34,7 @@ const char* type_name(const Parameter& p) {
   }
 }
 
-// All settings together, so that what only several values can break (moments of inertia) is checked once.
+// Applies all settings before the check, since some conditions involve several values (moments of inertia).
 Scene with_parameters(const Scene& scene, const std::vector<Setting>& settings) {
   Scene changed = scene;
   const auto table = gelenk::scene_parameters(scene);
@@ -50,7 +50,7 @@ Scene with_parameters(const Scene& scene, const std::vector<Setting>& settings) 
   return gelenk::checked(changed);
 }
 
-// Paths with the number of numbers behind each.
+// Paths, and the size of the array of numbers at each.
 std::vector<std::pair<std::string, int>> settable_paths(const Scene& scene) {
   std::vector<std::pair<std::string, int>> out;
   for (const gelenk::Settable& settable : gelenk::settables(scene)) out.emplace_back(settable.path, settable.size);
@@ -60,19 +60,19 @@ std::vector<std::pair<std::string, int>> settable_paths(const Scene& scene) {
 }  // namespace
 
 void gelenk::bind_parameters(nb::module_& m) {
-  nb::class_<Parameter>(m, "Parameter", "A number of a scene that may be set before a run starts.")
+  nb::class_<Parameter>(m, "Parameter", "A number of a scene that can be set before a run starts.")
       .def_ro("name", &Parameter::name)
       .def_ro("unit", &Parameter::unit)
       .def_ro("description", &Parameter::description)
       .def_prop_ro("type", &type_name, "real, integer, boolean (0 or 1) or enumeration (number of the item, from 1).")
-      .def_ro("items", &Parameter::items, "Names of an enumeration's values.")
+      .def_ro("items", &Parameter::items, "Names of the items of an enumeration.")
       .def_ro("min", &Parameter::min)
       .def_ro("max", &Parameter::max)
       .def_ro("tunable", &Parameter::tunable, "Whether it may change during a run.")
       .def("value", [](const Parameter& p, const Scene& scene) { return p.get(scene); }, nb::arg("scene"));
   m.def("list_parameters", &gelenk::scene_parameters, nb::arg("scene"), "All parameters of the scene.");
   m.def("list_settables", &settable_paths, nb::arg("scene"),
-        "What a scene can list under `parameters`: (path in the file, number of numbers), gravity first.");
+        "What a scene can list under `parameters`: (path in the file, size), gravity first.");
   m.def("with_parameters", &with_parameters, nb::arg("scene"), nb::arg("settings"),
         "A copy of the scene with these (name, value) settings. Raises UsageError, SceneError.");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The functions of src/joint/rod.h, for the tests of the laws that rods must obey like joints.
+// The functions of src/joint/rod.h, for the tests of the laws that rods, like joints, must obey.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
@@ -21,7 +21,7 @@ namespace nb = nanobind;
 namespace gelenk {
 namespace {
 
-// One rod in one algebra.
+// A rod in one algebra.
 class RodInAlgebra {
   template <class Function>
   auto in_algebra(const Function& function) const {
@@ -34,7 +34,7 @@ class RodInAlgebra {
       : planar_(planar) {
     const auto found = make_rod(make_joint(first, first_axes), first_reversed, make_joint(second, {}), second_reversed,
                                 pose<Spatial>(X_12), planar);
-    if (!found) throw std::invalid_argument("these joints and this length make no rod");
+    if (!found) throw std::invalid_argument("a rod cannot be formed from these joints and this length");
     rod_ = *found;
   }
 
@@ -71,21 +71,21 @@ class RodInAlgebra {
     });
     return q;
   }
-  // dq/dt for dX/dt, by numbers that carry derivatives.
+  // dq/dt for a given dX/dt, by dual numbers.
   Vector coordinate_rates(const Eigen::Matrix4d& X, const Eigen::Matrix4d& Xdot, const Vector& q) const {
-    const auto carried = [&](int i, int j) {
+    const auto dual = [&](int i, int j) {
       Dual x = X(i, j);
       x.derivatives()[0] = Xdot(i, j);
       return x;
     };
     std::vector<Dual> found(q.begin(), q.end());
     if (planar_) {
-      rod_.coordinates<PlanarAlgebra<Dual>>({carried(0, 0), carried(1, 0), carried(0, 3), carried(1, 3)}, found.data());
+      rod_.coordinates<PlanarAlgebra<Dual>>({dual(0, 0), dual(1, 0), dual(0, 3), dual(1, 3)}, found.data());
     } else {
       SpatialAlgebra<Dual>::Pose pose;
       for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) pose.R(i, j) = carried(i, j);
-        pose.p[i] = carried(i, 3);
+        for (int j = 0; j < 3; ++j) pose.R(i, j) = dual(i, j);
+        pose.p[i] = dual(i, 3);
       }
       rod_.coordinates<SpatialAlgebra<Dual>>(pose, found.data());
     }

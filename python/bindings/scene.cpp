@@ -30,9 +30,9 @@ void bind_outputs(nb::module_& m) {
         return scene;
       },
       nb::arg("scene"), nb::arg("outputs"),
-      "A copy that wants these outputs, in which faults_of_outputs found nothing; all where there are none.");
+      "A copy that requests these outputs (all if empty), which faults_of_outputs must have accepted.");
   m.def("faults_of_outputs", &gelenk::faults_of_outputs, nb::arg("scene"), nb::arg("outputs"),
-        "What is wrong with these names and patterns, a clause each; empty where nothing is.");
+        "Errors in these names and patterns, a clause each.");
   std::vector<std::string> diagnostics;
   for (const gelenk::Signal& signal : gelenk::diagnostic_signals()) diagnostics.push_back(signal.name);
   m.attr("diagnostic_names") = nb::cast(diagnostics);
@@ -43,12 +43,12 @@ void bind_outputs(nb::module_& m) {
         for (const gelenk::Signal& input : gelenk::input_signals(scene)) names.push_back(input.name);
         return names;
       },
-      nb::arg("scene"), "The names of all its inputs.");
+      nb::arg("scene"), "The names of all inputs of the scene.");
   m.def("meets", &gelenk::output_matches, nb::arg("pattern"), nb::arg("name"),
-        "Whether a name is the one meant, or is met by the pattern.");
+        "Whether a name is equal to, or matches, the pattern.");
   m.def(
       "wanted_part", [](const Scene& scene) { return gelenk::wanted_part(scene).scene; }, nb::arg("scene"),
-      "The scene without what none of its wanted outputs depends on.");
+      "The scene without the parts that none of its requested outputs depends on.");
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void bind_outputs(nb::module_& m) {
 void gelenk::bind_scene(nb::module_& m) {
   nb::class_<Scene>(m, "Scene", "A scene that has been read and found valid. Immutable.")
       .def_ro("name", &Scene::name, "Name of the mechanism.")
-      .def_ro("file", &Scene::file, "Where the scene came from; empty if not from a file.")
+      .def_ro("file", &Scene::file, "The scene's file; empty if it was not read from a file.")
       .def_prop_ro(
           "stop", [](const Scene& s) { return s.experiment.stop; }, "Default end of a run [s].")
       .def_prop_ro(
@@ -65,24 +65,25 @@ void gelenk::bind_scene(nb::module_& m) {
             const gelenk::UnitSystem units = gelenk::natural_units(s);
             return std::array{units.length, units.mass, gelenk::natural_time(s, units)};
           },
-          "A length [m], a mass [kg] and a time [s] near its own: powers of two, 1 where these are usual.")
+          "A length [m], mass [kg] and time [s] typical of the mechanism: powers of two, 1 in ordinary scenes.")
       .def_prop_ro(
           "step", [](const Scene& s) { return s.experiment.step; }, "Default communication step [s].")
       .def_prop_ro(
           "tolerance", [](const Scene& s) { return s.experiment.tolerance; }, "Default relative tolerance.")
       .def_prop_ro(
           "integrator", [](const Scene& s) { return s.solver.integrator; }, "Name of the integrator.")
-      .def_ro("outputs", &Scene::outputs, "Names and patterns of the outputs that are wanted; none: all.")
-      .def_ro("is_wanted_part", &Scene::is_wanted_part, "Nothing more can be left out.")
+      .def_ro("outputs", &Scene::outputs, "Names and patterns of the requested outputs; empty: all.")
+      .def_ro("is_wanted_part", &Scene::is_wanted_part,
+              "Whether parts that no requested output depends on have already been removed.")
       .def_prop_ro("formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.");
 
   m.def("check_size", &gelenk::check_size, nb::arg("size"), nb::arg("file"),
-        "Raises SceneError where a scene file of so many bytes is too large to be read.");
+        "Raise SceneError if a scene file of this size [bytes] is too large to be read.");
   m.def(
       "read_scene_json",
       [](std::string_view text, const std::string& file) { return gelenk::read_scene_json(text, file); },
       nb::arg("text"), nb::arg("file"),
-      "Read a scene from JSON text; file is only used in messages. Raises SceneError with every fault found.");
+      "Read a scene from JSON text; file is only used in messages. Raises SceneError with all errors found.");
   m.def(
       "read_scene_and_doubts",
       [](std::string_view text, const std::string& file) {
@@ -90,12 +91,13 @@ void gelenk::bind_scene(nb::module_& m) {
         Scene scene = gelenk::read_scene_json(text, file, doubts);
         return std::tuple(std::move(scene), std::move(doubts));
       },
-      nb::arg("text"), nb::arg("file"), "Likewise, and what in it is allowed and hardly meant, one line each.");
+      nb::arg("text"), nb::arg("file"),
+      "Read a scene from JSON text; also return warnings about entries that are valid but suspicious, one line each.");
   m.def(
       "find_doubts", [](const Scene& scene) { return gelenk::find_warnings(scene); }, nb::arg("scene"),
-      "What in a scene is allowed and hardly meant, one line each.");
+      "Warnings about entries of a scene that are valid but suspicious, one line each.");
   bind_outputs(m);
   m.def("write_scene_json", &gelenk::write_scene_json, nb::arg("scene"),
-        "The scene as JSON text: all defaults filled in, all frames in bodies.");
+        "The scene as JSON text, with all defaults filled in and all frames given in bodies.");
   m.def("scene_schema", &gelenk::scene_schema, "JSON Schema (draft 2020-12) of scene files.");
 }

@@ -21,16 +21,14 @@
 #include "simulation/state_derivatives.h"
 
 namespace nb = nanobind;
-using gelenk::ModelSize;
-using gelenk::Signal;
 using gelenk::Simulation;
 
 namespace {
 
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 
-// Steps run without the interpreter's lock, so another Python thread may call in meanwhile: it waits here.
-// The interpreter's lock is given up before ours is asked for; the other order could lock both threads up.
+// A simulation with a mutex. Steps run without the interpreter's lock, so another Python thread may call meanwhile; it
+// waits here. The interpreter's lock is released before the mutex is locked, since the other order could deadlock.
 class Plant {
  public:
   explicit Plant(const gelenk::Scene& scene) : simulation_(scene) {}
@@ -42,7 +40,7 @@ class Plant {
     return function(simulation_);
   }
 
-  // For what never changes after construction.
+  // Access without lock, for data that do not change after construction.
   const Simulation& fixed() const { return simulation_; }
 
  private:
@@ -52,7 +50,8 @@ class Plant {
 
 void check_index(int index, std::size_t size) {
   if (index < 0 || static_cast<std::size_t>(index) >= size) {
-    throw nb::index_error(("index " + std::to_string(index) + ", of " + std::to_string(size)).c_str());
+    throw nb::index_error(
+        ("index: found " + std::to_string(index) + ", expected less than " + std::to_string(size)).c_str());
   }
 }
 
@@ -91,30 +90,32 @@ Vector state_of(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) { return std::vector<double>(gelenk::Probe(s).state(island)); }));
 }
 
-// x and xdot at the present state, one after the other.
+// Consistent x and xdot at the present state, concatenated.
 Vector consistent_at(Plant& plant, int island) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.unknowns();
     std::vector<double> out(gelenk::Probe(s).state(island));
     out.resize(2 * n);
-    if (!equations.consistent(s.time(), out.data(), out.data() + n)) throw gelenk::UsageError("there are none");
+    if (!equations.consistent(s.time(), out.data(), out.data() + n))
+      throw gelenk::UsageError("the initial values could not be made consistent");
     return out;
   }));
 }
 
-// F(x, xdot), or dF/dx and dF/dxdot, column by column.
+// The residual F(x, xdot), or its Jacobians dF/dx and dF/dxdot, column by column.
 Vector residual_of(Plant& plant, int island, const std::vector<double>& x, const std::vector<double>& xdot,
-                   bool slopes) {
+                   bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.unknowns();
-    if (x.size() != n || xdot.size() != n) throw gelenk::UsageError(std::to_string(n) + " numbers are expected");
-    std::vector<double> out(slopes ? 2 * n * n : n);
+    if (x.size() != n || xdot.size() != n)
+      throw gelenk::UsageError("x, xdot: expected " + std::to_string(n) + " numbers each");
+    std::vector<double> out(jacobian ? 2 * n * n : n);
     const bool found =
-        slopes ? equations.residual_jacobians(s.time(), x.data(), xdot.data(), out.data(), out.data() + n * n)
-               : equations.residual(s.time(), x.data(), xdot.data(), out.data());
-    if (!found) throw gelenk::UsageError("x: the equations are not finite there");
+        jacobian ? equations.residual_jacobians(s.time(), x.data(), xdot.data(), out.data(), out.data() + n * n)
+                 : equations.residual(s.time(), x.data(), xdot.data(), out.data());
+    if (!found) throw gelenk::UsageError("x: the equations are not finite at this point");
     return out;
   }));
 }
@@ -125,7 +126,7 @@ nb::bytes save(Plant& plant) {
   return nb::bytes(archive.words().data(), archive.words().size() * sizeof(std::uint64_t));
 }
 
-// As it was where the record is refused.
+// Restores a saved state; if it is invalid, the simulation is unchanged.
 void restore(Plant& plant, const nb::bytes& saved) {
   if (saved.size() % sizeof(std::uint64_t) != 0) throw gelenk::UsageError("saved: it is not of this plant, or damaged");
   std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
@@ -145,28 +146,28 @@ void restore(Plant& plant, const nb::bytes& saved) {
   });
 }
 
-// f(y), or df/dy column by column.
+// The right-hand side f(y), or its Jacobian df/dy column by column.
 Vector derivatives_of(Plant& plant, int island, const std::vector<double>& y, bool jacobian) {
   return to_numpy(plant.with([&](Simulation& s) {
     gelenk::Equations& equations = gelenk::Probe(s).equations(island);
     const std::size_t n = equations.size();
-    if (y.size() != n) throw gelenk::UsageError("y: " + std::to_string(n) + " numbers are expected");
+    if (y.size() != n) throw gelenk::UsageError("y: expected " + std::to_string(n) + " numbers");
     std::vector<double> out(jacobian ? n * n : n);
     const bool found =
         jacobian ? equations.jacobian(s.time(), y.data(), out.data()) : equations.rhs(s.time(), y.data(), out.data());
-    if (!found) throw gelenk::UsageError("y: the accelerations are not finite there");
+    if (!found) throw gelenk::UsageError("y: the accelerations are not finite at this point");
     return out;
   }));
 }
 
-// Numbers column by column.
-Vector flat(const Eigen::MatrixXd& from) {
+// The entries of a matrix, column by column.
+Vector flattened(const Eigen::MatrixXd& from) {
   return to_numpy(std::vector<double>(from.data(), from.data() + from.size()));
 }
 
 std::vector<Vector> linearize(Plant& plant) {
   const gelenk::Linearization l = plant.with([](Simulation& s) { return gelenk::StateDerivatives(s).linearize(); });
-  return {flat(l.A), flat(l.B), flat(l.C), flat(l.D), flat(l.xdot)};
+  return {flattened(l.A), flattened(l.B), flattened(l.C), flattened(l.D), flattened(l.xdot)};
 }
 
 std::vector<Vector> residual_jacobians(Plant& plant, int island, const std::vector<double>& x, bool by_duals) {
@@ -175,22 +176,23 @@ std::vector<Vector> residual_jacobians(Plant& plant, int island, const std::vect
   std::vector<Vector> out;
   for (const Eigen::MatrixXd& part : {Eigen::MatrixXd(s.r), Eigen::MatrixXd(s.r_u), Eigen::MatrixXd(s.c),
                                       Eigen::MatrixXd(s.Phi_q), Eigen::MatrixXd(s.rate_q), s.qdot_q, s.qdot_v}) {
-    out.push_back(flat(part));
+    out.push_back(flattened(part));
   }
   return out;
 }
 
 std::vector<Vector> directional_derivative(Plant& plant, const std::vector<double>& dx, const std::vector<double>& du) {
-  const gelenk::DirectionalDerivative slope =
+  const gelenk::DirectionalDerivative derivative =
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).directional_derivative(dx, du); });
-  return {flat(slope.outputs), flat(slope.rates)};
+  return {flattened(derivative.outputs), flattened(derivative.rates)};
 }
 
 Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const std::vector<double>& uddot) {
-  return flat(plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
+  return flattened(
+      plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
 }
 
-// Outputs of the states; of their derivatives, -1: no output.
+// Indices of the outputs that are the states, and of those that are their derivatives (-1: none).
 std::vector<std::vector<int>> states_of(Plant& plant) {
   return plant.with([](Simulation& s) {
     std::vector<std::vector<int>> out(2);
@@ -200,46 +202,6 @@ std::vector<std::vector<int>> states_of(Plant& plant) {
     }
     return out;
   });
-}
-
-void bind_signal(nb::module_& m) {
-  nb::class_<Signal>(m, "Signal", "Name, unit and meaning of one input, output or diagnostic.")
-      .def_ro("name", &Signal::name)
-      .def_ro("unit", &Signal::unit)
-      .def_ro("description", &Signal::description)
-      .def_ro("joint", &Signal::joint, "Number of the joint in the file; -1: not a joint state.")
-      .def_ro("level", &Signal::level, "0 coordinate, 1 speed, 2 acceleration; -1: not a joint state.")
-      .def_ro("component", &Signal::component, "Place within the joint's coordinates or speeds.")
-      .def("__repr__", [](const Signal& s) { return "<Signal " + s.name + " [" + s.unit + "]>"; });
-}
-
-// Old names of sizes, which warn.
-template <int ModelSize::* member>
-void add_deprecated(nb::class_<ModelSize>& size, const char* old_name, const char* name) {
-  const std::string message = std::string("ModelSize.") + old_name + " is deprecated and will be removed in the next " +
-                              "release; use ModelSize." + name;
-  size.def_prop_ro(old_name, [message](const ModelSize& self) {
-    if (PyErr_WarnEx(PyExc_DeprecationWarning, message.c_str(), 1) < 0) throw nb::python_error();
-    return self.*member;
-  });
-}
-
-void bind_size(nb::module_& m) {
-  nb::class_<ModelSize> size(m, "ModelSize", "Sizes of the model of a scene.");
-  size.def_ro("bodies", &ModelSize::bodies, "Number of bodies that can move; welded bodies count as one.")
-      .def_ro("coordinates", &ModelSize::coordinates, "Number of joint coordinates of the tree.")
-      .def_ro("velocities", &ModelSize::speeds, "Number of generalized velocities of the tree.")
-      .def_ro("constraint_equations", &ModelSize::rows, "Number of constraint equations.")
-      .def_ro("rank", &ModelSize::rank, "Rank of the constraint equations.")
-      .def_ro("degrees_of_freedom", &ModelSize::degrees_of_freedom, "velocities - rank.")
-      .def_ro("free_coordinates", &ModelSize::free_coordinates,
-              "Number of independent coordinates: degrees_of_freedom, and more where wheels roll.")
-      .def_ro("islands", &ModelSize::islands, "Number of islands: parts without coupling, integrated separately.")
-      .def_ro("planar_islands", &ModelSize::planar_islands, "Number of islands that are computed in their plane.")
-      .def_ro("planar", &ModelSize::planar, "Whether all islands are computed in their plane.");
-  add_deprecated<&ModelSize::speeds>(size, "speeds", "velocities");
-  add_deprecated<&ModelSize::rows>(size, "rows", "constraint_equations");
-  add_deprecated<&ModelSize::degrees_of_freedom>(size, "freedoms", "degrees_of_freedom");
 }
 
 void bind_inputs(nb::class_<Plant>& simulation) {
@@ -278,18 +240,20 @@ void bind_inputs(nb::class_<Plant>& simulation) {
 void bind_checks(nb::class_<Plant>& simulation) {
   simulation.def("_state", state_of, nb::arg("island"), "(q, v) of an island; for checks.")
       .def("_state_jacobian", derivatives_of, nb::arg("island"), nb::arg("y"), nb::arg("jacobian"),
-           "What its integrator sees at y: ydot, or d ydot / dy column by column; for checks.")
+           "The right-hand side ydot at y as the integrator evaluates it, or d ydot / dy column by column; for checks.")
       .def("_residual_jacobians", residual_jacobians, nb::arg("island"), nb::arg("x"), nb::arg("by_duals"),
-           "Derivatives of its residuals at x = (q, v, vdot, lambda): r, r_u, c, Phi_q, rate_q, qdot_q, qdot_v; for "
-           "checks.")
+           "Jacobians of the island's residuals at x = (q, v, vdot, lambda): r, r_u, c, Phi_q, rate_q, qdot_q, qdot_v; "
+           "for checks.")
       .def("_consistent", consistent_at, nb::arg("island"),
-           "Unknowns x, multipliers behind (q, v), and xdot at the present state, one after the other; for checks.")
-      .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("slopes"),
+           "Consistent unknowns x = (q, v, multipliers) and xdot at the present state, concatenated; for checks.")
+      .def("_residual", residual_of, nb::arg("island"), nb::arg("x"), nb::arg("xdot"), nb::arg("jacobian"),
            "The island's residual F(x, xdot), or dF/dx and dF/dxdot column by column; for checks.");
 }
 
 void bind_derivatives(nb::class_<Plant>& simulation) {
-  simulation.def("_states", states_of, "Outputs that are the states, and those that are their derivatives (-1: none).")
+  simulation
+      .def("_states", states_of,
+           "Indices of the outputs that are the states, and of those that are their derivatives (-1: none).")
       .def(
           "_take_states",
           [](Plant& p, const std::vector<int>& coordinates, const std::vector<int>& speeds) {
@@ -298,28 +262,28 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
             }
             p.with([&](Simulation& s) { gelenk::StateDerivatives(s).take_states({coordinates, speeds}); });
           },
-          nb::arg("coordinates"), nb::arg("speeds"), "Derivatives are by these from now on.")
-      .def("_linearize", linearize, "A, B, C, D column by column, and xdot.")
+          nb::arg("coordinates"), nb::arg("speeds"), "Select the states with respect to which derivatives are taken.")
+      .def("_linearize", linearize, "The matrices A, B, C, D column by column, and xdot.")
       .def("_directional_derivative", directional_derivative, nb::arg("dx"), nb::arg("du"),
-           "What outputs and states' derivatives differ by.")
+           "Derivatives of the outputs and of the state derivatives in the direction (dx, du).")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),
-           "First, then second time derivatives of all outputs; [] where inputs are constant.");
+           "First, then second time derivatives of all outputs; udot, uddot: those of the inputs, [] for those set.");
 }
 
-// What can be read, and where bodies are.
+// Outputs, events and poses of bodies.
 void bind_readings(nb::class_<Plant>& simulation) {
   simulation.def_prop_ro("size", [](const Plant& p) { return p.fixed().size(); })
       .def_prop_ro("inputs", [](const Plant& p) { return p.fixed().inputs(); })
       .def_prop_ro("outputs", [](const Plant& p) { return p.fixed().outputs(); })
       .def_prop_ro(
           "wanted", [](const Plant& p) { return gelenk::wanted_outputs(p.fixed().scene()); },
-          "By output, whether the scene wants it.")
+          "For each output, whether the scene requests it.")
       .def_prop_ro("diagnostics", [](const Plant& p) { return p.fixed().diagnostics(); })
-      .def_prop_ro("body_names", &body_names, "In the order of the scene.")
+      .def_prop_ro("body_names", &body_names, "Names of the bodies in the order of the scene.")
       .def("body_pose", &body_pose, nb::arg("body"),
-           "Of the body of this number: the rotation matrix, row by row, and the position [m] of its frame in the "
-           "world.")
-      .def("read_outputs", &read_outputs, nb::arg("indices"), "The outputs of these numbers, as an array.")
+           "Pose of the frame of a body in the world frame: the rotation matrix, row by row, and the position [m].")
+      .def("read_outputs", &read_outputs, nb::arg("indices"),
+           "The values of the outputs with these indices, as an array.")
       .def(
           "diagnostic",
           [](Plant& p, int index) {
@@ -336,7 +300,7 @@ void bind_readings(nb::class_<Plant>& simulation) {
             }
             return out;
           },
-          "Of the last step: time [s] and text.")
+          "Events of the last step: pairs of time [s] and text.")
       .def_prop_ro("independent_coordinates",
                    [](Plant& p) {
                      return p.with([](Simulation& s) { return gelenk::StateDerivatives(s).independent().coordinates; });
@@ -346,19 +310,19 @@ void bind_readings(nb::class_<Plant>& simulation) {
       });
 }
 
-// What was made of the scene.
+// Reports on the model.
 void bind_reports(nb::class_<Plant>& simulation) {
   simulation
       .def(
           "evaluation_cost",
           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::Probe(s).evaluation_cost(); }); },
-          "CPU time of one evaluation of the equations of motion at the present state [s], least of several.")
+          "CPU time of one evaluation of the equations of motion at the present state [s], the smallest of several.")
       .def(
           "inspect",
           [](Plant& p, const gelenk::Scene& whole) {
             return p.with([&](Simulation& s) { return gelenk::inspect(s, whole); });
           },
-          nb::arg("whole"), "What the reductions did to the scene that it was made of. After initialize().")
+          nb::arg("whole"), "Report on the reductions; whole: the original scene. Requires initialize().")
       .def("moved_frames",
            [](Plant& p) { return p.with([](Simulation& s) { return gelenk::StartReport(s).moved_frames(); }); })
       .def("start_warnings",
@@ -372,9 +336,8 @@ void bind_reports(nb::class_<Plant>& simulation) {
 void gelenk::bind_simulation(nb::module_& m) {
   m.attr("equilibrium_rate_tolerance") = gelenk::equilibrium_rate_tolerance;
   m.attr("equilibrium_rounding_tolerance") = gelenk::equilibrium_rounding_tolerance;
-  bind_signal(m);
-  bind_size(m);
-  nb::class_<Plant> simulation(m, "Simulation", "One running instance of a scene.");
+  bind_signals(m);
+  nb::class_<Plant> simulation(m, "Simulation", "A running instance of a scene.");
   bind_inputs(simulation);
   bind_checks(simulation);
   bind_derivatives(simulation);
@@ -387,21 +350,21 @@ void gelenk::bind_simulation(nb::module_& m) {
             p.with([&](Simulation& s) { s.initialize(time, tolerance); });
           },
           nb::arg("time") = 0.0, nb::arg("tolerance") = 0.0,
-          "Close the loops at the start values; tolerance 0 is the scene's. Raises AssemblyError.")
+          "Close the loops at the start values; tolerance 0: the scene's. Raises AssemblyError.")
       .def(
           "step_to", [](Plant& p, double end) { p.with([&](Simulation& s) { s.step_to(end); }); }, nb::arg("end"),
-          "Advance to end [s] under the inputs set now. Raises StepError; the state is then as at `time`.")
+          "Advance to end [s] with the present inputs. Raises StepError; the state is then that at `time`.")
       .def(
           "tune", [](Plant& p, const gelenk::Scene& scene) { p.with([&](Simulation& s) { s.tune(scene); }); },
           nb::arg("scene"),
-          "Take the tunable numbers of this scene, otherwise the one that it was made of, as an input that jumps. "
-          "After "
-          "initialize(). Raises UsageError.")
+          "Set the tunable parameters to their values in this scene, which is otherwise the original one; the effect "
+          "is "
+          "that of an input that jumps. Requires initialize(). Raises UsageError.")
       .def("save", save,
-           "Everything that decides how the run goes on: time, state, inputs, what methods carry from step to step. "
-           "Those with a history (ida, cvode, cvode-adams, dirk) begin anew here, in this run, too.")
+           "All data that determine how the run continues: time, state, inputs, memory of the methods. Saving does not "
+           "change the run.")
       .def("restore", restore, nb::arg("saved"),
-           "Go back to what save() gave, of this or of another instance of the same scene initialized alike: from "
-           "there the same calls give the same bits. Raises UsageError for bytes of something else.")
+           "Restore data of save(), from this or another instance of the same scene with equal initialization: the "
+           "same calls then give identical results. Raises UsageError for other data.")
       .def_prop_ro("time", [](Plant& p) { return p.with([](Simulation& s) { return s.time(); }); }, "Time [s].");
 }

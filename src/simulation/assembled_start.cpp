@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The start of a run with closed loops: as the scene has them or, where redundant constraint equations contradict each
-// other because numbers were rounded, with joint frames moved until they agree.
+// The start of a run with closed loops: as described in the scene or, if redundant constraint equations contradict each
+// other because dimensions were rounded, with joint frames adjusted until they are consistent.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,36 +14,38 @@
 namespace gelenk {
 namespace {
 
-// Numbers with fewer digits than four are no mechanism's dimensions.
-constexpr double fewest_digits = 1e-3;
-constexpr int most_rows = 300;  // of all loops: beyond, a search for a sufficient tolerance would take long
+// Largest assembly tolerance that is suggested: dimensions of a mechanism have four digits or more.
+constexpr double max_suggested_tolerance = 1e-3;
+// With more constraint equations the search for a sufficient tolerance would take too long.
+constexpr int max_rows_for_suggestion = 300;
 
-// Of the largest pivot: regular positions of rigid frameworks have smallest ones of 1e-3 and more.
-constexpr double beside_singular = 1e-3;
+// Ratio of the smallest to the largest pivot: 1e-3 and more in regular positions of rigid frameworks.
+constexpr double min_regular_pivot_ratio = 1e-3;
 
 std::string prefix(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
 
 std::string advice(const Scene& scene, double from, double most) {
   int rows = 0;
   for (const Mechanism& mechanism : reduce(scene).islands) rows += mechanism.rows;
-  if (rows > most_rows) return {};
+  if (rows > max_rows_for_suggestion) return {};
   const double tolerance = sufficient_tolerance(scene, from, most);
   if (tolerance == 0) return {};
   return " If its numbers are rounded, assembly: {tolerance: " + text::rounded(tolerance, 1) +
          "} would do: " + describe_moves(scene, adjust(scene, tolerance).moved) + ".";
 }
 
-// Bodies that stand still although only a position beside a singular one holds them: names, for people.
-std::vector<std::string> hardly_held(const Scene& scene, const PreparedScene& prepared) {
+// Names of bodies that are immobile only because the position is close to a singular one.
+std::vector<std::string> immobilized_near_singularity(const Scene& scene, const PreparedScene& prepared) {
   std::vector<std::string> out;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyPlace& place = prepared.reduced.bodies[b];
     if (place.island < 0 || place.rod >= 0) continue;
     const MobilityAnalysis& mobility = prepared.islands[static_cast<std::size_t>(place.island)].mobility;
-    const auto& standing = mobility.immobile_links;
+    const auto& immobile = mobility.immobile_links;
     const auto link = static_cast<std::size_t>(place.link);
-    const bool sound = std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= beside_singular;
-    if (!sound && link < standing.size() && standing[link]) {
+    const bool is_regular =
+        std::isfinite(mobility.best_pivot_ratio) && mobility.best_pivot_ratio >= min_regular_pivot_ratio;
+    if (!is_regular && link < immobile.size() && immobile[link]) {
       out.push_back(scene.bodies[b].name);
     }
   }
@@ -52,15 +54,15 @@ std::vector<std::string> hardly_held(const Scene& scene, const PreparedScene& pr
 
 }  // namespace
 
-void Simulation::Impl::take(AdjustedScene adjusted) {
+void Simulation::Impl::adopt(AdjustedScene adjusted) {
   moved = std::move(adjusted.moved);
   if (moved.empty()) return;
   scene = std::move(adjusted.scene);
   reduced = reduce(scene);
 }
 
-// What was moved by more than what loops may gape by anyway is told as a doubt about the start.
-void Simulation::Impl::tell_moves() {
+// Moves beyond the usual closure tolerance give a warning.
+void Simulation::Impl::report_moves() {
   const std::string moves = describe_moves(scene, moved);
   if (moves.empty()) return;
   prepared.report += "; " + moves;
@@ -71,7 +73,7 @@ void Simulation::Impl::tell_moves() {
 
 void Simulation::Impl::prepare_start() {
   close_loops();
-  tell_moves();
+  report_moves();
 }
 
 void Simulation::Impl::close_loops() {
@@ -85,7 +87,7 @@ void Simulation::Impl::close_loops() {
   const auto fit = [&] {
     AdjustedScene adjusted = adjust(scene, tolerance);
     fits = adjusted.closes;
-    if (fits) take(std::move(adjusted));
+    if (fits) adopt(std::move(adjusted));
   };
   if (scene.assembly.tolerance > 0) fit();
   prepare_or_advise(tolerance);
@@ -95,26 +97,27 @@ void Simulation::Impl::close_loops() {
     if (!moved.empty()) prepare_or_advise(tolerance);
     if (!prepared.doubtful) return;
   }
-  const std::string remedy = advice(scene, tolerance, fewest_digits);
+  const std::string remedy = advice(scene, tolerance, max_suggested_tolerance);
   if (!remedy.empty()) {
-    throw AssemblyError(prefix(scene) + "the loops close at the start values, but not beside them." + remedy);
+    throw AssemblyError(prefix(scene) + "the loops close at the start values, but not in their neighborhood." + remedy);
   }
-  const std::vector<std::string> held = hardly_held(scene, prepared);
+  const std::vector<std::string> held = immobilized_near_singularity(scene, prepared);
   prepared = prepare(scene, reduced, time, u);
   if (!held.empty()) {
     prepared.warnings.push_back(
-        prefix(scene) + "the loops close in a position beside a singular configuration, in which " + text::list(held) +
-        " cannot move at all. If they are meant to, give start values that close the loops on "
-        "the branch of motion that is meant");
+        prefix(scene) + "the loops close in a position near a singular configuration, in which " + text::list(held) +
+        " cannot move at all. If motion is intended, give start values that close the loops on the intended "
+        "branch of motion");
     return;
   }
-  if (fits) return;  // what is doubtful is meant
+  if (fits) return;  // the contradiction is intended
   prepared.warnings.push_back(prefix(scene) +
                               "the loops close at the start, but redundant constraint equations contradict each other "
-                              "beside it, and steps may fail to close them again");
+                              "in its neighborhood, and steps may fail to close them again");
 }
 
-// As far as there is no doubt. Where a loop stays open, the message says what tolerance would close it.
+// Prepares the scene up to the first doubt (PreparedScene::doubtful). If a loop cannot be closed, the message suggests
+// a sufficient tolerance.
 void Simulation::Impl::prepare_or_advise(double tolerance) {
   try {
     prepared = prepare(scene, reduced, time, u, true);

@@ -13,8 +13,8 @@
 namespace gelenk {
 namespace {
 
-AssemblyPart in_users_words(const Scene& scene, const ReducedScene& reduced, int island, Dynamics& dynamics,
-                            const Branches& branches) {
+AssemblyPart in_user_coordinates(const Scene& scene, const ReducedScene& reduced, int island, Dynamics& dynamics,
+                                 const Branches& branches) {
   AssemblyPart out;
   out.joints = reduced.islands[island].joints;
   out.starts = branches.starts;
@@ -74,7 +74,7 @@ std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<
     const StartGuesses guesses = start_guesses(natural, reduced, i);
     try {
       const Branches branches = find_branches(mechanism, *dynamics, guesses.tree, guesses.cuts, search);
-      out.push_back(in_users_words(natural, reduced, i, *dynamics, branches));
+      out.push_back(in_user_coordinates(natural, reduced, i, *dynamics, branches));
     } catch (const CannotAssemble& fault) {
       throw AssemblyError(describe_failure(natural, reduced, i, fault));
     }

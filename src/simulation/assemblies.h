@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ways in which the parts of a scene can be put together, in the user's coordinates.
+// The assemblies of a scene, that is, the positions in which its loops close, in the user's coordinates.
 #pragma once
 
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace gelenk {
 
-// One way to put a part together.
+// An assembly of one island.
 struct Assembly {
-  std::vector<std::vector<double>> q;  // by joint of the part: the user's coordinates
-  double distance = 0;
+  std::vector<std::vector<double>> q;  // by joint of the island: the user's coordinates, in SI units
+  double distance = 0;                 // see Branch (assembly/branches.h), also for the following members
   int degrees_of_freedom = 0, hits = 0;
   bool chosen = false;  // the scene's own start values lead here
   bool flat = false;
 };
 
-// What moves apart from the rest and has loops: any of its assemblies goes with any of another part's.
+// An island with loops. Assemblies of different islands can be combined freely.
 struct AssemblyPart {
-  std::vector<int> joints;  // of the scene
+  std::vector<int> joints;  // indices in the scene
   std::vector<Assembly> assemblies;
   int starts = 0, closed = 0;
   bool settled = false;
 };
 
-// As find_branches. bodies: assemblies in which these stand alike count as one, and parts without any of them are left
-// out; none: all coordinates count. Throws AssemblyError where the scene's own start values lead to no assembly, and
-// UsageError for a body that does not exist.
+// Lists the assemblies of all islands with loops (see find_branches). bodies: assemblies with equal poses of these
+// bodies count as one, and islands without any of them are omitted; if empty, all coordinates are compared. Throws
+// AssemblyError if the scene's own start values lead to no assembly, and UsageError for an unknown body.
 std::vector<AssemblyPart> list_assemblies(const Scene& scene, const std::vector<std::string>& bodies, int most_starts,
                                           unsigned seed);
 

@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Rows beyond which the dense algebra behind the search for repeated ones would keep a user waiting.
-constexpr int most_rows = 600;
+// With more constraint equations the search for redundant ones, by dense matrices, would take too long.
+constexpr int max_rows_for_redundancy = 600;
 
 std::string counted(int n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
 
@@ -39,8 +39,8 @@ std::string forbidden_motion(const Spatial::Force& w, const Eigen::Matrix3d& R_U
   return "turning about " + direction(R_UC * w.n.normalized());
 }
 
-// The scene at the start found, without the reductions that hide rows. What has no mass is given some: rows are
-// geometry, and in space such bodies may be free to turn about themselves.
+// The scene at the start found, without the reductions that hide constraint equations. Bodies without mass are given
+// some: it does not affect the constraint equations, and in space such bodies may rotate freely about their axes.
 Scene in_space(Simulation& simulation) {
   Scene scene = StartReport(simulation).adjusted_scene();
   for (Body& body : scene.bodies) {
@@ -71,7 +71,7 @@ class RowInspector {
     const std::vector<Loads> loads = make_loads(scene_, prepared_.reduced);
     for (int i = 0; i < static_cast<int>(prepared_.islands.size()); ++i) inspect_island(i, loads[i]);
     out.undetermined_reactions.assign(undetermined_.begin(), undetermined_.end());
-    tell();
+    report_mobility();
   }
 
  private:
@@ -93,7 +93,7 @@ class RowInspector {
   void name_rows(const Mechanism& mechanism, const MobilityAnalysis& mobility, const Dynamics& dynamics) {
     for (int c = 0; c < static_cast<int>(mechanism.cuts.size()); ++c) {
       const Cut& cut = mechanism.cuts[c];
-      if (cut.is_contact()) {  // all its rows stay
+      if (cut.is_contact()) {  // its constraint equations are all kept
         if (mobility.needed_rows > mobility.rank) overconstrained_.push_back(loop(mechanism, c));
         continue;
       }
@@ -109,8 +109,8 @@ class RowInspector {
     }
   }
 
-  // What the rows of a cut forbid in vain: one wrench for each row that is not needed. Rows that do nothing speak for
-  // themselves; of others that do nothing together their sum does.
+  // The redundant constraint wrenches of a cut, one for each equation that is not needed. An equation whose row of J is
+  // zero gives its own wrench; combinations of rows whose sum is zero give the sum of their wrenches.
   static std::vector<Spatial::Force> redundant_wrenches(const Mechanism& mechanism, const MobilityAnalysis& mobility,
                                                         const Dynamics& dynamics, int c, const Row<Spatial>* rows) {
     const Eigen::Map<const RowMatrix> J = dynamics.J();
@@ -130,14 +130,14 @@ class RowInspector {
     for (std::size_t i = 0; i < working.size(); ++i) block.row(static_cast<int>(i)) = J.row(cut.first_row + working[i]);
     Eigen::FullPivLU<Eigen::MatrixXd> lu(block.transpose());
     lu.setThreshold(1e-8);
-    const Eigen::MatrixXd together = lu.kernel();
-    const bool told = lu.dimensionOfKernel() == static_cast<Eigen::Index>(dropped.size());
+    const Eigen::MatrixXd kernel = lu.kernel();
+    const bool kernel_is_complete = lu.dimensionOfKernel() == static_cast<Eigen::Index>(dropped.size());
     for (std::size_t k = 0; k < dropped.size(); ++k) {
       Spatial::Force w = rows[dropped[k]].w;
-      if (told) {
+      if (kernel_is_complete) {
         w = {};
         for (std::size_t i = 0; i < working.size(); ++i) {
-          w += together(static_cast<int>(i), static_cast<int>(k)) * rows[working[i]].w;
+          w += kernel(static_cast<int>(i), static_cast<int>(k)) * rows[working[i]].w;
         }
       }
       out.push_back(w);
@@ -152,7 +152,7 @@ class RowInspector {
     return text::some(names);
   }
 
-  // Components of reactions that idle multipliers change.
+  // Finds the components of reactions that the null space of the multipliers changes.
   void find_undetermined(const Mechanism& mechanism, const MobilityAnalysis& mobility, Dynamics& dynamics) {
     for (Eigen::Index k = 0; k < mobility.null_multipliers.cols(); ++k) {
       const Eigen::VectorXd lambda = mobility.null_multipliers.col(k);
@@ -182,22 +182,23 @@ class RowInspector {
     }
   }
 
-  void tell() {
+  void report_mobility() {
     if (constant_ > 0) {
-      out_.mobility.push_back(counted(constant_, "row") + (constant_ == 1 ? " repeats" : " repeat") +
-                              " others at every position: the loops are closed without " +
+      out_.mobility.push_back(counted(constant_, "constraint equation") + (constant_ == 1 ? " is" : " are") +
+                              " redundant at every position: the loops are closed without " +
                               (constant_ == 1 ? "it" : "them"));
     }
     if (changing_ > 0) {
-      out_.mobility.push_back(counted(changing_, "row") + (changing_ == 1 ? " repeats" : " repeat") +
-                              " others with factors that change on the way: the loop through " +
+      out_.mobility.push_back(counted(changing_, "constraint equation") + (changing_ == 1 ? " is" : " are") +
+                              " redundant with coefficients that vary along the motion: the loop through " +
                               text::list(overconstrained_) +
-                              " is overconstrained and moves by its special measures; all its rows stay");
+                              " is overconstrained and moves only owing to its special dimensions; all its constraint "
+                              "equations are kept");
     }
     if (lost_ > 0) {
-      out_.mobility.push_back("the start is a singular position, where " + counted(lost_, "row") +
-                              (lost_ == 1 ? " loses its" : " lose their") +
-                              " hold for a moment; away from it all of them count, so they stay");
+      out_.mobility.push_back("the start is a singular configuration, in which " +
+                              counted(lost_, "constraint equation") + (lost_ == 1 ? " is" : " are") +
+                              " momentarily redundant; they are kept, since elsewhere all of them are independent");
     }
   }
 
@@ -224,23 +225,24 @@ std::string by_joint(const std::vector<std::string>& components) {
   return out;
 }
 
-void tell(Inspection& out, Reduction pass, const std::string& note, bool changed) {
+void add_note(Inspection& out, Reduction pass, const std::string& note, bool changed) {
   ReductionReport& report = out.reductions[static_cast<std::size_t>(pass)];
   report.notes.push_back(note);
   report.changed = report.changed || (changed && report.on);
 }
 
-void tell_spinning(const ReducedScene& reduced, Inspection& out) {
+void report_spinning_rods(const ReducedScene& reduced, Inspection& out) {
   int spinning = 0;
   for (const Mechanism& mechanism : reduced.islands) {
     for (const Cut& cut : mechanism.cuts) spinning += cut.is_rod() && std::get<Rod>(cut.joint).has_free_spin() ? 1 : 0;
   }
   if (spinning == 0) return;
-  out.mobility.push_back(counted(spinning, "rod") + (spinning == 1 ? " turns about itself" : " turn about themselves") +
-                         " between spherical joints, which moves no mass and counts for nothing");
+  out.mobility.push_back(counted(spinning, "rod") +
+                         (spinning == 1 ? " rotates about its axis" : " rotate about their axes") +
+                         " between spherical joints, which moves no mass and is not counted as a degree of freedom");
 }
 
-// What the choice of cuts gains over the order of the file.
+// Compares the chosen cuts with those in the order of the file.
 void compare_cuts(const Scene& scene, int described_rows, Inspection& out) {
   const bool chosen = scene.solver.reduces(Reduction::cut_choice);
   if (!chosen || described_rows == 0) return;
@@ -249,15 +251,15 @@ void compare_cuts(const Scene& scene, int described_rows, Inspection& out) {
   const ModelSize other = size_of(reduce(by_file));
   const ModelSize here = size_of(reduce(scene));
   if (other.rows == here.rows && other.coordinates == here.coordinates) {
-    // Where the order of the file is as good, the notes on cuts tell no gain.
+    // Nothing is gained over the order of the file.
     out.reductions[static_cast<std::size_t>(Reduction::cut_choice)].changed = false;
     return;
   }
-  tell(out, Reduction::cut_choice,
-       "in the order of the file there would be " + counted(other.rows, "row") + " and " +
-           counted(other.coordinates, "coordinate") + ", here " + std::to_string(here.rows) + " and " +
-           std::to_string(here.coordinates),
-       true);
+  add_note(out, Reduction::cut_choice,
+           "cutting in the order of the file would give " + counted(other.rows, "constraint equation") + " and " +
+               counted(other.coordinates, "coordinate") + " instead of " + std::to_string(here.rows) + " and " +
+               std::to_string(here.coordinates),
+           true);
 }
 
 void add_row_notes(const Scene& scene, Inspection& out) {
@@ -266,32 +268,33 @@ void add_row_notes(const Scene& scene, Inspection& out) {
   if (rows.empty()) return;
   const bool dropped = scene.solver.reduces(Reduction::redundant_rows) || out.reduced.planar;
   const bool one = rows.size() == 1;
-  const std::string fate = dropped ? (one ? " and is left out: " : " and are left out: ") : ": ";
-  tell(out, Reduction::redundant_rows,
-       counted(static_cast<int>(rows.size()), "row") + (one ? " repeats" : " repeat") + " others at every position" +
-           fate + text::some(rows),
-       true);
-  tell(out, Reduction::redundant_rows,
-       "so rigid bodies leave open the reactions " + by_joint(out.undetermined_reactions), true);
+  const std::string fate = dropped ? (one ? " and is omitted: " : " and are omitted: ") : ": ";
+  add_note(out, Reduction::redundant_rows,
+           counted(static_cast<int>(rows.size()), "constraint equation") + (one ? " is" : " are") +
+               " redundant at every position" + fate + text::some(rows),
+           true);
+  add_note(out, Reduction::redundant_rows,
+           "the following reactions are therefore statically indeterminate: " + by_joint(out.undetermined_reactions),
+           true);
 }
 
-// Of a thousand islands each has its say: the first few stand for all.
+// Models with many islands have many similar notes: only the first few are listed.
 void shorten(std::vector<std::string>& notes) {
-  constexpr std::size_t most = 8;
+  constexpr std::size_t max_notes = 8;
   constexpr std::size_t shown = 6;
-  if (notes.size() <= most) return;
+  if (notes.size() <= max_notes) return;
   const std::size_t more = notes.size() - shown;
   notes.resize(shown);
-  notes.push_back("and so on: " + std::to_string(more) + " more of this kind");
+  notes.push_back("and " + std::to_string(more) + " similar notes");
 }
 
-// In the units in which it is solved.
+// The scene in the natural units in which it is solved.
 Scene natural(Scene scene) {
   convert(scene, natural_units(scene));
   return scene;
 }
 
-// Without any reduction.
+// Sizes without any reduction.
 ModelSize size_literally(Scene scene) {
   scene.solver.reductions.fill(false);
   return size_of(reduce(scene));
@@ -312,22 +315,23 @@ Inspection inspect(Simulation& simulation, const Scene& whole) {
     out.reductions.push_back(
         {.name = words::reductions[i], .on = scene.solver.reductions[i], .changed = false, .notes = {}});
   }
-  for (const Note& note : reduced.notes) tell(out, note.pass, note.text, note.changed);
+  for (const Note& note : reduced.notes) add_note(out, note.pass, note.text, note.changed);
   compare_cuts(scene, described.rows, out);
   out.moved_frames = StartReport(simulation).moved_frames();
-  tell_spinning(reduced, out);
+  report_spinning_rods(reduced, out);
   out.initial_degrees_of_freedom = out.reduced.degrees_of_freedom;
   for (const PreparedIsland& island : StartReport(simulation).prepared().islands) {
     out.initial_degrees_of_freedom += island.mobility.rank - island.mobility.rank_start;
   }
-  if (described.rows > 0 && described.rows <= most_rows) {
+  if (described.rows > 0 && described.rows <= max_rows_for_redundancy) {
     const RowInspector rows(natural(in_space(simulation)), out);
   }
   add_row_notes(scene, out);
-  if (!out.left_out.empty()) tell(out, Reduction::outputs, out.left_out, true);
+  if (!out.left_out.empty()) add_note(out, Reduction::outputs, out.left_out, true);
   if (scene.solver.reduces(Reduction::outputs)) {
-    tell(out, Reduction::outputs,
-         "accelerations, reactions, poses and energies are computed when they are read, not at every evaluation", true);
+    add_note(out, Reduction::outputs,
+             "accelerations, reactions, poses and energies are computed when they are read, not in every evaluation",
+             true);
   }
   for (ReductionReport& report : out.reductions) shorten(report.notes);
   return out;

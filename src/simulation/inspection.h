@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the reductions did to a scene, for people and programs.
+// Report on what the reductions did to a scene.
 #pragma once
 
 #include <string>
@@ -9,34 +9,34 @@
 
 namespace gelenk {
 
-// A row of a loop that repeats others at every position.
+// A loop-closure equation that is redundant at every position.
 struct RedundantRow {
-  std::string joint;   // the one that is cut
-  std::string motion;  // what it forbids, in the joint's frame: "sliding along z", "turning about (0.6, 0.8, 0)"
+  std::string joint;   // the loop-closing joint
+  std::string motion;  // the motion it prevents, in the joint's frame: "sliding along z", "turning about (0.6, 0.8, 0)"
 };
 
 struct ReductionReport {
   std::string name;  // as in solver.reductions
   bool on = true;
-  bool changed = false;            // it made the model smaller
-  std::vector<std::string> notes;  // one sentence each; empty: it found nothing to do
+  bool changed = false;            // whether it made the model smaller
+  std::vector<std::string> notes;  // one sentence each; empty: not applicable
 };
 
 struct Inspection {
-  ModelSize described;                              // the whole scene taken literally: no reduction, rank not known
-  ModelSize reduced;                                // what is computed
+  ModelSize described;                              // the whole scene without reductions; rank not known
+  ModelSize reduced;                                // the model that is computed
   std::vector<ReductionReport> reductions;          // in the order of enum Reduction
-  std::vector<RedundantRow> redundant_rows;         // left out, or not there in the plane
-  std::vector<std::string> undetermined_reactions;  // "A.f[3]": what rigid bodies leave open
-  int counted_degrees_of_freedom = 0;               // by Gruebler's count: 6 for each body, less what joints forbid
-  int initial_degrees_of_freedom = 0;               // at the start: more where it is singular
-  std::vector<MovedFrame> moved_frames;             // so that loops with rounded numbers close; m
-  std::vector<std::string> mobility;                // why the freedoms are not as counted; sentences
-  std::string left_out;                             // what no wanted output depends on; a sentence, empty: nothing
+  std::vector<RedundantRow> redundant_rows;         // omitted, or absent in planar algebra
+  std::vector<std::string> undetermined_reactions;  // "A.f[3]": statically indeterminate components
+  int counted_degrees_of_freedom = 0;               // Gruebler's count: 6 per body, minus all constraints
+  int initial_degrees_of_freedom = 0;               // at the start: more if it is singular
+  std::vector<MovedFrame> moved_frames;             // so that loops with rounded dimensions close [m]
+  std::vector<std::string> mobility;                // why the degrees of freedom differ from the count; clauses
+  std::string left_out;                             // clause on what no wanted output depends on; may be empty
 };
 
-// simulation: initialised. Looks at the scene in space, too, where it is computed in a plane.
-// whole: the scene that it was made of, which may have more than any wanted output depends on.
+// Inspects an initialized simulation; a planar mechanism is also analyzed in space. whole: the original scene, possibly
+// with parts that no wanted output depends on and that the simulation does not have.
 Inspection inspect(Simulation& simulation, const Scene& whole);
 
 }  // namespace gelenk

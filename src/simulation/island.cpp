@@ -11,10 +11,11 @@
 namespace gelenk {
 namespace {
 
-// Relative to a motion and its rate [rad, m, 1/s], at least to 1: a master's rounding of what it leads to is no jump.
-constexpr double met = 1e-10;
+// Difference of a prescribed motion or its rate that counts as a jump, relative to its magnitude [rad, m, 1/s] and at
+// least to 1; below it lies the rounding of a master.
+constexpr double jump_tolerance = 1e-10;
 
-// s, of fixed-step methods.
+// Step of fixed-step methods [s].
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
 FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
@@ -43,7 +44,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   equations_->start(prepared_.cut_start, time, y_.data());
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   if (follows_) equations_->drives().targets_at(time, followed_);
-  backup_followed_ = drives_ = followed_;  // steps ask nothing of the heap
+  backup_followed_ = drives_ = followed_;  // so that steps do not allocate
 }
 
 void Island::start_integrator(double tolerance) {
@@ -69,11 +70,11 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
   return out;
 }
 
-// So that steps find on the heap what they need: some are made, and undone.
+// Performs a trial step and undoes it, so that later steps find all memory allocated.
 void Island::warm_up(double step) {
   Archive start;
   serialize(start);
-  if (may_have_history()) make_room(start.words().size());
+  if (may_have_history()) reserve(start.words().size());
   const auto undo = [&] {
     start.start_reading();
     serialize(start);
@@ -83,20 +84,20 @@ void Island::warm_up(double step) {
     integrator_->warm_up(time_ + step, y.data());
     undo();
   } catch (const IntegrationError&) {
-    undo();  // the reason will be told when the step is asked for
+    undo();  // reported when the actual step fails
   } catch (const SingularMass&) {
     undo();
   }
 }
 
-// words: of a record as it is now; later there are also accelerations and inputs that are remembered (projection.cpp),
-// and samples of a singular position (singularity_monitor.h).
-void Island::make_room(std::size_t words) {
+// words: size of an archive at the start; later it also contains stored accelerations and inputs (projection.cpp) and
+// samples near a singular configuration (singularity_monitor.h).
+void Island::reserve(std::size_t words) {
   replay_.beginning.reserve(words + 16 * (20 + y_.size() + inputs_of_scene_));
-  replay_.legs.reserve(ReplayHistory::most_legs);
+  replay_.legs.reserve(ReplayHistory::max_legs);
 }
 
-double Island::advance(double end, long most_evaluations, bool continues) {
+double Island::advance(double end, long max_evaluations, bool continues) {
   backup_ = y_;
   backup_time_ = time_;
   backup_followed_ = followed_;
@@ -116,7 +117,7 @@ double Island::advance(double end, long most_evaluations, bool continues) {
     }
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
     inputs_jumped_ = false;
-    equations_->set_evaluation_budget(most_evaluations);
+    equations_->set_evaluation_budget(max_evaluations);
     time_ = integrator_->advance(end, y_.data());
     if (follows_) equations_->drives().targets_at(time_, followed_);
     leg.evaluations = dynamics_->evaluations() - leg.evaluations;
@@ -132,12 +133,13 @@ void Island::discard_history() {
   replay_.clear();
 }
 
-// whole: it has reached its end. Elsewhere the method goes on, so that an advance in parts is as one.
+// whole: the advance has reached its end. Otherwise the method is not restarted, so that an advance in parts gives the
+// same results as one without interruption.
 void Island::remember(const ReplayStep& leg, bool continues, bool whole) {
   if (!has_history()) {
     replay_.clear();
   } else if (!replay_.begun || !replay_.add(leg, continues) ||
-             (whole && integrator_->steps() - replay_.steps > ReplayHistory::most_steps)) {
+             (whole && integrator_->steps() - replay_.steps > ReplayHistory::max_steps)) {
     discard_history();
   }
 }
@@ -160,15 +162,16 @@ void Island::finish_replay(const ReplayPath& replay_path, double time) {
   evaluations_before_ = dynamics_->evaluations() - replay_path.evaluations;
 }
 
-// An input that is a motion may have jumped: the mechanism is put onto the new one by the least change in the mass
-// metric, as an impact would.
+// If an input that prescribes a motion has jumped, projects the state onto the new motion by the least change in the
+// mass metric; for velocities this is an impact.
 void Island::enforce_given_motions() {
   equations_->drives().targets_at(time_, drives_);
-  const auto same = [](double a, double b) { return std::abs(a - b) <= met * (1 + std::abs(a)); };
+  const auto same = [](double a, double b) { return std::abs(a - b) <= jump_tolerance * (1 + std::abs(a)); };
   if (std::ranges::equal(drives_, followed_, same)) return;
   followed_ = drives_;
   if (!equations_->project_onto_constraints(time_, y_.data())) {
-    throw IntegrationError("the motion that an input gives cannot be met from where the mechanism stands");
+    throw IntegrationError(
+        "the motion prescribed by an input cannot be followed from the present state: projection did not converge");
   }
   integrator_->restart(time_, y_.data());
 }
@@ -187,7 +190,7 @@ void Island::roll_back() {
 void Island::serialize(Archive& archive) {
   if (!archive.reading() && has_history()) {
     archive.append(replay_.beginning);
-    realized_ = Stage::position;  // as in those that read it: outputs count as evaluations
+    realized_ = Stage::position;  // as in the instance that reads it, since outputs count as evaluations
     return;
   }
   long made = evaluations();

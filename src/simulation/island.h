@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One part of a scene that is solved by itself: its equations, its state, its integrator.
+// An island, a part of a scene without coupling to the rest: its equations, state and integrator.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace gelenk {
 
-// Of a run, up to now.
+// Counts since the start of a run.
 struct RunCounts {
   long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
 };
@@ -24,46 +24,47 @@ struct RunCounts {
 // Not movable: its parts refer to each other.
 class Island {
  public:
-  // u: all inputs of the scene, taken at every evaluation to its time. time [s]: of the start.
+  // u: all inputs of the scene, evaluated at the time of each evaluation. time: start time [s].
   Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs& u, double time);
 
-  // tolerance: overrides the scene's when positive.
+  // Creates the integrator. tolerance: relative.
   void start_integrator(double tolerance);
-  // To `end`, or to the end of the first of its steps by which so many evaluations are budget_exhausted; returns the
-  // time reached. Throws IntegrationError, SingularMass; roll_back() is due then. goes_on: that was cut short, and
-  // nothing is set anew.
-  double advance(double end, long most_evaluations, bool continues = false);
-  // Back to before the last advance().
+  // Advances to `end` [s], or to the end of the first integrator step after which max_evaluations is exceeded; returns
+  // the time reached. continues: resumes an advance that ended early, without resetting anything. Throws
+  // IntegrationError and SingularMass; the caller must then call roll_back().
+  double advance(double end, long max_evaluations, bool continues = false);
+  // Restores the state before the last advance().
   void roll_back();
 
-  // Where it stands and all it carries from one step to the next; with a history, where that began: then go_again()
-  // along way(), under the inputs of then, and arrive(). Throw std::invalid_argument; it is undefined then.
+  // Writes or reads the state and all memory between steps. For a method with a history, that at its last restart: the
+  // reader then calls replay() for each leg of replay_path(), with the inputs of that step, and finish_replay(). Throw
+  // std::invalid_argument for invalid data; the island must then not be used.
   void serialize(Archive& archive);
   ReplayPath replay_path() const { return {replay_.legs, evaluations(), inputs_jumped_}; }
   void replay(const ReplayStep& leg);
   void finish_replay(const ReplayPath& replay_path, double time);
-  const Integrator* integrator() const { return integrator_.get(); }  // none where nothing moves
+  const Integrator* integrator() const { return integrator_.get(); }  // null if nothing can move
 
   double time() const { return time_; }  // s
   void inputs_changed(bool jump) {
     inputs_jumped_ = inputs_jumped_ || jump;
     realized_ = Stage::position;
   }
-  // loads: of the same scene with other numbers; in serialize, those so far.
+  // Exchanges the loads for those of the same scene with other numbers.
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     inputs_changed(true);
-    if (has_history()) discard_history();  // what has led here would not lead here any more
+    if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere
   }
 
-  // Brings the equations up to what outputs need.
+  // Evaluates the equations up to the stage that an output requires.
   void realize(Stage stage);
   Reading reading() const;
   const PreparedIsland& prepared() const { return prepared_; }
   const Loads& loads() const { return loads_; }
   Dynamics& dynamics() { return *dynamics_; }
   const Formulation& formulation() const { return *equations_; }
-  // Of all coordinate rows, where it stands (Targets::derivatives).
+  // Prescribed values and derivatives of all coordinate rows at time() (Targets::derivatives).
   std::vector<MotionLaw::Derivatives> targets() const;
 
   RunCounts counts() const;
@@ -79,7 +80,7 @@ class Island {
   long evaluations() const { return dynamics_->evaluations() - evaluations_before_; }
   std::vector<std::array<std::string, 2>> event_texts() const;
   void warm_up(double step);
-  void make_room(std::size_t words);
+  void reserve(std::size_t words);
   void discard_history();
   void remember(const ReplayStep& leg, bool continues, bool whole);
   void enforce_given_motions();
@@ -92,18 +93,19 @@ class Island {
   std::unique_ptr<Dynamics> dynamics_;
   EventLog events_;
   std::unique_ptr<Formulation> equations_;
-  std::unique_ptr<Integrator> integrator_;  // none where nothing moves
+  std::unique_ptr<Integrator> integrator_;  // null if nothing can move
   double time_;
   std::vector<double> y_, vdot_;
   double backup_time_;
   std::vector<double> backup_;
-  bool follows_ = false;                                     // some row follows an input
-  std::vector<double> followed_, backup_followed_, drives_;  // what the rows were followed to (Drives::targets_at)
-  Stage realized_ = Stage::position;                            // what dynamics_ holds for the present state and inputs
+  bool follows_ = false;  // whether an input prescribes a coordinate
+  // Prescribed motions up to which the state was advanced (Drives::targets_at).
+  std::vector<double> followed_, backup_followed_, drives_;
+  Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs
   bool inputs_jumped_ = false;
   ReplayHistory replay_;
   std::size_t inputs_of_scene_;
-  long evaluations_before_ = 0;  // made to prepare the run
+  long evaluations_before_ = 0;  // evaluations before the run, which are not counted
 };
 
 }  // namespace gelenk

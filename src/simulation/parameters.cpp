@@ -19,7 +19,7 @@
 namespace gelenk {
 namespace {
 
-// Names and what they mean.
+// Items of an enumeration: names and what they mean.
 struct Items {
   std::vector<std::string> names, summaries;
 
@@ -33,7 +33,7 @@ struct Items {
   }
 };
 
-// access(scene) gives a reference to the number, in a Scene as in a const Scene.
+// access(scene) returns a reference to the number, for a Scene and for a const Scene.
 template <class Access>
 Parameter real_parameter(std::string name, std::string_view unit, std::string description, Access access) {
   Parameter p;
@@ -71,20 +71,20 @@ bool is_fixed(const JointStart& start) {
 void fix(JointStart& start, bool fixed) {
   start.q_fixed.assign(start.q.size(), fixed);
   start.v_fixed.assign(start.v.size(), fixed);
-  if (!fixed) return;  // what was given stays a guess
+  if (!fixed) return;  // given values remain guesses
   start.q_given.assign(start.q.size(), true);
   start.v_given.assign(start.v.size(), true);
 }
 
-// The elements of one array: from the first to one past the last.
-struct Places {
+// The elements of one array: the first and one past the last.
+struct IndexRange {
   std::size_t first, last;
 };
 
-// The quantities that share the array of quantity i: "Q[1]" to "Q[4]".
-Places array_around(std::span<const Quantity> all, std::size_t i) {
+// The quantities in the same array as quantity i: "Q[1]" to "Q[4]".
+IndexRange array_around(std::span<const Quantity> all, std::size_t i) {
   const auto base = [&](std::size_t k) { return all[k].name.substr(0, all[k].name.find('[')); };
-  Places range{i, i + 1};
+  IndexRange range{i, i + 1};
   while (range.first > 0 && base(range.first - 1) == base(i)) --range.first;
   while (range.last < all.size() && base(range.last) == base(i)) ++range.last;
   return range;
@@ -93,12 +93,12 @@ Places array_around(std::span<const Quantity> all, std::size_t i) {
 Parameter start_value(const std::string& joint, std::size_t j, std::span<const Quantity> quantities, bool speed,
                       std::size_t i) {
   const Quantity& quantity = quantities[i];
-  const Places array = array_around(quantities, i);
+  const IndexRange array = array_around(quantities, i);
   Parameter p;
   p.name = start_name(joint, quantity.name);
   p.unit = quantity.unit;
-  p.description =
-      joint + ": start value (exact when " + joint + ".fixed, else a guess) of " + std::string(quantity.description);
+  p.description = joint + ": start value (exact if " + joint + ".fixed, otherwise an initial guess) of " +
+                  std::string(quantity.description);
   p.get = [=](const Scene& scene) {
     const JointStart& start = scene.joints[j].start;
     return (speed ? start.v : start.q)[i];
@@ -107,7 +107,7 @@ Parameter start_value(const std::string& joint, std::size_t j, std::span<const Q
     JointStart& start = scene.joints[j].start;
     const bool fixed = is_fixed(start);
     (speed ? start.v : start.q)[i] = value;
-    for (std::size_t k = array.first; k < array.last; ++k) {  // an array is given, and kept, as a whole
+    for (std::size_t k = array.first; k < array.last; ++k) {  // an array is given or fixed as a whole
       (speed ? start.v_given : start.q_given)[k] = true;
       if (fixed) (speed ? start.v_fixed : start.q_fixed)[k] = true;
     }
@@ -124,7 +124,8 @@ void add_starts(std::vector<Parameter>& table, const Scene& scene) {
     for (std::size_t i = 0; i < kind->v.size(); ++i) table.push_back(start_value(joint.name, j, kind->v, true, i));
     Parameter fixed;
     fixed.name = joint.name + ".fixed";
-    fixed.description = joint.name + ": start values are kept exactly; else they are guesses for assembly";
+    fixed.description =
+        joint.name + ": whether start values are exact; otherwise they are initial guesses for assembly";
     fixed.type = ParameterType::boolean;
     fixed.get = [j](const Scene& s) { return is_fixed(s.joints[j].start) ? 1.0 : 0.0; };
     fixed.put = [j](Scene& s, double value) { fix(s.joints[j].start, value != 0); };
@@ -135,9 +136,10 @@ void add_starts(std::vector<Parameter>& table, const Scene& scene) {
 void add_gravity(std::vector<Parameter>& table) {
   static constexpr const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
-    table.push_back(real_parameter("gravity[" + std::to_string(i + 1) + "]", "m/s2",
-                                   std::string("gravitational acceleration, ") + axes[i] + " component in the world",
-                                   [i](auto& scene) -> auto& { return scene.gravity[i]; }));
+    table.push_back(
+        real_parameter("gravity[" + std::to_string(i + 1) + "]", "m/s2",
+                       std::string("gravitational acceleration, ") + axes[i] + " component in the world frame",
+                       [i](auto& scene) -> auto& { return scene.gravity[i]; }));
     table.back().tunable = true;
   }
 }
@@ -174,53 +176,56 @@ Parameter count(const char* name, const char* description, IntRange range, int S
 
 void add_solver(std::vector<Parameter>& table) {
   Parameter tolerance =
-      real_parameter("solver.tolerance", "1", "relative tolerance; absolute per radian, metre, rad/s and m/s",
+      real_parameter("solver.tolerance", "1",
+                     "relative tolerance of the integrator; absolute for values below 1 rad, 1 m, 1 rad/s and 1 m/s",
                      [](auto& scene) -> auto& { return scene.experiment.tolerance; });
-  tolerance.min = 1e-15;  // below, a step's error estimate is rounding only
+  tolerance.min = 1e-15;  // below, error estimates of steps consist of rounding errors only
   tolerance.max = 1;
   table.push_back(std::move(tolerance));
   Parameter rounded = real_parameter("assembly.tolerance", "1",
-                                     "how far joint frames may be moved (rad, lengths of about the mechanism's size) "
-                                     "so that loops whose numbers were rounded close exactly; 0: by no more than 1e-9",
+                                     "maximum adjustment of joint frames [rad; relative to the size of the mechanism] "
+                                     "by which loops with rounded dimensions are made to close; 0: at most 1e-9",
                                      [](auto& scene) -> auto& { return scene.assembly.tolerance; });
   rounded.min = 0;
   rounded.max = words::max_assembly_tolerance;
   table.push_back(std::move(rounded));
-  Parameter step = real_parameter("solver.step", "s", "step of fixed-step methods; 0: chosen from the default step",
+  Parameter step = real_parameter("solver.step", "s", "step of fixed-step methods; 0: derived from the default step",
                                   [](auto& scene) -> auto& { return scene.solver.step; });
   step.min = 0;
   table.push_back(std::move(step));
-  table.push_back(choice("solver.formulation", "how loop constraints meet the integrator",
+  table.push_back(choice("solver.formulation", "formulation of the constraint equations for the integrator",
                          Items().add(formulation_kinds()), &Solver::formulation));
   table.push_back(
       choice("solver.integrator", "integration method", Items().add(integrator_kinds()), &Solver::integrator));
   Items starts;
   starts.names = words::starts;
-  starts.summaries = {"the start values",
-                      "where the mechanism stands still under the inputs, found from the start values"};
-  table.push_back(choice("solver.start", "what a run begins with", std::move(starts), &Solver::start));
+  starts.summaries = {"the start values", "the equilibrium under the inputs that is found from the start values"};
+  table.push_back(choice("solver.start", "initial state of a run", std::move(starts), &Solver::start));
   const auto gain = [&](const char* name, const char* on, double Solver::* field) {
-    Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: chosen from the step",
+    Parameter p = real_parameter(name, "1/s", std::string("baumgarte: gain on ") + on + "; 0: derived from the step",
                                  [field](auto& scene) -> auto& { return scene.solver.*field; });
     p.min = 0;
     table.push_back(std::move(p));
   };
-  gain("solver.baumgarte_alpha", "the constraints' rates", &Solver::baumgarte_alpha);
-  gain("solver.baumgarte_beta", "the constraints' errors (as its square)", &Solver::baumgarte_beta);
+  gain("solver.baumgarte_alpha", "the constraint errors at velocity level", &Solver::baumgarte_alpha);
+  gain("solver.baumgarte_beta", "the constraint errors at position level (enters as its square)",
+       &Solver::baumgarte_beta);
   Parameter rho_inf =
       real_parameter("solver.rho_inf", "1", "generalized-alpha, hht: spectral radius at infinite frequency",
                      [](auto& scene) -> auto& { return scene.solver.rho_inf; });
   rho_inf.min = 0;
   rho_inf.max = 1;
   table.push_back(std::move(rho_inf));
-  table.push_back(count("solver.max_evaluations",
-                        "evaluations of the equations of motion, of each island, after which a communication step ends "
-                        "early (fmi2Discard at the time reached)",
-                        words::max_evaluations, &Solver::max_evaluations));
-  table.push_back(count("solver.corrections",
-                        "projection: corrections of positions, and of speeds, after each step, so that each costs the "
-                        "same; 0: as many as close the loops",
-                        words::corrections, &Solver::corrections));
+  table.push_back(
+      count("solver.max_evaluations",
+            "maximum number of evaluations of the equations of motion per island and communication step; if "
+            "exceeded, the step ends early (fmi2Discard at the time reached)",
+            words::max_evaluations, &Solver::max_evaluations));
+  table.push_back(
+      count("solver.corrections",
+            "projection: fixed number of position corrections, and of velocity corrections, after each step, so "
+            "that all steps cost the same; 0: as many as close the loops",
+            words::corrections, &Solver::corrections));
 }
 
 void add_listed(std::vector<Parameter>& table, const Scene& scene) {
@@ -234,7 +239,7 @@ void add_listed(std::vector<Parameter>& table, const Scene& scene) {
     if (!index.empty()) named[path + index].push_back(&number);
   }
   for (const std::string& path : scene.parameters) {
-    if (path.substr(0, path.find('[')) == "gravity") continue;  // always there
+    if (path.substr(0, path.find('[')) == "gravity") continue;  // always a parameter
     const auto found = named.find(path);
     if (found == named.end()) {
       throw SceneError({"parameters: found '" + path + "', expected the path of a number that can be set"});

@@ -9,7 +9,7 @@
 namespace gelenk {
 namespace {
 
-// s, of this thread.
+// CPU time of this thread [s].
 double cpu_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -34,7 +34,7 @@ Jacobians Probe::residual_jacobians(int island, const std::vector<double>& x, bo
   }
   const double* const v = x.data() + m.nq;
   const std::vector<double>& u = impl_.u.now();
-  const auto dynamics = make_dynamics(m, of.loads());  // the run's own stays as it is
+  const auto dynamics = make_dynamics(m, of.loads());  // so that the run's own dynamics are not changed
   dynamics->set_cut_reference(of.formulation().revolutions().coordinates().data());
   dynamics->set_targets(with_two_derivatives(of.targets()).data());
   dynamics->set_position(x.data());
@@ -53,21 +53,21 @@ double Probe::evaluation_cost() {
   return sum;
 }
 
-// Least of several. budget [s]: what measuring may take, about.
+// The smallest of several measurements. budget: approximate measuring time [s].
 double Probe::evaluation_cost(Island& of, double budget) {
   if (of.mechanism().nv == 0) return 0;
   of.realized_ = Stage::position;
   std::vector<double> ydot(of.y_.size());
-  // Elsewhere each time: what is known of where the equations stand is not computed again.
-  std::vector<double> beside = of.y_;
-  for (double& y : beside) y += 1e-9;
+  // Alternating between two states defeats the caching of results at the same state.
+  std::vector<double> nearby = of.y_;
+  for (double& y : nearby) y += 1e-9;
   const auto time_of = [&](int calls) {
     const double begin = cpu_time();
-    for (int i = 0; i < calls; ++i) of.equations_->rhs(of.time_, (i % 2 == 0 ? beside : of.y_).data(), ydot.data());
+    for (int i = 0; i < calls; ++i) of.equations_->rhs(of.time_, (i % 2 == 0 ? nearby : of.y_).data(), ydot.data());
     return (cpu_time() - begin) / calls;
   };
   const long before = of.dynamics_->evaluations();
-  // Twenty times a while, each long against the clock's grain and short against whatever interrupts.
+  // Twenty blocks, each long compared with the resolution of the clock and short compared with interruptions.
   double least = std::max(time_of(1), 1e-9);
   const int calls = static_cast<int>(std::clamp(budget / 20 / least, 1.0, 1e5));
   for (int i = 0; i < 20 && i * calls * least < budget; ++i) least = std::min(least, time_of(calls));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What tests look at inside a simulation, and what measures it.
+// Access to the interior of a simulation, for tests and measurements.
 #pragma once
 
 #include <vector>
@@ -10,19 +10,20 @@ namespace gelenk {
 
 class Island;
 
-// Of a simulation that outlives it, from initialize() on.
+// View of a simulation that outlives it. Requires initialize().
 class Probe {
  public:
   explicit Probe(Simulation& of) : impl_(*of.impl_) {}
 
-  // Equations of island i as its integrator sees them, and the state (q, v) at which it stands. Calls of the former
-  // leave outputs of this moment undefined.
+  // The equations of an island as its integrator evaluates them, and its state (q, v). Evaluating the equations
+  // invalidates the outputs at the present time.
   Equations& equations(int island);
   const std::vector<double>& state(int island) const;
-  // Derivatives of that island's residuals (derivatives/forward_ad.h) at x = (q, v, vdot, lambda, what is not needed),
-  // under the present inputs, by recursion or by dual numbers. UsageError where x is too short.
+  // Jacobians of the island's residuals (derivatives/forward_ad.h) at x = (q, v, vdot, lambda, ...), with the present
+  // inputs, by recursion or by dual numbers. Throws UsageError if x is too short.
   Jacobians residual_jacobians(int island, const std::vector<double>& x, bool by_duals) const;
-  // s: CPU time of one evaluation of all equations of motion at the present state. Measures for some tens of ms.
+  // CPU time of one evaluation of the equations of motion of all islands at the present state [s]. Measures for some
+  // tens of ms.
   double evaluation_cost();
 
  private:

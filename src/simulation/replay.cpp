@@ -14,36 +14,35 @@ namespace gelenk {
 
 void ReplayPath::serialize(Archive& archive) {
   int count = static_cast<int>(legs.size());
-  archive.serialize_in_range(count, 0, static_cast<int>(ReplayHistory::most_legs));
+  archive.serialize_in_range(count, 0, static_cast<int>(ReplayHistory::max_legs));
   if (count == 0) return;
   legs.resize(count);
   long sum = 0;
   for (ReplayStep& leg : legs) {
     leg.serialize(archive);
     if (!std::isfinite(leg.end) || leg.evaluations < 0) sum = LONG_MAX;
-    sum =
-        std::min(sum, ReplayHistory::most_evaluations + 1) + std::min(leg.evaluations, ReplayHistory::most_evaluations);
+    sum = std::min(sum, ReplayHistory::max_evaluations + 1) + std::min(leg.evaluations, ReplayHistory::max_evaluations);
   }
-  if (sum > ReplayHistory::most_evaluations) throw std::invalid_argument("it is not of this plant, or damaged");
+  if (sum > ReplayHistory::max_evaluations) throw std::invalid_argument("it is not of this plant, or damaged");
   archive.serialize(evaluations, jumped);
 }
 
 bool ReplayHistory::add(const ReplayStep& leg, bool continues) {
   evaluations += leg.evaluations;
-  if (evaluations > most_evaluations) return false;
+  if (evaluations > max_evaluations) return false;
   if (continues && !leg.jumped && !legs.empty()) {
     legs.back().evaluations += leg.evaluations;
     return true;
   }
-  if (legs.size() == most_legs) return false;
+  if (legs.size() == max_legs) return false;
   legs.push_back(leg);
   return true;
 }
 
-void InputLog::make_room() {
+void InputLog::reserve() {
   one_.start_writing();
   last_.serialize(one_);
-  words_.resize(ReplayHistory::most_legs * one_.words().size());
+  words_.resize(ReplayHistory::max_legs * one_.words().size());
 }
 
 void InputLog::add(const Inputs& u) {
@@ -72,31 +71,32 @@ void InputLog::serialize(Archive& archive, std::size_t count) {
   if (archive.reading() && count > 0) last_ = before(1);
 }
 
-// Behind the islands, which are written where their methods began anew. Nothing, where none has a history.
-void Simulation::Impl::exchange_past(Archive& archive) {
+// Follows the islands, which are written as they were at the restarts of their methods. Empty if no method has a
+// history.
+void Simulation::Impl::serialize_replay(Archive& archive) {
   const bool reading = archive.reading();
   if (reading ? archive.at_end() : !any_integrator(islands, &Integrator::has_history)) return;
-  std::vector<ReplayPath> ways(islands.size());
+  std::vector<ReplayPath> paths(islands.size());
   std::size_t longest = 0;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    if (!reading) ways[i] = islands[i]->replay_path();
-    ways[i].serialize(archive);
-    longest = std::max(longest, ways[i].legs.size());
+    if (!reading) paths[i] = islands[i]->replay_path();
+    paths[i].serialize(archive);
+    longest = std::max(longest, paths[i].legs.size());
   }
   if (longest == 0) throw std::invalid_argument("it is not of this plant, or damaged");
   log.serialize(archive, longest);
-  if (reading) replay(ways);
+  if (reading) replay(paths);
 }
 
-void Simulation::Impl::replay(const std::vector<ReplayPath>& ways) {
+void Simulation::Impl::replay(const std::vector<ReplayPath>& paths) {
   Inputs present = u;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    const ReplayPath& way = ways[i];
-    for (std::size_t k = 0; k < way.legs.size(); ++k) {
-      u = log.before(way.legs.size() - k);
-      islands[i]->replay(way.legs[k]);
+    const ReplayPath& path = paths[i];
+    for (std::size_t k = 0; k < path.legs.size(); ++k) {
+      u = log.before(path.legs.size() - k);
+      islands[i]->replay(path.legs[k]);
     }
-    if (!way.legs.empty()) islands[i]->finish_replay(way, time);
+    if (!path.legs.empty()) islands[i]->finish_replay(path, time);
   }
   u = std::move(present);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run remembers so that it can be saved although its integrator carries a history that cannot be written down:
-// where the method began anew, and what it has been asked for since. Going that way again leads to the same bits, and
-// saving does nothing to the run. So that the way stays short the method begins anew now and then, saved or not.
+// Saving of a run whose integrator has a history that cannot be serialized: the state at the method's last restart and
+// the steps since. Repeating these gives the same bits, and saving does not change the run. To limit the number of
+// steps to repeat, the method is restarted from time to time, whether the run is saved or not.
 #pragma once
 
 #include <cstddef>
@@ -13,40 +13,41 @@
 
 namespace gelenk {
 
-// An advance of an island.
+// One advance of an island.
 struct ReplayStep {
-  double end = 0;        // s, asked for
-  long evaluations = 0;  // by which it stopped there, or before
-  bool jumped = false;   // the inputs, or what is tuned, before it
+  double end = 0;        // requested end [s]
+  long evaluations = 0;  // used; they determine where an advance with a limited budget ended
+  bool jumped = false;   // whether inputs or tunable parameters jumped before it
 
   void serialize(Archive& archive) { archive.serialize(end, evaluations, jumped); }
 };
 
-// From where the method began anew to the present.
+// The advances from the method's last restart to the present.
 struct ReplayPath {
   std::vector<ReplayStep> legs;
-  long evaluations = 0;  // of the whole run, at the present
-  bool jumped = false;   // since the last leg
+  long evaluations = 0;  // of the whole run up to the present
+  bool jumped = false;   // whether inputs jumped since the last leg
   // Throws std::invalid_argument.
   void serialize(Archive& archive);
 };
 
 struct ReplayHistory {
-  // A method of order 1 needs some twenty steps until it is where it was: of 1000, or of 256 communication steps of at
-  // least one each, that is little. An arm with 7 joints goes the longest way again within some milliseconds.
-  static constexpr std::size_t most_legs = 256;
-  static constexpr long most_steps = 1000;
-  // Of all legs; more only where one communication step is cut short again and again. A state from outside that asks
-  // for more is none.
-  static constexpr long most_evaluations = 10'000'000;
+  // After a restart at order 1 a method takes some twenty steps to regain its order: few compared with 1000 steps, or
+  // with 256 communication steps of at least one step each. Repeating the longest path takes some milliseconds for an
+  // arm with 7 joints.
+  static constexpr std::size_t max_legs = 256;
+  static constexpr long max_steps = 1000;
+  // In all legs together; exceeded only if one communication step is cut short again and again. A saved state with more
+  // is invalid.
+  static constexpr long max_evaluations = 10'000'000;
 
-  Archive beginning;  // the island there
+  Archive beginning;  // the island at the restart
   std::vector<ReplayStep> legs;
-  bool begun = false;    // there is one
-  long steps = 0;        // the island's, there
+  bool begun = false;    // whether `beginning` is valid
+  long steps = 0;        // integrator steps of the island at the restart
   long evaluations = 0;  // of the legs
 
-  // Begins where the island has just been written into `beginning`.
+  // Starts a history at the state that has just been written to `beginning`.
   void begin(long steps_there) {
     clear();
     begun = true;
@@ -57,27 +58,28 @@ struct ReplayHistory {
     begun = false;
     evaluations = 0;
   }
-  // goes_on: with what the last leg was cut short in. False: it would be too long a way.
+  // Appends a leg, or extends the last one if it was cut short and is continued. Returns false if the path would become
+  // too long.
   bool add(const ReplayStep& leg, bool continues);
 };
 
-// The inputs of the latest communication steps, in a ring.
+// The inputs of the latest communication steps, in a ring buffer.
 class InputLog {
  public:
   explicit InputLog(std::size_t inputs) : last_(inputs) {}
 
-  // Asks for the room that it needs. Without it nothing is kept.
-  void make_room();
+  // Allocates the buffer; without it, nothing is recorded.
+  void reserve();
   void add(const Inputs& u);
-  // Of the last step (ago = 1), of the one before it, and so on.
+  // Inputs of the last step (ago = 1), of the one before it (2), and so on.
   Inputs before(std::size_t ago) const;
   bool ends_with(const Inputs& u) const { return added_ > 0 && last_ == u; }
-  // The latest ones; when reading, there are no others afterwards.
+  // Writes or reads the latest `count` inputs; reading discards all others.
   void serialize(Archive& archive, std::size_t count);
 
  private:
-  std::size_t place(std::size_t ago) const { return (added_ - ago) % ReplayHistory::most_legs * width(); }
-  std::size_t width() const { return words_.size() / ReplayHistory::most_legs; }
+  std::size_t place(std::size_t ago) const { return (added_ - ago) % ReplayHistory::max_legs * width(); }
+  std::size_t width() const { return words_.size() / ReplayHistory::max_legs; }
 
   Inputs last_;
   Archive one_;

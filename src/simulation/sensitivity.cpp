@@ -25,15 +25,15 @@ const JointPlace& Sensitivity::place_of(const StateVariable& state) const {
   return reduced_.joints[signals_[state.output].joint];
 }
 
-// Where island and tree keep it: in q or v.
+// The index of a state in q or v of its island.
 int Sensitivity::component_of(const StateVariable& state) const {
   const Signal& s = signals_[state.output];
   const JointPlace& place = place_of(state);
   return s.component + (s.level == 0 ? place.iq : place.iv);
 }
 
-ConstrainedSensitivity& Sensitivity::stand(int island) {
-  at_ = island;
+ConstrainedSensitivity& Sensitivity::set_point(int island) {
+  current_island_ = island;
   const Island& from = *islands_[island];
   const double* y = from.reading().q;
   sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, u_.data(),
@@ -41,7 +41,7 @@ ConstrainedSensitivity& Sensitivity::stand(int island) {
   return *sensitivities_[island];
 }
 
-// Gives take(output, value as T) what is read of the island; of energies the island's part.
+// Calls take(output, value) for each output of the island, and with its contribution to the energies.
 template <class T, class Take>
 void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
   const ResidualEvaluator<T>& e = *at.equations;
@@ -78,7 +78,7 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
       out.outputs.row(k) += entry.sign * moved.y.row(entry.index);
     }
   }
-  if (!reads(i)) return;
+  if (!has_computed_outputs(i)) return;
   for (Index first = 0; first < n; first += dual_directions) {
     const Index width = std::min<Index>(dual_directions, n - first);
     const auto some = [&](const MatrixXd& of) -> MatrixXd { return of.middleCols(first, width); };
@@ -90,7 +90,7 @@ void Sensitivity::add(int i, const MatrixXd& directions, DirectionalDerivative& 
   }
 }
 
-bool Sensitivity::reads(int i) const {
+bool Sensitivity::has_computed_outputs(int i) const {
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
     if (readings_.is_of_whole(k)) return true;
     if (readings_.island(k) == i && readings_.entry(k).index == Outputs::none) return true;
@@ -113,7 +113,7 @@ void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivativ
       out.rates.row(row) = sign * moved.qdot.row(component_of(state));
       continue;
     }
-    // A coordinate that has a speed stands before it in the same place.
+    // A coordinate and its velocity have the same index within q and v of the joint.
     const int level = signal.level == 0 ? 0 : mechanism.nv;
     const int entry = mechanism.nq + level + place.iv + signal.component;
     out.xdot[row] = sign * y[entry];
@@ -123,7 +123,7 @@ void Sensitivity::add_rates(int i, const MovedState& moved, DirectionalDerivativ
 
 namespace {
 
-DirectionalDerivative nothing(std::size_t outputs, std::size_t states, Index columns) {
+DirectionalDerivative zero_derivative(std::size_t outputs, std::size_t states, Index columns) {
   const auto ny = static_cast<Index>(outputs);
   const auto nx = static_cast<Index>(states);
   return {MatrixXd::Zero(ny, columns), MatrixXd::Zero(nx, columns), Eigen::VectorXd::Zero(nx)};
@@ -132,17 +132,17 @@ DirectionalDerivative nothing(std::size_t outputs, std::size_t states, Index col
 }  // namespace
 
 DirectionalDerivative Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
-  DirectionalDerivative out = nothing(signals_.size(), states_.size(), 1);
+  DirectionalDerivative out = zero_derivative(signals_.size(), states_.size(), 1);
   MatrixXd direction(static_cast<Index>(dx.size() + du.size()), 1);
   std::copy(du.begin(), du.end(), std::copy(dx.begin(), dx.end(), direction.data()));
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
-    stand(i);
+    set_point(i);
     add(i, direction, out);
   }
   return out;
 }
 
-// Those of (states; inputs) that act on an island.
+// The indices in (states; inputs) of those that act on an island.
 std::vector<int> Sensitivity::columns_of(int island) const {
   std::vector<int> out;
   for (std::size_t s = 0; s < states_.size(); ++s) {
@@ -155,19 +155,19 @@ std::vector<int> Sensitivity::columns_of(int island) const {
 Linearization Sensitivity::linearize() {
   const auto nx = static_cast<Index>(states_.size());
   const auto nu = static_cast<Index>(u_.size());
-  DirectionalDerivative all = nothing(signals_.size(), states_.size(), nx + nu);
+  DirectionalDerivative all = zero_derivative(signals_.size(), states_.size(), nx + nu);
   Linearization out;
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     const std::vector<int> columns = columns_of(i);
-    stand(i);
+    set_point(i);
     const auto width = static_cast<Index>(columns.size());
-    if (width == nx + nu) {  // all are its own
+    if (width == nx + nu) {  // the only island with states and inputs
       add(i, MatrixXd::Identity(width, width), all);
       continue;
     }
     MatrixXd directions = MatrixXd::Zero(nx + nu, width);
     for (Index k = 0; k < width; ++k) directions(columns[k], k) = 1;
-    DirectionalDerivative part = nothing(signals_.size(), states_.size(), width);
+    DirectionalDerivative part = zero_derivative(signals_.size(), states_.size(), width);
     add(i, directions, part);
     all.xdot += part.xdot;
     for (Index k = 0; k < width; ++k) {
@@ -186,7 +186,7 @@ Linearization Sensitivity::linearize() {
 Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std::vector<double>& uddot) {
   Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
-    CarriedState<Series>& path = stand(i).time_derivatives(udot.data(), uddot.data());
+    CarriedState<Series>& path = set_point(i).time_derivatives(udot.data(), uddot.data());
     read(i, path, [&](int k, const Series& value) {
       out(k, 0) += value[1];
       out(k, 1) += 2 * value[2];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact derivatives of a simulation's outputs and state derivatives: by its states and inputs, and by time.
+// Exact derivatives of a simulation's outputs and state derivatives with respect to states, inputs and time.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,22 +17,22 @@
 
 namespace gelenk {
 
-// What differs along directions, one a column, of (states; inputs): first the outputs, then the states' derivatives.
-// Units: those of the outputs, over those of states and inputs.
+// Derivatives of the outputs and of the state derivatives in directions of (states; inputs), one column per direction.
+// Units: those of the outputs over those of states and inputs.
 struct DirectionalDerivative {
   Eigen::MatrixXd outputs, rates;
-  Eigen::VectorXd xdot;  // the states' derivatives themselves
+  Eigen::VectorXd xdot;  // values of the state derivatives
 };
 
-// d xdot = A dx + B du, d y = C dx + D du, about a point at which xdot is as told; x: states, y: all outputs. Where a
-// quaternion is among the states, the four numbers are moved as if they were normalized afterwards: along
-// itself it cannot move, so that A has a zero eigenvalue for each.
+// d xdot = A dx + B du, dy = C dx + D du about a point with the state derivatives xdot; x: states, y: all outputs.
+// A quaternion among the states is normalized after each change. It cannot change along itself, so A has a zero
+// eigenvalue for each quaternion.
 struct Linearization {
   Eigen::MatrixXd A, B, C, D;
   Eigen::VectorXd xdot;
 };
 
-// Keeps to what it is made of; asking changes nothing there.
+// Differentiates the islands it is constructed with, at their present state, and does not change them.
 class Sensitivity {
  public:
   using Islands = std::vector<std::unique_ptr<Island>>;
@@ -41,23 +41,23 @@ class Sensitivity {
               const std::vector<Signal>& outputs, const std::vector<StateVariable>& states,
               const std::vector<Independent>& independent, const std::vector<double>& u);
 
-  // All three throw Undetermined and SingularMass, faulty_island() telling where.
+  // All three throw NotDifferentiablePoint and SingularMass; faulty_island() is then the island concerned.
   Linearization linearize();
-  // One direction: dx (states), du (inputs).
+  // The derivative in one direction: dx (states), du (inputs).
   DirectionalDerivative along(const std::vector<double>& dx, const std::vector<double>& du);
-  // Of all outputs along the motion: column 0 the first, column 1 the second time derivatives. udot, uddot: the
-  // inputs'.
+  // First (column 0) and second (column 1) time derivatives of all outputs along the motion. udot, uddot: those of the
+  // inputs.
   Eigen::MatrixX2d in_time(const std::vector<double>& udot, const std::vector<double>& uddot);
 
-  int faulty_island() const { return at_; }
+  int faulty_island() const { return current_island_; }
 
  private:
-  ConstrainedSensitivity& stand(int island);
-  // Adds what island `i` does along these directions (states; inputs), where it stands.
+  ConstrainedSensitivity& set_point(int island);
+  // Adds the derivatives of island `i` in these directions (states; inputs) at the point set.
   void add(int i, const Eigen::MatrixXd& directions, DirectionalDerivative& out);
   void add_rates(int i, const MovedState& moved, DirectionalDerivative& out) const;
-  // Whether some output of the island is more than an entry of its state.
-  bool reads(int i) const;
+  // Whether an output of the island is not simply an entry of its state.
+  bool has_computed_outputs(int i) const;
   template <class T, class Take>
   void read(int i, CarriedState<T>& at, Take take) const;
   std::vector<int> columns_of(int island) const;
@@ -71,7 +71,7 @@ class Sensitivity {
   const std::vector<StateVariable>& states_;
   const std::vector<double>& u_;
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
-  int at_ = 0;
+  int current_island_ = 0;
 };
 
 }  // namespace gelenk

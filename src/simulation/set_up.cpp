@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What makes a simulation ready to run, and takes other numbers over. Apart from what each step goes through, since it
-// is compiled to be small.
+// Initialization and tuning of a simulation. Separate from the code that every step executes, since it is compiled for
+// small size.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -78,13 +78,13 @@ void Simulation::initialize(double time, double tolerance) {
   }
   if (wanted < finest)
     s.prepared.warnings.push_back(describe_unreachable_tolerance(s.scene.solver.integrator, wanted, finest));
-  if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.make_room();
+  if (any_integrator(s.islands, &Integrator::may_have_history)) s.log.reserve();
   s.initialized = s.runs = true;
 }
 
 void Simulation::tune(const Scene& scene) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("tuning before initialize()");
+  if (!s.initialized) throw UsageError("parameters cannot be tuned before initialize()");
   take_tunables(s.given, scene);
   if (s.scene.units.is_si()) {
     take_tunables(s.scene, scene);

@@ -13,31 +13,31 @@
 
 namespace gelenk {
 
-int Simulation::Impl::known_input(int index) const {
+int Simulation::Impl::checked_input(int index) const {
   if (index < 0 || index >= static_cast<int>(inputs.size())) {
     throw std::out_of_range("input " + std::to_string(index) + " of " + std::to_string(inputs.size()));
   }
   return index;
 }
 
-// Derivatives may be finite and what they lead to not.
+// Finite derivatives may lead to an infinite value at the end of the step.
 void Simulation::Impl::check_inputs(double end) const {
   if (!u.moving()) return;
   for (int i = 0; i < static_cast<int>(inputs.size()); ++i) {
     if (std::isfinite(u.derivative_at(i, 0, end))) continue;
-    throw StepError(describe_failed_step(
-        at_time(end) + inputs[i].name + " would be no finite number, by the derivatives set", time));
+    throw StepError(
+        describe_failed_step(at_time(end) + inputs[i].name + " would not be finite, given the derivatives set", time));
   }
 }
 
-// To `end`, or where an island's evaluations are budget_exhausted, there all of them; returns the time. moved: how many
-// islands are not, or may be not, where the step began.
+// Advances all islands to `end`, or to the time at which the first of them exhausts its evaluation budget; returns the
+// time reached. moved: number of islands that may have left the start of the step.
 double Simulation::Impl::advance_islands(double end, bool continues, std::size_t& moved) {
   for (const auto& island : islands) {
     ++moved;
     end = island->advance(end, scene.solver.max_evaluations, continues);
   }
-  // Those that were ahead have been further within their evaluations.
+  // Islands that went further did so within their budget, so no limit is needed.
   for (const auto& island : islands) {
     if (island->time() == end) continue;
     island->roll_back();
@@ -79,17 +79,17 @@ Energy Simulation::Impl::energy() {
   return sum;
 }
 
-// m or rad, in SI, or their rates.
-double Simulation::Impl::largest_gap(const std::vector<double>& (Kinematics::*of)() const) {
+// The largest magnitude among the constraint errors or their rates [m, rad, or per s].
+double Simulation::Impl::max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const) {
   double angle = 0;
   double length = 0;
   for (const auto& island : islands) {
     island->realize(Stage::velocity);
     const Kinematics& at = island->dynamics();
-    const std::vector<double>& rows = (at.*of)();
+    const std::vector<double>& rows = (at.*errors)();
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      double& most = at.row_is_angle(static_cast<int>(r)) ? angle : length;
-      most = std::max(most, std::abs(rows[r]));
+      double& largest = at.row_is_angle(static_cast<int>(r)) ? angle : length;
+      largest = std::max(largest, std::abs(rows[r]));
     }
   }
   return std::max(angle, scene.units.length * length);
@@ -97,10 +97,10 @@ double Simulation::Impl::largest_gap(const std::vector<double>& (Kinematics::*of
 
 void Simulation::step_to(double end) {
   Impl& s = *impl_;
-  if (!s.runs) throw UsageError("a step before initialize()");
-  if (!std::isfinite(end)) throw UsageError("the end of a step is not a finite number");
+  if (!s.runs) throw UsageError("step_to() was called before initialize()");
+  if (!std::isfinite(end)) throw UsageError("the end of the step is not a finite number");
   if (end < s.time) {
-    throw UsageError(at_time(end) + "lies before the plant's time " + std::to_string(s.time) + " s");
+    throw UsageError(at_time(end) + "the end of the step is before the present time " + std::to_string(s.time) + " s");
   }
   if (end <= s.time) return;
   s.check_inputs(end);
@@ -109,11 +109,11 @@ void Simulation::step_to(double end) {
 
 void Simulation::serialize(Archive& archive) {
   Impl& s = *impl_;
-  if (!s.runs) throw UsageError("a record of a run before initialize()");
+  if (!s.runs) throw UsageError("a run cannot be saved or restored before initialize()");
   archive.serialize(s.time);
   s.u.serialize(archive);
   for (const auto& island : s.islands) island->serialize(archive);
-  s.exchange_past(archive);
+  s.serialize_replay(archive);
   s.cut_short = false;
 }
 
@@ -128,8 +128,8 @@ void Simulation::set_input(int index, double value) {
   Impl& s = *impl_;
   if (!std::isfinite(value))
     throw UsageError(s.inputs.at(index).name + ": found " + std::to_string(value) +
-                     ", expected a finite number; the former value stays");
-  const Inputs::Change change = s.u.set(s.known_input(index), value / s.input_size[index]);
+                     ", expected a finite number; the former value is kept");
+  const Inputs::Change change = s.u.set(s.checked_input(index), value / s.input_size[index]);
   if (change == Inputs::Change::none || !s.initialized) return;
   if (const int island = s.island_of_input[index]; island >= 0) {
     s.islands[island]->inputs_changed(change == Inputs::Change::jump);
@@ -139,24 +139,24 @@ void Simulation::set_input(int index, double value) {
 void Simulation::set_input_derivative(int index, int order, double value) {
   const std::string fault = Inputs::fault(order, value);
   if (!fault.empty()) throw UsageError(impl_->inputs.at(index).name + ": " + fault);
-  const int known = impl_->known_input(index);
+  const int known = impl_->checked_input(index);
   impl_->u.set_derivative(known, order, value / impl_->input_size[known]);
 }
 
 double Simulation::input(int index) const {
-  const int known = impl_->known_input(index);
+  const int known = impl_->checked_input(index);
   return impl_->input_size[known] * impl_->u.value(known);
 }
 
 double Simulation::input_derivative(int index, int order) const {
-  if (order < 1 || order > Inputs::highest_order) throw UsageError("a derivative is of order 1 to 5");
-  const int known = impl_->known_input(index);
+  if (order < 1 || order > Inputs::highest_order) throw UsageError("the order of a derivative must be 1 to 5");
+  const int known = impl_->checked_input(index);
   return impl_->input_size[known] * impl_->u.derivative(known, order);
 }
 
 double Simulation::output(int index) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("an output before initialize()");
+  if (!s.initialized) throw UsageError("outputs are not available before initialize()");
   if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
@@ -166,9 +166,9 @@ double Simulation::output(int index) {
 
 Pose3 Simulation::body_pose(int body) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("a pose before initialize()");
+  if (!s.initialized) throw UsageError("poses are not available before initialize()");
   const BodyPlace& place = s.prepared.reduced.bodies.at(static_cast<std::size_t>(body));
-  Pose3 X_WB = place.X_LB;  // of what stands still
+  Pose3 X_WB = place.X_LB;  // of an immobile body
   if (place.island >= 0) {
     Island& island = *s.islands[place.island];
     island.realize(Stage::velocity);
@@ -182,7 +182,7 @@ Pose3 Simulation::body_pose(int body) {
 
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
-  if (!s.initialized) throw UsageError("a diagnostic before initialize()");
+  if (!s.initialized) throw UsageError("diagnostics are not available before initialize()");
   const auto total = [&](long RunCounts::* count) {
     long sum = 0;
     for (const auto& island : s.islands) sum += island->counts().*count;
@@ -202,9 +202,9 @@ double Simulation::diagnostic(int index) {
     case Diagnostic::evaluations:
       return total(&RunCounts::evaluations);
     case Diagnostic::constraint_position:
-      return s.largest_gap(&Kinematics::Phi);
+      return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:
-      return s.largest_gap(&Kinematics::row_rates);
+      return s.max_constraint_error(&Kinematics::row_rates);
     case Diagnostic::kinetic_energy:
       return s.diagnostic_size[index] * s.energy().kinetic;
     case Diagnostic::potential_energy:

@@ -19,101 +19,103 @@
 
 namespace gelenk {
 
-// A step could not be made. The simulation stands at its last good time and can go on from there.
+// A step failed. The simulation is at its last good time and can continue from there.
 class StepError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A step has used up its evaluations (solver.max_evaluations) and ended early: time() tells where. What is left of it
-// can be asked for in another step.
+// A step ended early, at time(), because its evaluation budget (solver.max_evaluations) was exhausted. The rest can be
+// simulated by another call of step_to().
 class StepBudgetError : public StepError {
   using StepError::StepError;
 };
 
-// A wrong call: an input that is not finite, a step back in time.
+// An invalid call, for example with an input that is not finite or a step back in time.
 class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A derivative that does not exist at the present state: a singular position.
+// A derivative does not exist at the present state, because the configuration is singular.
 class NotDifferentiable : public UsageError {
   using UsageError::UsageError;
 };
 
 // Sizes of the model behind a scene.
 struct ModelSize {
-  int bodies = 0;              // that can move, after merging welds
+  int bodies = 0;              // bodies that can move; welded bodies count as one
   int coordinates = 0;         // nq
-  int speeds = 0;              // nv
-  int rows = 0;                // of the loops
-  int rank = 0;                // of the rows, at a position without special symmetry
+  int speeds = 0;              // generalized velocities, nv
+  int rows = 0;                // constraint equations
+  int rank = 0;                // of the constraint Jacobian, at a position without special symmetry
   int degrees_of_freedom = 0;  // speeds - rank
-  int free_coordinates = 0;    // as many, and one more for each row that holds a speed and no position
-  int islands = 0;             // parts solved apart
-  int planar_islands = 0;
-  bool planar = false;  // all of them
+  int free_coordinates = 0;    // independent coordinates: one more than that for each nonholonomic constraint
+  int islands = 0;             // parts without coupling, integrated separately
+  int planar_islands = 0;      // islands computed in their plane
+  bool planar = false;         // whether all islands are
 };
 
-// rank and freedoms stay 0: they are known after initialize() only.
+// Sizes before initialize(): rank and degrees_of_freedom are 0, since they are not known yet.
 ModelSize size_of(const ReducedScene& reduced);
 
-// Not thread-safe; different simulations may run in different threads.
+// A running scene: state, inputs, outputs and steps. Not thread-safe; different simulations may run in different
+// threads.
 class Simulation {
  public:
-  // Compiles the scene as it is, what its wanted outputs do not need, too (mechanism/wanted_part.h). Throws SceneError
-  // for what no single field shows (a body without inertia that moves).
+  // Applies the reductions to the whole scene, including parts that no wanted output depends on
+  // (mechanism/wanted_part.h). Throws SceneError for errors that involve several fields, such as a moving body without
+  // inertia.
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  // Closes the loops at the start values and makes everything consistent at `time` [s].
-  // tolerance: overrides the scene's when positive. Throws AssemblyError.
+  // Closes the loops at the start values, makes positions and velocities consistent at `time` [s] and creates the
+  // integrators. tolerance: relative; overrides the scene's if positive. Throws AssemblyError, and UsageError if time
+  // is not finite.
   void initialize(double time = 0, double tolerance = 0);
-  // Likewise without an integrator: outputs, states and derivatives at the start are to be had, steps are not.
+  // The same without integrators: outputs, states and derivatives are available at the start, steps are not.
   void assemble(double time = 0);
 
-  // Advances to `end` [s] under the inputs set now, which follow the derivatives set with them. Inputs may differ from
-  // those of the step before.
-  // Throws StepError (state unchanged since time()); StepBudgetError, of which inputs then go on by their derivatives;
-  // UsageError when end < time() or is not finite.
+  // Advances to `end` [s] with the present inputs and their derivatives; inputs may have jumped since the last step.
+  // Throws StepError (the state at time() is unchanged), StepBudgetError (time() is between start and end of the step;
+  // inputs continue to follow their derivatives), and UsageError if end < time() or is not finite.
   void step_to(double end);
 
-  // Writes down, or takes from a record, everything that decides how the run goes on: time, state, inputs, what methods
-  // carry from step to step. It then goes on to the same bits in both runs, and in any instance of the same scene that
-  // was initialized at the same time and tolerance and has been tuned alike. Methods with a history (ida, cvode,
-  // cvode-adams, dirk) begin anew at a record, in the run that wrote it, too. After initialize(). Throws
-  // std::invalid_argument for a record of something else; the simulation is undefined then, until it takes a right one.
+  // Writes or reads all data that determine how the run continues: time, state, inputs, memory of the methods. Both
+  // runs then continue with identical bits, as does any instance of the same scene that was initialized at the same
+  // time and tolerance and has the same tuned parameters. Methods with a history (ida, cvode, cvode-adams, dirk) are
+  // saved as their last restart and the steps since (replay.h). Requires initialize(). Throws std::invalid_argument for
+  // an archive of something else; the simulation must then not be used until a valid archive has been read.
   void serialize(Archive& archive);
 
   double time() const;
   const Scene& scene() const;
   const ModelSize& size() const;
 
-  // Signals, in the order of signals.h; of outputs those that are not wanted, too (wanted_outputs.h).
+  // The signals in the order of signals.h, including outputs that are not wanted (wanted_outputs.h).
   const std::vector<Signal>& inputs() const;
   const std::vector<Signal>& outputs() const;
   const std::vector<Signal>& diagnostics() const;
 
-  // Throws UsageError for a value that is not finite, naming the input; the former value stays.
+  // Throws UsageError for a value that is not finite, naming the input; the former value is kept.
   void set_input(int index, double value);
   double input(int index) const;
-  // The time derivative of this order, 1 to 5, [unit/s^order] at time(): from there to the end of the next step the
-  // input is the polynomial of its value and its derivatives, in whichever order they are set. After it the input is
-  // held at the value reached, unless new derivatives are set. Throws UsageError for another order, or a value that is
-  // not finite.
+  // Sets the time derivative of this order, 1 to 5, [unit/s^order] at time(). During the next step the input is the
+  // Taylor polynomial of its value and derivatives, which may be set in any order. Afterwards it is held at the value
+  // reached unless new derivatives are set. Throws UsageError for another order or a value that is not finite.
   void set_input_derivative(int index, int order, double value);
-  double input_derivative(int index, int order) const;  // as set, at time()
-  // Takes what may change during a run (Parameter::tunable) from `scene`, otherwise the one this was made of; as an
-  // input that jumps. After initialize().
+  double input_derivative(int index, int order) const;  // at time()
+  // Takes the tunable numbers (Parameter::tunable) from `scene`, which is otherwise the scene this was created from;
+  // the effect is that of an input that jumps. Requires initialize().
   void tune(const Scene& scene);
-  double output(int index);      // computed when first read after a change
-  double diagnostic(int index);  // likewise
-  // X_WB of a body of the scene, by its number: the pose of its frame in the world.
+  // Outputs and diagnostics are computed when first read after a change of the state or the inputs.
+  double output(int index);
+  double diagnostic(int index);
+  // X_WB of a body of the scene, by its number: the pose of its frame in the world [m].
   Pose3 body_pose(int body);
 
-  // Of the last step_to(), in order of time: stops that were met or left, singular positions that were passed. Of one
-  // with very many, the first of each part that is solved by itself.
+  // The events of the last step_to() in order of time: stops engaged or disengaged, singular configurations crossed. If
+  // there are very many, the first ones of each island.
   std::vector<EventReport> events() const;
 
  private:

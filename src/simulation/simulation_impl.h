@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands behind a Simulation; for simulation.cpp and simulation_derivatives.cpp alone.
+// The implementation of Simulation, for this module only.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@
 
 namespace gelenk {
 
-// Whether the integrator of one of the islands says so.
-inline bool any_integrator(const std::vector<std::unique_ptr<Island>>& islands, bool (Integrator::*says)() const) {
+// Whether the predicate holds for the integrator of any island.
+inline bool any_integrator(const std::vector<std::unique_ptr<Island>>& islands, bool (Integrator::*predicate)() const) {
   return std::ranges::any_of(islands, [&](const auto& island) {
     const Integrator* integrator = island->integrator();
-    return integrator != nullptr && (integrator->*says)();
+    return integrator != nullptr && (integrator->*predicate)();
   });
 }
 
@@ -49,52 +49,52 @@ struct Simulation::Impl {
     for (const Signal& signal : signals) sizes.push_back(scene.units.size_of(signal.unit));
   }
 
-  Scene given;           // in SI, as all that the user sees
-  Scene scene;           // in natural units, as all that follows
-  Scene tuned;           // in natural units, while it is taken over
+  Scene given;           // the user's scene, in SI units
+  Scene scene;           // in natural units, as are all members below unless noted
+  Scene tuned;           // workspace of tune()
   ReducedScene reduced;  // before the start values are known
   std::vector<Signal> inputs, outputs, diagnostics;
-  std::vector<double> input_size, output_size, diagnostic_size;  // the SI value of 1 in natural units
+  std::vector<double> input_size, output_size, diagnostic_size;  // SI value of one natural unit
   Inputs u;
   ModelSize size;
 
-  // From initialize() on.
+  // Defined by initialize() or assemble().
   PreparedScene prepared;
-  std::vector<MovedFrame> moved;  // frames of the scene that are not where they are in `given`
+  std::vector<MovedFrame> moved;  // frames of the scene whose pose differs from that in `given`
   std::vector<std::unique_ptr<Island>> islands;
   std::vector<int> island_of_input;
   std::unique_ptr<Outputs> readings;
   std::optional<LoadMaker> load_maker;
-  std::vector<Loads> other_loads;  // by island: to be filled in when tuned
-  double immobile_energy = 0;      // J, potential, of what stands still
+  std::vector<Loads> other_loads;  // by island: workspace of tune()
+  double immobile_energy = 0;      // potential energy of immobile bodies
   double time = 0;
   bool initialized = false;
-  bool runs = false;       // with integrators
+  bool runs = false;       // whether there are integrators
   InputLog log;            // for islands with a history
-  bool cut_short = false;  // the last advance was
+  bool cut_short = false;  // whether the last advance ended early
   IndependentOutputs independent;
   std::vector<Independent> independent_by_island;
   std::vector<StateVariable> states;
-  std::unique_ptr<Sensitivity> sensitivity;  // made when first asked for
+  std::unique_ptr<Sensitivity> sensitivity;  // created on first use
 
-  Eigen::VectorXd sizes_of_states() const;  // as output_size; of their derivatives, too
-  void prepare_start();  // closes the loops, of a scene whose numbers were rounded, too (assembled_start.cpp)
+  Eigen::VectorXd sizes_of_states() const;  // SI values of natural units; same for derivatives
+  void prepare_start();  // closes the loops, adjusting frames if numbers were rounded (assembled_start.cpp)
   void close_loops();
   void prepare_or_advise(double tolerance);
-  void take(AdjustedScene adjusted);
-  void tell_moves();
+  void adopt(AdjustedScene adjusted);
+  void report_moves();
   void make_islands();
   void find_independent();
-  void start_at_equilibrium();       // the start becomes a rest (start_at_equilibrium.cpp)
-  int known_input(int index) const;  // throws std::out_of_range
+  void start_at_equilibrium();         // moves the start to an equilibrium (start_at_equilibrium.cpp)
+  int checked_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);
-  void exchange_past(Archive& archive);
-  void replay(const std::vector<ReplayPath>& ways);
+  void serialize_replay(Archive& archive);
+  void replay(const std::vector<ReplayPath>& paths);
   double advance_islands(double end, bool continues, std::size_t& moved);
   Energy energy();
-  double largest_gap(const std::vector<double>& (Kinematics::*of)() const);
-  std::vector<std::string> names_of_coordinates(int island) const;  // independent ones
+  double max_constraint_error(const std::vector<double>& (Kinematics::*errors)() const);
+  std::vector<std::string> names_of_coordinates(int island) const;  // of the independent ones
   Independent independent_of(int island, const std::vector<bool>& coordinates, const std::vector<bool>& speeds) const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A start at rest instead of the start values.
+// Start at an equilibrium instead of at the start values.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,7 +11,7 @@
 
 namespace gelenk {
 
-// Each part is looked after alone: what couples parts couples them into one.
+// Islands are treated one by one: they are not coupled.
 void Simulation::Impl::start_at_equilibrium() {
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Island& island = *islands[i];

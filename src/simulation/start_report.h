@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What assembly made of a simulation's scene.
+// Results of the assembly of a simulation.
 #pragma once
 
 #include <string>
@@ -9,19 +9,20 @@
 
 namespace gelenk {
 
-// Of a simulation that outlives it, from initialize() on.
+// View of a simulation that outlives it. Requires initialize() or assemble().
 class StartReport {
  public:
   explicit StartReport(const Simulation& of) : impl_(*of.impl_) {}
 
-  // What assembly found, in words: the branch (start values of every joint) and what it changed.
+  // A sentence about the assembly found: the start values of all joints and how far guesses were moved.
   const std::string& assembly() const;
-  // What is doubtful about the start, a sentence each: singular configurations.
+  // Warnings about the start, a sentence each, for example about singular configurations.
   const std::vector<std::string>& warnings() const;
-  // Joint frames that were moved so that loops with rounded numbers close; and the scene with these, in SI.
+  // Joint frames that were moved so that loops with rounded dimensions close [m, rad], and the scene with these frames,
+  // in SI units.
   std::vector<MovedFrame> moved_frames() const;
   Scene adjusted_scene() const;
-  // The scene as it is reduced and stands at its start.
+  // The reduced scene with its islands at their start.
   const PreparedScene& prepared() const;
 
  private:

@@ -36,7 +36,7 @@ std::vector<int> numbers(const std::vector<bool>& flags) {
 void Simulation::Impl::find_independent() {
   independent = {};
   independent_by_island.clear();
-  std::vector<std::vector<bool>> free_q;  // by island, speed
+  std::vector<std::vector<bool>> free_q;  // by island and velocity
   std::vector<std::vector<bool>> free_v;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const int nv = islands[i]->prepared().mechanism.nv;
@@ -51,7 +51,7 @@ void Simulation::Impl::find_independent() {
     if (s.level != 0 && s.level != 1) continue;
     const JointPlace& place = prepared.reduced.joints[s.joint];
     if (place.role != JointPlace::Role::tree) continue;
-    // A quaternion counts if all three turns are free.
+    // A quaternion is independent if all three rotations are.
     const JointKind& kind = *find_joint_kind(scene.joints[s.joint].type);
     const int turns = kind.nv - 3;
     const bool quaternion = kind.has_quaternion() && s.component >= turns;
@@ -65,15 +65,15 @@ void Simulation::Impl::find_independent() {
   states = states_of(scene, outputs, independent);
 }
 
-// Of an island, those wanted among them where that is possible; by speed.
+// The independent coordinates and velocities of an island, as far as possible the wanted ones; flags by velocity.
 Independent Simulation::Impl::independent_of(int island, const std::vector<bool>& coordinates,
                                              const std::vector<bool>& speeds) const {
   const Island& of = *islands[island];
   const Mechanism& mechanism = of.prepared().mechanism;
   const MobilityAnalysis& mobility = of.prepared().mobility;
-  const auto dynamics = make_dynamics(mechanism, of.loads());  // the run's own stays as it is
+  const auto dynamics = make_dynamics(mechanism, of.loads());  // so that the run's own dynamics are not changed
   dynamics->set_max_rank(mobility.rank);
-  // A singular start tells too little of what depends on what.
+  // At a singular position the Jacobian does not show all dependencies.
   const bool singular = mobility.rank_start < mobility.rank && !mobility.generic_q.empty();
   dynamics->set_position((singular ? mobility.generic_q : prepared.islands[island].start.q).data());
   dynamics->factorize();
@@ -109,14 +109,14 @@ const std::vector<StateVariable>& StateDerivatives::states() const { return impl
 
 void StateDerivatives::take_states(const IndependentOutputs& independent) {
   Simulation::Impl& s = impl_;
-  if (!s.initialized) throw UsageError("states before initialize()");
+  if (!s.initialized) throw UsageError("states cannot be chosen before initialize()");
   if (s.independent == independent) return;
   for (const auto* outputs : {&independent.coordinates, &independent.speeds}) {
     for (const int i : *outputs) {
       const Signal& signal = s.outputs.at(i);
       const bool of_tree = signal.level >= 0 && signal.level == (outputs == &independent.coordinates ? 0 : 1) &&
                            s.prepared.reduced.joints[signal.joint].role == JointPlace::Role::tree;
-      if (!of_tree) throw UsageError(signal.name + " is no state: its joint closes a loop or cannot move");
+      if (!of_tree) throw UsageError(signal.name + " cannot be a state: its joint closes a loop or is immobile");
     }
   }
   s.sensitivity.reset();
@@ -128,10 +128,10 @@ void StateDerivatives::take_states(const IndependentOutputs& independent) {
     };
     const std::vector<bool> coordinates = wanted(0, independent.coordinates);
     const std::vector<bool> speeds = wanted(1, independent.speeds);
-    // Beside them may stand turns of a quaternion that is no state as a whole.
+    // Besides these it may contain rotations of a quaternion that is not a state as a whole.
     Independent found = s.independent_of(i, coordinates, speeds);
-    const auto keep = [](std::vector<int>& of, const std::vector<bool>& asked) {
-      const std::vector<int> all = numbers(asked);
+    const auto keep = [](std::vector<int>& of, const std::vector<bool>& required) {
+      const std::vector<int> all = numbers(required);
       if (!std::ranges::includes(of, all)) of = all;
     };
     keep(found.coordinates, coordinates);
@@ -140,17 +140,17 @@ void StateDerivatives::take_states(const IndependentOutputs& independent) {
   }
 }
 
-template <class Ask>
-auto StateDerivatives::differentiate(Ask ask) {
+template <class Evaluate>
+auto StateDerivatives::differentiate(Evaluate evaluate) {
   Simulation::Impl& s = impl_;
-  if (!s.initialized) throw UsageError("a derivative before initialize()");
+  if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
   if (!s.sensitivity) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());
   }
   try {
     s.u.go_to(s.time);
-    return ask(*s.sensitivity);
+    return evaluate(*s.sensitivity);
   } catch (const NotDifferentiablePoint& fault) {
     throw NotDifferentiable(
         describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));

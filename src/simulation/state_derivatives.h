@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact derivatives of a simulation, loops included, and the states that they are taken by.
+// Exact derivatives of a simulation, including closed loops, with respect to a choice of independent states.
 #pragma once
 
 #include <vector>
@@ -8,35 +8,38 @@
 
 namespace gelenk {
 
-// Of a simulation that outlives it, from initialize() on. Asking changes no run, and allocates.
+// View of a simulation that outlives it. Requires initialize() or assemble(). Evaluation does not change the run, but
+// allocates memory.
 class StateDerivatives {
  public:
   explicit StateDerivatives(Simulation& of) : impl_(*of.impl_) {}
 
-  // Indices into outputs(): of the joints' coordinates and speeds that make up a minimal, independent set of states at
-  // the start: size().freedoms speeds, as many coordinates and one more for each row that holds no position, and for
-  // each quaternion whose three turns are all independent.
+  // Indices into outputs() of joint coordinates and velocities that form a minimal set of independent states at the
+  // start: size().degrees_of_freedom velocities, size().free_coordinates coordinates, and one more coordinate for each
+  // quaternion whose three rotations are all independent.
   const IndependentOutputs& independent() const;
 
-  // The states that derivatives are taken by: these coordinates, then these speeds.
+  // The states with respect to which derivatives are taken: these coordinates, then these velocities.
   const std::vector<StateVariable>& states() const;
 
-  // From now on derivatives are taken by these, as many as above. Throws UsageError for one that is none of the tree.
+  // Selects other states, the same number as above. Throws UsageError for an output that is not a tree coordinate or
+  // velocity.
   void take_states(const IndependentOutputs& independent);
 
-  // At the present state and inputs; all throw NotDifferentiable where the states do not determine the mechanism.
-  // - of all outputs and of the states' derivatives, by states and inputs;
+  // Derivatives at the present state and inputs, in SI units. All throw NotDifferentiable if the states do not
+  // determine the mechanism there. The Jacobians of all outputs and state derivatives with respect to states and
+  // inputs.
   Linearization linearize();
-  // - along the direction dx (as states()), du (as inputs());
+  // Their derivative in the direction (dx, du), in the order of states() and inputs().
   DirectionalDerivative directional_derivative(const std::vector<double>& dx, const std::vector<double>& du);
-  // - of all outputs by time, along the motion: column 0 the first, column 1 the second. udot, uddot: the inputs'
-  //   time derivatives; empty: those set for the step to come, or, where nothing was set since the last step, those
-  //   with which the inputs have arrived.
+  // First (column 0) and second (column 1) time derivatives of all outputs along the motion. udot, uddot: time
+  // derivatives of the inputs; if empty, those set for the next step or, if none were set since the last step, those at
+  // the end of the last step.
   Eigen::MatrixX2d output_derivatives(const std::vector<double>& udot = {}, const std::vector<double>& uddot = {});
 
  private:
-  template <class Ask>
-  auto differentiate(Ask ask);
+  template <class Evaluate>
+  auto differentiate(Evaluate evaluate);
 
   Simulation::Impl& impl_;
 };

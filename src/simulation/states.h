@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The states that derivatives of a simulation are taken by.
+// The states with respect to which a simulation is differentiated.
 #pragma once
 
 #include <vector>
@@ -9,24 +9,25 @@
 
 namespace gelenk {
 
-// A number of the state: a coordinate or a speed, as its output.
+// A state: a joint coordinate or velocity, identified by its output.
 struct StateVariable {
   static constexpr int none = -1;
   int output = none;
-  int derivative = none;  // the output that is its time derivative; none: a quaternion's component, whose is no output
+  int derivative = none;  // the output that is its time derivative; none for components of a quaternion
 };
 
-// Outputs that are independent: coordinates, of a quaternion all four or none, and speeds.
+// Independent outputs: coordinates (all four components of a quaternion or none) and velocities.
 struct IndependentOutputs {
   std::vector<int> coordinates, speeds;
   bool operator==(const IndependentOutputs&) const = default;
 };
 
-// The states that these are: the coordinates, then the speeds.
+// The corresponding states: the coordinates, then the velocities.
 std::vector<StateVariable> states_of(const Scene& scene, const std::vector<Signal>& outputs,
                                      const IndependentOutputs& independent);
 
-// By speed of the island: its coordinate (level 0), or it itself (1), is among these outputs.
+// For each velocity of the island, whether its coordinate (level 0) or the velocity itself (level 1) is among these
+// outputs. A quaternion sets the flags of its three angular velocities.
 std::vector<bool> speeds_of(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& outputs,
                             int island, int level, const std::vector<int>& among);
 

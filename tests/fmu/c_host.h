@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * What the hosts written in C share: the library and its functions, the arguments, a logger that looks at sentences.
+ * Common parts of the hosts written in C: the library and its functions, the arguments, a logger that checks messages.
  * Arguments: LIBRARY GUID RESOURCES INPUT FIRST_OUTPUT OUTPUTS, then the host's own. */
 #pragma once
 #include <stdatomic.h>
@@ -20,30 +20,30 @@
 static HMODULE library;
 static void* open_library(const char* path) { return library = LoadLibraryA(path); }
 static void* symbol(const char* name) { return (void*)(intptr_t)GetProcAddress(library, name); }
-static const char* why_not(void) { return "LoadLibrary failed"; }
+static const char* load_error(void) { return "LoadLibrary failed"; }
 #else
 static void* library;
 static void* open_library(const char* path) { return library = dlopen(path, RTLD_NOW); }
 static void* symbol(const char* name) { return dlsym(library, name); }
-static const char* why_not(void) { return dlerror(); }
+static const char* load_error(void) { return dlerror(); }
 #endif
 
 static const char *guid, *resources;
 static fmi2ValueReference input, outputs[512];
 static size_t n_outputs;
-static atomic_long sentences;
+static atomic_long messages;
 
 static void* function(const char* name) {
   void* found = symbol(name);
   if (found == NULL) {
-    fprintf(stderr, "no %s\n", name);
+    fprintf(stderr, "missing function %s\n", name);
     exit(2);
   }
   return found;
 }
 #define CALL(name) ((name##TYPE*)function(#name))
 
-/* The six arguments; ends the process where they are not in order. */
+/* Reads the six common arguments and opens the library; exits if one is invalid. */
 static void take_arguments(int argc, char** argv) {
   if (argc < 7) exit(2);
   guid = argv[2];
@@ -53,7 +53,7 @@ static void take_arguments(int argc, char** argv) {
   if (n_outputs > sizeof outputs / sizeof outputs[0]) exit(2);
   for (size_t i = 0; i < n_outputs; ++i) outputs[i] = (fmi2ValueReference)(atoi(argv[5]) + (int)i);
   if (open_library(argv[1]) == NULL) {
-    fprintf(stderr, "%s\n", why_not());
+    fprintf(stderr, "%s\n", load_error());
     exit(2);
   }
 }
@@ -62,10 +62,10 @@ static void logger(fmi2ComponentEnvironment e, fmi2String name, fmi2Status statu
                    ...) {
   (void)e;
   if (strcmp(name, "plant") != 0 || status == fmi2OK || category[0] == 0 || text[0] == 0) {
-    fprintf(stderr, "a bad sentence: %s\n", text);
+    fprintf(stderr, "invalid log message: %s\n", text);
     exit(3);
   }
-  ++sentences;
+  ++messages;
 }
 
 static const fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, NULL};

@@ -224,10 +224,10 @@ def wrong_directions_are_refused(fmu: Fmu) -> None:
         )
     expect(s, ask(unknown=(c_uint * 1)(999999)), ERROR, "value reference: found 999999, expected less than")
     expect(s, ask(known=(c_uint * 1)(4294967295)), ERROR, "value reference: found 4294967295")
-    expect(s, ask(unknown=None), ERROR, "unknowns: found nothing, expected 1 of them")
-    expect(s, ask(known=None), ERROR, "knowns: found nothing")
-    expect(s, ask(seed=None), ERROR, "dvKnown: found nothing")
-    expect(s, ask(out=None), ERROR, "dvUnknown: found nothing")
+    expect(s, ask(unknown=None), ERROR, "unknowns: found a null pointer, expected an array of 1")
+    expect(s, ask(known=None), ERROR, "knowns: found a null pointer")
+    expect(s, ask(seed=None), ERROR, "dvKnown: found a null pointer")
+    expect(s, ask(out=None), ERROR, "dvUnknown: found a null pointer")
     for bad in (math.nan, math.inf):
         expect(
             s, ask(seed=(c_double * 1)(bad)), ERROR, "dvKnown of drive.tau: found", "expected a finite number"
@@ -241,10 +241,10 @@ def wrong_directions_are_refused(fmu: Fmu) -> None:
             s, in_time_of("A.phi", bad_order), ERROR, f"order: found {bad_order} for A.phi, expected 1 to 2"
         )
     for name in ("drive.tau", "crank.m", "A.fixed", "energy.total"):
-        expect(s, in_time_of(name, 1), ERROR, f"{name} is no output")
-    expect(s, s.call(IN_TIME, None, one, order, real), ERROR, "value references: found nothing")
-    expect(s, s.call(IN_TIME, phi, one, None, real), ERROR, "orders: found nothing")
-    expect(s, s.call(IN_TIME, phi, one, order, None), ERROR, "values: found nothing")
+        expect(s, in_time_of(name, 1), ERROR, f"{name} is not an output")
+    expect(s, s.call(IN_TIME, None, one, order, real), ERROR, "value references: found a null pointer")
+    expect(s, s.call(IN_TIME, phi, one, None, real), ERROR, "orders: found a null pointer")
+    expect(s, s.call(IN_TIME, phi, one, order, None), ERROR, "values: found a null pointer")
     s.run(3)  # none of it did harm
     assert ask() == OK
 

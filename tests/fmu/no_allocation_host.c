@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * A host that counts what the calls of a running plant ask of the heap. Own argument: the reference of a tunable
- * parameter. Prints the calls of malloc and the like in: set, step, get, tune. */
+ * A host that counts the heap calls of a running plant. Own argument: the value reference of a tunable parameter. Prints
+ * the number of calls of malloc etc. in: set, step, get, tune. */
 #define _GNU_SOURCE
 #include "c_host.h"
 

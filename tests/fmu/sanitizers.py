@@ -92,7 +92,7 @@ def main(instrument: str, library: Path | None = None) -> int:
     found = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        host = compiled("busy_host", folder, *flags)
+        host = compiled("multithreaded_host", folder, *flags)
         if host is None:
             raise SystemExit("sanitizers.py: no C compiler")
         for plant, source in plants().items():

@@ -230,20 +230,24 @@ def states_that_are_none_are_refused(fmu: Fmu) -> None:
     foreign = get_state(other)
     freed = get_state(s)
     assert s.call("fmi2FreeFMUstate", ctypes.byref(c_void_p(freed.value))) == OK
-    for state, found in ((c_void_p(), "nothing"), (foreign, "one that is not"), (freed, "one that is not")):
+    for state, found in (
+        (c_void_p(), "a null pointer"),
+        (foreign, "an unknown one"),
+        (freed, "an unknown one"),
+    ):
         for function in ("fmi2SetFMUstate", "fmi2SerializedFMUstateSize"):
             expect(s, s.call(function, state, None), ERROR, f"{function}: FMU state: found {found}")
         if state.value is not None:
             expect(s, s.call("fmi2FreeFMUstate", ctypes.byref(state)), ERROR, f"found {found}")
             expect(s, s.call("fmi2GetFMUstate", ctypes.byref(state)), ERROR, f"found {found}")
-    expect(s, s.call("fmi2GetFMUstate", None), ERROR, "found nothing, expected where to write it")
+    expect(s, s.call("fmi2GetFMUstate", None), ERROR, "found a null pointer, expected a place for the result")
     assert s.call("fmi2FreeFMUstate", None) == OK
     assert s.call("fmi2FreeFMUstate", ctypes.byref(c_void_p())) == OK
     own = get_state(s)
-    expect(s, s.call("fmi2SerializedFMUstateSize", own, None), ERROR, "size: found nothing")
+    expect(s, s.call("fmi2SerializedFMUstateSize", own, None), ERROR, "size: found a null pointer")
     room, size = (c_char * 8)(), c_size_t(8)
     expect(s, s.call("fmi2SerializeFMUstate", own, room, size), ERROR, "size: found 8, expected ")
-    expect(s, s.call("fmi2SerializeFMUstate", own, None, size), ERROR, "bytes: found nothing")
+    expect(s, s.call("fmi2SerializeFMUstate", own, None, size), ERROR, "bytes: found a null pointer")
     assert s.outputs() == before
 
 
@@ -264,21 +268,21 @@ def damaged_bytes_are_refused(fmu: Fmu) -> None:
     damaged = {
         b"": "found 0 bytes",
         good[:20]: "found 20 bytes",
-        good[:-8]: "bytes, expected as many",
-        good + bytes(8): "bytes, expected as many",
-        b"x" + good[1:]: "no state of a plant",
+        good[:-8]: "bytes, expected the number returned by fmi2SerializedFMUstateSize",
+        good + bytes(8): "bytes, expected the number returned by fmi2SerializedFMUstateSize",
+        b"x" + good[1:]: "not a saved state",
         good[:8] + b"\x07" + good[9:]: "layout 7, expected layout 1",
         good.replace(guid, bytes(reversed(guid))): "a state of another FMU",
     }
     for k in range(64, len(good), 41):
-        damaged[good[:k] + bytes([good[k] ^ 1]) + good[k + 1 :]] = "checksum is wrong"
+        damaged[good[:k] + bytes([good[k] ^ 1]) + good[k + 1 :]] = "a state with a wrong checksum"
     for content, words in damaged.items():
         state = c_void_p()
         status = deserialize(s, content, state)
         expect(s, status, ERROR, "fmi2DeSerializeFMUstate: found ", words, "expected ")
         assert state.value is None
     for arguments in ((None, c_size_t(3), ctypes.byref(c_void_p())), (good, c_size_t(len(good)), None)):
-        expect(s, s.call("fmi2DeSerializeFMUstate", *arguments), ERROR, "found nothing, expected ")
+        expect(s, s.call("fmi2DeSerializeFMUstate", *arguments), ERROR, "found a null pointer, expected ")
     assert everything(s) == before
 
 

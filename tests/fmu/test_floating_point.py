@@ -17,7 +17,7 @@ import gelenk
 
 from .c_hosts import extracted
 
-HOST = "mode_host"
+HOST = "floating_point_host"
 NO_SUCH_MODES = 77
 
 

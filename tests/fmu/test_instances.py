@@ -15,7 +15,7 @@ import gelenk
 from .c_hosts import extracted
 from .plants import crank_rocker, gyroscope
 
-HOST = "busy_host"
+HOST = "multithreaded_host"
 
 
 def play(host: Path, arguments: list[str], *tasks: str, **variables: str) -> str:
@@ -78,4 +78,4 @@ def test_an_instance_is_ready_within_two_milliseconds(host: Path, four_bar_fmu: 
 
 def test_wrong_calls_are_refused_again_and_again(host: Path, four_bar_fmu: Path, tmp_path: Path) -> None:
     told = play(host, extracted(four_bar_fmu, tmp_path / "x"), "wrong=20")
-    assert told == f"wrong 20, {20 * 17} sentences\n"
+    assert told == f"wrong 20, {20 * 17} messages\n"

@@ -16,7 +16,7 @@ import gelenk
 from .c_hosts import extracted
 from .plants import crank_rocker, cranked, driven
 
-HOST = "starved_host"
+HOST = "oom_host"
 
 
 INTEGRATORS = ["auto", "erk", "rk4", "ida", "cvode", "dirk", "generalized-alpha"]
@@ -43,7 +43,9 @@ def test_allocations_that_fail_are_survived(
         check=False,
     )
     assert run.returncode == 0, (run.returncode, run.stdout, run.stderr)
-    found = re.match(r"(\d+) lives, (\d+) not born, (\d+) with refused calls, (\d+) sentences", run.stdout)
+    found = re.match(
+        r"(\d+) cycles, (\d+) not instantiated, (\d+) with failed calls, (\d+) messages", run.stdout
+    )
     assert found
     lives, unborn, refused, sentences = map(int, found.groups())
     assert lives > 100

@@ -18,7 +18,7 @@ from .host import Fmu
 from .plants import crank_rocker, cranked, driven, weightless
 from .states import choice
 
-HOST = "quiet_host"
+HOST = "no_allocation_host"
 
 
 def heap_calls(host: Path, fmu: Path, folder: Path, tunable: str) -> dict[str, int]:

@@ -29,9 +29,18 @@ pytestmark = pytest.mark.skipif(
 def in_wine(folder: Path, arguments: list[str]) -> str:
     assert COMPILER
     assert WINE
-    host = folder / "busy_host.exe"
+    host = folder / "multithreaded_host.exe"
     subprocess.run(
-        [COMPILER, "-O1", "-static", f"-I{HEADERS}", str(HERE / "multithreaded_host.c"), "-o", str(host), "-lpthread"],
+        [
+            COMPILER,
+            "-O1",
+            "-static",
+            f"-I{HEADERS}",
+            str(HERE / "multithreaded_host.c"),
+            "-o",
+            str(host),
+            "-lpthread",
+        ],
         check=True,
     )
     run = subprocess.run(
@@ -61,9 +70,9 @@ def test_the_fmu_runs_on_windows_as_it_does_here(tmp_path: Path) -> None:
     told = in_wine(
         tmp_path, [*windows, "crowd=20", "threads=4", "states=3", "wrong=3", "run=300"]
     ).splitlines()
-    assert told[:4] == ["crowd 20", "threads 4", "states 3", "wrong 3, 51 sentences"]
+    assert told[:4] == ["crowd 20", "threads 4", "states 3", "wrong 3, 51 messages"]
 
-    host = compiled("busy_host", tmp_path)
+    host = compiled("multithreaded_host", tmp_path)
     assert host
     here = subprocess.run([str(host), *linux, "run=300"], capture_output=True, text=True, check=True)
     there = [float(line) for line in told[4:]]

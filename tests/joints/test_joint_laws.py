@@ -121,8 +121,8 @@ def test_normalising_changes_no_pose(case: Case) -> None:
         stretched = q.copy()
         if case.kind["quaternion"]:
             stretched[-4:] *= 1.37
-        assert_allclose(joint.X_FM(joint.normalise(stretched)), joint.X_FM(stretched), atol=ROUND_OFF * 10)
-        assert_allclose(joint.normalise(stretched), q, atol=ROUND_OFF)
+        assert_allclose(joint.X_FM(joint.normalize(stretched)), joint.X_FM(stretched), atol=ROUND_OFF * 10)
+        assert_allclose(joint.normalize(stretched), q, atol=ROUND_OFF)
 
 
 @every_kind

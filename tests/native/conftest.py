@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The module native_units, built where it is needed; what has not changed is not compiled again."""
+"""The module native_units, built incrementally on first use."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
-SANITIZE = os.environ.get("GELENK_SANITIZE", "OFF")  # `make smoke`: as CMake's option of that name
+SANITIZE = os.environ.get("GELENK_SANITIZE", "OFF")  # set by `make smoke`; the CMake option of that name
 BUILD = HERE.parent.parent / "build" / ("native" if SANITIZE == "OFF" else f"native_{SANITIZE}")
 
 
 @pytest.fixture(scope="session")
 def units() -> Any:
-    """Some 25 s of a processor the first time; pytest's workers wait for the one that builds."""
+    """The compiled module; building takes about 25 s of CPU time, during which other workers wait."""
     scripts = Path(sys.executable).parent
     environment = {**os.environ, "PATH": os.pathsep.join([str(scripts), os.environ.get("PATH", "")])}
-    environment.pop("LD_PRELOAD", None)  # a sanitizer's, of this process alone
+    environment.pop("LD_PRELOAD", None)  # a sanitizer for this process only
     missing = [tool for tool in ("cmake", "ninja") if not shutil.which(tool, path=environment["PATH"])]
     missing += [name for name in ("nanobind", "sundials4py") if importlib.util.find_spec(name) is None]
     if missing:

@@ -11,7 +11,7 @@ namespace nb = nanobind;
 
 namespace native {
 
-// On functions of plain numbers. step(x, r, damping): the step.
+// Levenberg-Marquardt descent on functions of plain numbers. step(x, r, damping) returns the step.
 void bind_descent(nb::module_& m) {
   using Residual = std::function<Numbers(const Numbers&)>;
   using Step = std::function<Numbers(const Numbers&, const Numbers&, double)>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The factorisations of rows and of masses. Matrices come and go as lists of columns or rows.
+// The factorizations of the constraint Jacobian and of the mass matrix. Matrices are lists of columns or rows.
 #include <algorithm>
 
 #include "linear/row_factor.h"
@@ -13,7 +13,7 @@ using namespace nb::literals;
 namespace native {
 namespace {
 
-// What both factorisations of rows are asked.
+// The members common to both factorizations of the constraint Jacobian.
 template <class Factor>
 void bind_answers(nb::class_<Factor>& c) {
   c.def_prop_ro("rank", &Factor::rank)
@@ -52,7 +52,7 @@ void bind_factors(nb::module_& m) {
   using gelenk::SparseRowFactor;
 
   auto dense = nb::class_<RowFactor>(m, "RowFactor").def(nb::init<int, int>());
-  dense.def("factorise", [](RowFactor& f, const Table& columns, int max_rank) {
+  dense.def("factorize", [](RowFactor& f, const Table& columns, int max_rank) {
     for (std::size_t r = 0; r < columns.size(); ++r) std::ranges::copy(columns[r], f.column(static_cast<int>(r)));
     f.factorize(max_rank);
   });
@@ -60,7 +60,7 @@ void bind_factors(nb::module_& m) {
 
   auto sparse = nb::class_<SparseRowFactor>(m, "SparseRowFactor").def(nb::init<int, std::vector<std::vector<int>>>());
   sparse.def_prop_ro("possible", &SparseRowFactor::possible)
-      .def("factorise", [](SparseRowFactor& f, const Table& columns) {
+      .def("factorize", [](SparseRowFactor& f, const Table& columns) {
         f.begin();
         return std::ranges::all_of(f.blocks(), [&](const SparseRowFactor::Block& block) {
           for (std::size_t i = 0; i < block.size(); ++i) {
@@ -77,7 +77,7 @@ void bind_factors(nb::module_& m) {
 
   nb::class_<SparseFactor>(m, "SparseFactor")
       .def(nb::init<std::vector<int>>())
-      .def("factorise",
+      .def("factorize",
            [](SparseFactor& f, const Table& M) {
              for (int i = 0; i < f.size(); ++i) {
                for (int d = 0; d <= f.depth(i); ++d) f.row(i)[d] = M[i][f.ancestors(i)[d]];

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Factorisations of rows and masses against numpy's pseudoinverses, and which of them is chosen."""
+"""Factorizations of Jacobians and mass matrices against numpy's pseudoinverses, and their choice."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Random matrices here have conditions below 1e4, which magnify a hundred roundings of 1e-16 at most.
+# Random matrices here have condition numbers below 1e4, which amplify some hundred rounding errors of 1e-16.
 CLOSE: dict[str, Any] = {"rtol": 1e-10, "atol": 1e-10}
-ROUNDING = 1e-12  # pivots below this share of the largest are no rows (row_factor.h)
+ROUNDING = 1e-12  # pivots below this fraction of the largest count as zero (row_factor.h)
 SIZES = [(1, 1), (3, 2), (6, 6), (9, 4), (4, 7), (20, 12)]
 
 
 def dense_factor(units: Any, Y: Array, max_rank: int | None = None) -> Any:
     factor = units.RowFactor(*Y.shape)
-    factor.factorise(Y.T.tolist(), Y.shape[1] if max_rank is None else max_rank)
+    factor.factorize(Y.T.tolist(), Y.shape[1] if max_rank is None else max_rank)
     return factor
 
 
 def onto(Y: Array, w: Array, gamma: Array) -> Array:
-    """The nearest to w with Y^T w = gamma, in the least squares where none has."""
+    """The vector nearest to w with Y^T w = gamma, in the least-squares sense if there is none."""
     return w + np.linalg.pinv(Y.T, rcond=1e-11) @ (gamma - Y.T @ w)
 
 
 def assert_solves(factor: Any, Y: Array, rng: np.random.Generator) -> None:
-    """Any right side, also one that repeated rows contradict each other in."""
+    """Any right-hand side, including one for which redundant rows contradict each other."""
     n, m = Y.shape
     a, gamma = (rng.standard_normal((size,)) for size in (n, m))
     w = factor.constrain(a, gamma)
@@ -56,7 +56,7 @@ def test_dense_rows_of_any_rank(units: Any, size: tuple[int, int], rank: str) ->
 
 
 def test_no_more_pivots_are_used_than_allowed(units: Any) -> None:
-    """Of orthogonal rows the largest."""
+    """The largest of orthogonal rows are used."""
     Y = np.diag([3.0, 1.0, 2.0])
     factor = dense_factor(units, Y, 2)
     assert factor.rank == 2
@@ -64,40 +64,40 @@ def test_no_more_pivots_are_used_than_allowed(units: Any) -> None:
     assert factor.shortest([3.0, 5.0, 2.0], 3) == pytest.approx([1.0, 0.0, 1.0], abs=1e-15)
 
 
-@pytest.mark.parametrize(("share", "rank"), [(0.9, 2), (1.1, 3)])
-def test_rounding_is_no_row(units: Any, share: float, rank: int) -> None:
+@pytest.mark.parametrize(("ratio", "rank"), [(0.9, 2), (1.1, 3)])
+def test_a_row_of_rounding_errors_is_not_counted(units: Any, ratio: float, rank: int) -> None:
     Q = np.linalg.qr(np.random.default_rng(7).standard_normal((5, 3)))[0]
-    factor = dense_factor(units, Q * [1.0, 1e-3, share * ROUNDING])
+    factor = dense_factor(units, Q * [1.0, 1e-3, ratio * ROUNDING])
     assert factor.rank == rank
 
 
-def assert_weak_rows_are_shared(factor: Any, Q: Array, pivots: Array, weak: float, largest: float) -> None:
+def assert_weak_rows_are_weighted(factor: Any, Q: Array, pivots: Array, weak: float, largest: float) -> None:
     n, m = Q.shape
     rng = np.random.default_rng(11)
     a, gamma, expected = rng.standard_normal(n), rng.standard_normal(m) * pivots, rng.standard_normal(n)
     factor.set_weak(weak)
-    share = (pivots / largest) ** 2 / ((pivots / largest) ** 2 + weak**2)
-    told = gamma / pivots
-    np.testing.assert_allclose(factor.constrain(a, gamma), a + Q @ (told - Q.T @ a), **CLOSE)
-    along = share * told + (1 - share) * (Q.T @ expected)
+    weight = (pivots / largest) ** 2 / ((pivots / largest) ** 2 + weak**2)
+    constrained = gamma / pivots
+    np.testing.assert_allclose(factor.constrain(a, gamma), a + Q @ (constrained - Q.T @ a), **CLOSE)
+    along = weight * constrained + (1 - weight) * (Q.T @ expected)
     np.testing.assert_allclose(factor.constrain(a, gamma, expected), a + Q @ (along - Q.T @ a), **CLOSE)
-    np.testing.assert_allclose(factor.shortest(gamma, n), Q @ (share * told), **CLOSE)
+    np.testing.assert_allclose(factor.shortest(gamma, n), Q @ (weight * constrained), **CLOSE)
     follows = factor.constrain_columns(a, gamma, 1, True)
-    np.testing.assert_allclose(follows, a + Q @ (share * told - Q.T @ a), **CLOSE)
+    np.testing.assert_allclose(follows, a + Q @ (weight * constrained - Q.T @ a), **CLOSE)
 
 
-def test_weak_rows_share_with_what_is_expected(units: Any) -> None:
-    """Of orthogonal rows each pivot is the row's own length."""
+def test_weak_rows_are_weighted_with_the_expected_solution(units: Any) -> None:
+    """For orthogonal rows each pivot is the norm of its row."""
     Q = np.linalg.qr(np.random.default_rng(5).standard_normal((6, 4)))[0]
     pivots = np.array([2.0, 0.5, 0.05, 0.004])
-    assert_weak_rows_are_shared(dense_factor(units, Q * pivots), Q, pivots, 0.03, 2.0)
+    assert_weak_rows_are_weighted(dense_factor(units, Q * pivots), Q, pivots, 0.03, 2.0)
 
 
-# --- without the zeros ---
+# --- sparse ---
 
 
 def banded(m: int, wide: int, rng: np.random.Generator) -> tuple[Array, list[list[int]]]:
-    """M rows, pairs of which touch the same speeds; each pair shares some with the next."""
+    """M rows; both rows of a pair involve the same velocities and share some with the next pair."""
     touched = [list(range(3 * (r // 2), 3 * (r // 2) + wide)) for r in range(m)]
     Y = np.zeros((max(t[-1] for t in touched) + 1, m))
     for r, speeds in enumerate(touched):
@@ -107,48 +107,48 @@ def banded(m: int, wide: int, rng: np.random.Generator) -> tuple[Array, list[lis
 
 @pytest.mark.parametrize("wide", [3, 4, 6])
 @pytest.mark.parametrize("m", [1, 2, 9, 40])
-def test_sparse_rows_are_as_dense_ones(units: Any, m: int, wide: int) -> None:
+def test_sparse_rows_agree_with_dense_ones(units: Any, m: int, wide: int) -> None:
     rng = np.random.default_rng([m, wide])
     Y, touched = banded(m, wide, rng)
     factor = units.SparseRowFactor(Y.shape[0], touched)
     assert factor.possible
-    assert factor.factorise(Y.T.tolist())
+    assert factor.factorize(Y.T.tolist())
     assert factor.rank == m
     assert_solves(factor, Y, rng)
     Y = np.where(Y != 0, rng.standard_normal(Y.shape), 0)  # at another position
-    assert factor.factorise(Y.T.tolist())
+    assert factor.factorize(Y.T.tolist())
     assert_solves(factor, Y, rng)
 
 
-@pytest.mark.parametrize(("share", "taken"), [(0.9, False), (1.1, True)])
-def test_a_sparse_row_that_repeats_others_is_refused(units: Any, share: float, taken: bool) -> None:
-    """Two rows on the same two speeds; the second has so much of its own, in units of the threshold."""
-    own = share * ROUNDING
+@pytest.mark.parametrize(("ratio", "taken"), [(0.9, False), (1.1, True)])
+def test_a_redundant_sparse_row_is_rejected(units: Any, ratio: float, taken: bool) -> None:
+    """Two rows on the same two velocities; the second has an independent part in units of the threshold."""
+    own = ratio * ROUNDING
     factor = units.SparseRowFactor(2, [[0, 1], [0, 1]])
-    assert factor.factorise([[1.0, 0.0], [0.5, own]]) == taken
+    assert factor.factorize([[1.0, 0.0], [0.5, own]]) == taken
 
 
-def test_a_row_without_a_speed_of_its_own_is_seen_in_the_pattern(units: Any) -> None:
+def test_a_row_without_a_velocity_of_its_own_is_detected_in_the_pattern(units: Any) -> None:
     assert units.SparseRowFactor(2, [[0, 1], [0, 1]]).possible
     assert not units.SparseRowFactor(2, [[0, 1], [0, 1], [0, 1]]).possible
     assert not units.SparseRowFactor(3, [[0], [0], [1, 2]]).possible
 
 
-def test_weak_sparse_rows_share_with_what_is_expected(units: Any) -> None:
+def test_weak_sparse_rows_are_weighted_with_the_expected_solution(units: Any) -> None:
     pivots = np.array([2.0, 0.5, 0.05, 0.004])
     Q = np.zeros((8, 4))
     Q[np.arange(8), np.arange(8) // 2] = np.tile([0.6, 0.8], 4)
     factor = units.SparseRowFactor(8, [[2 * r, 2 * r + 1] for r in range(4)])
-    assert factor.factorise((Q * pivots).T.tolist())
+    assert factor.factorize((Q * pivots).T.tolist())
     assert factor.pivot_ratio == pytest.approx(0.002, rel=1e-14)
-    assert_weak_rows_are_shared(factor, Q, pivots, 0.03, 2.0)
+    assert_weak_rows_are_weighted(factor, Q, pivots, 0.03, 2.0)
 
 
 # --- masses ---
 
 
 def tree(n: int, rng: np.random.Generator) -> tuple[list[int], Array]:
-    """Parents of speeds, some at the ground, and a factor with that pattern."""
+    """Parents of velocities, some on the ground, and a factor with that pattern."""
     parent = [int(rng.integers(-1, i)) if i else -1 for i in range(n)]
     L = np.zeros((n, n))
     for i in range(n):
@@ -161,16 +161,16 @@ def tree(n: int, rng: np.random.Generator) -> tuple[list[int], Array]:
 
 
 @pytest.mark.parametrize("n", [1, 2, 8, 30])
-def test_a_mass_is_the_product_of_its_factor(units: Any, n: int) -> None:
+def test_a_mass_matrix_is_the_product_of_its_factor(units: Any, n: int) -> None:
     rng = np.random.default_rng(n)
     parent, L = tree(n, rng)
     M = L.T @ L
     factor = units.SparseFactor(parent)
-    assert factor.factorise(M.tolist()) == -1
+    assert factor.factorize(M.tolist()) == -1
     np.testing.assert_allclose(factor.factor(), L, **CLOSE)
     x = rng.standard_normal(n)
     np.testing.assert_allclose(factor.multiply(x), L @ x, **CLOSE)
-    # Products of as many entries as the longest branch has: conditions up to 1e5 here.
+    # Condition numbers up to 1e5 here, from products along the longest branch.
     np.testing.assert_allclose(L @ factor.solve(x), x, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(L.T @ factor.solve_transposed(x), x, rtol=1e-9, atol=1e-9)
     X = rng.standard_normal((n, 4))
@@ -180,14 +180,14 @@ def test_a_mass_is_the_product_of_its_factor(units: Any, n: int) -> None:
             np.testing.assert_allclose(found[:, k], getattr(factor, name)(X[:, k]), rtol=1e-9, atol=1e-9)
 
 
-def test_a_speed_without_inertia_is_named_with_its_motion(units: Any) -> None:
+def test_a_velocity_without_inertia_is_returned_with_its_motion(units: Any) -> None:
     rng = np.random.default_rng(4)
     parent, L = tree(8, rng)
     L[3, 3] = 0.0
     M = L.T @ L
     M[3, 3] -= 1e-9  # beyond rounding
     factor = units.SparseFactor(parent)
-    assert factor.factorise(M.tolist()) == 3
+    assert factor.factorize(M.tolist()) == 3
     z = np.array(factor.null_motion(3))
     assert z[3] == 1.0
     assert not z[:3].any()
@@ -198,7 +198,7 @@ def test_a_speed_without_inertia_is_named_with_its_motion(units: Any) -> None:
 
 
 def chains(count: int) -> tuple[list[int], list[list[int]]]:
-    """So many pairs of speeds at the ground, and rows that each tie the end of one to the next one's."""
+    """Pairs of velocities on the ground, and rows that each connect the end of one pair to the next."""
     parent = [i - 1 if i % 2 else -1 for i in range(2 * count)]
     return parent, [[2 * r + 1, 2 * r + 3] for r in range(count - 1)]
 
@@ -215,9 +215,9 @@ def assert_equations_hold(
         if parent[i] >= 0:
             L[i, parent[i]] = 0.5
     rows = units.WhitenedRows(parent, touched)
-    rows.factorise((L.T @ L).tolist(), J.tolist(), max_rank)
-    tau, wish = rng.standard_normal(n), rng.standard_normal(n)
-    gamma = J @ wish  # that can be met
+    rows.factorize((L.T @ L).tolist(), J.tolist(), max_rank)
+    tau, target = rng.standard_normal(n), rng.standard_normal(n)
+    gamma = J @ target  # consistent
     w, multipliers = rows.solve(np.linalg.solve(L.T, tau), gamma)
     vdot = np.linalg.solve(L, w)
     np.testing.assert_allclose(J @ vdot, gamma, **CLOSE)
@@ -251,8 +251,8 @@ def test_an_impossible_pattern_is_dense(units: Any) -> None:
     assert found.rank == np.linalg.matrix_rank(J)
 
 
-def test_rows_that_repeat_others_here_are_dense_here_only(units: Any) -> None:
-    """At a position where they do, and not where they do not."""
+def test_rows_redundant_at_one_position_are_dense_there_only(units: Any) -> None:
+    """Dense at a position where rows are redundant, sparse elsewhere."""
     parent, touched = chains(12)
     touched = [t for t in touched for _ in range(2)]
     J = values(touched, len(parent))
@@ -262,11 +262,11 @@ def test_rows_that_repeat_others_here_are_dense_here_only(units: Any) -> None:
     assert found.rank == np.linalg.matrix_rank(J) < len(touched)
 
 
-def test_rows_known_to_repeat_others_are_dense(units: Any) -> None:
-    """Off the constraints they may not look it: no more pivots count than where the loops are closed."""
+def test_rows_known_to_be_redundant_are_dense(units: Any) -> None:
+    """Off the constraints they may look independent: the rank of closed loops limits the pivots."""
     parent, touched = chains(12)
     n, m = len(parent), len(touched)
     rows = units.WhitenedRows(parent, touched)
     for most, sparse in ((m, True), (m - 1, False), (m, True)):
-        rows.factorise(np.eye(n).tolist(), values(touched, n).tolist(), most)
+        rows.factorize(np.eye(n).tolist(), values(touched, n).tolist(), most)
         assert (rows.by_pattern, rows.rank) == (sparse, most)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Inputs as functions of time, the master's clock, records of a run, brackets of a zero, cubics of a step, stages of
-// a state, passages.
+// Inputs as functions of time, the master's clock, archives, brackets of a zero, cubics of a step, realized stages, the
+// monitor of singular configurations.
 #include <array>
 #include <cstdint>
 
@@ -18,33 +18,33 @@ namespace nb = nanobind;
 namespace native {
 namespace {
 
-// One number of each sort that records hold.
+// One value of each type that archives contain.
 struct Sample {
   double x = 0;
   std::uint64_t word = 0;
   bool flag = false;
   int small = 0;
   long large = 0;
-  int place = 0;  // of four
+  int place = 0;  // index of one of four
   Numbers list;
 
-  void serialize(gelenk::Archive& record) {
-    record.serialize(x, word, flag, small, large);
-    record.serialize_in_range(place, 0, 3);
-    record.serialize(list);
+  void serialize(gelenk::Archive& archive) {
+    archive.serialize(x, word, flag, small, large);
+    archive.serialize_in_range(place, 0, 3);
+    archive.serialize(list);
   }
 };
 
 template <class T>
 void bind_words(nb::class_<T>& c) {
   c.def("words", [](T& x) {
-     gelenk::Archive record;
-     x.serialize(record);
-     return record.words();
+     gelenk::Archive archive;
+     x.serialize(archive);
+     return archive.words();
    }).def("read", [](T& x, std::vector<std::uint64_t> words) {
-    gelenk::Archive record(std::move(words));
-    x.serialize(record);
-    record.finish();
+    gelenk::Archive archive(std::move(words));
+    x.serialize(archive);
+    archive.finish();
   });
 }
 
@@ -85,7 +85,7 @@ void bind_times(nb::module_& m) {
   bind_words(inputs);
 
   auto clock = nb::class_<Clock>(m, "Clock").def(nb::init<>());
-  clock.def("start", &Clock::start).def("meets", &Clock::meets).def("step", &Clock::step);
+  clock.def("start", &Clock::start).def("continues_at", &Clock::continues_at).def("step", &Clock::step);
   clock.def_prop_ro("end", &Clock::end);
   bind_words(clock);
 

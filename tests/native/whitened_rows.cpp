@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The choice between the factorisations of rows, with any masses: those of an algebra that is none.
+// The choice between the factorizations of the constraint Jacobian, with arbitrary mass matrices, through a fictitious
+// algebra.
 #include "dynamics/mass_weighted_jacobian.h"
 
 #include <memory>
@@ -12,7 +13,7 @@ struct Given {};
 
 namespace gelenk {
 
-// What MassWeightedJacobian asks of a mass, from its factor.
+// The interface that MassWeightedJacobian requires of a mass matrix, implemented by its factor.
 template <>
 class MassFactor<native::Given> {
  public:
@@ -41,7 +42,7 @@ namespace {
 
 using Whitened = gelenk::MassWeightedJacobian<Given>;
 
-// A member that is private may be named where a template is instantiated by hand.
+// Gives access to a private member: access is not checked in explicit template instantiations.
 bool by_pattern(const Whitened& rows);
 template <bool Whitened::* member>
 struct Access {
@@ -65,7 +66,7 @@ struct Rows {
 void bind_whitened_rows(nb::module_& m) {
   nb::class_<Rows>(m, "WhitenedRows")
       .def(nb::init<std::vector<int>, std::vector<std::vector<int>>>())
-      .def("factorise",
+      .def("factorize",
            [](Rows& rows, const Table& M, const Table& J, int max_rank) {
              gelenk::SparseFactor& L = rows.mass.factor;
              for (int i = 0; i < L.size(); ++i) {

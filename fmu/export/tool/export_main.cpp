@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]: exporting without Python, for CMake.
+// gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]: export without Python, for CMake.
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -29,8 +29,8 @@ constexpr const char* usage =
 #endif
     "\n"
     "  OUT.fmu  the FMU to write\n"
-    "  FILE     the library with the FMI functions that comes with Gelenk, or its .gz; one for each platform\n"
-    "  DIR      directory with the licences to pack\n";
+    "  FILE     the FMU runtime library of Gelenk, or its .gz file; one for each platform\n"
+    "  DIR      directory with the licenses to include\n";
 
 struct Options {
   std::vector<std::string> files;

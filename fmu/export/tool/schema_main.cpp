@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-schema FILE: writes the JSON Schema of scene files. Run by the build, not by users.
+// gelenk-schema FILE: writes the JSON Schema of scene files. Used by the build, not by users.
 #include <exception>
 #include <filesystem>
 #include <fstream>

@@ -170,7 +170,7 @@ def test_an_input_that_cannot_be_followed_refuses_the_step_and_leaves_the_plant(
     plant.initialize()
     before = plant.values().tolist()
     plant.set_input("drive.phi_ref", 0.1)
-    with pytest.raises(gelenk.StepError, match="the motion that an input gives cannot be met"):
+    with pytest.raises(gelenk.StepError, match="the motion prescribed by an input cannot be followed"):
         plant.step_to(0.01)
     plant.set_input("drive.phi_ref", plant.output("D.phi"))
     assert plant.values().tolist() == before

@@ -60,7 +60,7 @@ def test_platform_on_balls_is_cut_at_all_balls_but_one() -> None:
     assert (by_file.size.constraint_equations, quaternions(by_file)) == (20, 6)
     assert chosen.size.degrees_of_freedom == by_file.size.degrees_of_freedom == 6
     note = gelenk.inspect(source).reductions["cut_choice"].notes[-1]
-    assert "20 rows and 32 coordinates" in note
+    assert "20 constraint equations and 32 coordinates" in note
     assert "15 and 22" in note
     assert_moves_alike(chosen, by_file, 0.3)
 

@@ -98,7 +98,8 @@ def test_inspection_says_that_a_rod_spins() -> None:
     report = gelenk.inspect(spatial_four_bar("spherical"))
     assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, 2)
     assert list(report.mobility) == [
-        "1 rod turns about itself between spherical joints, which moves no mass and counts for nothing",
+        "1 rod rotates about its axis between spherical joints, which moves no mass and is not counted "
+        "as a degree of freedom",
     ]
 
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * A host in every floating-point mode: lives a life in each and looks after each call whether the mode is as it was,
- * flags included; the lives must put out the same bits. Own argument: how many steps. Prints how many modes, and how
- * many outputs were neither zero nor normal numbers. */
+ * A host that runs an instance in each of several floating-point modes and checks after each call that the mode and the
+ * flags are unchanged. All runs must have identical outputs. Own argument: number of steps. Prints the number of modes,
+ * and the number of outputs that were subnormal. */
 #include <math.h>
 
 #include "c_host.h"
@@ -14,37 +14,38 @@ typedef struct {
   unsigned short x87;
 } Mode;
 
-/* Of the SSE: flags 0-5, small operands to zero 6, traps masked 7-12, rounding 13-14, small results to zero 15. */
+/* Bits of the SSE mode: flags 0-5, subnormal operands to zero 6, masked traps 7-12, rounding 13-14, subnormal results to
+ * zero 15. */
 static const Mode modes[] = {
     {0x1f80, 0x037f},
     {0x1fbf, 0x037f} /* all flags */,
-    {0x9fc0, 0x037f} /* small to zero */,
-    {0x3f80, 0x077f} /* down */,
-    {0x5f80, 0x0b7f} /* up */,
-    {0x7f80, 0x0f7f} /* to zero */,
+    {0x9fc0, 0x037f} /* subnormals to zero */,
+    {0x3f80, 0x077f} /* round down */,
+    {0x5f80, 0x0b7f} /* round up */,
+    {0x7f80, 0x0f7f} /* round to zero */,
     {0x1900, 0x0370} /* traps */,
-    {0x1f80, 0x007f} /* single */,
-    {0x1f80, 0x027f} /* double */,
+    {0x1f80, 0x007f} /* single precision */,
+    {0x1f80, 0x027f} /* double precision */,
 };
 
-static Mode present(void) {
+static Mode present_mode(void) {
   Mode mode = {_mm_getcsr(), 0};
   __asm__ volatile("fnstcw %0" : "=m"(mode.x87));
   return mode;
 }
 
-static void take(const Mode* mode) {
+static void set_mode(const Mode* mode) {
   __asm__ volatile("fnclex\n\tfldcw %0" : : "m"(mode->x87));
   _mm_setcsr(mode->sse);
 }
 
-static long small_ones;
-static Mode before; /* a call: the host's own arithmetic raises flags */
+static long subnormals;
+static Mode before; /* immediately before a call, since the host's own arithmetic raises flags */
 
-static void look(const char* call) {
-  const Mode now = present();
+static void check_mode(const char* call) {
+  const Mode now = present_mode();
   if (now.sse != before.sse || now.x87 != before.x87) {
-    take(&modes[0]);
+    set_mode(&modes[0]);
     fprintf(stderr, "%s: found mode %x %x, expected %x %x\n", call, now.sse, now.x87, before.sse, before.x87);
     exit(4);
   }
@@ -53,38 +54,38 @@ static void look(const char* call) {
 #define TRY(name, ...)                            \
   do {                                            \
     name##TYPE* const call = CALL(name);          \
-    before = present();                           \
+    before = present_mode();                           \
     const fmi2Status status = call(__VA_ARGS__);  \
-    look(#name);                                  \
+    check_mode(#name);                                  \
     if (status != fmi2OK) {                       \
-      take(&modes[0]);                            \
+      set_mode(&modes[0]);                            \
       fprintf(stderr, "%s: %d\n", #name, status); \
       exit(5);                                    \
     }                                             \
   } while (0)
 
 /* A checksum of all outputs. */
-static uint64_t life(long steps) {
+static uint64_t run(long steps) {
   double values[sizeof outputs / sizeof outputs[0]], seed = 1;
   uint64_t sum = 14695981039346656037U; /* FNV-1a of the words */
   fmi2FMUstate state = NULL;
-  before = present();
+  before = present_mode();
   fmi2Component c = instantiate();
-  look("fmi2Instantiate");
+  check_mode("fmi2Instantiate");
   if (c == NULL) exit(6);
-  before = present();
+  before = present_mode();
   const int bad = initialize(c, 0);
-  look("initialisation");
+  check_mode("initialization");
   if (bad) exit(5);
   for (long k = 0; k < steps; ++k) {
-    volatile double t = 1e-3 * (double)k; /* here, not in the call */
+    volatile double t = 1e-3 * (double)k; /* computed before the mode is recorded */
     TRY(fmi2DoStep, c, t, 1e-3, fmi2True);
     TRY(fmi2GetReal, c, outputs, n_outputs, values);
     for (size_t i = 0; i < n_outputs; ++i) {
       uint64_t word;
       memcpy(&word, &values[i], sizeof word);
       sum = (sum ^ word) * 1099511628211U;
-      if (fpclassify(values[i]) == FP_SUBNORMAL) ++small_ones;
+      if (fpclassify(values[i]) == FP_SUBNORMAL) ++subnormals;
     }
   }
   TRY(fmi2GetFMUstate, c, &state);
@@ -92,9 +93,9 @@ static uint64_t life(long steps) {
   TRY(fmi2FreeFMUstate, c, &state);
   TRY(fmi2GetDirectionalDerivative, c, outputs + n_outputs - 1, 1, &input, 1, &seed, values);
   TRY(fmi2Terminate, c);
-  before = present();
+  before = present_mode();
   CALL(fmi2FreeInstance)(c);
-  look("fmi2FreeInstance");
+  check_mode("fmi2FreeInstance");
   return sum;
 }
 
@@ -104,15 +105,15 @@ int main(int argc, char** argv) {
   take_arguments(argc, argv);
   if (argc != 8) return 2;
   for (size_t i = 0; i < count; ++i) {
-    take(&modes[i]);
-    sums[i] = life(atol(argv[7]));
-    take(&modes[0]);
+    set_mode(&modes[i]);
+    sums[i] = run(atol(argv[7]));
+    set_mode(&modes[0]);
     if (sums[i] != sums[0]) {
-      fprintf(stderr, "mode %x %x: other outputs\n", modes[i].sse, modes[i].x87);
+      fprintf(stderr, "mode %x %x: different outputs\n", modes[i].sse, modes[i].x87);
       return 7;
     }
   }
-  printf("%zu %ld\n", count, small_ones);
+  printf("%zu %ld\n", count, subnormals);
   return 0;
 }
 #else
