@@ -155,7 +155,7 @@ class ForceAtPorts {
   nb::dict derivatives_by_duals(const Poses& poses, const Velocities& velocities, const Vector& u,
                                 const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) {
-      const auto moved = detail::immobile_ports(here.ports, here.loads);
+      const auto moved = detail::constant_ports(here.ports, here.loads);
       Spatial::Motion U = here.V.back();
       if (moved.size() > 1) U = U - here.V.front();
       const Eigen::Vector3d v = detail::velocity(U, here.X.back().p);

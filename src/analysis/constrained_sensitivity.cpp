@@ -97,7 +97,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.factorize();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
-  if (!no_list_has_any(loads_.forces)) {
+  if (!all_empty(loads_.forces)) {
     d.readings().set_root_poses();
     const int force = undefined_force(loads_, d.readings());
     if (force >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::spring, force);

@@ -221,7 +221,7 @@ class EquilibriumSearch {
     dynamics_->cut_coordinates(c, found);
     for (int i = 0; i < cut.nq; ++i) {
       double& q = cut_q[cut.iq + i];
-      q = cut.turns[static_cast<std::size_t>(i)] ? q + std::remainder(found[i] - q, 2 * std::numbers::pi) : found[i];
+      q = cut.is_angle[static_cast<std::size_t>(i)] ? q + std::remainder(found[i] - q, 2 * std::numbers::pi) : found[i];
     }
   }
 

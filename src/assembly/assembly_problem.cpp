@@ -284,7 +284,7 @@ VectorXd AssemblyProblem::cut_offset(const std::vector<double>& q) {
     difference(cut.nq, cut.nv, found, cuts_.q.data() + cut.iq, d.data() + cut.iv);
     for (int i = 0; i < cut.nv && cut.nq == cut.nv; ++i) {
       // A cut joint's angle is known within a turn.
-      if (cut.turns[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * std::numbers::pi);
+      if (cut.is_angle[i]) d[cut.iv + i] = std::remainder(d[cut.iv + i], 2 * std::numbers::pi);
     }
   }
   return d;

@@ -103,7 +103,7 @@ struct ConflictSearch {
     std::copy_n(cuts.q.data() + cut->iq, cut->nq, found);
     dynamics.cut_coordinates(static_cast<int>(cut - mechanism.cuts.begin()), found);
     const double x = found[value.q - cut->iq];
-    if (!cut->turns[value.q - cut->iq]) return x;
+    if (!cut->is_angle[value.q - cut->iq]) return x;
     return x + 2 * std::numbers::pi * std::round((cuts.q[value.q] - x) / (2 * std::numbers::pi));
   }
 };

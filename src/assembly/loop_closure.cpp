@@ -115,8 +115,8 @@ double close_loops(AssemblyProblem& problem, std::vector<double>& q) {
   // continues after convergence as long as it makes progress; there Newton's method quarters the error at each step.
   const Descent how{.tolerance = closure_tolerance * problem.length(),
                     .rounding = rounding_error * problem.length(),
-                    .longest_step = longest_step,
-                    .most_steps = 200};
+                    .max_step = longest_step,
+                    .max_steps = 200};
   return largest(descend(
       q, how, [&](const auto& at) { return problem.gap(at); },
       [&](const auto& at) { return shortest_steps(problem.gap_jacobian(at)); },
@@ -127,9 +127,9 @@ bool close_rows(const Mechanism& mechanism, Dynamics& dynamics, std::vector<doub
   double length = 1;
   for (const Link& link : mechanism.links) length += link.X_PJ.p.norm();
   const Descent how{.tolerance = closure_tolerance * length,
-                    .least_damping = 1e-10,  // pivots below its square root belong to redundant constraints
-                    .longest_step = longest_step,
-                    .most_steps = 60};
+                    .min_damping = 1e-10,  // pivots below its square root belong to redundant constraints
+                    .max_step = longest_step,
+                    .max_steps = 60};
   const auto residual = [&](const auto& at) {
     dynamics.set_position(at.data());
     return VectorXd(Eigen::Map<const VectorXd>(dynamics.Phi().data(), mechanism.rows));
@@ -161,7 +161,7 @@ void relax(AssemblyProblem& problem, std::vector<double>& q) {
     };
   };
   // Low accuracy suffices. The damping keeps coordinates that neither loops nor guesses determine near their values.
-  descend(q, {.least_progress = 1e-4, .least_damping = 1e-4, .longest_step = longest_step, .most_steps = 40}, residual,
+  descend(q, {.min_progress = 1e-4, .min_damping = 1e-4, .max_step = longest_step, .max_steps = 40}, residual,
           linearized, [&](const auto& at, const VectorXd& step) { return problem.displaced(at, step); });
 }
 

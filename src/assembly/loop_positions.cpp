@@ -51,7 +51,7 @@ LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
   // The equations contradict each other, so the least closure error is not zero; it is reached when it no longer
   // decreases.
   const VectorXd left = descend(
-      q, {.least_progress = 1e-3, .longest_step = longest_step, .most_steps = 80},
+      q, {.min_progress = 1e-3, .max_step = longest_step, .max_steps = 80},
       [&](const auto& at) { return loops_.equations(at).Phi; }, linearized,
       [&](const auto& at, const VectorXd& step) { return loops_.displaced(at, step); });
   return {q, largest(left), Decomposition(loops_.equations(q).J).sigma};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the force that a body needs, f = G A + V x* G V, changes with its velocity: by 2 B dV when A changes by dV x V,
+// The derivative of the force on a body, f = G A + V x* G V, with respect to its velocity: df = 2 B dV if A changes by
+// dV x V, with
 //   2 B M = V x* (G M) - G (V x M) + M x* (G V)      (Echeandia & Wensing 2021; Singh, Russell & Wensing 2022).
-// Of rigid bodies little of B's matrix is left: written out, with M = (a | b), momentum p = m v - h x w and second
-// moment I about the origin,
+// For rigid bodies most of B cancels: with M = (a | b), momentum p = m v - h x w and second moment I about the origin,
 //   2 B M = (N a | -2 p x a),    N = [w]x (2 I - tr(I) 1) + 2 (h . v) 1 - 2 v h^T.
-// N and p of bodies add up, all written about one point.
+// N and p of several bodies, about the same point, can be added.
 #pragma once
 
 #include "math/planar.h"
@@ -12,7 +12,7 @@
 
 namespace gelenk {
 
-// 2 B. Of an algebra on doubles.
+// The operator 2 B, in an algebra on doubles.
 template <class A>
 struct Coriolis;
 
@@ -23,7 +23,7 @@ struct Coriolis<Spatial> {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
 
   Coriolis() = default;
-  // GV: momentum G V.
+  // GV: the momentum G V.
   Coriolis(const Spatial::Inertia& G, const Spatial::Motion& V, const Spatial::Force& GV) : p(GV.f) {
     Eigen::Matrix3d K = 2 * G.I;
     K.diagonal().array() -= G.I.trace();
@@ -36,7 +36,7 @@ struct Coriolis<Spatial> {
     return *this;
   }
   Spatial::Force operator*(const Spatial::Motion& M) const { return {N * M.w, (-2 * p).cross(M.w)}; }
-  // x with x . a = S . 2 B (a | b).
+  // x <- the `angular` numbers with x . a = S . 2 B (a | b) for all a, b.
   void transposed(const Spatial::Motion& S, double* x) const {
     Eigen::Map<Eigen::Vector3d>{x} = N.transpose() * S.w + 2 * p.cross(S.v);
   }

@@ -9,7 +9,7 @@ namespace {
 void copy(const double* from, std::vector<Dual>& to) { std::copy_n(from, to.size(), to.begin()); }
 
 template <class Matrix>
-void column(const std::vector<Dual>& from, int k, Matrix& to, Eigen::Index c) {
+void store_column(const std::vector<Dual>& from, int k, Matrix& to, Eigen::Index c) {
   for (std::size_t i = 0; i < from.size(); ++i) to(static_cast<Eigen::Index>(i), c) = from[i].derivatives()[k];
 }
 
@@ -26,7 +26,7 @@ void Jacobians::clear(int nq, int nv, int rows, int inputs) {
 }
 
 Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs)
-    : equations_(make_residual_evaluator<Dual>(mechanism, loads)),
+    : residuals_(make_residual_evaluator<Dual>(mechanism, loads)),
       q_(mechanism.nq),
       v_(mechanism.nv),
       u_(inputs),
@@ -34,24 +34,25 @@ Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, i
       lambda_(mechanism.rows),
       targets_(3 * mechanism.coordinate_rows.size()) {}
 
-// Runs the residuals for the directions seeded in q, v, u.
+// Evaluates the residuals for the directions seeded in q, v, u.
 void Differentiator::run(const LinearizationPoint& at) {
-  equations_->set_cut_reference(at.cut_reference);
-  equations_->set_targets(targets_.data());
-  equations_->set_position(q_.data());
-  equations_->set_velocity(v_.data());
-  equations_->set_acceleration(u_.data(), vdot_.data(), lambda_.data());
+  residuals_->set_cut_reference(at.cut_reference);
+  residuals_->set_targets(targets_.data());
+  residuals_->set_position(q_.data());
+  residuals_->set_velocity(v_.data());
+  residuals_->set_acceleration(u_.data(), vdot_.data(), lambda_.data());
 }
 
-// Seeds n directions of `in` from `first` on, runs, and hands out their slopes as columns.
-template <class Take>
-void Differentiator::sweep(const LinearizationPoint& at, std::vector<Dual>& in, Take take) {
+// Differentiates with respect to all of `in`, dual_directions numbers at a time. store(c, k) saves direction k of the
+// residuals as column c.
+template <class Store>
+void Differentiator::sweep(const LinearizationPoint& at, std::vector<Dual>& in, Store store) {
   for (int first = 0; first < static_cast<int>(in.size()); first += dual_directions) {
     const int n = std::min(dual_directions, static_cast<int>(in.size()) - first);
     for (int k = 0; k < n; ++k) in[first + k].derivatives()[k] = 1;
     run(at);
     for (int k = 0; k < n; ++k) {
-      take(first + k, k);
+      store(first + k, k);
       in[first + k].derivatives()[k] = 0;
     }
   }
@@ -66,21 +67,21 @@ void Differentiator::operator()(const LinearizationPoint& at, Jacobians& out) {
   copy(at.vdot, vdot_);
   copy(at.lambda, lambda_);
   copy(at.targets, targets_);
-  const ResidualEvaluator<Dual>& e = *equations_;
+  const ResidualEvaluator<Dual>& e = *residuals_;
   sweep(at, q_, [&](int c, int k) {
-    column(e.force_residual(), k, out.r, c);
-    column(e.acceleration_residual(), k, out.c, c);
-    column(e.qdot(), k, out.qdot_q, c);
+    store_column(e.force_residual(), k, out.r, c);
+    store_column(e.acceleration_residual(), k, out.c, c);
+    store_column(e.qdot(), k, out.qdot_q, c);
     if (!out.of_rows) return;
-    column(e.Phi(), k, out.Phi_q, c);
-    column(e.row_rates(), k, out.rate_q, c);
+    store_column(e.Phi(), k, out.Phi_q, c);
+    store_column(e.row_rates(), k, out.rate_q, c);
   });
   sweep(at, v_, [&](int c, int k) {
-    column(e.force_residual(), k, out.r, nq + c);
-    column(e.acceleration_residual(), k, out.c, nq + c);
-    column(e.qdot(), k, out.qdot_v, c);
+    store_column(e.force_residual(), k, out.r, nq + c);
+    store_column(e.acceleration_residual(), k, out.c, nq + c);
+    store_column(e.qdot(), k, out.qdot_v, c);
   });
-  if (out.of_inputs) sweep(at, u_, [&](int c, int k) { column(e.force_residual(), k, out.r_u, c); });
+  if (out.of_inputs) sweep(at, u_, [&](int c, int k) { store_column(e.force_residual(), k, out.r_u, c); });
 }
 
 }  // namespace gelenk

@@ -12,20 +12,21 @@
 
 namespace gelenk {
 
-// Uses memory of its own, allocated at construction only.
+// Computes the Jacobians at a point. Allocates at construction only.
 class Differentiator {
  public:
   // inputs: number of the scene's inputs.
   Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs);
 
+  // Overwrites `out`, according to its flags of_rows and of_inputs.
   void operator()(const LinearizationPoint& at, Jacobians& out);
 
  private:
   void run(const LinearizationPoint& at);
-  template <class Take>
-  void sweep(const LinearizationPoint& at, std::vector<Dual>& in, Take take);
+  template <class Store>
+  void sweep(const LinearizationPoint& at, std::vector<Dual>& in, Store store);
 
-  std::unique_ptr<ResidualEvaluator<Dual>> equations_;
+  std::unique_ptr<ResidualEvaluator<Dual>> residuals_;
   std::vector<Dual> q_, v_, u_, vdot_, lambda_, targets_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The Jacobians of the equations of motion, and the point at which they are taken. Two methods compute them:
-// recursion along the tree (recursive.h, fast) and forward-mode automatic differentiation (forward_ad.h, for whatever a
-// mechanism has).
+// recursion along the tree (recursive.h, fast) and forward-mode automatic differentiation (forward_ad.h, for all kinds
+// of elements).
 #pragma once
 
 #include <Eigen/Core>
@@ -29,10 +29,11 @@ struct Jacobians {
   auto c_q() { return c.leftCols(qdot_q.rows()); }
   auto c_v() { return c.rightCols(r.rows()); }
 
-  // Resizes all of them and sets them to zero.
+  // Resizes all matrices and sets them to zero.
   void clear(int nq, int nv, int rows, int inputs);
 };
 
+// The point at which Jacobians are taken.
 struct LinearizationPoint {
   const double* q;
   const double* v;

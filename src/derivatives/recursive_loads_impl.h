@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Forces that act between two links a and b as they stand and move against each other. As seen from a the force that
-// b needs, L, changes by K dX + D dU: with dX = sigma S_m, dU = sigma (S_m x V_b + P_m), sigma = 1 (-1) for speeds m
+// Forces between two links a and b that depend on their relative pose and velocity. As seen from a, the force L that b
+// requires changes by K dX + D dU, with dX = sigma S_m, dU = sigma (S_m x V_b + P_m), sigma = 1 (-1) for velocities m
 // between b (a) and the nearest common ancestor. With z_t = K^T S_t + V_b x* D^T S_t and y_t = S_t x* L
-//   t on b's path: r_tm = S_m . (z_t + y_t, if m is not outwards of t), -S_m . (z_t + y_t) for m on a's path;
-//   t on a's path: r_tm = -S_m . z_t for m on b's,   S_m . (z_t + y_t, if m is outwards of t) for m on a's;
-// and sigma_t sigma_m P_m . D^T S_t more; by speeds sigma_t sigma_m S_m . D^T S_t.
+//   t on b's path: r_tm = S_m . (z_t + y_t, if m is not outward of t), -S_m . (z_t + y_t) for m on a's path;
+//   t on a's path: r_tm = -S_m . z_t for m on b's,   S_m . (z_t + y_t, if m is outward of t) for m on a's;
+// plus sigma_t sigma_m P_m . D^T S_t in both; with respect to v, sigma_t sigma_m S_m . D^T S_t.
 #pragma once
 
 #include <numbers>
@@ -17,7 +17,7 @@
 namespace gelenk {
 namespace detail {
 
-// (0 | w x f): how F's force would turn.
+// (0 | w x f): the change of F's force if it rotates with V = (w | v).
 template <class A>
 typename A::Force turned(const typename A::Motion& V, const typename A::Force& F) {
   if constexpr (A::planar) {
@@ -26,7 +26,7 @@ typename A::Force turned(const typename A::Motion& V, const typename A::Force& F
     return {Eigen::Vector3d::Zero(), V.w.cross(F.f)};
   }
 }
-// (v x f | 0): how its torque about a point fixed in space grows as it is carried along.
+// (v x f | 0): the rate of its torque about a fixed point if its point of application moves with v.
 template <class A>
 typename A::Force carried(const typename A::Motion& V, const typename A::Force& F) {
   if constexpr (A::planar) {
@@ -38,32 +38,32 @@ typename A::Force carried(const typename A::Motion& V, const typename A::Force& 
 inline Planar::Motion as_motion(const Planar::Force& F) { return {F.n, F.x, F.y}; }
 inline Spatial::Motion as_motion(const Spatial::Force& F) { return {F.n, F.f}; }
 
-// M in F, moved along the directions 0 ...: turns about M's origin, then shifts of it, along F's axes.
-inline PlanarAlgebra<Dual>::Pose moving(const Planar::Pose& X) {
+// The pose of M in F with derivatives: along rotations about M's origin, then translations of it, in F's axes.
+inline PlanarAlgebra<Dual>::Pose seeded(const Planar::Pose& X) {
   PlanarAlgebra<Dual>::Pose out{Dual(X.c), Dual(X.s), Dual(X.px), Dual(X.py)};
   out.c.derivatives()[0] = -X.s;
   out.s.derivatives()[0] = X.c;
   out.px.derivatives()[1] = out.py.derivatives()[2] = 1;
   return out;
 }
-inline SpatialAlgebra<Dual>::Pose moving(const Pose3& X) {
+inline SpatialAlgebra<Dual>::Pose seeded(const Pose3& X) {
   SpatialAlgebra<Dual>::Pose out{X.R.cast<Dual>(), X.p.cast<Dual>()};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      const Eigen::Vector3d by = Eigen::Vector3d::Unit(i).cross(X.R.col(j));
-      for (int k = 0; k < 3; ++k) out.R(k, j).derivatives()[i] = by[k];
+      const Eigen::Vector3d d_axis = Eigen::Vector3d::Unit(i).cross(X.R.col(j));
+      for (int k = 0; k < 3; ++k) out.R(k, j).derivatives()[i] = d_axis[k];
     }
     out.p[i].derivatives()[3 + i] = 1;
   }
   return out;
 }
-// V_FM with its own components as directions.
-inline PlanarAlgebra<Dual>::Motion moving(const Planar::Motion& V) {
+// V_FM with derivatives along its components.
+inline PlanarAlgebra<Dual>::Motion seeded(const Planar::Motion& V) {
   PlanarAlgebra<Dual>::Motion out{Dual(V.w), Dual(V.x), Dual(V.y)};
   out.w.derivatives()[0] = out.x.derivatives()[1] = out.y.derivatives()[2] = 1;
   return out;
 }
-inline SpatialAlgebra<Dual>::Motion moving(const Spatial::Motion& V) {
+inline SpatialAlgebra<Dual>::Motion seeded(const Spatial::Motion& V) {
   SpatialAlgebra<Dual>::Motion out{V.w.cast<Dual>(), V.v.cast<Dual>()};
   for (int i = 0; i < 3; ++i) out.w[i].derivatives()[i] = out.v[i].derivatives()[3 + i] = 1;
   return out;
@@ -76,7 +76,7 @@ inline PlanarAlgebra<Dual>::Pose constant(const Planar::Pose& X) {
 }
 inline SpatialAlgebra<Dual>::Pose constant(const Pose3& X) { return {X.R.cast<Dual>(), X.p.cast<Dual>()}; }
 
-// The slopes of x by the directions of moving(), as a force that meets them.
+// The derivatives of x along the directions of seeded(), as a force (dual to the motions).
 template <class A>
 typename A::Force gradient(const Dual& x) {
   typename A::Force F;
@@ -86,7 +86,7 @@ typename A::Force gradient(const Dual& x) {
 
 inline Eigen::Vector3d linear(const Spatial::Force& F) { return F.f; }
 inline Eigen::Vector3d linear(const Planar::Force& F) { return {F.x, F.y, 0}; }
-// The force f at p, about the origin, and a torque n.
+// The wrench about the origin of the force f at p and the torque n.
 template <class A>
 typename A::Force force_at(const Eigen::Vector3d& p, const Eigen::Vector3d& f,
                            const Eigen::Vector3d& n = Eigen::Vector3d::Zero()) {
@@ -96,7 +96,7 @@ typename A::Force force_at(const Eigen::Vector3d& p, const Eigen::Vector3d& f,
     return {n + p.cross(f), f};
   }
 }
-// F turned into the axes around, or the other way.
+// X without its translation.
 template <class Pose>
 Pose turn_only(Pose X) {
   if constexpr (requires { X.p; }) {
@@ -110,10 +110,10 @@ Pose turn_only(Pose X) {
 }  // namespace detail
 
 template <class A>
-void RecursiveJacobians<A>::need(Pair& of, int a, int b, const Force& force) {
-  of.needed = force;
-  body_[b].against += force;
-  body_[a].against -= force;
+void RecursiveJacobians<A>::add_interaction(LinkPair& of, int a, int b, const Force& force) {
+  of.force = force;
+  body_[b].f_interaction += force;
+  body_[a].f_interaction -= force;
 }
 
 // F's axes at M's origin.
@@ -125,35 +125,36 @@ typename A::Pose RecursiveJacobians<A>::at_M(int c) const {
 
 template <class A>
 template <bool damped, class Changes>
-void RecursiveJacobians<A>::add_pair(const Pair& of, const Motion& V_b, Changes changes, Jacobians& by) const {
-  const auto of_links = [&](const std::vector<int>& links, const std::vector<Run>& same, const std::vector<Run>& other,
-                            bool on_b) {
+void RecursiveJacobians<A>::add_link_pair_terms(const LinkPair& of, const Motion& V_b, Changes changes,
+                                                Jacobians& tangent) const {
+  const auto of_links = [&](const std::vector<int>& links, const std::vector<IndexRange>& same,
+                            const std::vector<IndexRange>& other, bool on_b) {
     for (const int i : links) {
       const auto& link = model_.links[i];
       const int outwards = link.iv + link.nv;
       for (int t = link.iv; t < outwards; ++t) {
-        const Change change = changes(S_of_[t]);
+        const Gradient change = changes(S_of_[t]);
         Force z = change.by_X;
         if constexpr (damped) z += A::cross_force(V_b, change.by_U);
-        const Force both = z + A::cross_force(S_of_[t], of.needed);
-        double* const row = by.r.row(t).data();
-        for (const Run run : other) S_.add_dots(on_b ? both : z, -1, run, row);
-        for (const Run run : same) {
-          S_.add_dots(on_b ? both : z, 1, {run.first, std::min(run.last, outwards)}, row);
-          S_.add_dots(on_b ? z : both, 1, {std::max(run.first, outwards), run.last}, row);
+        const Force both = z + A::cross_force(S_of_[t], of.force);
+        double* const row = tangent.r.row(t).data();
+        for (const IndexRange range : other) S_.add_dots(on_b ? both : z, -1, range, row);
+        for (const IndexRange range : same) {
+          S_.add_dots(on_b ? both : z, 1, {range.first, std::min(range.last, outwards)}, row);
+          S_.add_dots(on_b ? z : both, 1, {std::max(range.first, outwards), range.last}, row);
         }
         if constexpr (!damped) continue;
-        for (const auto& [runs, sign] : {std::pair(&same, 1), std::pair(&other, -1)}) {
-          for (const Run run : *runs) {
-            P_.add_dots(change.by_U, sign, run, row);
-            S_.add_dots(change.by_U, sign, run, row + model_.nv);
+        for (const auto& [ranges, sign] : {std::pair(&same, 1), std::pair(&other, -1)}) {
+          for (const IndexRange range : *ranges) {
+            P_.add_dots(change.by_U, sign, range, row);
+            S_.add_dots(change.by_U, sign, range, row + model_.nv);
           }
         }
       }
     }
   };
-  of_links(of.a, of.runs_a, of.runs_b, false);
-  of_links(of.b, of.runs_b, of.runs_a, true);
+  of_links(of.a, of.ranges_a, of.ranges_b, false);
+  of_links(of.b, of.ranges_b, of.ranges_a, true);
 }
 
 template <class A>
@@ -164,8 +165,8 @@ void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) 
       auto ports = ports_at(force);
       force.element.act(ports.data(), at.u + force.input);
       const auto& last = ports.back();
-      need(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
-           detail::force_at<A>(last.p(), -last.f, -last.n));
+      add_interaction(forces_[n++], force.at.size() == 1 ? 0 : force.at.front().link, force.at.back().link,
+                      detail::force_at<A>(last.p(), -last.f, -last.n));
     }
   });
   bool loaded = false;
@@ -178,22 +179,22 @@ void RecursiveJacobians<A>::set_loads(const LinearizationPoint& at, int inputs) 
     const Pose X = at_M(c);
     const Motion V = X.to_child(body_[cut.link_b].V - body_[cut.link_a].V);
     const auto F = cut_force(c, detail::constant(ws_.X_FM[c]), detail::constant(V), at);
-    need(cut_loads_[c], cut.link_a, cut.link_b, Force{} - X.to_parent(detail::values(F)));
+    add_interaction(cut_loads_[c], cut.link_a, cut.link_b, Force{} - X.to_parent(detail::values(F)));
   }
 }
 
 template <class A>
-void RecursiveJacobians<A>::load_jacobians(const LinearizationPoint& at, Jacobians& by, Jacobians& out) {
+void RecursiveJacobians<A>::load_jacobians(const LinearizationPoint& at, Jacobians& tangent, Jacobians& out) {
   std::size_t n = 0;
   each_list(loads_.forces, [&](const auto& list) {
     for (const auto& force : list) {
-      const Pair& of = forces_[n++];
-      force_jacobians(port_jacobians(force, at.u + force.input), force.at.back(), of, by);
+      const LinkPair& of = forces_[n++];
+      force_jacobians(port_jacobians(force, at.u + force.input), force.at.back(), of, tangent);
       if (out.of_inputs) force_input_derivatives(force, of, at.u, out);
     }
   });
   for (int c = 0; c < static_cast<int>(cuts_.size()); ++c) {
-    if (!loads_.cuts[c].empty()) cut_load_jacobians(c, at, by, out);
+    if (!loads_.cuts[c].empty()) cut_load_jacobians(c, at, tangent, out);
   }
 }
 
@@ -208,31 +209,32 @@ auto RecursiveJacobians<A>::ports_at(const PlacedForce<F>& force) const {
   return out;
 }
 
-// By hand, or by dual numbers.
+// The element's own derivatives, or those by dual numbers.
 template <class A>
 template <class F>
 PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force, const double* u) const {
   const auto ports = ports_at(force);
-  if constexpr (requires { force.element.slopes(ports.data(), u); }) {
-    return force.element.slopes(ports.data(), u);
+  if constexpr (requires { force.element.jacobians(ports.data(), u); }) {
+    return force.element.jacobians(ports.data(), u);
   } else {
     const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;
     const Motion U = body_[force.at.back().link].V - body_[link_a].V;
-    const auto moved = detail::immobile_ports(ports, loads_);
-    return detail::derivatives_by_duals(force.element, moved, u, detail::angular(U),
+    const auto dual = detail::constant_ports(ports, loads_);
+    return detail::derivatives_by_duals(force.element, dual, u, detail::angular(U),
                                         detail::velocity(U, ports.back().p()));
   }
 }
 
-// Of S . L, L being the force that the last port needs, f and n at its point p: with x = v + w x p, S = (w | v),
+// The derivatives of S . L, where L is the force required by the last port, f and n at its point p: with
+// x = v + w x p, S = (w | v),
 //   d(x . f + w . n) = (f x w) . dp + x . df + w . dn.
 template <class A>
-void RecursiveJacobians<A>::force_jacobians(const PortJacobians& K, const Attachment& last, const Pair& of,
-                                            Jacobians& by) const {
+void RecursiveJacobians<A>::force_jacobians(const PortJacobians& K, const Attachment& last, const LinkPair& of,
+                                            Jacobians& tangent) const {
   const Body& on = body_[last.link];
   const Eigen::Vector3d p = kernels::point<double>(on.X, last);
-  const Eigen::Vector3d f = detail::linear(of.needed);
-  const auto changes = [&](const Motion& S) -> Change {
+  const Eigen::Vector3d f = detail::linear(of.force);
+  const auto changes = [&](const Motion& S) -> Gradient {
     const Eigen::Vector3d x = detail::velocity(S, p);
     const Eigen::Vector3d w = detail::angular(S);
     const Eigen::Vector3d by_p = f.cross(w) - K.f_p.transpose() * x;
@@ -244,46 +246,46 @@ void RecursiveJacobians<A>::force_jacobians(const PortJacobians& K, const Attach
                                 -K.f_w.transpose() * x - K.n_w.transpose() * w)};
   };
   if (K.damped) {
-    add_pair<true>(of, on.V, changes, by);
+    add_link_pair_terms<true>(of, on.V, changes, tangent);
   } else {
-    add_pair<false>(of, on.V, changes, by);
+    add_link_pair_terms<false>(of, on.V, changes, tangent);
   }
 }
 
 template <class A>
 template <class F>
-void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const Pair& of, const double* u,
+void RecursiveJacobians<A>::force_input_derivatives(const PlacedForce<F>& force, const LinkPair& of, const double* u,
                                                     Jacobians& out) const {
   const int inputs = count_of(own_inputs(force.element));
   if (inputs == 0) return;
   const auto ports = ports_at(force);
   auto input = detail::constants(force.element, u + force.input);
   for (int i = 0; i < inputs; ++i) input[i].derivatives()[i] = 1;
-  auto moved = detail::immobile_ports(ports, loads_);
-  force.element.act(moved.data(), input.data());
+  auto dual = detail::constant_ports(ports, loads_);
+  force.element.act(dual.data(), input.data());
   for (int i = 0; i < inputs; ++i) {
-    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(moved.back().f, i),
-                                               detail::derivatives_along(moved.back().n, i));
+    const Force by_input = detail::force_at<A>(ports.back().p(), detail::derivatives_along(dual.back().f, i),
+                                               detail::derivatives_along(dual.back().n, i));
     add_input_derivative(by_input, of, force.input + i, out);
   }
 }
 
-// F: what an input adds to the force on the last link.
+// F: derivative of the force on the last link with respect to the input.
 template <class A>
-void RecursiveJacobians<A>::add_input_derivative(const Force& F, const Pair& of, int input, Jacobians& out) const {
-  for (const auto& [runs, sign] : {std::pair(&of.runs_a, 1), std::pair(&of.runs_b, -1)}) {
-    for (const Run run : *runs) {
-      for (int t = run.first; t < run.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
+void RecursiveJacobians<A>::add_input_derivative(const Force& F, const LinkPair& of, int input, Jacobians& out) const {
+  for (const auto& [ranges, sign] : {std::pair(&of.ranges_a, 1), std::pair(&of.ranges_b, -1)}) {
+    for (const IndexRange range : *ranges) {
+      for (int t = range.first; t < range.last; ++t) out.r_u(t, input) += sign * A::dot(S_of_[t], F);
     }
   }
 }
 
-// What a cut joint's drives, springs and stops give on M, at M's origin in F's axes. V: V_FM.
+// The force of a cut joint's motors, springs and stops on M, at M's origin in F's axes. V: V_FM.
 template <class A>
-typename RecursiveJacobians<A>::Dually::Force RecursiveJacobians<A>::cut_force(int c, const typename Dually::Pose& X,
-                                                                               const typename Dually::Motion& V,
-                                                                               const LinearizationPoint& at) const {
-  using D = Dually;
+typename RecursiveJacobians<A>::DualAlgebra::Force RecursiveJacobians<A>::cut_force(
+    int c, const typename DualAlgebra::Pose& X, const typename DualAlgebra::Motion& V,
+    const LinearizationPoint& at) const {
+  using D = DualAlgebra;
   const auto& cut = model_.cuts[c];
   const auto turn = detail::turn_only(X);
   Dual q[max_cut_nq], v[6];
@@ -293,7 +295,7 @@ typename RecursiveJacobians<A>::Dually::Force RecursiveJacobians<A>::cut_force(i
     joint.template coordinates<D>(X, q);
     for (int i = 0; i < cut.nq; ++i) {
       const double turns = (at.cut_reference[cut.iq + i] - q[i].value()) / (2 * std::numbers::pi);
-      if (cut.turns[i]) q[i] += Dual(2 * std::numbers::pi * std::round(turns));
+      if (cut.is_angle[i]) q[i] += Dual(2 * std::numbers::pi * std::round(turns));
     }
     joint.template speeds<D>(q, turn.to_child(V), v);
     const int* sides = at.cut_sides;
@@ -304,15 +306,16 @@ typename RecursiveJacobians<A>::Dually::Force RecursiveJacobians<A>::cut_force(i
 }
 
 template <class A>
-void RecursiveJacobians<A>::cut_load_jacobians(int c, const LinearizationPoint& at, Jacobians& by, Jacobians& out) {
+void RecursiveJacobians<A>::cut_load_jacobians(int c, const LinearizationPoint& at, Jacobians& tangent,
+                                               Jacobians& out) {
   const auto& cut = model_.cuts[c];
   const Pose X = at_M(c);
   const Motion V_b = body_[cut.link_b].V;
   const Motion V = X.to_child(V_b - body_[cut.link_a].V);
-  const auto by_X = cut_force(c, detail::moving(ws_.X_FM[c]), detail::constant(V), at);
-  const auto by_V = cut_force(c, detail::constant(ws_.X_FM[c]), detail::moving(V), at);
-  const Force force = X.to_child(cut_loads_[c].needed);
-  const auto changes = [&](const Motion& S_0) -> Change {
+  const auto by_X = cut_force(c, detail::seeded(ws_.X_FM[c]), detail::constant(V), at);
+  const auto by_V = cut_force(c, detail::constant(ws_.X_FM[c]), detail::seeded(V), at);
+  const Force force = X.to_child(cut_loads_[c].force);
+  const auto changes = [&](const Motion& S_0) -> Gradient {
     const Motion S = X.to_child(S_0);
     double x[A::dimension], u[A::dimension];
     for (int d = 0; d < A::dimension; ++d) {
@@ -325,7 +328,7 @@ void RecursiveJacobians<A>::cut_load_jacobians(int c, const LinearizationPoint& 
     of_X -= detail::turned<A>(V, of_V) + detail::turned<A>(S, force);
     return {X.to_parent(of_X), X.to_parent(of_V)};
   };
-  add_pair<true>(cut_loads_[c], V_b, changes, by);
+  add_link_pair_terms<true>(cut_loads_[c], V_b, changes, tangent);
   if (out.of_inputs) cut_input_derivatives(c, at, out);
 }
 
@@ -343,7 +346,7 @@ void RecursiveJacobians<A>::cut_input_derivatives(int c, const LinearizationPoin
 }
 
 template <class A>
-void RecursiveJacobians<A>::cut_input_derivative(int c, int input, const typename Dually::Motion& V,
+void RecursiveJacobians<A>::cut_input_derivative(int c, int input, const typename DualAlgebra::Motion& V,
                                                  const LinearizationPoint& at, Jacobians& out) {
   const Pose X = at_M(c);
   u_[input].derivatives()[0] = 1;

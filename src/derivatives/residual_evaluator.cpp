@@ -53,8 +53,9 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     kernels::coordinate_row_velocities(model_, v, targets_, ws_);
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
-      visit_joint<A>(link.joint,
-                     [&](const auto& joint) { joint.qdot_from_v(q_.data() + link.iq, v + link.iv, qdot_.data() + link.iq); });
+      visit_joint<A>(link.joint, [&](const auto& joint) {
+        joint.qdot_from_v(q_.data() + link.iq, v + link.iv, qdot_.data() + link.iq);
+      });
     }
   }
 
@@ -65,8 +66,8 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     kernels::accelerations(model_, vdot, ws_);
     kernels::loop_accelerations(model_, ws_, c_.data());
     kernels::coordinate_row_accelerations(model_, vdot, targets_, c_.data());
-    // accelerations() leaves in ws_.F what each joint transmits; along its motions that is drives, springs and the
-    // forces of coordinate rows.
+    // accelerations() sets ws_.F to the wrench that each joint transmits; along S it consists of motors, springs and
+    // the forces of coordinate constraints.
     std::ranges::fill(r_, T(0));
     loads_.tree.add(q_.data(), v_.data(), u, r_.data());
     for (std::size_t i = 1; i < model_.links.size(); ++i) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equations of motion on numbers that carry derivatives (math/dual.h, math/series.h), as residuals
+// The equations of motion for dual numbers and power series (math/dual.h, math/series.h), as residuals
 //   r = M(q) vdot + h(q, v) + J(q)^T lambda - tau(q, v, u)     (nv)
 //   c = J(q) vdot - gamma(q, v)                                (rows)
-// and everything that outputs are read from.
+// and all quantities from which outputs are read. After construction no function allocates memory.
 #pragma once
 
 #include <memory>
@@ -13,27 +13,26 @@
 
 namespace gelenk {
 
-// After construction nothing here allocates memory.
 template <class T>
 class ResidualEvaluator : public Readings<T> {
  public:
-  // As Dynamics': from the next set_position on.
+  // See Kinematics::set_targets; effective from the next set_position().
   virtual void set_targets(const T* targets) = 0;
-  // --- in this order; each uses what the ones before have left, and any may be called again ---
+  // --- to be called in this order; each uses the results of the earlier ones, and any may be called again ---
   virtual void set_position(const T* q) = 0;
   virtual void set_velocity(const T* v) = 0;
   // u: all inputs of the scene.
   virtual void set_acceleration(const T* u, const T* vdot, const T* lambda) = 0;
 
-  // Angles of cut joints as last counted; cut_nq numbers.
+  // Sets the coordinates of cut joints with full revolutions; cut_nq numbers.
   virtual void set_cut_reference(const double* q) = 0;
 
   virtual const std::vector<T>& Phi() const = 0;                    // after set_position
   virtual const std::vector<T>& row_rates() const = 0;              // J v - b, after set_velocity
-  virtual const std::vector<T>& qdot() const = 0;                   // likewise
+  virtual const std::vector<T>& qdot() const = 0;                   // N v, after set_velocity
   virtual const std::vector<T>& force_residual() const = 0;         // r, after set_acceleration
-  virtual const std::vector<T>& acceleration_residual() const = 0;  // c, likewise
-  // Coordinates of all cut joints, turns counted; after set_position. Overwritten by the next call.
+  virtual const std::vector<T>& acceleration_residual() const = 0;  // c, after set_acceleration
+  // Coordinates of all cut joints with full revolutions, after set_position; overwritten by the next call.
   virtual const std::vector<T>& cut_coordinates() = 0;
 };
 

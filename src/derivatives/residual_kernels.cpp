@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kernels that derivatives need, for numbers that carry them.
+// The kernels, instantiated for dual numbers and power series.
 #include "kinematics/load_kernels_impl.h"
 #include "kinematics/loop_kernels_impl.h"
 #include "kinematics/output_kernels_impl.h"

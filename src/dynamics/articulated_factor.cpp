@@ -14,7 +14,7 @@ int ArticulatedFactor<A>::factorize(const std::vector<double>& added) {
     for (int k = link.iv + link.nv - 1; k >= link.iv; --k) {
       U_[k] = kernels::times<A>(link.is_revolute_about_z, G_[i], ws_.S[k]);
       const double D = kernels::along<A>(link.is_revolute_about_z, ws_.S[k], U_[k]) + added[k];
-      if (D <= 0) return k;  // what is no number shows in the accelerations
+      if (D <= 0) return k;  // NaN passes and shows up in the accelerations
       root_[k] = 1 / std::sqrt(D);
       inverse_[k] = 1 / D;
       G_[i].subtract(U_[k], inverse_[k]);

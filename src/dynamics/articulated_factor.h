@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// M = L^T L as SparseFactor has it, to the last sign, but never written down: L is applied by recursions along the tree
-// (Featherstone 2008, sec. 7.3; Rodriguez, Jain & Kreutz-Delgado 1992, eq. 3.23), each linear in the number of links.
-// For long branches, whose M is large and full.
+// The factorization M = L^T L of SparseFactor, with the same signs, but in operator form: L is applied by recursions
+// along the tree (Featherstone 2008, sec. 7.3; Rodriguez, Jain & Kreutz-Delgado 1992, eq. 3.23), each linear in the
+// number of links. For long branches, where M is large and full.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace gelenk {
 template <class A>
 class ArticulatedFactor {
  public:
-  // model and ws outlive it. ws: poses and motion spaces of the position, read by all functions.
+  // model and ws must outlive it. All functions read the poses and motion spaces in ws.
   ArticulatedFactor(const Model<A>& model, const Workspace<A>& ws)
       : model_(model),
         ws_(ws),
@@ -26,14 +26,14 @@ class ArticulatedFactor {
         inverse_(model.nv),
         column_(model.nv) {}
 
-  // added: to the diagonal of M, by speed. Returns -1, or the speed at which M has no inertia.
+  // added: inertia added to the diagonal of M, by velocity. Returns -1, or the velocity at which M has no inertia.
   int factorize(const std::vector<double>& added);
 
-  double pivot(int speed) const { return 1 / inverse_[speed]; }  // L_kk^2: what inertia is left there
+  double pivot(int k) const { return 1 / inverse_[k]; }  // L_kk^2: the articulated inertia at k
 
   void solve_transposed(double* x) const;  // x <- L^-T x
   void solve(double* x) const;             // x <- L^-1 x
-  // The same for the columns of x, which is stored row by row.
+  // The same for each column of x (nv x columns), stored row by row.
   void solve_transposed(double* x, int columns) const;
   void solve(double* x, int columns) const;
   void multiply(const double* x, double* y) const;  // y = L x
@@ -50,8 +50,8 @@ class ArticulatedFactor {
   std::vector<typename A::ArticulatedInertia> G_;  // by link
   mutable std::vector<Force> p_;
   mutable std::vector<Motion> a_;
-  std::vector<Force> U_;                // by speed: G_ times its motion, when the speeds after it are free
-  std::vector<double> root_, inverse_;  // of D = S . U: the root's inverse, the inverse
+  std::vector<Force> U_;                // by velocity: G_ S, with all later velocities of the link free
+  std::vector<double> root_, inverse_;  // 1 / sqrt(D) and 1 / D, with D = S . U
   mutable std::vector<double> column_;
 };
 

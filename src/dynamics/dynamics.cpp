@@ -22,7 +22,7 @@
 namespace gelenk {
 namespace {
 
-// Links whose poses in the root frame the loads ask for, and their ancestors.
+// Links whose poses in the root frame are required by the loads, and their ancestors.
 std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
   std::vector<bool> needed(mechanism.links.size(), false);
   each_list(loads.forces, [&](const auto& list) {
@@ -64,13 +64,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   using Base::ws_;
 
  public:
-  DynamicsOf(const Mechanism& mechanism, const Loads& loads, bool everything)
+  DynamicsOf(const Mechanism& mechanism, const Loads& loads, bool compute_all_outputs)
       : Base(mechanism, loads),
-        added_(model_.nv),
-        everything_(everything),
+        added_inertia_(model_.nv),
+        compute_all_outputs_(compute_all_outputs),
         all_links_(all_links(mechanism)),
         loaded_links_(links_with_loads(mechanism, loads)),
-        all_plain_(std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
+        qdot_is_v_(
+            std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
         M_(model_, ws_, loads.added_inertia),
         Y_(M_, ws_.J, model_.nv),
         max_rank_(model_.rows),
@@ -78,10 +79,10 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         extrapolated_(model_.nv),
         zero_(model_.nv),
         tau_(model_.nv),
-        shifted_(model_.rows) {}
+        biased_gamma_(model_.rows) {}
 
   void set_position(const double* q) override {
-    if (stages_.has(Stage::position) && same(q, q_)) return;
+    if (stages_.has(Stage::position) && bitwise_equal(q, q_)) return;
     std::copy(q, q + model_.nq, q_.begin());
     kernels::positions(model_, q, ws_);
     kernels::root_poses(model_, loaded_links_, ws_);
@@ -91,16 +92,16 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void set_targets(const double* targets) override {
-    if (same(targets, targets_)) return;
+    if (bitwise_equal(targets, targets_)) return;
     stages_.clear();
     std::copy_n(targets, targets_.size(), targets_.begin());
   }
 
   void factorize() override {
-    const bool as_before = same(loads_.added_inertia.data(), added_);
-    if (factors_.holds(stages_) && as_before) return;
+    const bool inertia_unchanged = bitwise_equal(loads_.added_inertia.data(), added_inertia_);
+    if (factors_.holds(stages_) && inertia_unchanged) return;
     factors_.drop();
-    if (!as_before) added_ = loads_.added_inertia;
+    if (!inertia_unchanged) added_inertia_ = loads_.added_inertia;
     if (model_.rows > 0) fill_jacobian();
     if (const int k = M_.factorize(); k >= 0) throw_singular(k);
     if (model_.rows > 0) Y_.factorize(max_rank_);
@@ -109,12 +110,12 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   bool mass_is_definite() override {
     factors_.drop();
-    added_ = loads_.added_inertia;
-    return M_.definite();
+    added_inertia_ = loads_.added_inertia;
+    return M_.is_definite();
   }
 
   void set_velocity(const double* v) override {
-    if (stages_.has(Stage::velocity) && same(v, v_) && gravity_ == loads_.gravity) return;
+    if (stages_.has(Stage::velocity) && bitwise_equal(v, v_) && gravity_ == loads_.gravity) return;
     gravity_ = loads_.gravity;
     std::copy(v, v + model_.nv, v_.begin());
     kernels::velocities(model_, q_.data(), v, kernels::root_acceleration<A>(loads_), ws_);
@@ -123,26 +124,26 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     stages_.realize(Stage::velocity);
   }
 
-  void set_singular_threshold(double ratio) override { Y_.set_weak(ratio); }
+  void set_singular_threshold(double ratio) override { Y_.set_singular_threshold(ratio); }
 
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
-    if (model_.rows > 0) M_.add_rows(row_target(), w_.data());
+    if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     M_.solve_transposed(w_.data());
     if (model_.rows > 0) {
       if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
       regularized_ = extrapolated != nullptr;
-      Y_.solve_constrained(w_.data(), row_target(), regularized_ ? extrapolated_.data() : nullptr);
+      Y_.solve_constrained(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     }
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
-    if (!everything_) return;
+    if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
     energy_ = this->energy();
   }
 
-  void set_constraint_bias(const double* shift) override { row_shift_ = shift; }
+  void set_constraint_bias(const double* bias) override { constraint_bias_ = bias; }
 
   void assemble(const double* u, double* M, double* f) override {
     factors_.drop();
@@ -156,22 +157,23 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void set_acceleration(const double* vdot) override {
     if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
     kernels::accelerations(model_, vdot, ws_);
-    stages_.fall_back_to(Stage::position);  // the cuts' biases are overwritten
+    stages_.fall_back_to(Stage::position);  // the bias accelerations of cuts are overwritten
   }
 
   void qdot_from_v(const double* q, const double* v, double* qdot) const override {
-    if (all_plain_) {
+    if (qdot_is_v_) {
       std::copy_n(v, model_.nv, qdot);
       return;
     }
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
-      visit_joint<A>(link.joint, [&](const auto& joint) { joint.qdot_from_v(q + link.iq, v + link.iv, qdot + link.iq); });
+      visit_joint<A>(link.joint,
+                     [&](const auto& joint) { joint.qdot_from_v(q + link.iq, v + link.iv, qdot + link.iq); });
     }
   }
 
   void displace(double* q, const double* dv) const override {
-    if (all_plain_) {
+    if (qdot_is_v_) {
       for (int k = 0; k < model_.nv; ++k) q[k] += dv[k];
       return;
     }
@@ -188,7 +190,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   void normalize(double* q) const override {
-    if (all_plain_) return;
+    if (qdot_is_v_) return;
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       if (link.nq == link.nv) continue;
@@ -203,26 +205,26 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     const LinearizationPoint at{q_.data(),       v_.data(),  u, vdot, lambda, cut_reference_.data(),
                                 targets_.data(), held_cuts()};
     if (!by_duals) {
-      if (!recursion_) recursion_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
-      (*recursion_)(at, inputs, out);
+      if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
+      (*recursive_)(at, inputs, out);
     } else {
-      if (!differentiator_) differentiator_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
-      (*differentiator_)(at, out);
+      if (!forward_ad_) forward_ad_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
+      (*forward_ad_)(at, out);
     }
     if (held_ != nullptr) differentiate_held(out);
   }
 
   void solve_linear(double* r, const double* c, double* l) const override {
-    if (model_.rows > 0) M_.add_rows(c, r);
+    if (model_.rows > 0) M_.add_right_side(c, r);
     M_.solve_transposed(r);
-    // What was expected does not depend on what slopes are taken by.
+    // The derivative of the extrapolated acceleration is zero: it is a constant here.
     if (model_.rows > 0) Y_.solve_constrained(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
-    if (model_.rows > 0) M_.add_rows(c, r, columns);
+    if (model_.rows > 0) M_.add_right_side(c, r, columns);
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
     M_.solve(r, columns);
@@ -258,8 +260,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     for (const JointLoads& on : loads_.cuts) n += on.branchings();
     return n;
   }
-  void indicators(double* g, double* gdot) const override { look_at_branches(nullptr, g, gdot); }
-  void sides(int* sides) const override { look_at_branches(sides, nullptr, nullptr); }
+  void indicators(double* g, double* gdot) const override { evaluate_branches(nullptr, g, gdot); }
+  void sides(int* sides) const override { evaluate_branches(sides, nullptr, nullptr); }
   void hold(const int* sides) override { held_ = sides; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
@@ -292,8 +294,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     kernels::coordinate_row_jacobian(model_, ws_);
   }
 
-  // Where the workspace stands: the sides, or the indicators and their rates.
-  void look_at_branches(int* sides, double* g, double* gdot) const {
+  // Computes the branches or, if sides is null, the indicators and their rates, at the current state.
+  void evaluate_branches(int* sides, double* g, double* gdot) const {
     const auto look = [&](const JointLoads& on, const double* q, const double* v) {
       on.each_branching([&](const auto& force) {
         if (sides != nullptr) {
@@ -313,25 +315,25 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     }
   }
 
-  // Of what acts along cut joints, or null.
+  // The branches on which forces along cut joints are held, or null.
   const int* held_cuts() const { return held_ == nullptr ? nullptr : held_ + loads_.tree.branchings(); }
 
-  // tau - h.
+  // f <- tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    const bool none = no_list_has_any(loads_.forces) &&
-                      std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
-    if (!none || !unloaded_) {
+    const bool none =
+        all_empty(loads_.forces) && std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
+    if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
       kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, held_cuts());
     }
-    unloaded_ = none;
+    link_loads_are_zero_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f, held_);
   }
 
-  // From the branches of the state to those held.
+  // Replaces the derivatives on the branches of the state by those on the held branches.
   void differentiate_held(Jacobians& out) const {
     const int* side = held_;
     loads_.tree.each_branching([&](const auto& force) {
@@ -343,10 +345,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     });
   }
 
-  const double* row_target() {
-    if (row_shift_ == nullptr) return ws_.gamma.data();
-    for (int r = 0; r < model_.rows; ++r) shifted_[r] = ws_.gamma[r] + row_shift_[r];
-    return shifted_.data();
+  // gamma, with the constraint bias if one is set.
+  const double* biased_gamma() {
+    if (constraint_bias_ == nullptr) return ws_.gamma.data();
+    for (int r = 0; r < model_.rows; ++r) biased_gamma_[r] = ws_.gamma[r] + constraint_bias_[r];
+    return biased_gamma_.data();
   }
 
   [[noreturn]] void throw_singular(int k) const {
@@ -356,41 +359,41 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     throw SingularMass("?");
   }
 
-  // To the bit, so that a run does not depend on what was computed before.
-  static bool same(const double* x, const std::vector<double>& as) {
+  // Bitwise, so that a run does not depend on what was computed before.
+  static bool bitwise_equal(const double* x, const std::vector<double>& as) {
     return as.empty() || std::memcmp(x, as.data(), as.size() * sizeof *x) == 0;
   }
 
-  const int* held_ = nullptr;  // branches of stops
+  const int* held_ = nullptr;  // branches on which forces are held, or null
 
-  // The workspace holds the position of q_ and targets_, the velocity of v_ and gravity_. Steps end where outputs are
-  // read and the next one begins.
+  // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step
+  // ends at the state at which outputs are read and the next step begins.
   Stages stages_;
-  Computed factors_{Stage::position};  // before other inputs the same factors serve
-  bool unloaded_ = false;              // no loads on links are left over in the workspace
-  std::vector<double> added_;          // to the diagonal of M then
+  Computed factors_{Stage::position};  // valid for any inputs
+  bool link_loads_are_zero_ = false;   // in the workspace
+  std::vector<double> added_inertia_;  // in the factors, on the diagonal of M
   Eigen::Vector3d gravity_{0, 0, 0};
-  bool everything_;
+  bool compute_all_outputs_;
   std::vector<int> all_links_, loaded_links_;
-  bool all_plain_;  // qdot = v
+  bool qdot_is_v_;  // for all joints
   MassFactor<A> M_;
   MassWeightedJacobian<A> Y_;
   int max_rank_;
-  bool regularized_ = false;  // the last solve() had something expected
-  std::vector<double> w_, extrapolated_, zero_, tau_, shifted_;
-  const double* row_shift_ = nullptr;
-  mutable std::vector<double> J_;  // as last asked for
-  std::unique_ptr<RecursiveJacobians<A>> recursion_;
-  std::unique_ptr<Differentiator> differentiator_;
+  bool regularized_ = false;  // the last solve() had an extrapolated vdot
+  std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_;
+  const double* constraint_bias_ = nullptr;
+  mutable std::vector<double> J_;  // as last returned
+  std::unique_ptr<RecursiveJacobians<A>> recursive_;
+  std::unique_ptr<Differentiator> forward_ad_;
   Energy energy_;
   long evaluations_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads, bool everything) {
-  if (mechanism.planar) return std::make_unique<DynamicsOf<Planar>>(mechanism, loads, everything);
-  return std::make_unique<DynamicsOf<Spatial>>(mechanism, loads, everything);
+std::unique_ptr<Dynamics> make_dynamics(const Mechanism& mechanism, const Loads& loads, bool compute_all_outputs) {
+  if (mechanism.planar) return std::make_unique<DynamicsOf<Planar>>(mechanism, loads, compute_all_outputs);
+  return std::make_unique<DynamicsOf<Spatial>>(mechanism, loads, compute_all_outputs);
 }
 
 }  // namespace gelenk

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows J of a mechanism, whitened by its mass and factorized: densely with sorted pivots where they are few or
-// repeat each other, else without the zeros.
+// The mass-weighted ("whitened") constraint Jacobian L^-T J^T and its factorization: dense with column pivoting for few
+// or redundant constraint equations, otherwise sparse.
 #pragma once
 
 #include <algorithm>
@@ -17,36 +17,36 @@ namespace gelenk {
 template <class A>
 class MassWeightedJacobian {
  public:
-  // M, J: outlive it.
-  MassWeightedJacobian(const MassFactor<A>& M, const SparseRows& J, int speeds)
-      : M_(M), J_(J), n_(speeds), m_(J.rows()), touched_(J.rows()) {
-    for (int r = 0; r < m_; ++r) touched_[r] = M.inwards(J.speeds(r), J.entries(r));
-    if (m_ >= fewest_sparse) {
-      sparse_.emplace(n_, touched_);
-      if (!sparse_->possible()) sparse_.reset();
+  // M and J must outlive it.
+  MassWeightedJacobian(const MassFactor<A>& M, const SparseRows& J, int nv)
+      : M_(M), J_(J), n_(nv), m_(J.rows()), pattern_(J.rows()) {
+    for (int r = 0; r < m_; ++r) pattern_[r] = M.inwards(J.columns(r), J.entries(r));
+    if (m_ >= min_sparse_rows) {
+      sparse_.emplace(n_, pattern_);
+      if (!sparse_->is_applicable()) sparse_.reset();
     }
-    if (!sparse_ || static_cast<double>(n_) * m_ < most_ready) dense_.emplace(n_, m_);
+    if (!sparse_ || static_cast<double>(n_) * m_ < max_preallocated_size) dense_.emplace(n_, m_);
   }
 
-  // See RowFactor; M at the same position.
+  // See RowFactor. M must have been factorized at the same position.
   void factorize(int max_rank) {
-    by_pattern_ = sparse_ && max_rank >= m_ && factorise_sparsely();
+    by_pattern_ = sparse_ && max_rank >= m_ && factorize_sparsely();
     if (by_pattern_) return;
     if (!dense_) dense_.emplace(n_, m_);
-    dense_->set_weak(weak_);
+    dense_->set_singular_threshold(singular_threshold_);
     for (int r = 0; r < m_; ++r) {
       double* y = dense_->column(r);
       std::fill(y, y + n_, 0.0);
       J_.scatter(r, y);
-      M_.solve_transposed(y, touched_[r]);
+      M_.solve_transposed(y, pattern_[r]);
     }
     dense_->factorize(max_rank);
   }
 
-  void set_weak(double weak) {
-    weak_ = weak;
-    if (sparse_) sparse_->set_weak(weak);
-    if (dense_) dense_->set_weak(weak);
+  void set_singular_threshold(double weak) {
+    singular_threshold_ = weak;
+    if (sparse_) sparse_->set_singular_threshold(weak);
+    if (dense_) dense_->set_singular_threshold(weak);
   }
   int rank() const { return by_pattern_ ? sparse_->rank() : dense_ ? dense_->rank() : 0; }
   double pivot_ratio() const { return by_pattern_ ? sparse_->pivot_ratio() : dense_ ? dense_->pivot_ratio() : 1; }
@@ -54,7 +54,7 @@ class MassWeightedJacobian {
     by_pattern_ ? sparse_->solve_constrained(w, gamma, extrapolated)
                 : dense_->solve_constrained(w, gamma, extrapolated);
   }
-  // For the columns of w and gamma, see RowFactor.
+  // For each column of w and gamma, see RowFactor.
   void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const {
     by_pattern_ ? sparse_->solve_constrained(w, gamma, columns, regularized)
                 : dense_->solve_constrained(w, gamma, columns, regularized);
@@ -65,30 +65,31 @@ class MassWeightedJacobian {
   }
 
  private:
-  // Rows: fewer are factorized densely. Without zeros to leave out, these many cost a quarter more than densely, but
-  // the rows of mechanisms hardly ever touch all speeds; where they touch half of them, it is a tenth less.
-  static constexpr int fewest_sparse = 8;
-  static constexpr double most_ready = 1e6;  // numbers: more than these are asked of the heap when they are needed
+  // Fewer constraint equations are factorized densely. For this number, the sparse method costs a quarter more if there
+  // are no zeros, which hardly ever happens in mechanisms; if half of the entries are zero, it costs a tenth less.
+  static constexpr int min_sparse_rows = 8;
+  // Numbers; larger dense factors are allocated only when they are needed.
+  static constexpr double max_preallocated_size = 1e6;
 
-  bool factorise_sparsely() {
+  bool factorize_sparsely() {
     sparse_->begin();
     return std::ranges::all_of(sparse_->blocks(), [this](const SparseRowFactor::Block& block) {
       for (int i = 0; i < static_cast<int>(block.size()); ++i) {
         J_.scatter(block[i], sparse_->work(i));
-        M_.solve_transposed(sparse_->work(i), touched_[block[i]]);
+        M_.solve_transposed(sparse_->work(i), pattern_[block[i]]);
       }
-      return sparse_->take(block);
+      return sparse_->append(block);
     });
   }
 
   const MassFactor<A>& M_;
   const SparseRows& J_;
   int n_, m_;
-  std::vector<std::vector<int>> touched_;  // by row: the speeds of its whitened column, ascending
+  std::vector<std::vector<int>> pattern_;  // by constraint equation: the nonzeros of its whitened column, ascending
   std::optional<RowFactor> dense_;
   std::optional<SparseRowFactor> sparse_;
-  bool by_pattern_ = false;  // the last factorize() was without the zeros
-  double weak_ = 0;
+  bool by_pattern_ = false;  // the last factorize() was sparse
+  double singular_threshold_ = 0;
 };
 
 }  // namespace gelenk

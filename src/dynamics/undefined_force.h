@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Forces whose direction is not defined where their ports are, as of a spring between two points that have come
-// together.
+// Detection of forces whose direction is undefined at the current position, such as that of a spring between two
+// coincident points.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 namespace gelenk {
 namespace detail {
 
-// Where a port is; for forces that ask for no more.
+// The position of a port, in the interface of element/force.h.
 struct PortPlace {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   const Eigen::Vector3d& p() const { return at; }
@@ -19,7 +19,7 @@ struct PortPlace {
 
 }  // namespace detail
 
-// Such a force of the scene; -1: there is none. at: after set_root_poses().
+// Returns the index in the scene of such a force, or -1. at: after set_root_poses().
 inline int undefined_force(const Loads& loads, const Readings<double>& at) {
   int found = -1;
   each_list(loads.forces, [&](const auto& list) {

@@ -50,7 +50,7 @@ void RevolutionCounter::count(double t, const double* y) {
     dynamics_.cut_coordinates(static_cast<int>(c), found);
     for (int i = 0; i < cut.nq; ++i) {
       double& q = q_[cut.iq + i];
-      if (cut.turns[i]) {
+      if (cut.is_angle[i]) {
         const double expected = q + h * mean_speed(cut, v_last_[cut.iv + i], v_[cut.iv + i]);
         found[i] += 2 * std::numbers::pi * std::round((expected - found[i]) / (2 * std::numbers::pi));
       }

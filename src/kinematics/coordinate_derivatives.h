@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of what acts along coordinates: its own, or by dual numbers.
+// Derivatives of the forces along joint coordinates, by dual numbers.
 #pragma once
 
 #include <array>
@@ -9,17 +9,18 @@
 
 namespace gelenk {
 
-inline constexpr int most_inputs_along = dual_directions - 2;
+// Maximum number of inputs of a force along a coordinate: two directions are taken by q and v.
+inline constexpr int max_inputs_along = dual_directions - 2;
 
-// By q, v and the inputs, in the mechanism's sense. side: of the branch that it is held on, or null: on that of the
-// state.
+// Derivatives of the force with respect to q, v and its inputs, in the mechanism's sign. side: of the branch on which
+// the force is held, or null for the branch of the state.
 template <class F>
 Dual::Directions derivatives_by_duals(const AlongCoordinate<F>& force, const double* q, const double* v,
                                       const double* u, int inputs, const int* side = nullptr) {
-  std::array<Dual, most_inputs_along> input;
+  std::array<Dual, max_inputs_along> input;
   for (int i = 0; i < inputs; ++i) {
     input[i] = Dual(u[force.input + i]);
-    input[i].derivatives()[2 + i] = force.sign;  // as the effort in the mechanism's sense
+    input[i].derivatives()[2 + i] = force.sign;  // converts the effort to the mechanism's sign
   }
   Dual at(force.sign * q[force.q]);
   Dual speed(force.sign * v[force.v]);

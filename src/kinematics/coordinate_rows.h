@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows in coordinates of tree joints: sum factor q = s, and their rates. What s and its first two derivatives are is
-// told from outside, three numbers a row.
+// Coordinate constraints, sum factor q = s in coordinates of tree joints, and their rates. The caller passes s and its
+// first two time derivatives, three numbers per equation ("targets").
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace gelenk::kernels {
 
-// After loop_positions. targets: s, s', s'' of each row.
+// Position errors Phi. After loop_positions. targets: s, s', s'' of each equation.
 template <class A>
 void coordinate_row_positions(const Model<A>& model, const typename A::Scalar* q,
                               const std::vector<typename A::Scalar>& targets, Workspace<A>& ws) {
@@ -24,7 +24,7 @@ void coordinate_row_positions(const Model<A>& model, const typename A::Scalar* q
   }
 }
 
-// After loop_jacobian.
+// Rows of J. After loop_jacobian.
 template <class A>
 void coordinate_row_jacobian(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t i = 0; i < model.coordinate_rows.size(); ++i) {
@@ -33,7 +33,7 @@ void coordinate_row_jacobian(const Model<A>& model, Workspace<A>& ws) {
   }
 }
 
-// After loop_velocities.
+// Rates J v - b and gamma. After loop_velocities.
 template <class A>
 void coordinate_row_velocities(const Model<A>& model, const typename A::Scalar* v,
                                const std::vector<typename A::Scalar>& targets, Workspace<A>& ws) {
@@ -46,7 +46,7 @@ void coordinate_row_velocities(const Model<A>& model, const typename A::Scalar* 
   }
 }
 
-// J vdot - gamma. After loop_accelerations.
+// Acceleration residuals J vdot - gamma. After loop_accelerations.
 template <class A>
 void coordinate_row_accelerations(const Model<A>& model, const typename A::Scalar* vdot,
                                   const std::vector<typename A::Scalar>& targets, typename A::Scalar* rows) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ports of forces (element/force.h) for derivatives: that remember what is done to them, as numbers and with slopes.
+// Ports of forces (element/force.h) for derivatives: they store the applied force and torque, as doubles or with
+// derivatives as dual numbers.
 #pragma once
 
 #include <array>
@@ -12,19 +13,20 @@ namespace gelenk::detail {
 
 inline Eigen::Vector3d angular(const Spatial::Motion& V) { return V.w; }
 inline Eigen::Vector3d angular(const Planar::Motion& V) { return {0, 0, V.w}; }
-// Of a point, in the axes of V and from the same origin.
+// The velocity of the point p, in the axes of V and from the same origin.
 inline Eigen::Vector3d velocity(const Spatial::Motion& V, const Eigen::Vector3d& p) { return V.v + V.w.cross(p); }
 inline Eigen::Vector3d velocity(const Planar::Motion& V, const Eigen::Vector3d& p) {
   return {V.x - V.w * p.y(), V.y + V.w * p.x(), 0};
 }
 
-// A force's port where its link stands (element/force.h), in the root's axes; it remembers what is done to it.
+// A force's port at the current pose of its link (element/force.h), in the root's axes. It sums up the force f [N] and
+// the torque n [N m] that are applied to it.
 template <class A>
 struct PortAt {
   const Attachment* at = nullptr;
   const Loads* loads = nullptr;
   const typename A::Pose* X = nullptr;
-  const typename A::Motion* V = nullptr;  // about the point that all is about
+  const typename A::Motion* V = nullptr;  // about the common reference point
   Eigen::Vector3d f = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d p() const { return kernels::point<double>(*X, *at); }
@@ -42,17 +44,17 @@ struct PortAt {
   void push_along(const Eigen::Vector3d& force, const Eigen::Vector3d& torque) { push(turned(force), turned(torque)); }
 };
 
-// One that carries derivatives.
-struct MovedPort {
+// A port with derivatives.
+struct DualPort {
   using Vector = Vector3<Dual>;
-  Vector at{Vector::Zero()}, rate{Vector::Zero()}, turning{Vector::Zero()};
+  Vector at{Vector::Zero()}, rate{Vector::Zero()}, angular_rate{Vector::Zero()};
   Matrix3<Dual> R{Matrix3<Dual>::Zero()};
   Matrix3<Dual> R_0W{Matrix3<Dual>::Zero()};
   Vector f{Vector::Zero()}, n{Vector::Zero()};
 
   const Vector& p() const { return at; }
   const Vector& v() const { return rate; }
-  const Vector& w() const { return turning; }
+  const Vector& w() const { return angular_rate; }
   Vector turned(const Vector& x) const { return R * x; }
   Vector own(const Vector& x) const { return R.transpose() * x; }
   Vector from_world(const Vector& x) const { return R_0W * x; }
@@ -65,24 +67,26 @@ struct MovedPort {
   void push_along(const Vector& force, const Vector& torque) { push(R * force, R * torque); }
 };
 
+// The port at rest, with zero derivatives.
 template <class A>
-MovedPort still(const PortAt<A>& port, const Loads& loads) {
-  MovedPort out;
+DualPort constant_port(const PortAt<A>& port, const Loads& loads) {
+  DualPort out;
   out.at = port.p().template cast<Dual>();
   for (int i = 0; i < 3; ++i) out.R.col(i) = port.turned(Eigen::Vector3d::Unit(i)).template cast<Dual>();
   out.R_0W = loads.R_0W.cast<Dual>();
   return out;
 }
 
-// By the directions 0 to 2 of its displacement, 3 to 5 of its turn; of_rates: of the rates of these. w, v: how it
-// moves, which its displacement changes, as the body's motion stays.
-inline void move(MovedPort& port, const Eigen::Vector3d& w, const Eigen::Vector3d& v, bool of_rates) {
+// Seeds the derivatives of a port: directions 0 to 2 are its displacement, 3 to 5 its rotation; wrt_rates: the rates of
+// these. w, v: its angular velocity and velocity. The velocity changes with the displacement, since the motion of the
+// body is constant.
+inline void seed(DualPort& port, const Eigen::Vector3d& w, const Eigen::Vector3d& v, bool wrt_rates) {
   port.rate = v.cast<Dual>();
-  port.turning = w.cast<Dual>();
+  port.angular_rate = w.cast<Dual>();
   for (int d = 0; d < 3; ++d) {
     const Eigen::Vector3d unit = Eigen::Vector3d::Unit(d);
-    if (of_rates) {
-      port.rate[d].derivatives()[d] = port.turning[d].derivatives()[3 + d] = 1;
+    if (wrt_rates) {
+      port.rate[d].derivatives()[d] = port.angular_rate[d].derivatives()[3 + d] = 1;
       continue;
     }
     port.at[d].derivatives()[d] = 1;
@@ -90,13 +94,13 @@ inline void move(MovedPort& port, const Eigen::Vector3d& w, const Eigen::Vector3
     for (int i = 0; i < 3; ++i) port.rate[i].derivatives()[d] = carried_along[i];
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d axis(port.R(0, c).value(), port.R(1, c).value(), port.R(2, c).value());
-      const Eigen::Vector3d by = unit.cross(axis);
-      for (int i = 0; i < 3; ++i) port.R(i, c).derivatives()[3 + d] = by[i];
+      const Eigen::Vector3d d_axis = unit.cross(axis);
+      for (int i = 0; i < 3; ++i) port.R(i, c).derivatives()[3 + d] = d_axis[i];
     }
   }
 }
 
-// An element's inputs as constants.
+// An element's inputs, with zero derivatives.
 template <class E>
 std::array<Dual, dual_directions> constants(const E& element, const double* u) {
   std::array<Dual, dual_directions> out;
@@ -105,9 +109,9 @@ std::array<Dual, dual_directions> constants(const E& element, const double* u) {
 }
 
 template <class Ports>
-auto immobile_ports(const Ports& ports, const Loads& loads) {
-  std::array<MovedPort, std::tuple_size_v<Ports>> out;
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = still(ports[k], loads);
+auto constant_ports(const Ports& ports, const Loads& loads) {
+  std::array<DualPort, std::tuple_size_v<Ports>> out;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = constant_port(ports[k], loads);
   return out;
 }
 
@@ -115,22 +119,22 @@ inline Eigen::Vector3d derivatives_along(const Vector3<Dual>& x, int direction) 
   return {x[0].derivatives()[direction], x[1].derivatives()[direction], x[2].derivatives()[direction]};
 }
 
-// The last port moves, the others stand still: what a force does depends on how its ports are against each other. w, v:
-// how the last one turns and moves so.
+// Derivatives of a force with respect to the motion of its last port, the others being at rest: a force depends on the
+// relative motion of its ports only. w, v: angular velocity and velocity of the last port relative to the others.
 template <class E, class Ports>
 PortJacobians derivatives_by_duals(const E& element, const Ports& ports, const double* u, const Eigen::Vector3d& w,
                                    const Eigen::Vector3d& v) {
   const auto input = constants(element, u);
   PortJacobians out;
-  for (const bool of_rates : {false, true}) {
+  for (const bool wrt_rates : {false, true}) {
     Ports moved = ports;
-    move(moved.back(), w, v, of_rates);
+    seed(moved.back(), w, v, wrt_rates);
     element.act(moved.data(), input.data());
     for (int d = 0; d < 3; ++d) {
-      (of_rates ? out.f_v : out.f_p).col(d) = derivatives_along(moved.back().f, d);
-      (of_rates ? out.f_w : out.f_a).col(d) = derivatives_along(moved.back().f, 3 + d);
-      (of_rates ? out.n_v : out.n_p).col(d) = derivatives_along(moved.back().n, d);
-      (of_rates ? out.n_w : out.n_a).col(d) = derivatives_along(moved.back().n, 3 + d);
+      (wrt_rates ? out.f_v : out.f_p).col(d) = derivatives_along(moved.back().f, d);
+      (wrt_rates ? out.f_w : out.f_a).col(d) = derivatives_along(moved.back().f, 3 + d);
+      (wrt_rates ? out.n_v : out.n_p).col(d) = derivatives_along(moved.back().n, d);
+      (wrt_rates ? out.n_w : out.n_a).col(d) = derivatives_along(moved.back().n, 3 + d);
     }
   }
   return out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The recursions over links, templates on the algebra. Workspace holds what they leave behind.
+// The recursions over links, templates on the algebra. Workspace holds their results.
 #pragma once
 
 #include <vector>
@@ -21,20 +21,20 @@ struct Workspace {
   // by link
   std::vector<Pose> X_PL, X_0L;
   std::vector<Motion> V;                    // of L in the world, in L
-  std::vector<Motion> A_bias;               // acceleration of L for vdot = 0, gravity as that of the root the other way
+  std::vector<Motion> A_bias;               // acceleration of L for vdot = 0, with -gravity as that of the root
   std::vector<Motion> A_full;               // the same for a given vdot
   std::vector<Force> F;                     // scratch of the backward passes; after reactions(): joint wrench on L in L
   std::vector<Force> F_ext;                 // loads on L in L
-  std::vector<typename A::Inertia> G_tree;  // of everything from L outwards
-  // by speed
+  std::vector<typename A::Inertia> G_tree;  // composite inertia of L and all links outward
+  // by velocity
   std::vector<Motion> S;  // columns of the joints' motion spaces, in L
   // by cut
   std::vector<Pose> X_FM;
-  std::vector<Pose> X_FL;     // by link of its paths, see Model::Cut
+  std::vector<Pose> X_FL;     // by link of the paths, see Model::Cut
   std::vector<Motion> V_FM;   // rows.h: angular velocity, rate of p_FM; in F
   std::vector<Motion> A_cut;  // bias of the rate of V_FM
-  std::vector<Force> F_cut;   // drives and springs on M in M
-  // by row
+  std::vector<Force> F_cut;   // motors, springs and stops, on M in M
+  // by constraint equation
   std::vector<Row<A>> row;
   std::vector<typename A::Scalar> Phi, rate, gamma, lambda;
   SparseRows J;
@@ -42,28 +42,32 @@ struct Workspace {
 
 namespace kernels {
 
+// X_PL and S of all links.
 template <class A>
 void positions(const Model<A>& model, const typename A::Scalar* q, Workspace<A>& ws);
-// ws.X_0L of these links; a link's ancestors before it. After positions.
+// X_0L of these links, which are listed after their ancestors. After positions.
 template <class A>
 void root_poses(const Model<A>& model, const std::vector<int>& links, Workspace<A>& ws);
+// V and A_bias of all links. root_acceleration: -gravity, in the root's axes. After positions.
 template <class A>
 void velocities(const Model<A>& model, const typename A::Scalar* q, const typename A::Scalar* v,
                 const typename A::Motion& root_acceleration, Workspace<A>& ws);
-// tau = the forces that vdot = 0 would need, loads taken off: h - J_ext^T F_ext.
+// tau <- the generalized forces for vdot = 0, minus those of the loads: h - J_ext^T F_ext. After velocities.
 template <class A>
 void inverse_dynamics_bias(const Model<A>& model, Workspace<A>& ws, double* tau);
+// Fills in M (composite rigid bodies). After positions.
 template <class A>
 void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M);
 
-// Loops: X_FM, rows and Phi (after positions); J (after positions); V_FM, rates and gamma (after velocities).
+// Loops: X_FM, constraint wrenches and Phi (after positions); J (after loop_positions); V_FM, rates and gamma (after
+// velocities).
 template <class A>
 void loop_positions(const Model<A>& model, Workspace<A>& ws);
 template <class A>
 void loop_jacobian(const Model<A>& model, Workspace<A>& ws);
 template <class A>
 void loop_velocities(const Model<A>& model, Workspace<A>& ws);
-// Second time derivatives of the rows' errors, J vdot - gamma, for the accelerations in ws.A_full.
+// Acceleration residuals J vdot - gamma, for the accelerations in ws.A_full.
 template <class A>
 void loop_accelerations(const Model<A>& model, Workspace<A>& ws, typename A::Scalar* rows);
 

@@ -3,7 +3,7 @@
 //
 //   Phi(q, t) = 0,   J(q) v = b(t),   J vdot = gamma(q, v, t)
 //
-// Arrays: q (nq), v (nv), rows (rows), in the mechanism's own signs and order.
+// Arrays: q (nq), v (nv), constraint equations (rows), in the mechanism's signs and order.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -17,28 +17,30 @@ class Kinematics {
  public:
   virtual ~Kinematics() = default;
 
-  // The time, for rows that change with it: of each coordinate row s, ds/dt, d2s/dt2. From the next set_position on.
+  // Sets s, ds/dt and d2s/dt2 of each coordinate constraint, effective from the next set_position().
   virtual void set_targets(const double* targets) = 0;
-  // Poses of links in their parents and the rows' position errors Phi.
+  // Computes poses of links in their parents, and the position errors Phi.
   virtual void set_position(const double* q) = 0;
-  // Velocities, J v - b (row_rates) and gamma, at that position.
+  // Computes velocities, J v - b (row_rates) and gamma, at that position.
   virtual void set_velocity(const double* v) = 0;
 
   virtual const std::vector<double>& Phi() const = 0;        // after set_position
-  virtual bool row_is_angle(int row) const = 0;              // its error is in rad, not m
+  virtual bool row_is_angle(int row) const = 0;              // Phi of this equation is in rad, not m
   virtual Eigen::SparseMatrix<double> sparse_J() = 0;        // after set_position; allocates
   virtual const std::vector<double>& row_rates() const = 0;  // after set_velocity
-  virtual const std::vector<double>& gamma() const = 0;      // likewise
+  virtual const std::vector<double>& gamma() const = 0;      // after set_velocity
 
-  // Coordinates of a cut joint (angles within half a turn; quaternions near what `q` holds on entry).
+  // Coordinates of a cut joint: angles in [-pi, pi]; quaternions with the sign nearest to the value of `q` on entry.
   virtual void cut_coordinates(int cut, double* q) const = 0;
-  // Angles of cut joints as last counted, for what acts along them; cut_nq numbers.
+  // Sets the coordinates of cut joints with full revolutions (cut_nq numbers), for the forces along them.
   virtual void set_cut_reference(const double* q) = 0;
   virtual Pose3 cut_pose(int cut) const = 0;  // X_FM
 
+  // qdot <- N(q) v.
   virtual void qdot_from_v(const double* q, const double* v, double* qdot) const = 0;
-  // q <- q moved by the small displacement dv (speeds times time), redundant parts renormalised.
+  // q <- q displaced by the small dv (velocities times a time), with quaternions normalized.
   virtual void displace(double* q, const double* dv) const = 0;
+  // Normalizes the quaternions in q.
   virtual void normalize(double* q) const = 0;
 };
 

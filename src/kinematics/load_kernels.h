@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loads: what acts between bodies and along joints.
+// Loads: forces between bodies and along joint coordinates.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace gelenk::kernels {
 
-// Gravity as an acceleration of the root the other way. Read anew at each evaluation: it may be tuned.
+// Gravity as an acceleration of the root in the opposite direction. Read at each evaluation, since gravity is tunable.
 template <class A>
 typename A::Motion root_acceleration(const Loads& loads) {
   using T = typename A::Scalar;
@@ -22,20 +22,22 @@ typename A::Motion root_acceleration(const Loads& loads) {
   return out;
 }
 
-// Overwrites ws.F_ext. After velocities.
+// Overwrites ws.F_ext with the forces between bodies. u: all inputs of the scene. After velocities.
 template <class A>
 void link_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, Workspace<A>& ws);
 
-// Adds drives, springs and stops of cut joints as pairs of wrenches to ws.F_ext and keeps them in ws.F_cut.
-// reference: angles as last counted. sides: see JointLoads::add, of one cut after the other. After loop_velocities.
+// Adds motors, springs and stops of cut joints as pairs of wrenches to ws.F_ext, and stores them in ws.F_cut.
+// reference: coordinates of the cut joints with full revolutions. sides: see JointLoads::add, cut by cut. After
+// loop_velocities.
 template <class A>
 void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scalar* u, const double* reference,
                Workspace<A>& ws, const int* sides = nullptr);
 
-// Coordinates of a cut joint, its angles counted on from `reference` (nearest turn).
+// Coordinates of a cut joint, with angles within half a revolution of `reference`.
 template <class A>
 void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const double* reference,
                              typename A::Scalar* q);
+// Velocities of a cut joint, at its coordinates q.
 template <class A>
 void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
                 typename A::Scalar* v);
@@ -44,7 +46,7 @@ struct CutMotion {
   std::array<typename A::Scalar, max_cut_nq> q;
   std::array<typename A::Scalar, 6> v;
 };
-// Both. reference: of all cuts.
+// Coordinates and velocities of cut joint c. reference: of all cuts.
 template <class A>
 CutMotion<A> counted_cut_motion(const Model<A>& model, const Workspace<A>& ws, int c, const double* reference);
 

@@ -53,7 +53,7 @@ Vector3<T> point_velocity(const typename PlanarAlgebra<T>::Motion& V, const Atta
   return {V.x - V.w * T(at.p.y()), V.y + V.w * T(at.p.x()), T(0)};
 }
 
-// Force and torque at a point of a link, in the link's axes, about its origin.
+// Adds the force f and the torque n at a point of a link to F; all in the link's axes, F about its origin.
 template <class T>
 void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typename SpatialAlgebra<T>::Force& F) {
   F.n += n + cast<T>(at.p).cross(f);
@@ -66,7 +66,7 @@ void apply(const Attachment& at, const Vector3<T>& f, const Vector3<T>& n, typen
   F.y += f.y();
 }
 
-// Only the force.
+// The same without a torque.
 template <class T>
 void apply(const Attachment& at, const Vector3<T>& f, typename SpatialAlgebra<T>::Force& F) {
   F.n += cast<T>(at.p).cross(f);
@@ -144,7 +144,7 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
   for (int i = 0; i < cut.nq; ++i) q[i] = T(reference[i]);
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template coordinates<A>(X_FM, q); });
   for (int i = 0; i < cut.nq; ++i) {
-    if (cut.turns[i])
+    if (cut.is_angle[i])
       q[i] += T(2 * std::numbers::pi * std::round((reference[i] - value_of(q[i])) / (2 * std::numbers::pi)));
   }
 }
@@ -152,7 +152,7 @@ void counted_cut_coordinates(const typename Model<A>::Cut& cut, const typename A
 template <class A>
 void cut_speeds(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
                 typename A::Scalar* v) {
-  // V_FM is written in F at M's origin; joints want it in M.
+  // V_FM is written in F at M's origin; joints expect it in M.
   typename A::Pose turn = ws.X_FM[c];
   if constexpr (A::planar) {
     turn.px = turn.py = 0;
@@ -185,8 +185,9 @@ void cut_loads(const Model<A>& model, const Loads& loads, const typename A::Scal
     T tau[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
     on.add(at.q.data(), at.v.data(), u, tau, sides);
     if (sides != nullptr) sides += on.branchings();
-    const typename A::Force F_M = visit_joint<A>(
-        cut.joint, [&](const auto& joint) -> typename A::Force { return joint.template wrench_from_tau<A>(at.q.data(), tau); });
+    const typename A::Force F_M = visit_joint<A>(cut.joint, [&](const auto& joint) -> typename A::Force {
+      return joint.template wrench_from_tau<A>(at.q.data(), tau);
+    });
     ws.F_cut[c] = F_M;
     ws.F_ext[cut.link_b] += cut.X_BM.to_parent(F_M);
     ws.F_ext[cut.link_a] -= cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));

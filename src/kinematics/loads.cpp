@@ -10,24 +10,25 @@
 namespace gelenk {
 namespace {
 
-// What is there is forgotten, its room kept.
-void empty(Loads& loads) {
-  const auto clear = [](auto& list) { list.clear(); };
-  each_list(loads.tree.lists, clear);
-  for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear);
-  each_list(loads.forces, clear);
+// Removes all loads; the lists keep their capacity.
+void clear(Loads& loads) {
+  const auto clear_list = [](auto& list) { list.clear(); };
+  each_list(loads.tree.lists, clear_list);
+  for (JointLoads& cut : loads.cuts) each_list(cut.lists, clear_list);
+  each_list(loads.forces, clear_list);
   loads.inputs.clear();
   loads.potential_offset = 0;
 }
 
+// Whether the element exerts no force with its current parameters.
 template <class E>
 bool is_idle(const E& element) {
   if constexpr (requires { element.is_idle(); }) return element.is_idle();
   return false;
 }
 
-// Adds the loads of one scene to `out`, an island each, which are empty().
-struct LoadAdder {
+// Fills `out` with the loads of a scene, one entry per island.
+struct LoadCollector {
   const Scene& scene;
   const ReducedScene& reduced;
   const std::unordered_map<std::string_view, int>&body_number, &joint_number;
@@ -39,7 +40,7 @@ struct LoadAdder {
   }
 
   void prepare(const Mechanism& mechanism, Loads& loads) const {
-    empty(loads);
+    clear(loads);
     loads.R_0W = mechanism.X_W0.R.transpose();
     loads.gravity = loads.R_0W * scene.gravity;
     for (std::size_t i = 1; i < mechanism.links.size(); ++i) {
@@ -47,14 +48,14 @@ struct LoadAdder {
       loads.potential_offset -= G.m * scene.gravity.dot(mechanism.X_W0.p);
       if (mechanism.planar) loads.potential_offset -= loads.gravity.z() * (G.m * mechanism.heights[i] + G.h.z());
     }
-    // What does nothing is left out, and may be asked for later.
-    make_room(loads.tree, mechanism.nv);
+    // Capacity also for idle loads, which are omitted but may become active when parameters change.
+    reserve_capacity(loads.tree, mechanism.nv);
     loads.cuts.resize(mechanism.cuts.size());
-    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) make_room(loads.cuts[c], mechanism.cuts[c].nv);
+    for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
     loads.added_inertia.assign(mechanism.nv, 0);
   }
 
-  static void make_room(JointLoads& loads, int nv) {
+  static void reserve_capacity(JointLoads& loads, int nv) {
     std::apply([&](const auto&... kind) { (reserve(loads, kind, nv), ...); }, JointForces());
   }
   template <class E>
@@ -64,7 +65,7 @@ struct LoadAdder {
   template <class E>
   static void reserve(JointLoads&, const std::optional<E>&, int) {}
 
-  // Where what acts along a joint goes; null: it stands still, or is no joint any more.
+  // The list for forces along a joint; null if the joint is immobile or has been replaced.
   JointLoads* along(const JointPlace& place) const {
     if (place.role == JointPlace::Role::merged || place.role == JointPlace::Role::rod) return nullptr;
     Loads& loads = out[place.island];
@@ -90,12 +91,12 @@ struct LoadAdder {
     if (to == nullptr) return;
     const std::vector<JointForces>& forces = scene.joints[j].along;
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
-      std::apply([&](const auto&... force) { (add_if_there(*to, force, place, i, j), ...); }, forces[i]);
+      std::apply([&](const auto&... force) { (add_if_active(*to, force, place, i, j), ...); }, forces[i]);
     }
   }
 
   template <class E>
-  void add_if_there(JointLoads& to, const E& element, const JointPlace& place, int i, int joint) {
+  void add_if_active(JointLoads& to, const E& element, const JointPlace& place, int i, int joint) {
     const bool cut = place.role == JointPlace::Role::cut;
     if constexpr (requires { *element; }) {
       if (element) add(to, *element, place, cut, i, 0, joint);
@@ -110,7 +111,7 @@ struct LoadAdder {
         {element, (cut ? 0 : place.iq) + i, (cut ? 0 : place.iv) + i, place.v_sign[i], input, joint, i});
   }
 
-  // Those that are inputs.
+  // Registers the inputs of coordinate constraints.
   void motions() {
     for (std::size_t i = 0; i < reduced.islands.size(); ++i) {
       for (const CoordinateRow& row : reduced.islands[i].coordinate_rows) {
@@ -136,7 +137,7 @@ struct LoadAdder {
   }
 
  private:
-  // -1: stands still.
+  // -1: immobile.
   int island_of(const BodyFrame& frame) const {
     return frame.body == ground ? -1 : reduced.bodies[body_number.at(frame.body)].island;
   }
@@ -159,42 +160,44 @@ bool JointLoads::stores_nothing() const {
   return out;
 }
 
-LoadMaker::LoadMaker(const Scene& scene, const ReducedScene& reduced)
+LoadAssembler::LoadAssembler(const Scene& scene, const ReducedScene& reduced)
     : scene_(scene), reduced_(reduced), inputs_(first_inputs(scene)) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) body_number_[scene.bodies[b].name] = static_cast<int>(b);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) joint_number_[scene.joints[j].name] = static_cast<int>(j);
 }
 
-void LoadMaker::fill(std::vector<Loads>& loads) const {
-  LoadAdder adder{scene_, reduced_, body_number_, joint_number_, loads};
-  adder.prepare();
-  for (std::size_t m = 0; m < scene_.motors.size(); ++m) adder.motor(scene_.motors[m], inputs_[sections::motors][m]);
-  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) adder.joint(j);
+void LoadAssembler::fill(std::vector<Loads>& loads) const {
+  LoadCollector collector{scene_, reduced_, body_number_, joint_number_, loads};
+  collector.prepare();
+  for (std::size_t m = 0; m < scene_.motors.size(); ++m)
+    collector.motor(scene_.motors[m], inputs_[sections::motors][m]);
+  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) collector.joint(j);
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
-    adder.force(static_cast<int>(f), inputs_[sections::forces][f]);
+    collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
   }
-  adder.motions();
+  collector.motions();
 }
 
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
   std::vector<Loads> loads;
-  LoadMaker(scene, reduced).fill(loads);
+  LoadAssembler(scene, reduced).fill(loads);
   return loads;
 }
 
 namespace {
 
+// Potential energy [J] of an element at the coordinate q.
 template <class E>
-double stored(const E& element, double q) {
+double stored_energy(const E& element, double q) {
   if constexpr (requires { element.energy(q); }) return element.energy(q);
   return 0;
 }
 template <class E>
-double stored(const std::optional<E>& element, double q) {
-  return element ? stored(*element, q) : 0;
+double stored_energy(const std::optional<E>& element, double q) {
+  return element ? stored_energy(*element, q) : 0;
 }
 
-// A frame that stands still in the world.
+// A port that is fixed in the world.
 struct ImmobilePort {
   Pose3 X_WP;
   const Eigen::Vector3d& p() const { return X_WP.p; }
@@ -203,7 +206,7 @@ struct ImmobilePort {
   Eigen::Vector3d from_world(const Eigen::Vector3d& x) const { return x; }
 };
 
-// Between what stands still.
+// Potential energy [J] of a force whose ports are all immobile; 0 otherwise.
 double immobile_energy(const Scene& scene, const ReducedScene& reduced, const Force& force) {
   std::vector<ImmobilePort> at;
   for (const BodyFrame& frame : force.frames) {
@@ -234,7 +237,7 @@ double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
     const std::vector<double>& q = reduced.joints[j].q;
     for (std::size_t i = 0; i < q.size() && i < along.size(); ++i) {
       if (!find_joint_kind(scene.joints[j].type)->springs()) continue;
-      std::apply([&](const auto&... force) { ((sum += stored(force, q[i])), ...); }, along[i]);
+      std::apply([&](const auto&... force) { ((sum += stored_energy(force, q[i])), ...); }, along[i]);
     }
   }
   for (const Force& force : scene.forces) sum += immobile_energy(scene, reduced, force);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of the loops, for double. Numbers with derivatives are made in residual_kernels.cpp: side by side in one
-// file the two keep each other from being inlined.
+// The constraint equations of the loops, instantiated for double. Dual numbers and series are instantiated in
+// residual_kernels.cpp: in one file, the two prevent each other from being inlined.
 #include "kinematics/loop_kernels_impl.h"
 
 namespace gelenk::kernels {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of the loops: position errors, Jacobian, rates and accelerations.
+// Constraint equations of the loops: position errors, Jacobian, rates and accelerations.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,8 @@ typename A::Motion angular_part(const typename A::Motion& V) {
   }
 }
 
-// X_FM, and on the way there the poses in F of the links of both paths. By way of the nearest common ancestor, not of
-// the root: a loop on a vehicle closes as exactly far away as at home.
+// X_FM, and the poses in F of the links of both paths. Composed via the nearest common ancestor, not via the root, so
+// that the closure error of a loop on a vehicle does not grow with the vehicle's distance from the origin.
 template <class A>
 typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws) {
   typename A::Pose* X_FL = ws.X_FL.data() + cut.first_path;
@@ -49,7 +49,7 @@ typename A::Pose pose_around(const typename Model<A>::Cut& cut, Workspace<A>& ws
   return X * cut.X_BM;
 }
 
-// What the unit motion S of a link's joint makes of M, were M on the link: at M's origin, in F.
+// The motion S of a link's joint (unit velocity), expressed at M's origin in F.
 template <class A>
 typename A::Motion motion_of_M(bool revolute, const typename A::Pose& X_FL, const typename A::Motion& S,
                                const typename A::Pose& X_FM) {
@@ -62,8 +62,8 @@ typename A::Motion motion_of_M(bool revolute, const typename A::Pose& X_FL, cons
   }
 }
 
-// Writes the columns of the rows of a cut for the joints along a path, from its first link on. Returns the place
-// behind.
+// Writes the Jacobian entries of a cut for the joints along a path, starting with its first link. Returns the position
+// after the last entry.
 template <class A>
 double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t c, const std::vector<int>& path,
                      const typename A::Pose* X_FL, double sign, double* column) {
@@ -80,9 +80,9 @@ double* path_columns(const Model<A>& model, const Workspace<A>& ws, std::size_t 
   return column;
 }
 
-// The rows of a cut that are kept.
+// The constraint equations of a cut that are kept (Cut::kept).
 template <class A>
-void needed_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, Row<A>* out) {
+void kept_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, Row<A>* out) {
   Row<A> all[6];
   Row<A>* const to = cut.all_rows ? out : all;
   visit_joint<A>(cut.joint, [&](const auto& joint) { joint.template rows<A>(X_FM, to); });
@@ -90,7 +90,7 @@ void needed_rows(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM
   for (int i = 0; i < cut.rows; ++i) out[i] = all[cut.kept[i]];
 }
 
-// Likewise wdot . V_FM, added to bias.
+// Adds wdot . V_FM of these equations to bias.
 template <class A>
 void add_rows_bias(const typename Model<A>::Cut& cut, const typename A::Pose& X_FM, const typename A::Motion& V_FM,
                    typename A::Scalar* bias) {
@@ -108,7 +108,7 @@ typename A::Motion in_F(const typename Model<A>::Cut& cut, const typename A::Pos
   return X_FM.to_parent(cut.X_BM.to_child(on_b));
 }
 
-// Velocities at a cut, about F's origin, in F: of link a, and of link b against it.
+// Velocities at a cut, about F's origin, in F: of link a (V_a), and of link b relative to it (V).
 template <class A>
 struct CutVelocity {
   typename A::Motion V_a, V;
@@ -120,7 +120,7 @@ CutVelocity<A> velocity_at(const typename Model<A>::Cut& cut, const Workspace<A>
   return {V_a, in_F<A>(cut, ws.X_FM[c], ws.V[cut.link_b]) - V_a};
 }
 
-// See loop_velocities. A_of: accelerations by link. After ws.V_FM.
+// Rate of V_FM at cut c, see loop_velocities. A_of: accelerations by link. Reads ws.V_FM.
 template <class A>
 typename A::Motion relative_acceleration(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
                                          const CutVelocity<A>& at, const std::vector<typename A::Motion>& A_of) {
@@ -128,11 +128,11 @@ typename A::Motion relative_acceleration(const typename Model<A>::Cut& cut, cons
   const typename A::Pose& X_FM = ws.X_FM[c];
   const Motion rate =
       in_F<A>(cut, X_FM, A_of[cut.link_b]) - cut.X_AF.to_child(A_of[cut.link_a]) - A::cross(at.V_a, at.V);
-  const Motion turning = angular_part<A>(ws.V_FM[c]);
-  return shift_to_M<A>(X_FM).to_child(rate) + A::cross(turning, ws.V_FM[c] - turning);
+  const Motion angular_rate = angular_part<A>(ws.V_FM[c]);
+  return shift_to_M<A>(X_FM).to_child(rate) + A::cross(angular_rate, ws.V_FM[c] - angular_rate);
 }
 
-// The second time derivatives of the rows' errors, from ws.A_cut.
+// The second time derivatives of the position errors, from ws.A_cut.
 template <class A>
 void row_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, std::size_t c,
                        typename A::Scalar* rows) {
@@ -149,7 +149,7 @@ void loop_positions(const Model<A>& model, Workspace<A>& ws) {
     const auto& cut = model.cuts[c];
     ws.X_FM[c] = pose_around<A>(cut, ws);
     if (cut.rows == 0) continue;
-    needed_rows<A>(cut, ws.X_FM[c], &ws.row[cut.first_row]);
+    kept_rows<A>(cut, ws.X_FM[c], &ws.row[cut.first_row]);
     for (int r = cut.first_row; r < cut.first_row + cut.rows; ++r) ws.Phi[r] = ws.row[r].Phi;
   }
 }
@@ -166,9 +166,9 @@ void loop_jacobian(const Model<A>& model, Workspace<A>& ws) {
   }
 }
 
-// With everything written in F and d/dt meaning componentwise in F: the relative velocity about F's origin is
-// V = V_b - V_a, its rate A_b - A_a - V_a x V; moved to M's origin p: (w, pdot = v + w x p) and
-// (wdot, pddot = vdot + wdot x p + w x pdot). Gravity, the same for both, cancels.
+// All vectors are written in F, and d/dt is componentwise in F: the relative velocity about F's origin is
+// V = V_b - V_a, its rate A_b - A_a - V_a x V; shifted to M's origin p: (w, pdot = v + w x p) and
+// (wdot, pddot = vdot + wdot x p + w x pdot). Gravity, equal for both, cancels.
 template <class A>
 void loop_velocities(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A mechanism and the loads on it, as the kernels read them: flat, in depth-first order, in one algebra.
+// The mechanism and the loads on it in the form in which the kernels read them: flat, in depth-first order, in one
+// algebra.
 #pragma once
 
 #include <algorithm>
@@ -14,42 +15,45 @@
 
 namespace gelenk {
 
-// A frame on a link. Planar kernels know its height through `height` and p.z().
+// A frame on a link. In planar mechanisms its height above the plane is height + p.z().
 struct Attachment {
   int link = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      // m, in the link's frame
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // its axes in the link's
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // its axes, in the link's
   double height = 0;                                // m, of the link's origin along the plane's normal; 0 in space
 };
 
-// A force where it acts.
+// A force and the frames on which it acts.
 template <class F>
 struct PlacedForce {
   static constexpr std::size_t ports = std::size(F::ports);
 
   F element;
   std::array<Attachment, ports> at;
-  int input = 0;   // its first one, of the scene's
-  int force = -1;  // of the scene
+  int input = 0;   // index of its first input in the scene
+  int force = -1;  // index in the scene
 };
 
-// What acts along a coordinate, in the user's sense: sign times the mechanism's.
+// A force along a joint coordinate. Its element uses the user's coordinate: sign times the mechanism's.
 template <class F>
 struct AlongCoordinate {
   F element;
   int q = 0, v = 0;
   double sign = 1;
-  int input = 0;                  // its first one, of the scene's
-  int joint = -1, component = 0;  // of the scene, and which of its coordinates
+  int input = 0;                  // index of its first input in the scene
+  int joint = -1, component = 0;  // joint of the scene, and which of its coordinates
 
+  // Generalized force [N m, N], in the mechanism's sign. u: all inputs of the scene.
   template <class T>
   T effort(const T* at, const T* speed, const T* u) const {
     return T(sign) * element.effort(T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
   }
+  // The same on a given branch (element/coordinate_force.h).
   template <class T>
   T held(int side, const T* at, const T* speed) const {
     return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]));
   }
+  // The branch on which the state is.
   template <class T>
   int side(const T* at, const T* speed) const {
     return element.side(T(T(sign) * at[q]), T(T(sign) * speed[v]));
@@ -67,7 +71,7 @@ struct Plain<std::optional<F>> {
   using type = F;
 };
 
-// A list for each kind.
+// A tuple with a list for each kind of element.
 template <class Any, class Tuple>
 struct Lists;
 template <class... Motor, class... Force>
@@ -84,24 +88,26 @@ struct Lists<std::variant<Force...>, void> {
 
 using PlacedForces = detail::Lists<AnyForce, void>::type;
 
-// visit(list) for each kind of force in turn.
+// Calls visit(list) for the list of each kind.
 template <class L, class Visit>
 void each_list(L& lists, Visit&& visit) {
   std::apply([&](auto&... list) { (visit(list), ...); }, lists);
 }
 template <class L>
-bool no_list_has_any(const L& lists) {
+bool all_empty(const L& lists) {
   return std::apply([](const auto&... list) { return (list.empty() && ...); }, lists);
 }
 
-// Motors, springs, dampers and stops along joints: of the whole tree, or of one cut joint (indices from its own first).
+// Motors, springs, dampers and stops along joints: of the whole tree, or of one cut joint (then the indices are
+// relative to those of the joint).
 struct JointLoads {
   using Lists = detail::Lists<AnyMotor, JointForces>::type;
   Lists lists;
 
-  bool empty() const { return no_list_has_any(lists); }
-  bool stores_nothing() const;
-  // sides: the branches on which those that have some are held, or null: each is on that of the state.
+  bool empty() const { return all_empty(lists); }
+  bool stores_nothing() const;  // no element has potential energy
+  // Adds the generalized forces to tau. u: all inputs of the scene. sides: the branches on which the forces with
+  // branches are held, or null: each is on the branch of the state.
   template <class T>
   void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
     each_list(lists, [&](const auto& list) {
@@ -115,7 +121,7 @@ struct JointLoads {
       }
     });
   }
-  // J, stored in it.
+  // Potential energy [J].
   template <class T>
   T energy(const T* q) const {
     T sum(0);
@@ -127,13 +133,14 @@ struct JointLoads {
     });
     return sum;
   }
+  // Number of forces with branches.
   int branchings() const {
     int n = 0;
     each_branching([&](const auto&) { ++n; });
     return n;
   }
   bool has_branches() const { return branchings() > 0; }
-  // visit(force) for what has branches.
+  // Calls visit(force) for each force with branches.
   template <class Visit>
   void each_branching(Visit&& visit) const {
     each_list(lists, [&](const auto& list) {
@@ -145,34 +152,35 @@ struct JointLoads {
 };
 
 struct Loads {
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // in the root's axes
-  Eigen::Matrix3d R_0W = Eigen::Matrix3d::Identity();  // the world's axes along the root's
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   // m/s2, in the root's axes
+  Eigen::Matrix3d R_0W = Eigen::Matrix3d::Identity();  // the world's axes, in the root's
   PlacedForces forces;
   JointLoads tree;
   std::vector<JointLoads> cuts;       // by cut
-  std::vector<double> added_inertia;  // by speed: of motors
-  std::vector<int> inputs;            // those that act here
-  // J: potential energy of gravity that the kernels do not see, from the world's origin to the root's and, in planar
-  // mechanisms, along the normal.
+  std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
+  std::vector<int> inputs;            // indices of the scene's inputs that act on this island
+  // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
+  // and, in planar mechanisms, along the normal.
   double potential_offset = 0;
 };
 
-// Of an indicator, with placeholders (element/element.h): what happens where it becomes negative, and positive.
+// Texts of an event indicator, with placeholders (element/element.h): the event when it becomes negative, and positive.
 struct IndicatorText {
-  int joint, component;  // of the scene, and which of its coordinates
+  int joint, component;  // joint of the scene, and which of its coordinates
   std::array<std::string_view, 2> texts;
 };
 
-// In the order of Dynamics::indicators().
+// Texts of all indicators, in the order of Branching::indicators().
 std::vector<IndicatorText> indicator_texts(const Loads& loads);
 
-// Signs and places of the scene's loads, by island. Inputs are numbered as in scene/signals.h.
+// The scene's loads by island, with their signs and positions. Inputs are numbered as in scene/signals.h. Allocates.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);
 
-// Likewise, but over loads of the same scene with other numbers, which costs nothing of the heap then. Keeps to both.
-class LoadMaker {
+// The same for repeated use after parameter changes: fill() overwrites loads of the same scene without allocating
+// memory. `scene` and `reduced` must outlive it.
+class LoadAssembler {
  public:
-  LoadMaker(const Scene& scene, const ReducedScene& reduced);
+  LoadAssembler(const Scene& scene, const ReducedScene& reduced);
   void fill(std::vector<Loads>& loads) const;
 
  private:
@@ -182,7 +190,7 @@ class LoadMaker {
   std::vector<std::vector<int>> inputs_;
 };
 
-// J: potential energy of what stands still, bodies, springs and stops, zero at the world's origin.
+// Potential energy [J] of immobile bodies, springs and stops; gravity's is zero at the world's origin.
 double immobile_energy(const Scene& scene, const ReducedScene& reduced);
 
 template <class A>
@@ -200,7 +208,7 @@ struct Model {
   struct Link {
     int parent;
     int iq, iv, nq, nv;
-    bool constant_subspace;  // S constant, qdot = v (PlainJoint with constant axis): no visit needed for either
+    bool constant_subspace;    // S is constant and qdot = v: neither needs a visit
     bool is_revolute_about_z;  // see revolute_kernels.h
     TreeJoint joint;
     typename A::Pose X_PJ;
@@ -212,7 +220,7 @@ struct Model {
     bool all_rows;
     std::vector<int> kept;
     int iq, iv, nq, nv;
-    std::vector<bool> turns;
+    std::vector<bool> is_angle;
     typename A::Pose X_AF, X_BM;
     std::vector<int> path_a, path_b;
     int first_path;  // of its links in Workspace::X_FL: those of path_a, then those of path_b
@@ -222,7 +230,7 @@ struct Model {
   std::vector<Cut> cuts;
   std::vector<CoordinateRow> coordinate_rows;
   int nq, nv, rows, cut_nq, cut_nv;
-  int path_links = 0;  // of all cuts
+  int path_links = 0;  // number of links on the paths of all cuts
   int first_coordinate_row;
   bool mass_needs_rows;  // see Mechanism
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motions of many speeds, component by component, so that one force meets several of them at a time.
+// Motions of many velocities, stored component by component, for vectorized scalar products with a force.
 #pragma once
 
 #include <vector>
@@ -26,8 +26,8 @@ inline void pack(const double* x, Spatial::Force& F) {
 }
 inline void pack(const double* x, Planar::Force& F) { F = {x[0], x[1], x[2]}; }
 
-// Speeds [first, last).
-struct Run {
+// Velocities [first, last).
+struct IndexRange {
   int first, last;
 };
 
@@ -44,13 +44,13 @@ class MotionColumns {
   const double* component(int c) const { return x_.data() + static_cast<std::size_t>(c) * stride_; }
   int stride() const { return stride_; }
 
-  // out[k] += sign F . V_k, k in the run.
-  void add_dots(const typename A::Force& F, double sign, Run run, double* __restrict out) const {
+  // out[k] += sign F . V_k, k in the range.
+  void add_dots(const typename A::Force& F, double sign, IndexRange range, double* __restrict out) const {
     double f[A::dimension];
     unpack(F, f);
     for (double& x : f) x *= sign;
     const double* __restrict x = x_.data();
-    for (int k = run.first; k < run.last; ++k) {
+    for (int k = range.first; k < range.last; ++k) {
       double sum = out[k];
       for (int c = 0; c < A::dimension; ++c) sum += f[c] * x[static_cast<std::size_t>(c) * stride_ + k];
       out[k] = sum;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What only outputs need, for double. Numbers with derivatives are made in residual_kernels.cpp: side by side in one
-// file the two keep each other from being inlined.
+// Kernels that only outputs need, instantiated for double. Dual numbers and series are instantiated in
+// residual_kernels.cpp: in one file, the two prevent each other from being inlined.
 #include "kinematics/output_kernels_impl.h"
 
 namespace gelenk::kernels {

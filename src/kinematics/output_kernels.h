@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is computed only when somebody reads it: accelerations, reactions, energies; and the way back from the
-// algebra of a mechanism to space.
+// Quantities that are computed only when they are read: accelerations, reactions, energies; and conversions from the
+// algebra of a mechanism to spatial algebra.
 #pragma once
 
 #include "kinematics/kernels.h"
@@ -8,26 +8,29 @@
 
 namespace gelenk::kernels {
 
-// ws.A_full of every link, and ws.F: the wrench of each tree joint on its outer link, in it.
+// Sets ws.A_full of every link, and ws.F: the wrench of each tree joint on its outer link L, in L. Reads ws.lambda and
+// the loads.
 template <class A>
 void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws);
 
-// ws.F and cut_reaction() of ws.lambda alone, nothing moving and no loads.
+// Sets ws.F and cut_reaction() to the wrenches of ws.lambda alone, at rest and without loads.
 template <class A>
 void constraint_wrenches(const Model<A>& model, Workspace<A>& ws);
 
+// Accelerations of a cut joint, at its coordinates q and velocities v. After accelerations.
 template <class A>
 void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
                        const typename A::Scalar* v, typename A::Scalar* a);
 
-// On M in M: the rows' forces, drives and springs.
+// The wrench of a cut joint on M, in M: constraint forces, motors and springs.
 template <class A>
 typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, int c);
 
-// Gravity's part counts from the world's origin.
+// Kinetic and potential energy [J] of links, gravity and forces; gravity's is zero at the world's origin.
 template <class A>
 EnergyOf<typename A::Scalar> energy(const Model<A>& model, const Loads& loads, const Workspace<A>& ws);
 
+// The spatial pose, motion or force of one in algebra A. height [m]: along the normal of a planar mechanism.
 template <class A>
 typename SpatialAlgebra<typename A::Scalar>::Pose pose3(const typename A::Pose& X, double height) {
   if constexpr (A::planar) {

@@ -20,12 +20,13 @@ Vector3<typename A::Scalar> first_moment_in_root(const typename A::Pose& X, cons
   }
 }
 
-// From what each link needs (ws.F) to what its joint transmits: the rows' forces added, all carried inwards.
+// From the net force on each link (ws.F) to the wrench in its joint: adds the constraint forces of cuts and sums
+// inward.
 template <class A>
 void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
   for (std::size_t c = 0; c < model.cuts.size(); ++c) {
     const auto& cut = model.cuts[c];
-    // The drives and springs of cut joints are in F_ext already: only the rows' forces are missing.
+    // Motors and springs of cut joints are already in F_ext; only the constraint forces are missing.
     const typename A::Force F_M = cut_reaction(model, ws, static_cast<int>(c)) - ws.F_cut[c];
     ws.F[cut.link_b] -= cut.X_BM.to_parent(F_M);
     ws.F[cut.link_a] += cut.X_AF.to_parent(ws.X_FM[c].to_parent(F_M));
@@ -41,13 +42,14 @@ void gather_wrenches(const Model<A>& model, Workspace<A>& ws) {
 template <class A>
 void accelerations(const Model<A>& model, const typename A::Scalar* vdot, Workspace<A>& ws) {
   const int n = static_cast<int>(model.links.size());
-  // A_bias holds the velocity products of all joints inwards; only what vdot adds runs down the tree.
+  // A_bias contains the velocity products of all joints inward; only the contributions of vdot are propagated.
   std::vector<typename A::Motion>& added = ws.A_full;
   added[0] = {};
   for (int i = 1; i < n; ++i) {
     const auto& link = model.links[i];
     added[i] = ws.X_PL[i].to_child(added[link.parent]);
-    for (int k = link.iv; k < link.iv + link.nv; ++k) add_motion<A>(link.is_revolute_about_z, vdot[k], ws.S[k], added[i]);
+    for (int k = link.iv; k < link.iv + link.nv; ++k)
+      add_motion<A>(link.is_revolute_about_z, vdot[k], ws.S[k], added[i]);
   }
   for (int i = 0; i < n; ++i) ws.A_full[i] += ws.A_bias[i];
   ws.F[0] = {};
@@ -79,7 +81,7 @@ typename A::Force cut_reaction(const Model<A>& model, const Workspace<A>& ws, in
   return turn.to_child(F_F) + ws.F_cut[c];
 }
 
-// In M: the rate of V_FM. Its rate in F about F's origin, moved to M, is also its rate in M, as V x V = 0.
+// In M, the rate of V_FM: its rate in F about F's origin, moved to M, is also its rate in M, since V x V = 0.
 template <class A>
 void cut_accelerations(const typename Model<A>::Cut& cut, const Workspace<A>& ws, int c, const typename A::Scalar* q,
                        const typename A::Scalar* v, typename A::Scalar* a) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What outputs are read from, on numbers T: double, or such that carry derivatives.
+// Quantities from which outputs are read. T: double, Dual or Series.
 #pragma once
 
 #include "math/spatial.h"
@@ -22,27 +22,27 @@ class Readings {
 
   virtual ~Readings() = default;
 
-  // Cut joints: speeds (after set_velocity), accelerations (after set_acceleration).
+  // Velocities (after set_velocity) and accelerations (after set_acceleration) of a cut joint.
   virtual void cut_speeds(int cut, T* v) const = 0;
   virtual void cut_accelerations(int cut, T* a) const = 0;
 
   virtual EnergyOf<T> energy() const = 0;  // after set_velocity and set_root_poses
 
-  // Pose of a link in the root frame (the ground link's; after set_root_poses), velocity in the link's frame.
+  // Pose of a link in the root frame (that of the ground link), after set_root_poses; velocity, in the link's frame.
   virtual Pose link_pose(int link) const = 0;
   virtual Motion link_velocity(int link) const = 0;
-  // The same for the frame of a rod that has become a cut.
+  // The same for the frame of a massless rod that has become a cut.
   virtual Pose rod_pose(int cut) const = 0;
   virtual Motion rod_velocity(int cut) const = 0;
-  // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, at that half's frame, in it;
-  // drives and springs along the joint included. After set_acceleration; spatial algebra only.
+  // Wrench of tree joint `link` on its outer link, or of a cut joint on link b, about and in the joint's frame on that
+  // link, including motors and springs along the joint. After set_acceleration; spatial algebra only.
   virtual Force tree_reaction(int link) const = 0;
   virtual Force cut_reaction(int cut) const = 0;
-  // Forces of constraints, after set_acceleration: along row i of a contact, and of a coordinate row where its factor
-  // is 1. N or N m.
+  // Constraint forces [N or N m], after set_acceleration: of equation i of a contact, and of a coordinate constraint
+  // (the generalized force on a coordinate with factor 1).
   virtual T contact_force(int cut, int i) const = 0;
   virtual T coordinate_force(int row) const = 0;
-  // Of a constraint between bodies: its plane F in the root frame, after set_root_poses; M in F.
+  // Poses of a constraint between bodies, after set_root_poses: its plane F in the root frame; M in F.
   virtual Pose plane_pose(int cut) const = 0;
   virtual Pose pose_on_plane(int cut) const = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernels do at a link, with the zeros of revolute joints left out: their motion is a turn about the link's
-// own z axis, S = (0 0 1 | 0 0 0).
+// Operations of the kernels at a link that skip the zeros of revolute joints, whose motion is a rotation about the
+// link's z axis, S = (0 0 1 | 0 0 0).
 #pragma once
 
 #include "kinematics/model.h"
@@ -39,7 +39,7 @@ typename A::Force times(bool revolute, const typename A::ArticulatedInertia& G, 
   }
 }
 
-// V += S v, for a turn.
+// V += S v, revolute joints only.
 template <class A>
 void add_turn(const typename A::Scalar& v, typename A::Motion& V) {
   if constexpr (A::planar) {
@@ -59,7 +59,7 @@ void add_motion(bool revolute, const typename A::Scalar& v, const typename A::Mo
   }
 }
 
-// V x S v, for a turn.
+// V x S v, revolute joints only.
 template <class A>
 typename A::Motion cross_turn(const typename A::Motion& V, const typename A::Scalar& v) {
   using T = typename A::Scalar;
@@ -70,7 +70,7 @@ typename A::Motion cross_turn(const typename A::Motion& V, const typename A::Sca
   }
 }
 
-// X turned by phi [rad] about its own z axis.
+// X rotated by phi [rad] about its own z axis.
 template <class A>
 typename A::Pose turned(const typename A::Pose& X, const typename A::Scalar& phi) {
   using std::cos;

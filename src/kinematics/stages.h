@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What has been computed of a state, by stages (Sherman, Seth & Delp 2011, "realization"). Each stands on those before
-// it: to realize one anew leaves those after it, and all that was computed at it, out of date, so that nothing has to
-// be marked by hand.
+// Cache control by stages (Sherman, Seth & Delp 2011, "realization"). Each stage depends on the earlier ones: realizing
+// a stage again invalidates the later stages and everything that was computed at it.
 #pragma once
 
 #include <algorithm>
@@ -18,18 +17,18 @@ class Stages {
     realized_ = static_cast<int>(stage) + 1;
     ++times_[static_cast<std::size_t>(stage)];
   }
-  // What later stages had left behind has been overwritten.
+  // Invalidates all stages after this one, because their results have been overwritten.
   void fall_back_to(Stage stage) { realized_ = std::min(realized_, static_cast<int>(stage) + 1); }
   void clear() { realized_ = 0; }
-  // How often it has been realized.
+  // How often the stage has been realized.
   long times(Stage stage) const { return times_[static_cast<std::size_t>(stage)]; }
 
  private:
-  int realized_ = 0;  // stages, from the first on
+  int realized_ = 0;  // number of valid stages
   std::array<long, 3> times_{};
 };
 
-// Whether something was computed since a stage was realized.
+// Validity of a quantity that is computed after a stage: it holds until the stage is realized again.
 class Computed {
  public:
   explicit Computed(Stage from) : from_(from) {}

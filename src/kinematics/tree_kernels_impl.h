@@ -92,7 +92,8 @@ void mass_matrix(const Model<A>& model, Workspace<A>& ws, SparseFactor& M) {
       for (int outer = i, p = link.parent; p > 0; outer = p, p = model.links[p].parent) {
         F = ws.X_PL[outer].to_parent(F);
         const auto& inner = model.links[p];
-        for (int j = inner.iv + inner.nv - 1; j >= inner.iv; --j) row[d--] = along<A>(inner.is_revolute_about_z, ws.S[j], F);
+        for (int j = inner.iv + inner.nv - 1; j >= inner.iv; --j)
+          row[d--] = along<A>(inner.is_revolute_about_z, ws.S[j], F);
       }
     }
     if (link.parent > 0) ws.G_tree[link.parent] += ws.G_tree[i].moved_by(ws.X_PL[i]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Calls a function on the joint behind a variant, leaving out kinds that have no place in the algebra A.
+// Calls a function with the joint in a variant; kinds that the algebra A does not support are not instantiated.
 #pragma once
 
 #include <type_traits>
@@ -19,7 +19,7 @@ decltype(auto) visit_joint(const Variant& joint, Function&& function) {
         if constexpr (supports_algebra<A, std::decay_t<decltype(j)>>) {
           return function(j);
         } else {
-          unreachable();  // compile() makes planar mechanisms of planar joints only
+          unreachable();  // planar mechanisms have planar joints only (reduce())
         }
       },
       joint);

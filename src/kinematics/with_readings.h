@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Readings of what the kernels leave behind, for numbers of the algebra A.
+// Implementation of Readings from the workspace of the kernels, for the scalar type of the algebra A.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace gelenk {
 
-// Base: Readings of A's numbers, or a class made of them.
+// Base: Readings of A's scalar type, or a class derived from it.
 template <class A, class Base>
 class WithReadings : public Base {
  public:
@@ -75,7 +75,7 @@ class WithReadings : public Base {
   T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
   Pose plane_pose(int cut) const override {
     const auto& c = model_.cuts[cut];
-    return kernels::pose3<A>(ws_.X_0L[c.link_a] * c.X_AF, 0);  // they are in space
+    return kernels::pose3<A>(ws_.X_0L[c.link_a] * c.X_AF, 0);  // contacts are spatial
   }
   Pose pose_on_plane(int cut) const override { return kernels::pose3<A>(ws_.X_FM[cut], 0); }
 
@@ -104,9 +104,9 @@ class WithReadings : public Base {
   const Loads& loads_;
   Model<A> model_;
   Workspace<A> ws_;
-  std::vector<T> q_, v_;               // the state it stands at
-  std::vector<double> cut_reference_;  // angles of cut joints as last counted
-  std::vector<T> targets_;             // of the coordinate rows: s, s', s''
+  std::vector<T> q_, v_;               // the current state
+  std::vector<double> cut_reference_;  // of cut joints, with full revolutions
+  std::vector<T> targets_;             // of the coordinate constraints: s, s', s''
 };
 
 }  // namespace gelenk

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Levenberg-Marquardt: residuals made to vanish, or as small as can be, by steps on whatever the unknowns live on
-// (Nocedal & Wright 2006, ch. 10). Undamped, a step is Newton's; the more it is damped, the shorter it is and the
-// nearer to steepest descent. All loops are closed by it but those of a run, which stand so near that Newton's steps in
-// the mass metric, by factors that are there already, need no damping (formulation/corrector.cpp).
+// The Levenberg-Marquardt method for nonlinear least squares (Nocedal & Wright 2006, ch. 10), on any set of unknowns
+// that steps can displace (rotations included). An undamped step is a Newton step; damping shortens it and turns it
+// toward steepest descent. All loops are closed with it, except during a run: there the state is so close to the
+// constraints that undamped Newton steps in the mass metric, with the existing factors, suffice
+// (formulation/corrector.cpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +12,10 @@
 
 namespace gelenk {
 
+// The maximum norm of x; 0 if it is empty.
 inline double largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.lpNorm<Eigen::Infinity>(); }
 
-// The step, none of its components longer than that.
+// The step, scaled so that none of its components exceeds `longest`.
 inline Eigen::VectorXd limited(Eigen::VectorXd step, double longest) {
   const double size = largest(step);
   if (size > longest) step *= longest / size;
@@ -21,46 +23,47 @@ inline Eigen::VectorXd limited(Eigen::VectorXd step, double longest) {
 }
 
 struct Descent {
-  double tolerance = 0;          // of the largest residual, in its unit: up to this it has vanished
-  double rounding = tolerance;   // likewise: from there on nothing is gained; so far as long as steps halve residuals
-  double least_progress = 1e-6;  // share of the residuals' norm that a step takes away, if it is to be taken
-  double least_damping = 0;      // as the problem measures it
-  double longest_step = 0;       // in any unknown: farther the linearized problem says little
-  int most_steps = 0;
+  double tolerance = 0;         // of the largest residual, in its unit: below it the equations count as solved
+  double rounding = tolerance;  // as `tolerance`: iteration goal, pursued while each step halves the residual norm
+  double min_progress = 1e-6;   // fraction of the residual norm that an accepted step must remove
+  double min_damping = 0;       // in the scale of the function `linearized`
+  double max_step = 0;          // in any unknown: beyond it the linearization is not valid
+  int max_steps = 0;
 };
 
-// Until nothing is gained, no damping brings progress or the steps are used up. Returns the residuals left, which tell
-// whether they have vanished: nothing that is no number counts as progress. x: where to begin, then where it ended.
-//   residual(x)            what is to vanish
-//   linearized(x)          step(r, damping): the step from x that makes r least, damped; empty: nothing can move
-//   displaced(x, step)     x moved
+// Iterates until the residuals are at rounding level, no damping makes progress, or max_steps are taken. Returns the
+// remaining residuals, which show whether the method converged; residuals that are not finite are never accepted.
+// x: the initial guess on entry, the result on return.
+//   residual(x)            the residuals
+//   linearized(x)          a function step(r, damping): the damped least-squares step from x; empty: nothing can move
+//   displaced(x, step)     x displaced by the step
 template <class X, class Residual, class Linearized, class Displaced>
-Eigen::VectorXd descend(X& x, const Descent& how, Residual residual, Linearized linearized, Displaced displaced) {
-  constexpr double first_damping = 1e-4;  // where an undamped step has led nowhere
-  constexpr double negligible = 1e-5;     // a smaller damping is given up once a step succeeds
-  constexpr int most_dampings = 12;       // of one step: to 1e6, far down the gradient
+Eigen::VectorXd descend(X& x, const Descent& options, Residual residual, Linearized linearized, Displaced displaced) {
+  constexpr double first_damping = 1e-4;       // after an undamped step that made no progress
+  constexpr double negligible_damping = 1e-5;  // a smaller damping is dropped once a step succeeds
+  constexpr int max_trials = 12;               // of damping, for one step: up to 1e6, practically steepest descent
   Eigen::VectorXd r = residual(x);
-  double damping = how.least_damping;
-  for (int i = 0; i < how.most_steps && !(largest(r) <= how.rounding); ++i) {
+  double damping = options.min_damping;
+  for (int i = 0; i < options.max_steps && !(largest(r) <= options.rounding); ++i) {
     const auto step = linearized(x);
-    const bool vanished = largest(r) <= how.tolerance;
-    const double enough = (1 - (vanished ? 0.5 : how.least_progress)) * r.norm();
-    bool better = false;
-    for (int k = 0; k < (vanished ? 1 : most_dampings) && !better; ++k) {
-      const Eigen::VectorXd dx = limited(step(r, damping), how.longest_step);
+    const bool converged = largest(r) <= options.tolerance;
+    const double target_norm = (1 - (converged ? 0.5 : options.min_progress)) * r.norm();
+    bool improved = false;
+    for (int k = 0; k < (converged ? 1 : max_trials) && !improved; ++k) {
+      const Eigen::VectorXd dx = limited(step(r, damping), options.max_step);
       if (dx.size() == 0) return r;
       X next = displaced(x, dx);
-      Eigen::VectorXd there = residual(next);
-      better = there.norm() < enough;
-      if (better) {
+      Eigen::VectorXd next_r = residual(next);
+      improved = next_r.norm() < target_norm;
+      if (improved) {
         x = std::move(next);
-        r = std::move(there);
-        damping = damping < negligible ? how.least_damping : std::max(how.least_damping, damping / 10);
+        r = std::move(next_r);
+        damping = damping < negligible_damping ? options.min_damping : std::max(options.min_damping, damping / 10);
       } else {
         damping = std::max(first_damping, 8 * damping);
       }
     }
-    if (!better) break;
+    if (!improved) break;
   }
   return r;
 }

@@ -18,7 +18,7 @@ void add(double factor, const double* __restrict a, double* __restrict b, int n)
   for (int i = 0; i < n; ++i) b[i] += factor * a[i];
 }
 
-// Turns x, of this norm, into a Householder vector in place; returns the new first entry of the reflected x
+// Turns x, with the given norm, into a Householder vector in place; returns the new first entry of the reflected x
 // and 2 / |u|^2 in scale.
 double householder(double* x, double norm, double& scale) {
   if (norm == 0) {
@@ -34,10 +34,10 @@ double householder(double* x, double norm, double& scale) {
 
 }  // namespace
 
-RowFactor::RowFactor(int speeds, int rows)
-    : n_(speeds),
+RowFactor::RowFactor(int nv, int rows)
+    : n_(nv),
       m_(rows),
-      Y_(static_cast<std::size_t>(speeds) * rows),
+      Y_(static_cast<std::size_t>(nv) * rows),
       diagonal_(rows),
       scale_(rows),
       order_(rows),
@@ -45,9 +45,9 @@ RowFactor::RowFactor(int speeds, int rows)
       Z_(static_cast<std::size_t>(rows) * rows),
       T_diagonal_(rows),
       Z_scale_(rows),
-      d_(std::max(speeds, rows)),
-      e_(std::max(speeds, rows)),
-      f_(std::max(speeds, rows)) {}
+      d_(std::max(nv, rows)),
+      e_(std::max(nv, rows)),
+      f_(std::max(nv, rows)) {}
 
 void RowFactor::factorize(int max_rank) {
   factorize_constraints(std::min({max_rank, n_, m_}));
@@ -57,9 +57,9 @@ void RowFactor::factorize(int max_rank) {
 void RowFactor::factorize_constraints(int max_rank) {
   std::iota(order_.begin(), order_.end(), 0);
   rank_ = 0;
-  ratio_ = 1;
+  pivot_ratio_ = 1;
   for (int k = 0; k < max_rank; ++k) {
-    // Norms anew each time, not by subtraction: downdating loses exactly the small ones that decide the rank.
+    // Norms are recomputed, since downdating loses exactly the small ones that decide the rank.
     int best = k;
     for (int j = k; j < m_; ++j) {
       norms_[j] = dot(column(j) + k, column(j) + k, n_ - k);
@@ -72,7 +72,7 @@ void RowFactor::factorize_constraints(int max_rank) {
     const double pivot = std::sqrt(norms_[best]);
     const double first = k == 0 ? pivot : std::abs(diagonal_[0]);
     if (!(pivot > rank_threshold * first)) break;
-    ratio_ = pivot / first;
+    pivot_ratio_ = pivot / first;
     double* u = column(k) + k;
     diagonal_[k] = householder(u, pivot, scale_[k]);
     for (int j = k + 1; j < m_; ++j) {
@@ -157,9 +157,9 @@ void RowFactor::solve_R(const double* d, double* lambda) const {
 }
 
 double RowFactor::damping_weight(int k) const {
-  if (weak_ == 0) return 1;
+  if (singular_threshold_ == 0) return 1;
   const double p = diagonal_[k] / diagonal_[0];
-  return p * p / (p * p + weak_ * weak_);
+  return p * p / (p * p + singular_threshold_ * singular_threshold_);
 }
 
 void RowFactor::solve_constrained(double* w, const double* gamma, const double* extrapolated) const {
@@ -175,7 +175,7 @@ void RowFactor::solve_constrained(double* w, const double* gamma, const double* 
   for (int k = 0; k < rank_; ++k) {
     const double s = damping_weight(k);
     const double sum = extrapolated == nullptr ? d[k] : s * d[k] + (1 - s) * e[k];
-    f[k] = w[k] - sum;  // what the constraints take away, along Q
+    f[k] = w[k] - sum;  // what the constraints remove, in the basis Q
     w[k] = sum;
   }
   unreflect(w);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rank-revealing factorisation of the whitened rows Y = L^-T J^T (n speeds by m rows), M = L^T L.
+// Rank-revealing QR factorization of the whitened constraint Jacobian Y = L^-T J^T (n velocities by m constraint
+// equations), M = L^T L.
 //
 // With w = L vdot the equations M vdot + J^T lambda = tau, J vdot = gamma become
 //   w + Y lambda = a,   Y^T w = gamma,   a = L^-T tau,
-// so w is a, moved by the least amount in the mass metric onto the rows (Udwadia & Kalaba 1992). Y P = Q R by
-// Householder's method with column pivoting (Golub & Van Loan, sec. 5.4.2), cut off at rank r. Where r < m a second
-// factorisation, R_1^T = Z T, gives the least-squares w and the minimum-norm lambda (complete orthogonal
-// decomposition, ibid. sec. 5.4.7). The condition of Y is never squared.
+// so w is the projection of a onto the constraints in the mass metric (Udwadia & Kalaba 1992). Y P = Q R by
+// Householder's method with column pivoting (Golub & Van Loan, sec. 5.4.2), truncated at rank r. If r < m, a second
+// factorization, R_1^T = Z T, gives the least-squares w and the minimum-norm lambda (complete orthogonal
+// decomposition, ibid. sec. 5.4.7). The condition number of Y is never squared.
 #pragma once
 
 #include <vector>
@@ -15,40 +16,42 @@ namespace gelenk {
 
 class RowFactor {
  public:
-  // Pivots below this fraction of the largest are rounding: rows here come from products of some tens of poses, each
-  // exact to 1e-16, at positions closed to about 1e-14.
+  // Pivots below this fraction of the largest are rounding: the constraint Jacobian is computed from products of some
+  // tens of poses, each exact to 1e-16, at positions with closure errors of about 1e-14.
   static constexpr double rank_threshold = 1e-12;
 
-  RowFactor(int speeds, int rows);
+  RowFactor(int nv, int rows);
 
-  // Column r of Y (whitened row r), to be filled before factorize().
+  // Column r of Y (constraint equation r), n numbers, to be filled in before factorize().
   double* column(int r) { return Y_.data() + static_cast<std::size_t>(r) * n_; }
 
-  // Pivots p near or below this fraction of the largest are weak: what the rows say along them is taken by the share
-  // s = p^2 / (p^2 + weak^2), in constrain() where something else is expected there, and in shortest(). 0: none are.
-  void set_weak(double weak) { weak_ = weak; }
+  // Pivots p (relative to the largest) near or below this threshold are weak: along their directions the constraint
+  // equations count with the weight s = p^2 / (p^2 + threshold^2), in min_norm() and, if an extrapolated solution is
+  // given for the rest, in solve_constrained(). 0: no pivot is weak.
+  void set_singular_threshold(double threshold) { singular_threshold_ = threshold; }
 
-  // At most max_rank pivots are used. The rest repeat others; off the constraints they may not look it.
+  // Uses at most max_rank pivots. The other equations are redundant, even if they do not appear so at a position that
+  // violates the constraints.
   void factorize(int max_rank);
   int rank() const { return rank_; }
-  // Smallest used pivot over the largest: what is left of the rank. 1 when there are no rows.
-  double pivot_ratio() const { return ratio_; }
+  // Ratio of the smallest pivot used to the largest, a measure of the distance to rank loss; 1 without constraints.
+  double pivot_ratio() const { return pivot_ratio_; }
 
-  // w <- the w nearest to a (given in w) with Y^T w = gamma. expected: n numbers that weak pivots' directions follow,
-  // or null: no pivot is taken as weak.
+  // w <- the vector nearest to a (passed in w) with Y^T w = gamma. extrapolated: n numbers that replace the constraint
+  // equations in the directions of weak pivots, or null: no pivot is treated as weak.
   void solve_constrained(double* w, const double* gamma, const double* extrapolated) const;
-  // The same for the columns of w (n x columns) and gamma (m x columns), stored row by row; follows: what is expected
-  // along weak pivots is 0, else none is weak. Leaves nothing for multipliers().
+  // The same for each column of w (n x columns) and gamma (m x columns), stored row by row. regularized: with 0 as the
+  // extrapolated solution; otherwise no pivot is weak. multipliers() is not available afterwards.
   void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const;
-  // The multipliers of the last constrain(), minimum norm.
+  // The multipliers of the last solve_constrained(), of minimum norm.
   void multipliers(double* lambda) const;
-  // w <- the shortest w with Y^T w = residual.
+  // w <- the minimum-norm solution of Y^T w = residual.
   void min_norm(const double* residual, double* w) const;
 
  private:
   void factorize_constraints(int max_rank);
   void factorize_redundant();
-  double damping_weight(int k) const;                // of pivot k, see set_weak
+  double damping_weight(int k) const;                // of pivot k, see set_singular_threshold
   void reflect(double* x) const;                     // x <- Q^T x
   void unreflect(double* x) const;                   // x <- Q x
   void solve_Rt(const double* in, double* d) const;  // d = least-squares solution of R_1^T d = P^T in
@@ -57,13 +60,13 @@ class RowFactor {
 
   int n_, m_;
   int rank_ = 0;
-  double ratio_ = 1;
-  double weak_ = 0;
+  double pivot_ratio_ = 1;
+  double singular_threshold_ = 0;
   std::vector<double> Y_;                         // R above, Householder vectors from the diagonal down
   std::vector<double> diagonal_;                  // of R
   std::vector<double> scale_;                     // 2 / |u|^2 of each Householder vector
   std::vector<int> order_;                        // column k of R belongs to row order_[k]
-  std::vector<double> norms_;                     // squared norms of what is left of each column
+  std::vector<double> norms_;                     // squared norms of the remainder of each column
   std::vector<double> Z_, T_diagonal_, Z_scale_;  // of R_1^T, m x rank, column-major
   mutable std::vector<double> d_, e_, f_;
   mutable std::vector<double> columns_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows' equations for many right sides at a time.
+// Constrained solutions for many right-hand sides at a time.
 #include <algorithm>
 
 #include "linear/columns.h"
@@ -8,7 +8,7 @@
 namespace gelenk {
 namespace {
 
-// x -= scale u (u^T x); sum: n numbers of scratch.
+// x -= scale u (u^T x), with x (rows x n) stored row by row. sum: n numbers of scratch memory.
 void reflect_rows(const double* u, double scale, double* x, int rows, int n, double* sum) {
   std::fill(sum, sum + n, 0.0);
   for (int i = 0; i < rows; ++i) columns::add(u[i], x + static_cast<std::size_t>(i) * n, sum, n);

@@ -25,7 +25,7 @@ int SparseFactor::factorize() {
   for (int k = size() - 1; k >= 0; --k) {
     double* row_k = row(k);
     const int depth = depth_[k];
-    if (row_k[depth] <= 0) return k;  // what is no number shows in the accelerations
+    if (row_k[depth] <= 0) return k;  // NaN passes and shows up in the accelerations
     row_k[depth] = std::sqrt(row_k[depth]);
     const double inverse = 1 / row_k[depth];
     inverse_[k] = inverse;
@@ -64,8 +64,8 @@ void SparseFactor::solve_transposed(double* x) const {
   for (int i = size() - 1; i >= 0; --i) carry_inwards(i, x);
 }
 
-void SparseFactor::solve_transposed(double* x, const std::vector<int>& speeds) const {
-  for (auto i = speeds.rbegin(); i != speeds.rend(); ++i) carry_inwards(*i, x);
+void SparseFactor::solve_transposed(double* x, const std::vector<int>& nonzeros) const {
+  for (auto i = nonzeros.rbegin(); i != nonzeros.rend(); ++i) carry_inwards(*i, x);
 }
 
 void SparseFactor::solve(double* x) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// M = L^T L with L lower triangular, the factorisation that keeps the branches of the tree apart:
-// L_ij is zero unless speed j lies on the way from speed i to the ground (Featherstone 2008, sec. 6.5).
+// M = L^T L with L lower triangular, the factorization without fill-in between the branches of the tree:
+// L_ij is zero unless velocity j lies on the path from velocity i to the ground (Featherstone 2008, sec. 6.5).
 #pragma once
 
 #include <vector>
@@ -9,31 +9,31 @@ namespace gelenk {
 
 class SparseFactor {
  public:
-  // parent[i]: the speed before i on the way to the ground, -1 at the ground; parent[i] < i.
+  // parent[i]: the next velocity on the path from i to the ground, -1 at the ground; parent[i] < i.
   explicit SparseFactor(const std::vector<int>& parent);
 
   int size() const { return static_cast<int>(depth_.size()); }
-  // Row i, to be filled with M before factorize(): its entries with the speeds from the ground outwards, itself last.
+  // Row i, to be filled with M before factorize(): its entries from the ground outward, the diagonal last.
   double* row(int i) { return L_.data() + first_[i]; }
   const double* row(int i) const { return L_.data() + first_[i]; }
-  // Speeds between i and the ground; the place of an ancestor's entry in row i is the ancestor's own depth.
+  // Number of velocities between i and the ground. The entry of an ancestor in row i is at index depth(ancestor).
   int depth(int i) const { return depth_[i]; }
-  // The speeds to which the entries of row i belong.
+  // The column indices of the entries of row i.
   const int* ancestors(int i) const { return ancestors_.data() + first_[i]; }
 
-  // Returns -1, or the speed at which M has no inertia (pivot not positive beyond rounding).
+  // Returns -1, or the velocity at which M has no inertia (its pivot is not positive).
   int factorize();
 
-  // Where factorize() ended at speed k, or its pivot is rounding: z, with z[k] = 1 and zeros before k, of M z = 0 in
-  // the rows from k on.
+  // If factorize() failed at velocity k, or its pivot is rounding: z with z[k] = 1 and zeros before k, such that
+  // M z = 0 in the rows from k on.
   void null_motion(int k, double* z) const;
 
-  void solve_transposed(double* x) const;  // x <- L^-T x: whitens a generalised force
-  // The same for an x with zeros but at these speeds, ascending, which hold all speeds inwards of each.
-  void solve_transposed(double* x, const std::vector<int>& speeds) const;
-  void solve(double* x) const;                      // x <- L^-1 x: from whitened to speeds
-  void multiply(const double* x, double* y) const;  // y = L x: whitens speeds
-  // The same for the columns of x, which is stored row by row.
+  void solve_transposed(double* x) const;  // x <- L^-T x: whitens a generalized force
+  // The same for a sparse x. nonzeros: its indices, ascending and with all ancestors of each.
+  void solve_transposed(double* x, const std::vector<int>& nonzeros) const;
+  void solve(double* x) const;                      // x <- L^-1 x: from whitened to generalized velocities
+  void multiply(const double* x, double* y) const;  // y = L x: whitens generalized velocities
+  // The same for each column of x (size() x columns), stored row by row.
   void solve_transposed(double* x, int columns) const;
   void solve(double* x, int columns) const;
 
@@ -41,8 +41,8 @@ class SparseFactor {
   void carry_inwards(int i, double* x) const;
 
   std::vector<int> depth_;
-  std::vector<int> first_;      // of each row in what follows
-  std::vector<int> ancestors_;  // by row, from the ground outwards; the speed itself last
+  std::vector<int> first_;      // start of each row in ancestors_ and L_
+  std::vector<int> ancestors_;  // by row, from the ground outward; the velocity itself last
   std::vector<double> L_;
   std::vector<double> inverse_;  // of the diagonal
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What row_factor.h does, for many loops of which each touches few speeds: Y = Q R by Householder's method in an order
-// of the loops and a pattern that are found once (George & Heath 1980; Davis 2006, ch. 5). Pivots are sorted within a
-// loop, not among loops: a row that hangs on those before it shows in its own pivot, and where a pivot is weak, it is
-// the direction that this row adds which is shared (set_weak); later rows are then met as it leaves them.
+// The factorization of row_factor.h for many loops each of which depends on few velocities: sparse Y = Q R by
+// Householder's method, with an ordering of the loops and a sparsity pattern that are computed once (George & Heath
+// 1980; Davis 2006, ch. 5). Pivoting is within a loop, not among loops: an equation that depends on earlier ones has a
+// small pivot of its own, and if a pivot is weak, the direction that its equation adds is weighted
+// (set_singular_threshold()); later equations are then solved with that result.
 #pragma once
 
 #include <vector>
@@ -11,26 +12,26 @@ namespace gelenk {
 
 class SparseRowFactor {
  public:
-  // touched: by row, the speeds of its column of Y, ascending.
-  SparseRowFactor(int speeds, const std::vector<std::vector<int>>& touched);
+  // pattern: by constraint equation, the indices of the nonzeros in its column of Y, ascending.
+  SparseRowFactor(int nv, const std::vector<std::vector<int>>& pattern);
 
-  // Whether each row has a speed to be met by; false: of no use.
-  bool possible() const { return possible_; }
+  // Whether each equation has a pivot in the pattern; otherwise use RowFactor.
+  bool is_applicable() const { return is_applicable_; }
 
-  // Rows that touch the same speeds, in the order in which they are taken.
+  // Constraint equations with the same nonzeros, in the order of elimination.
   using Block = std::vector<int>;
   const std::vector<Block>& blocks() const { return blocks_; }
-  // To factorize: begin(); then for each block: write the columns of Y of its rows into work(0), work(1), ... where
-  // they touch, and take() it. False: a row repeats those before it, and this class is of no use here.
-  void begin() { taken_ = 0; }
+  // To factorize: begin(); then for each block write the nonzeros of its columns of Y into work(0), work(1), ... and
+  // append() it. append() returns false if an equation is redundant; then use RowFactor.
+  void begin() { rank_ = 0; }
   double* work(int i) { return x_.data() + static_cast<std::size_t>(i) * n_; }
-  bool take(const Block& block);
+  bool append(const Block& block);
 
-  int rank() const { return taken_; }
-  double pivot_ratio() const { return least_ / largest_; }
-  void set_weak(double weak) { weak_ = weak; }
+  int rank() const { return rank_; }
+  double pivot_ratio() const { return min_pivot_ / max_pivot_; }
+  void set_singular_threshold(double threshold) { singular_threshold_ = threshold; }
 
-  // As RowFactor.
+  // See RowFactor.
   void solve_constrained(double* w, const double* gamma, const double* extrapolated) const;
   void solve_constrained(double* w, const double* gamma, int columns, bool regularized) const;
   void multipliers(double* lambda) const;
@@ -38,38 +39,38 @@ class SparseRowFactor {
 
  private:
   struct Column {
-    int first_row, rows;     // of its Householder vector, in rows_ and u_; the first is its pivot
-    int first_above, above;  // of R above the diagonal, in above_ and R_
+    int first_row, rows;     // range of its Householder vector in rows_ and u_; the first entry is the pivot
+    int first_above, above;  // range of R above the diagonal, in above_ and R_
   };
 
-  void order_rows(const std::vector<std::vector<int>>& touched);
-  void find_pattern(const std::vector<std::vector<int>>& touched);
-  void gather(int i);
-  void sort(int k, int count);
+  void order_rows(const std::vector<std::vector<int>>& pattern);
+  void analyze_pattern(const std::vector<std::vector<int>>& pattern);
+  void reflect_row(int i);
+  void choose_pivot(int k, int count);
   void reduce(int k, int count);
-  double* left(int i) { return left_.data() + static_cast<std::size_t>(i) * left_rows_; }
-  double* above(int i) { return above_values_.data() + static_cast<std::size_t>(i) * most_above_; }
+  double* remainder(int i) { return remainder_.data() + static_cast<std::size_t>(i) * max_remainder_; }
+  double* above(int i) { return above_values_.data() + static_cast<std::size_t>(i) * max_above_; }
   int pivot(const Column& c) const { return rows_[c.first_row]; }
   void reflect(const Column& c, double scale, double* x) const;
   void reflect(const Column& c, double scale, double* x, int columns) const;
   double damping_weight(int k) const;
-  double rest(int k, double value) const;
+  double component(int k, double value) const;
 
   int n_;
-  bool possible_ = true;
+  bool is_applicable_ = true;
   std::vector<Block> blocks_;
   std::vector<int> order_;  // column k of R belongs to row order_[k]
   std::vector<Column> columns_;
   std::vector<int> rows_, above_;
   std::vector<double> u_, R_, diagonal_, scale_;
-  int taken_ = 0;
-  double largest_ = 0, least_ = 0;  // pivots
-  double weak_ = 0;
-  // Of the block being taken, by its rows: columns of Y; R above the block; what is left of them in the block's rows.
-  std::vector<double> x_, above_values_, left_;
-  int most_above_ = 0, left_rows_ = 0;
+  int rank_ = 0;
+  double max_pivot_ = 0, min_pivot_ = 0;  // by magnitude
+  double singular_threshold_ = 0;
+  // By equation of the current block: its column of Y; its part of R above the block; the remainder in the block.
+  std::vector<double> x_, above_values_, remainder_;
+  int max_above_ = 0, max_remainder_ = 0;
   mutable std::vector<double> d_, e_, f_;
-  mutable std::vector<double> sum_;  // of many columns
+  mutable std::vector<double> sum_;  // scratch memory for many columns
 };
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows' equations without their zeros, for many right sides at a time.
+// Constrained solutions by sparse factors, for many right-hand sides at a time.
 #include <algorithm>
 
 #include "linear/columns.h"
@@ -15,19 +15,19 @@ void SparseRowFactor::reflect(const Column& c, double scale, double* x, int colu
   for (int i = 0; i < c.rows; ++i) columns::add(-scale * u[i], sum_.data(), columns::row(x, row[i], columns), columns);
 }
 
-// A direction's component stands in w where its pivot is.
+// The component along a direction is stored in w at its pivot.
 void SparseRowFactor::solve_constrained(double* w, const double* gamma, int columns, bool regularized) const {
   const int m = static_cast<int>(columns_.size());
   sum_.resize(columns);
   for (int k = 0; k < m; ++k) reflect(columns_[k], scale_[k], w, columns);
   for (int k = 0; k < m; ++k) {
     const Column& c = columns_[k];
-    double* const along = columns::row(w, pivot(c), columns);
-    std::copy_n(columns::row(gamma, order_[k], columns), columns, along);
+    double* const x_k = columns::row(w, pivot(c), columns);
+    std::copy_n(columns::row(gamma, order_[k], columns), columns, x_k);
     for (int i = c.first_above; i < c.first_above + c.above; ++i) {
-      columns::add(-R_[i], columns::row(w, pivot(columns_[above_[i]]), columns), along, columns);
+      columns::add(-R_[i], columns::row(w, pivot(columns_[above_[i]]), columns), x_k, columns);
     }
-    columns::scale((regularized ? damping_weight(k) : 1) / diagonal_[k], along, columns);
+    columns::scale((regularized ? damping_weight(k) : 1) / diagonal_[k], x_k, columns);
   }
   for (int k = m - 1; k >= 0; --k) reflect(columns_[k], scale_[k], w, columns);
 }

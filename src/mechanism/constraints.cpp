@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the scene's constraints to contacts between groups and rows in joints' coordinates.
+// Reduction of the scene's constraints to contacts between groups and constraint equations in joint coordinates.
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
@@ -12,20 +12,20 @@
 namespace gelenk {
 namespace {
 
-// "scene.yaml: constraints.mesh: ".
-std::string at(const Scene& scene, const Constraint& c) {
+// Location for error messages: "scene.yaml: constraints.mesh: ".
+std::string location(const Scene& scene, const Constraint& c) {
   return (scene.file.empty() ? "" : scene.file + ": ") + "constraints." + c.name + ": ";
 }
 
-// From a frame's axes to such with z along the unit vector `axis`.
+// A rotation whose z axis is along the unit vector `axis`.
 Pose3 with_z_along(const Eigen::Vector3d& axis) { return {rotation_taking_z_to(axis), Eigen::Vector3d::Zero()}; }
 
-struct RowMaker {
+struct CoordinateRowBuilder {
   const Scene& scene;
   const Graph& graph;
   int island;
   ReducedScene& places;
-  std::unordered_map<std::string_view, int> in_graph{};         // scene joint by name
+  std::unordered_map<std::string_view, int> joint_index{};      // scene joint by name
   std::unordered_map<std::string_view, const Edge*> edge_of{};  // by joint
   std::vector<CoordinateRow> out{};
   std::vector<std::string> errors{};
@@ -33,13 +33,13 @@ struct RowMaker {
   void run() {
     for (const Edge& edge : graph.edges) {
       const std::string& name = scene.joints[edge.scene_joint].name;
-      in_graph.emplace(name, edge.scene_joint);
+      joint_index.emplace(name, edge.scene_joint);
       edge_of.emplace(name, &edge);
     }
     const std::vector<int> inputs = first_inputs(scene)[sections::constraints];
     for (int c = 0; c < static_cast<int>(scene.constraints.size()); ++c) {
       const Constraint& constraint = scene.constraints[c];
-      if (kind_of(constraint.is).is_between_bodies || !in_graph.contains(constraint.joints.front())) continue;
+      if (kind_of(constraint.is).is_between_bodies || !joint_index.contains(constraint.joints.front())) continue;
       CoordinateRow& row = out.emplace_back();
       row.constraint = c;
       std::visit([&](const auto& element) { fill(row, constraint, element, inputs[c]); }, constraint.is);
@@ -52,7 +52,7 @@ struct RowMaker {
 
   template <class C>
   void fill(CoordinateRow& row, const Constraint& c, const C& element, int input) {
-    const JointKind& kind = kind_of(scene.joints[in_graph.at(c.joints.front())].is);
+    const JointKind& kind = kind_of(scene.joints[joint_index.at(c.joints.front())].is);
     const int component = component_of(kind, c.coordinate);
     row.is_angle = kind.q[component].unit == "rad";
     if constexpr (requires { element.factor(0, [](int) { return true; }); }) add_terms(row, c, element, component);
@@ -64,7 +64,7 @@ struct RowMaker {
     }
   }
 
-  // The last joint counts where all others move: against what stands still there is nothing to turn on.
+  // The last joint (the carrier) is used only if all others move.
   template <class C>
   void add_terms(CoordinateRow& row, const Constraint& c, const C& element, int component) {
     const auto base = [&](int k) { return on_base(c, c.joints[static_cast<std::size_t>(k)]); };
@@ -72,40 +72,40 @@ struct RowMaker {
     for (std::size_t i = 0; i < c.joints.size(); ++i) {
       const std::string& name = c.joints[i];
       if (name.empty() || !all) continue;
-      all = moves(c, name);
+      all = check_moves(c, name);
       if (!all) continue;
       const double factor = element.factor(static_cast<int>(i), base);
       if (factor != 0) add_term(row, c, name, i == 0 ? component : 0, factor);
     }
   }
 
-  // A joint between bodies that stand still is in no part that moves.
-  bool moves(const Constraint& c, const std::string& name) {
-    if (in_graph.contains(name)) return true;
-    errors.push_back(at(scene, c) + "found joint " + name +
-                     " between bodies that stand still; expected a joint that moves");
+  // Whether the joint can move; otherwise reports an error. Joints between immobile bodies are not in the graph.
+  bool check_moves(const Constraint& c, const std::string& name) {
+    if (joint_index.contains(name)) return true;
+    errors.push_back(location(scene, c) + "found joint " + name +
+                     " between immobile bodies; expected a joint that can move");
     return false;
   }
 
-  // Whether a joint is on what the last one turns on; else it is on what that turns.
+  // Whether a joint is on the base of the carrier joint (the last one); otherwise it is on the carrier itself.
   bool on_base(const Constraint& c, const std::string& name) {
     const Edge& carrier = *edge_of.at(c.joints.back());
     const Edge& joint = *edge_of.at(name);
     const auto touches = [&](int group) { return joint.group_a == group || joint.group_b == group; };
     if (touches(carrier.group_b)) return false;
     if (touches(carrier.group_a)) return true;
-    errors.push_back(at(scene, c) + "found joint " + name + " neither on the carrier " +
-                     scene.joints[in_graph.at(c.joints.back())].child.body + " nor on " +
-                     scene.joints[in_graph.at(c.joints.back())].parent.body +
-                     ", which it turns on; expected one of them");
+    errors.push_back(location(scene, c) + "found joint " + name + " neither on the carrier " +
+                     scene.joints[joint_index.at(c.joints.back())].child.body + " nor on " +
+                     scene.joints[joint_index.at(c.joints.back())].parent.body +
+                     ", the two bodies of the carrier joint; expected a joint of one of them");
     return true;
   }
 
-  // factor: of the user's coordinate.
+  // Adds factor * q, with the user's coordinate q.
   void add_term(CoordinateRow& row, const Constraint& c, const std::string& name, int component, double factor) {
-    const JointPlace& place = places.joints[in_graph.at(name)];
+    const JointPlace& place = places.joints[joint_index.at(name)];
     if (place.role != JointPlace::Role::tree) {
-      errors.push_back(at(scene, c) + "found joint " + name +
+      errors.push_back(location(scene, c) + "found joint " + name +
                        " in a loop in which every joint is constrained; expected a loop with at least one joint "
                        "without motion, gear or rack, where it can be cut");
       return;
@@ -154,8 +154,8 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
     edge.X_AF = X_GB[a] * on.X_BF;
     edge.X_BM = X_GB[b] * of.X_BF * with_z_along(axis);
     if (edge.group_a == edge.group_b) {
-      errors.push_back(at(scene, c) + "found " + of.body + " welded to " + on.body +
-                       ", which it is on; expected bodies that can move against each other");
+      errors.push_back(location(scene, c) + "found " + of.body + " welded to " + on.body +
+                       "; expected two bodies that can move relative to each other");
     }
     out.push_back(edge);
   }
@@ -164,9 +164,9 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
 }
 
 std::vector<CoordinateRow> coordinate_rows(const Scene& scene, const Graph& graph, int island, ReducedScene& places) {
-  RowMaker maker{.scene = scene, .graph = graph, .island = island, .places = places};
-  maker.run();
-  return std::move(maker.out);
+  CoordinateRowBuilder builder{.scene = scene, .graph = graph, .island = island, .places = places};
+  builder.run();
+  return std::move(builder.out);
 }
 
 }  // namespace gelenk

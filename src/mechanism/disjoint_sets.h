@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Disjoint sets of numbers 0 ... n-1 (Tarjan 1975).
+// Union-find: disjoint sets of the numbers 0 ... n-1 (Tarjan 1975).
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,12 @@ class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
 
+  // The representative of the set of i.
   int find(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  // False: they were together already.
+  // Merges the sets of i and k. Returns false if they were the same set.
   bool join(int i, int k) {
     const int a = find(i);
     const int b = find(k);

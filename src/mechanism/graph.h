@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene as a graph: groups of bodies that move as one, and the joints between them.
+// The scene as a graph, for the reductions: groups of bodies welded together, and the joints between them.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace gelenk {
 
 struct Group {
   std::vector<int> bodies;  // of the scene
-  std::vector<Pose3> X_GB;  // by member: its frame in the group's
+  std::vector<Pose3> X_GB;  // by member: pose of its frame in the group's
   Spatial::Inertia G;       // about the group's frame
 };
 
@@ -25,19 +25,19 @@ struct Edge {
   int group_a = 0, group_b = 0;
   Pose3 X_AF, X_BM;
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();
-  bool against = false;  // planar: the user's axis points against the plane's normal
+  bool opposes_normal = false;  // planar: the user's axis is opposite to the plane's normal
 };
 
-// A group without mass and the two joints that hold it, as one joint that closes a loop.
+// A massless rod: a group without mass and its two joints, replaced by one loop-closing joint.
 struct RodEdge {
   Rod joint;
-  int group = 0;  // the rod's
+  int group = 0;  // the rod
   Edge first, second;
-  int group_a = 0, group_b = 0;  // the neighbours at these
+  int group_a = 0, group_b = 0;  // the neighbors at these joints
   Pose3 X_AF{}, X_BM{};
 };
 
-// A contact between two groups: X_AF of the plane, X_BM of the body on it.
+// A contact between two groups: X_AF is the pose of the plane, X_BM that of the frame on the body.
 struct ContactEdge {
   int constraint = -1;  // of the scene
   CutJoint joint;
@@ -45,18 +45,18 @@ struct ContactEdge {
   Pose3 X_AF, X_BM;
 };
 
-// Group 0 is the ground, its frame the world. Groups that have become rods have no edges.
+// Group 0 is the ground, with the world frame. Groups that have been replaced by rods have no edges.
 struct Graph {
   std::vector<Group> groups;
   std::vector<Edge> edges;
   std::vector<RodEdge> rods;
   std::vector<ContactEdge> contacts;
 
-  // By group: its edges, ascending.
+  // The edges of each group, ascending.
   std::vector<std::vector<int>> edges_of_groups() const;
 };
 
-// Numbers of bodies by name; the ground is -1.
+// Indices of bodies by name; the ground is -1.
 class BodyNumbers {
  public:
   explicit BodyNumbers(const Scene& scene);
@@ -66,62 +66,62 @@ class BodyNumbers {
   std::unordered_map<std::string, int> numbers_;
 };
 
-// --- the passes, in this order ---
+// --- the reductions, in the order of their application ---
 
-// By joint of the scene: a sensor reads its reaction.
+// By joint of the scene: whether a sensor reads its reaction.
 std::vector<bool> observed_reactions(const Scene& scene);
 
-// Merges welds and joints that stand still (weld.cpp). keep[j]: joint j stays a joint, because its reaction is asked
-// for.
+// Merges bodies connected by welds and immobile joints (weld.cpp). keep[j]: joint j remains a joint, because its
+// reaction is read. Throws SceneError for welds that contradict each other.
 Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const ImmobileJoints& immobile,
                   std::vector<Note>& notes);
 
-// Parts that neither joints nor forces couple, except through the ground (islands.cpp).
+// The islands: parts that are coupled by no joint, force or constraint, except through the ground (islands.cpp).
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph);
 
-// The scene's groups, and the parts that are solved apart: its islands, or all of it where they are switched off
-// (islands.cpp).
-struct Parts {
+// The graph of the scene, and the parts that are solved separately: its islands, or the whole graph if the reduction
+// `islands` is off (islands.cpp).
+struct Partition {
   Graph whole;
   std::vector<Graph> islands;
 };
-Parts parts_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes);
+Partition partition_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes);
 
-// As reduce() in mechanism.h. rods_stay_bodies: by joint of the scene, in its island rods without mass do; empty: in
-// none.
+// As reduce() in mechanism.h. rods_stay_bodies: by joint of the scene, whether massless rods in its island remain
+// bodies; empty: in no island.
 ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const std::vector<bool>& rods_stay_bodies);
 
-// Joints whose coordinates constraints name (constraints.cpp).
+// Names of the joints whose coordinates are constrained (constraints.cpp).
 std::vector<std::string_view> constrained_joints(const Scene& scene);
 
-// The contacts of the scene, given where its bodies are: by body + 1, the ground first. Throws SceneError for one
-// within a rigid body (constraints.cpp).
+// The contacts of the scene. group_of, X_GB: group and pose in it, by body + 1, with the ground first. Throws
+// SceneError for a contact between bodies of one group (constraints.cpp).
 std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>& group_of,
                                      const std::vector<Pose3>& X_GB);
 
-// The rows in joints' coordinates of the constraints between joints of the graph, given where these have gone; entered
-// into `places`. Throws SceneError where such a joint is not in the tree (constraints.cpp).
+// The coordinate constraints between joints of the graph, whose positions are in places.joints; registers them in
+// places.constraints. Throws SceneError if such a joint is immobile or is not in the tree (constraints.cpp).
 std::vector<CoordinateRow> coordinate_rows(const Scene& scene, const Graph& graph, int island, ReducedScene& places);
 
-// Does everything move in one plane? (plane.cpp)
+// The plane of motion of a planar mechanism (plane.cpp).
 struct Plane {
-  std::vector<Eigen::Vector3d> normals;  // by group, in its frame; empty if there is no plane
-  std::string why_not;                   // a clause: "joint A turns about an axis across ..."
+  std::vector<Eigen::Vector3d> normals;  // by group, in its frame; empty if the mechanism is not planar
+  std::string why_not;                   // a clause: "no joint axis defines a plane"
 };
 Plane find_plane(const Scene& scene, const Graph& graph);
 
-// Turns all joint frames so that their z axes lie along the normals.
+// Rotates all joint frames so that their z axes are along the normals.
 void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
 
-// Makes rods of groups without mass that only keep two points at a distance, where nothing acts on them and the rest
-// stays connected (massless.cpp). planar: the graph is aligned to a plane.
+// Replaces massless groups that only keep two points at a distance by rods, if no element acts on them and the rest
+// remains connected (massless.cpp). planar: the graph is aligned to a plane.
 void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Note>& notes);
 
 // Edges of the spanning tree in the order in which they reach new groups, from the ground (tree.cpp).
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph);
 
-// The links, cuts and places of one part (links.cpp). normal: of the plane in the world, if the graph is aligned to
-// one.
+// The mechanism of one island; registers bodies and joints in `places` (links.cpp). normal: of the plane, in the world,
+// if the graph is aligned to one.
 Mechanism make_mechanism(const Scene& scene, const Graph& graph, int island,
                          const std::optional<Eigen::Vector3d>& normal, ReducedScene& places);
 

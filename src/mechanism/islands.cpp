@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of a scene that nothing couples can be solved apart, each with its own steps.
+// Partition of a scene into islands, which can be solved separately, each with its own steps.
 #include <algorithm>
 #include <string_view>
 #include <unordered_map>
@@ -10,20 +10,21 @@
 namespace gelenk {
 namespace {
 
-// Of an element: the groups of bodies at its ports.
+// The groups of bodies at the ports of an element.
 template <class Any>
 std::vector<int> groups_at(const Element<Any>& element, const BodyNumbers& number, const std::vector<int>& group_of,
-                           const std::unordered_map<std::string_view, int>& moved) {
+                           const std::unordered_map<std::string_view, int>& moved_group) {
   std::vector<int> out;
   for (const BodyFrame& frame : element.frames) out.push_back(group_of[number(frame.body) + 1]);
   for (const std::string& joint : element.joints) {
-    if (const auto found = moved.find(joint); found != moved.end()) out.push_back(found->second);
+    if (const auto found = moved_group.find(joint); found != moved_group.end()) out.push_back(found->second);
   }
-  std::erase(out, 0);  // the ground couples nothing
+  std::erase(out, 0);  // the ground does not couple islands
   return out;
 }
 
-DisjointSets coupled(const Scene& scene, const Graph& graph) {
+// Sets of groups that are coupled.
+DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
   DisjointSets sets(graph.groups.size());
   for (const Edge& edge : graph.edges) {
     if (edge.group_a != 0 && edge.group_b != 0) sets.join(edge.group_a, edge.group_b);
@@ -33,14 +34,14 @@ DisjointSets coupled(const Scene& scene, const Graph& graph) {
   for (int g = 0; g < static_cast<int>(graph.groups.size()); ++g) {
     for (const int body : graph.groups[g].bodies) group_of[body + 1] = g;
   }
-  std::unordered_map<std::string_view, int> moved;  // by joint: a group that it moves
+  std::unordered_map<std::string_view, int> moved_group;  // by joint: the group of one of its bodies, not the ground
   for (const Edge& edge : graph.edges) {
-    moved[scene.joints[edge.scene_joint].name] = edge.group_a != 0 ? edge.group_a : edge.group_b;
+    moved_group[scene.joints[edge.scene_joint].name] = edge.group_a != 0 ? edge.group_a : edge.group_b;
   }
-  // What is at the ports of one element belongs together.
+  // All groups at the ports of an element belong to one island.
   each_section(scene, [&](const Section&, const auto& elements) {
     for (const auto& element : elements) {
-      const std::vector<int> groups = groups_at(element, number, group_of, moved);
+      const std::vector<int> groups = groups_at(element, number, group_of, moved_group);
       for (const int group : groups) sets.join(groups.front(), group);
     }
   });
@@ -50,11 +51,11 @@ DisjointSets coupled(const Scene& scene, const Graph& graph) {
 }  // namespace
 
 std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
-  DisjointSets sets = coupled(scene, graph);
+  DisjointSets sets = coupled_groups(scene, graph);
   std::vector<Graph> out;
   std::vector<int> part_of_set(graph.groups.size(), -1);
   std::vector<int> part(graph.groups.size(), -1);   // by group
-  std::vector<int> number(graph.groups.size(), 0);  // by group: its number in its part
+  std::vector<int> number(graph.groups.size(), 0);  // by group: its index in its part
   for (int g = 1; g < static_cast<int>(graph.groups.size()); ++g) {
     int& p = part_of_set[sets.find(g)];
     if (p < 0) {
@@ -65,7 +66,7 @@ std::vector<Graph> islands_of(const Scene& scene, const Graph& graph) {
     number[g] = static_cast<int>(out[p].groups.size());
     out[p].groups.push_back(graph.groups[g]);
   }
-  int grounded = -1;  // the part of joints between bodies that stand still: they must fit, and have outputs
+  int grounded = -1;  // the part of joints between immobile bodies: they must be closed, and have outputs
   for (Edge edge : graph.edges) {
     int p = part[edge.group_a == 0 ? edge.group_b : edge.group_a];
     if (p < 0) {
@@ -98,8 +99,8 @@ std::vector<bool> observed_reactions(const Scene& scene) {
   return out;
 }
 
-Parts parts_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes) {
-  Parts out;
+Partition partition_of(const Scene& scene, const ImmobileJoints& immobile, std::vector<Note>& notes) {
+  Partition out;
   out.whole = merge_welds(scene, observed_reactions(scene), immobile, notes);
   if (scene.solver.reduces(Reduction::islands)) {
     out.islands = islands_of(scene, out.whole);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a graph to links in depth-first order, cuts, and the places of the scene's bodies and joints.
+// Construction of a mechanism from a graph: links in depth-first order, cuts, and the places of bodies and joints.
 #include <algorithm>
 #include <numeric>
 
@@ -8,14 +8,14 @@
 namespace gelenk {
 namespace {
 
-struct Maker {
+struct MechanismBuilder {
   const Scene& scene;
   const Graph& graph;
   int island;
   ReducedScene& places;
   Mechanism out{};
   std::vector<int> link_of{};  // by group
-  std::vector<Pose3> X_LG{};   // by group: its frame in its link's
+  std::vector<Pose3> X_LG{};   // by group: pose of its frame in its link's
 
   void run() {
     link_of.assign(graph.groups.size(), -1);
@@ -51,9 +51,9 @@ struct Maker {
     out.heights.push_back(0);
   }
 
-  // Depth first, siblings in the tree's order.
+  // Adds the links depth first, siblings in the order of the tree.
   void add_links(const std::vector<int>& tree) {
-    std::vector<std::vector<int>> tree_edges(graph.groups.size());  // by group, reversed: a stack takes the last first
+    std::vector<std::vector<int>> tree_edges(graph.groups.size());  // by group, reversed for the stack
     for (auto e = tree.rbegin(); e != tree.rend(); ++e) {
       tree_edges[graph.edges[*e].group_a].push_back(*e);
       tree_edges[graph.edges[*e].group_b].push_back(*e);
@@ -74,8 +74,9 @@ struct Maker {
     }
   }
 
-  // Frames of a joint that the tree meets from M's side and that reverses by turning (registry.h):
-  // half a turn about x, or, planar, about z for sliding joints; planar hinges change sign instead.
+  // Rotation of the frames of a joint that the tree traverses from M to F and that is reversed by a half turn
+  // (registry.h): about x or, in planar mechanisms, about z for prismatic joints; planar revolute joints change sign
+  // instead.
   Eigen::Matrix3d reversal(const Edge& edge) const {
     const bool hinge = kind_of(edge.joint).planar == PlanarRole::normal;
     if (!reverses_by_turning(edge.joint) || (out.planar && hinge)) return Eigen::Matrix3d::Identity();
@@ -127,7 +128,7 @@ struct Maker {
     add_ends(rod.group_a, rod.X_AF, rod.group_b, rod.X_BM, cut);
     add_coordinates(rod.first, JointPlace::Role::rod, cut);
     add_coordinates(rod.second, JointPlace::Role::rod, cut);
-    // The rod's frame is the first joint's there.
+    // The rod's frame is the frame of its first joint.
     const Pose3 X_RG = (rod.first.group_a == rod.group ? rod.first.X_AF : rod.first.X_BM).inverse();
     const Group& group = graph.groups[rod.group];
     for (std::size_t i = 0; i < group.bodies.size(); ++i) {
@@ -167,14 +168,14 @@ struct Maker {
     const JointKind& kind = kind_of(edge.joint);
     cut.scene_joints.push_back(edge.scene_joint);
     place_joint(edge, role, static_cast<int>(out.cuts.size()), out.cut_nq, out.cut_nv, false);
-    for (const Quantity& q : kind.q) cut.turns.push_back(q.unit == "rad");
+    for (const Quantity& q : kind.q) cut.is_angle.push_back(q.unit == "rad");
     cut.nq += kind.nq;
     cut.nv += kind.nv;
     out.cut_nq += kind.nq;
     out.cut_nv += kind.nv;
   }
 
-  // Links are numbered depth first, so the larger of two numbers is never the other's ancestor.
+  // Links are numbered depth first, so the link with the larger number is never an ancestor of the other.
   void find_paths(Cut& cut) const {
     int a = cut.link_a;
     int b = cut.link_b;
@@ -204,7 +205,7 @@ struct Maker {
     const auto flip = flip_signs(edge.joint);
     const bool hinge = kind.planar == PlanarRole::normal && reverses_by_turning(edge.joint);
     for (int i = 0; i < kind.nq; ++i) {
-      if (edge.against) place.q_sign[i] *= flip[i];
+      if (edge.opposes_normal) place.q_sign[i] *= flip[i];
       if (reversed && hinge) place.q_sign[i] *= flip[i];
     }
     place.v_sign = place.q_sign;  // planar joints have nq = nv
@@ -212,7 +213,7 @@ struct Maker {
 
   void place_bodies() {
     for (std::size_t g = 0; g < graph.groups.size(); ++g) {
-      if (link_of[g] < 0) continue;  // a rod
+      if (link_of[g] < 0) continue;  // replaced by a rod
       const Group& group = graph.groups[g];
       for (std::size_t i = 0; i < group.bodies.size(); ++i) {
         places.bodies[group.bodies[i]] = {island, link_of[g], X_LG[g] * group.X_GB[i]};
@@ -232,11 +233,11 @@ struct Maker {
 
 Mechanism make_mechanism(const Scene& scene, const Graph& graph, int island,
                          const std::optional<Eigen::Vector3d>& normal, ReducedScene& places) {
-  Maker maker{.scene = scene, .graph = graph, .island = island, .places = places};
-  maker.out.planar = normal.has_value();
-  if (normal) maker.out.X_W0.R = rotation_taking_z_to(*normal);
-  maker.run();
-  return std::move(maker.out);
+  MechanismBuilder builder{.scene = scene, .graph = graph, .island = island, .places = places};
+  builder.out.planar = normal.has_value();
+  if (normal) builder.out.X_W0.R = rotation_taking_z_to(*normal);
+  builder.run();
+  return std::move(builder.out);
 }
 
 }  // namespace gelenk

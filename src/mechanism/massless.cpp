@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rods without mass between two point-like joints become one row each: the distance between their ends.
+// Massless rods between two joints that allow any direction are replaced by one constraint equation each: the distance
+// between their ends.
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -15,7 +16,7 @@ namespace {
 
 bool has_inertia(const Group& group) { return group.G.m != 0 || !group.G.I.isZero(0); }
 
-// What else there is to know of bodies and joints: where something acts, or a force is read.
+// The bodies and joints on which elements act, and the joints whose reaction is read.
 class InteractionIndex {
  public:
   explicit InteractionIndex(const Scene& scene) : scene_(scene) {
@@ -24,16 +25,18 @@ class InteractionIndex {
     });
   }
 
+  // Whether an element acts along the joint or may be tuned to do so, or the reaction there is read.
   bool at(const Edge& edge) const {
     const Joint& joint = scene_.joints[edge.scene_joint];
     return joints_.contains(joint.name) || !joint.is_idle() || may_be_tuned(joint.name);
   }
+  // Whether an element acts on one of the bodies.
   bool on(const Group& group) const {
     return std::ranges::any_of(group.bodies, [&](int b) { return bodies_.contains(scene_.bodies[b].name); });
   }
 
  private:
-  // A sensor changes nothing; only a reaction must be there to be read.
+  // Sensors do not affect the motion, but a reaction that is read requires its joint.
   template <class Any>
   void enter(const Element<Any>& element, const ElementKind& kind) {
     const bool acts = !std::is_same_v<Any, AnySensor>;
@@ -45,7 +48,7 @@ class InteractionIndex {
     }
   }
 
-  // Something along the joint is listed as a parameter that can change during a run, as a whole or by its elements.
+  // Whether a tunable field of a force along the joint, or an element of it, is listed as a parameter.
   bool may_be_tuned(const std::string& joint) const {
     return std::ranges::any_of(scene_.parameters, [&](const std::string& listed) {
       if (!listed.starts_with(joint + ".")) return false;
@@ -68,45 +71,45 @@ bool starts_fixed(const Joint& joint) {
          std::ranges::find(joint.start.v_fixed, true) != joint.start.v_fixed.end();
 }
 
-struct Finder {
+struct RodReduction {
   const Scene& scene;
   bool planar;
   Graph& graph;
-  InteractionIndex busy{scene};
-  std::vector<RodEdge> found{};
+  InteractionIndex interactions{scene};
+  std::vector<RodEdge> candidates{};
 
   void run() {
     const auto edges_of = graph.edges_of_groups();
     for (int g = 1; g < static_cast<int>(graph.groups.size()); ++g) {
-      if (edges_of[g].size() == 2) look_at(g, graph.edges[edges_of[g][0]], graph.edges[edges_of[g][1]]);
+      if (edges_of[g].size() == 2) try_rod(g, graph.edges[edges_of[g][0]], graph.edges[edges_of[g][1]]);
     }
     keep_connected();
-    std::vector<bool> gone(graph.groups.size(), false);
-    for (const RodEdge& rod : found) gone[rod.group] = true;
-    std::erase_if(graph.edges, [&](const Edge& edge) { return gone[edge.group_a] || gone[edge.group_b]; });
-    graph.rods = std::move(found);
+    std::vector<bool> removed(graph.groups.size(), false);
+    for (const RodEdge& rod : candidates) removed[rod.group] = true;
+    std::erase_if(graph.edges, [&](const Edge& edge) { return removed[edge.group_a] || removed[edge.group_b]; });
+    graph.rods = std::move(candidates);
   }
 
-  // A neighbour without mass has its inertia from beyond the rod, which must then stay a body.
-  bool may_hold(int group) const { return group == 0 || graph.groups[group].G.m != 0; }
+  // A massless neighbor gets its inertia through the rod, which must then remain a body.
+  bool can_carry_rod(int group) const { return group == 0 || graph.groups[group].G.m != 0; }
 
-  void look_at(int g, const Edge& one, const Edge& other) {
+  void try_rod(int g, const Edge& one, const Edge& other) {
     const Group& group = graph.groups[g];
-    if (has_inertia(group) || busy.on(group) || busy.at(one) || busy.at(other)) return;
+    if (has_inertia(group) || interactions.on(group) || interactions.at(one) || interactions.at(other)) return;
     const int a = one.group_a == g ? one.group_b : one.group_a;
     const int b = other.group_a == g ? other.group_b : other.group_a;
-    if (a == b || !may_hold(a) || !may_hold(b)) return;
+    if (a == b || !can_carry_rod(a) || !can_carry_rod(b)) return;
     if (!add(g, one, other)) add(g, other, one);
   }
 
   bool add(int g, const Edge& first, const Edge& second) {
-    const bool first_reversed = first.group_a == g;  // M, not F, is on the neighbour
+    const bool first_reversed = first.group_a == g;  // M, not F, is on the neighbor
     const bool second_reversed = second.group_a != g;
     const Pose3 X_12 =
         (first_reversed ? first.X_AF : first.X_BM).inverse() * (second_reversed ? second.X_BM : second.X_AF);
     const auto joint = make_rod(first.joint, first_reversed, second.joint, second_reversed, X_12, planar);
     if (!joint) return false;
-    // Nobody could hold its turn about itself where it is asked to start.
+    // The fixed start value of a joint could not be satisfied if the rod may spin about its own axis.
     if (joint->has_free_spin() &&
         (starts_fixed(scene.joints[first.scene_joint]) || starts_fixed(scene.joints[second.scene_joint])))
       return false;
@@ -115,18 +118,19 @@ struct Finder {
     rod.X_AF = first_reversed ? first.X_BM : first.X_AF;
     rod.group_b = second_reversed ? second.group_a : second.group_b;
     rod.X_BM = second_reversed ? second.X_AF : second.X_BM;
-    // A plane sees no heights: a slanted rod lies in it like its shadow.
+    // Planar algebra has no heights: a slanted rod is replaced by its projection.
     if (planar) rod.X_BM.p -= X_12.p.z() * rod.X_BM.R.col(2);
-    found.push_back(rod);
+    candidates.push_back(rod);
     return true;
   }
 
-  // A rod without which a part would come loose stays a body: its joints are fewer states than six of a free part, with
-  // a joint there or without, and a row. It must not spin about itself then: no inertia says how fast.
+  // A rod without which a part would be disconnected remains a body: its joints have fewer states than the six
+  // velocities of a free part with a constraint equation. Such a rod must not be free to spin about its axis, since it
+  // has no inertia.
   void keep_connected() {
     DisjointSets sets(graph.groups.size());
     std::vector<bool> is_rod(graph.groups.size(), false);
-    for (const RodEdge& rod : found) is_rod[rod.group] = true;
+    for (const RodEdge& rod : candidates) is_rod[rod.group] = true;
     const auto join_joints = [&](bool that_hold) {
       for (const Edge& edge : graph.edges) {
         const bool holds = kind_of(edge.joint).nv < (planar ? 3 : 6);
@@ -135,7 +139,7 @@ struct Finder {
     };
     std::vector<RodEdge> in_loops;
     const auto join_rods = [&](bool that_spin) {
-      for (const RodEdge& rod : found) {
+      for (const RodEdge& rod : candidates) {
         if (rod.joint.has_free_spin() == that_spin && !sets.join(rod.group_a, rod.group_b)) in_loops.push_back(rod);
       }
     };
@@ -143,10 +147,10 @@ struct Finder {
     join_rods(false);
     join_joints(false);
     join_rods(true);
-    found = std::move(in_loops);
+    candidates = std::move(in_loops);
   }
 
-  void tell(std::vector<Note>& notes) const {
+  void report(std::vector<Note>& notes) const {
     std::vector<std::string> rods;
     for (const RodEdge& rod : graph.rods) {
       const auto joint = [&](const Edge& edge) {
@@ -159,18 +163,18 @@ struct Finder {
     }
     if (rods.empty()) return;
     const bool one = rods.size() == 1;
-    notes.push_back({Reduction::massless, std::string(one ? "rod " : "rods ") + text::some(rods) +
-                                              (one ? " has no mass: its length is one row"
-                                                   : " have no mass: the length of each is one row")});
+    notes.push_back({Reduction::massless, std::string(one ? "massless rod " : "massless rods ") + text::some(rods) +
+                                              (one ? ": replaced by one distance constraint"
+                                                   : ": each replaced by one distance constraint")});
   }
 };
 
 }  // namespace
 
 void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Note>& notes) {
-  Finder finder{.scene = scene, .planar = planar, .graph = graph};
-  finder.run();
-  finder.tell(notes);
+  RodReduction reduction{.scene = scene, .planar = planar, .graph = graph};
+  reduction.run();
+  reduction.report(notes);
 }
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does everything move in one plane?
+// Test for planar motion.
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -10,19 +10,19 @@
 namespace gelenk {
 namespace {
 
-// Sine of the largest angle by which an axis may miss the plane. Frames turned by the user's own program carry
-// rounding of about 1e-16 a rotation; a misalignment meant to matter is far larger.
-constexpr double misalignment = 1e-11;
+// Sine of the largest angle between an axis and its direction in a planar mechanism. Frames computed by the user's own
+// program have rounding errors of about 1e-16 per rotation; an intended misalignment is far larger.
+constexpr double max_misalignment = 1e-11;
 
 PlanarRole role(const Edge& edge) { return kind_of(edge.joint).planar; }
 bool has_axis(const Edge& edge) { return kind_of(edge.joint).axes > 0; }
 
-// A normal to start from: (group, direction in the group's frame).
+// A candidate for the normal: (group, direction in the group's frame).
 std::optional<std::pair<int, Eigen::Vector3d>> candidate(const Graph& graph) {
   for (const Edge& edge : graph.edges) {
     if (role(edge) == PlanarRole::normal && has_axis(edge)) return {{edge.group_a, edge.X_AF.R.col(2)}};
   }
-  // Only sliding joints: groups keep their orientation, so all axes can be compared at the ground.
+  // Only prismatic joints: groups do not rotate, so all axes on one group can be compared.
   for (const Edge& first : graph.edges) {
     for (const Edge& second : graph.edges) {
       if (first.group_a != second.group_a) continue;
@@ -34,11 +34,12 @@ std::optional<std::pair<int, Eigen::Vector3d>> candidate(const Graph& graph) {
   return {{graph.edges[0].group_a, graph.edges[0].X_AF.R.col(0)}};
 }
 
+// Whether the axis of the joint is compatible with the normal n_F, given in F.
 bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
   const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   if (!has_axis(edge)) return true;
-  if (role(edge) == PlanarRole::normal) return n_F.cross(axis).norm() <= misalignment;
-  return std::abs(n_F.dot(axis)) <= misalignment;
+  if (role(edge) == PlanarRole::normal) return n_F.cross(axis).norm() <= max_misalignment;
+  return std::abs(n_F.dot(axis)) <= max_misalignment;
 }
 
 }  // namespace
@@ -48,10 +49,11 @@ Plane find_plane(const Scene& scene, const Graph& graph) {
   const auto none = [](std::string why) { return Plane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
     if (role(edge) != PlanarRole::never) continue;
-    return none("joint " + name(edge) + " (" + std::string(kind_of(edge.joint).name) + ") leaves any plane");
+    return none("joint " + name(edge) + " (" + std::string(kind_of(edge.joint).name) +
+                ") permits motion out of any plane");
   }
   const auto start = candidate(graph);
-  if (!start) return none("no joint has an axis that shows a plane");
+  if (!start) return none("no joint axis defines a plane");
   Plane plane;
   plane.normals.assign(graph.groups.size(), Eigen::Vector3d::Zero());
   const auto edges_of = graph.edges_of_groups();
@@ -67,14 +69,15 @@ Plane find_plane(const Scene& scene, const Graph& graph) {
       const Pose3& there = from_a ? edge.X_BM : edge.X_AF;
       const int other = from_a ? edge.group_b : edge.group_a;
       const Eigen::Vector3d n_F = here.R.transpose() * plane.normals[group];
-      if (!fits(edge, n_F)) return none("the axis of joint " + name(edge) + " lies askew to the plane of the others");
-      // Turning about n, or not at all, leaves n where it is: the same components in F and in M.
+      if (!fits(edge, n_F))
+        return none("the axis of joint " + name(edge) + " is not aligned with the plane of the others");
+      // The joint rotates about n or not at all, so that n has the same components in F and in M.
       const Eigen::Vector3d n = there.R * n_F;
       if (plane.normals[other].isZero(0)) {
         plane.normals[other] = n.normalized();
         open.push_back(other);
-      } else if ((plane.normals[other] - n).norm() > misalignment) {
-        return none("the frames of joint " + name(edge) + " are tilted against each other");
+      } else if ((plane.normals[other] - n).norm() > max_misalignment) {
+        return none("the two frames of joint " + name(edge) + " are tilted relative to each other");
       }
     }
   }
@@ -88,9 +91,9 @@ void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals) {
     if (!has_axis(edge)) {
       turn = rotation_taking_z_to(n_F.normalized());
     } else if (role(edge) == PlanarRole::normal) {
-      edge.against = n_F.z() < 0;
-      if (edge.against) turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
-    } else {  // sliding axis along x, normal along z
+      edge.opposes_normal = n_F.z() < 0;
+      if (edge.opposes_normal) turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    } else {  // prismatic axis along x, normal along z
       turn.col(0) = Eigen::Vector3d::UnitZ();
       turn.col(2) = Eigen::Vector3d(n_F.x(), n_F.y(), 0).normalized();
       turn.col(1) = turn.col(2).cross(turn.col(0));

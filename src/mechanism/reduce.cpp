@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reductions in their order, from the scene to its islands.
+// Applies the reductions in their order, from the scene to its islands.
 #include <algorithm>
 #include <cmath>
 
@@ -9,14 +9,14 @@
 namespace gelenk {
 namespace {
 
-// Heights of two halves of a cut joint must agree for planar algebra, which does not see them.
-constexpr double height_gap = 1e-9;
+// Maximum height difference of the two frames of a cut joint in a planar mechanism, whose algebra has no heights.
+constexpr double height_tolerance = 1e-9;  // m
 
 const Cut* cut_at_two_heights(const Mechanism& mechanism) {
   for (const Cut& cut : mechanism.cuts) {
     const double a = mechanism.heights[cut.link_a] + cut.X_AF.p.z();
     const double b = mechanism.heights[cut.link_b] + cut.X_BM.p.z();
-    if (!(std::abs(a - b) <= height_gap)) return &cut;
+    if (!(std::abs(a - b) <= height_tolerance)) return &cut;
   }
   return nullptr;
 }
@@ -37,8 +37,9 @@ struct Reducer {
     out.notes.push_back({pass, text, changed});
   }
 
-  // Planar algebra does not know forces along the normal: reactions need space.
-  std::string reaction_in(const Graph& graph) const {
+  // The name of a joint whose reaction is read, or nothing. Reactions require spatial algebra, since planar algebra has
+  // no forces along the normal.
+  std::string observed_reaction(const Graph& graph) const {
     for (const Edge& edge : graph.edges) {
       if (observed[edge.scene_joint]) return scene.joints[edge.scene_joint].name;
     }
@@ -46,9 +47,9 @@ struct Reducer {
   }
 
   bool may_replace_rods(const Graph& graph) const {
-    const auto stays = [&](const Edge& edge) { return rods_stay_bodies[edge.scene_joint]; };
+    const auto stays_body = [&](const Edge& edge) { return rods_stay_bodies[edge.scene_joint]; };
     return scene.solver.reduces(Reduction::massless) &&
-           (rods_stay_bodies.empty() || std::ranges::none_of(graph.edges, stays));
+           (rods_stay_bodies.empty() || std::ranges::none_of(graph.edges, stays_body));
   }
 
   void add_island(const Graph& graph) {
@@ -59,21 +60,21 @@ struct Reducer {
       out.islands.push_back(make_mechanism(scene, in_space, island, std::nullopt, out));
     }
     check_drives(graph);
-    tell_cuts(out.islands.back());
+    report_cuts(out.islands.back());
   }
 
   bool add_planar(const Graph& graph) {
     if (!scene.solver.reduces(Reduction::planar) || graph.edges.empty()) return false;
     const auto in_space = [&](const std::string& why) {
-      note(Reduction::planar, "in space: " + why, false);
+      note(Reduction::planar, "not planar: " + why, false);
       return false;
     };
-    if (const std::string joint = reaction_in(graph); !joint.empty()) {
-      return in_space("the reaction of joint " + joint + " is read, and only space knows all of it");
+    if (const std::string joint = observed_reaction(graph); !joint.empty()) {
+      return in_space("the reaction of joint " + joint + " is an output, which requires spatial algebra");
     }
     if (!graph.contacts.empty()) {
-      return in_space("the contact " + scene.constraints[graph.contacts.front().constraint].name +
-                      " is known in space");
+      return in_space("constraint " + scene.constraints[graph.contacts.front().constraint].name +
+                      " requires spatial algebra");
     }
     const Plane plane = find_plane(scene, graph);
     if (plane.normals.empty()) return in_space(plane.why_not);
@@ -85,12 +86,12 @@ struct Reducer {
     const Eigen::Vector3d& n = plane.normals[0];
     Mechanism mechanism = make_mechanism(scene, aligned, island, n, out);
     if (const Cut* cut = cut_at_two_heights(mechanism)) {
-      return in_space("the halves of joint " + scene.joints[cut->scene_joints.front()].name +
-                      " lie at different heights");
+      return in_space("the two frames of joint " + scene.joints[cut->scene_joints.front()].name +
+                      " are at different heights above the plane");
     }
-    note(Reduction::planar, joints_in(scene, graph) + ": all motion is normal to (" + text::rounded(n.x(), 4) + ", " +
-                                text::rounded(n.y(), 4) + ", " + text::rounded(n.z(), 4) +
-                                "), so 3 numbers stand for 6 in every velocity and force");
+    note(Reduction::planar, joints_in(scene, graph) + ": all motion is perpendicular to (" + text::rounded(n.x(), 4) +
+                                ", " + text::rounded(n.y(), 4) + ", " + text::rounded(n.z(), 4) +
+                                "), so velocities and forces have 3 components instead of 6");
     out.notes.insert(out.notes.end(), rods.begin(), rods.end());
     out.islands.push_back(std::move(mechanism));
     return true;
@@ -107,14 +108,14 @@ struct Reducer {
         errors.push_back(
             (scene.file.empty() ? "" : scene.file + ": ") + "motors." + motor.name + ": found an inertia of " +
             text::number(inertia) +
-            " kg m2 at the joint where every joint of a loop is driven with inertia; expected 0 at one joint of "
-            "each loop (add the rotor's inertia to a body there)");
+            " kg m2 in a loop in which every joint has a motor with inertia; expected an inertia of 0 at one joint "
+            "of each loop (add the rotor's inertia to a body there)");
       }
     }
     if (!errors.empty()) throw SceneError(errors);
   }
 
-  void tell_cuts(const Mechanism& mechanism) {
+  void report_cuts(const Mechanism& mechanism) {
     if (!scene.solver.reduces(Reduction::cut_choice)) return;
     std::vector<std::string> names;
     for (const Cut& cut : mechanism.cuts) {
@@ -123,8 +124,9 @@ struct Reducer {
       names.push_back(joint.name + " (" + joint.type + ")");
     }
     if (names.empty()) return;
-    note(Reduction::cut_choice, "loops are cut at " + text::some(names) +
-                                    ", which leaves the fewest rows and quaternions and keeps drives uncut");
+    note(Reduction::cut_choice,
+         "loops are cut at " + text::some(names) +
+             ", which gives the fewest constraint equations and quaternions and leaves driven joints uncut");
   }
 };
 
@@ -141,14 +143,15 @@ ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const st
   if (!immobile.empty()) {
     for (std::size_t j = 0; j < immobile.size(); ++j) out.joints[j].q = immobile[j];
   }
-  const auto [graph, parts] = parts_of(scene, immobile, out.notes);
+  const auto [graph, parts] = partition_of(scene, immobile, out.notes);
   if (parts.size() > 1) {
     reducer.note(Reduction::islands,
-                 std::to_string(parts.size()) + " parts without coupling, each solved with its own steps");
+                 std::to_string(parts.size()) + " uncoupled islands, each integrated with its own steps");
   }
   for (const Graph& part : parts) reducer.add_island(part);
-  const Group& still = graph.groups[0];
-  for (std::size_t i = 0; i < still.bodies.size(); ++i) out.bodies[still.bodies[i]] = {-1, 0, still.X_GB[i], -1};
+  const Group& immobile_group = graph.groups[0];
+  for (std::size_t i = 0; i < immobile_group.bodies.size(); ++i)
+    out.bodies[immobile_group.bodies[i]] = {-1, 0, immobile_group.X_GB[i], -1};
   return std::move(reducer.out);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which joints make up the tree, and which are cut.
+// The choice of the spanning tree: which joints are tree joints, and which are cut.
 #include <algorithm>
 #include <queue>
 #include <string_view>
@@ -11,32 +11,33 @@
 namespace gelenk {
 namespace {
 
-// Drive with inertia or constrained, massless part, fewness of freedoms, no quaternion, driven or held.
+// Must be in the tree; connects a massless part; few velocities; no quaternion; driven or held.
 using Preference = std::tuple<bool, bool, int, bool, bool>;
 
-// Larger is kept in the tree first. Two reasons leave no choice: a drive with inertia and a joint whose coordinate is
-// constrained must be in the tree, and a part without mass must carry one with mass there, or M is singular: a cut
-// beside it would leave it at the end of a branch. The rest is the choice of cuts: few freedoms in the tree mean many
-// freedoms, so few rows, at the cuts; the tree that is best edge by edge is the best there is (Kruskal 1956).
+// Edges with larger preference enter the tree first. Two criteria are necessary: joints with motor inertia and joints
+// whose coordinate is constrained must be in the tree, and a massless part must carry a part with mass there, since a
+// cut next to it would leave it at the end of a branch, and M would be singular. The other criteria are the choice of
+// cuts: few velocities in the tree mean few constraint equations at the cuts, since the joints there permit more
+// motions. The greedy choice of edges is optimal (Kruskal 1956).
 class Preferences {
  public:
   Preferences(const Scene& scene, const Graph& graph) : scene_(scene), graph_(graph) {
     for (const Motor& motor : scene.motors) {
-      wanted_.insert(motor.joints.front());
-      if (inertia_of(motor.is) > 0) inertia_.insert(motor.joints.front());
+      driven_or_held_.insert(motor.joints.front());
+      if (inertia_of(motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
-    for (const std::string_view joint : constrained_joints(scene)) inertia_.insert(joint);
+    for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
   }
 
   Preference operator()(const Edge& edge) const {
     const Joint& joint = scene_.joints[edge.scene_joint];
-    const bool inertia = inertia_.contains(joint.name);
+    const bool required = must_be_in_tree_.contains(joint.name);
     const bool massless = without_mass(edge.group_a) || without_mass(edge.group_b);
-    if (!scene_.solver.reduces(Reduction::cut_choice)) return {inertia, massless, 0, false, false};
+    if (!scene_.solver.reduces(Reduction::cut_choice)) return {required, massless, 0, false, false};
     const JointKind& kind = kind_of(edge.joint);
     const auto any = [](const auto& values) { return std::ranges::any_of(values, [](auto x) { return x != 0; }); };
-    const bool wanted = wanted_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle();
-    return {inertia, massless, -kind.nv, !kind.has_quaternion(), wanted};
+    const bool driven_or_held = driven_or_held_.contains(joint.name) || any(joint.start.q_fixed) || !joint.is_idle();
+    return {required, massless, -kind.nv, !kind.has_quaternion(), driven_or_held};
   }
 
  private:
@@ -44,7 +45,7 @@ class Preferences {
 
   const Scene& scene_;
   const Graph& graph_;
-  std::unordered_set<std::string_view> wanted_, inertia_;
+  std::unordered_set<std::string_view> driven_or_held_, must_be_in_tree_;
 };
 
 }  // namespace
@@ -54,8 +55,8 @@ std::vector<int> spanning_tree(const Scene& scene, const Graph& graph) {
   const auto edges_of = graph.edges_of_groups();
   std::vector<int> tree;
   std::vector<int> depth(graph.groups.size(), -1);
-  // Prim's algorithm; among equals the shallower, as short chains make short columns and little rounding, then the
-  // earlier in the file.
+  // Prim's algorithm. Ties are broken by depth, since short chains have short columns and little rounding, then by the
+  // order of the file.
   using Key = std::tuple<Preference, int, int>;
   std::priority_queue<Key> open;
   const auto reach = [&](int group, int at_depth) {

@@ -17,8 +17,8 @@
 namespace gelenk {
 namespace {
 
-// What belongs together is kept or left out together: the islands, and, of what stands still, what is welded into one
-// without the ground.
+// Divides the scene into parts that are kept or omitted as a whole: the islands, and groups of immobile bodies that are
+// connected without the ground.
 class Pruner {
  public:
   explicit Pruner(const Scene& scene)
@@ -27,12 +27,12 @@ class Pruner {
         part_of_body_(scene.bodies.size(), none),
         part_of_joint_(scene.joints.size(), none) {
     std::vector<Note> notes;
-    const Parts parts = parts_of(scene, {}, notes);
+    const Partition parts = partition_of(scene, {}, notes);
     islands_ = static_cast<int>(parts.islands.size());
     for (int p = 0; p < islands_; ++p) enter(parts.islands[static_cast<std::size_t>(p)], p);
-    enter_standing(parts.whole.groups.front());
+    enter_immobile(parts.whole.groups.front());
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-      if (part_of_joint_[j] != none) continue;  // else a weld within one of them
+      if (part_of_joint_[j] != none) continue;  // a weld within a part has none
       part_of_joint_[j] = part_of(scene.joints[j].child.body);
       if (part_of_joint_[j] == none) part_of_joint_[j] = part_of(scene.joints[j].parent.body);
     }
@@ -41,9 +41,9 @@ class Pruner {
 
   WantedPart run() {
     sensors_ = wanted_sensors();
-    keep_neighbours();
+    keep_neighbors();
     WantedPart out{.scene = scene_, .islands = 0, .bodies = {}, .joints = {}};
-    tell(out);
+    list_omitted(out);
     filter(out.scene);
     if (!out.bodies.empty() || !out.joints.empty()) out.scene.left_out = sizes_of(rest(out.scene));
     return out;
@@ -59,7 +59,7 @@ class Pruner {
     for (const Edge& edge : island.edges) part_of_joint_[static_cast<std::size_t>(edge.scene_joint)] = part;
   }
 
-  void enter_standing(const Group& still) {
+  void enter_immobile(const Group& immobile_group) {
     parts_ = islands_;
     DisjointSets sets(scene_.bodies.size());
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -68,7 +68,7 @@ class Pruner {
       if (part_of_joint_[j] == none && parent >= 0 && child >= 0) sets.join(parent, child);
     }
     std::vector<int> part_of_set(scene_.bodies.size(), none);
-    for (const int body : still.bodies) {
+    for (const int body : immobile_group.bodies) {
       int& part = part_of_set[static_cast<std::size_t>(sets.find(body))];
       if (part == none) part = parts_++;
       part_of_body_[static_cast<std::size_t>(body)] = part;
@@ -99,8 +99,8 @@ class Pruner {
   void keep(int part) {
     if (part != none) kept_[static_cast<std::size_t>(part)] = true;
   }
-  // It goes with the island it touches: what stands still holds several. Elsewhere nothing comes of it but between what
-  // is kept.
+  // An element is kept with the islands on which it acts, regardless of immobile parts, which several islands share. An
+  // element without an island is kept if all its parts are kept.
   template <class Element>
   bool is_kept(const Element& element) const {
     std::vector<int> parts = touched(element);
@@ -112,7 +112,7 @@ class Pruner {
   }
   bool is_island(int part) const { return part != none && part < islands_; }
 
-  // Marks the parts that outputs come from; returns the names of sensors with a wanted output.
+  // Marks the parts with requested outputs; returns the names of the sensors with a requested output.
   std::unordered_set<std::string_view> wanted_sensors() {
     const std::vector<Signal> outputs = output_signals(scene_);
     const std::vector<bool> wanted = wanted_outputs(scene_);
@@ -139,8 +139,9 @@ class Pruner {
     return sensors;
   }
 
-  // Nothing that is kept may refer to what is not. Islands have no coupling; they may be held by what stands still.
-  void keep_neighbours() {
+  // Extends the kept parts until no kept element refers to an omitted part: islands are not coupled to each other, but
+  // may be connected to immobile parts.
+  void keep_neighbors() {
     for (bool grown = true; grown;) {
       grown = false;
       const auto spread = [&](const auto& elements) {
@@ -158,7 +159,7 @@ class Pruner {
     }
   }
 
-  // A reaction that is read keeps its island in space, whether it is wanted or not: so a sensor of one stays there.
+  // A sensor of a reaction is kept with its island even if it is not requested, since it makes the island spatial.
   bool is_kept(const Sensor& sensor) const {
     const auto kept = [&](int part) { return is_kept(part); };
     return sensors_.contains(sensor.name) ||
@@ -177,7 +178,7 @@ class Pruner {
                   [&](const std::string& path) { return !known.contains(path.substr(0, path.find('['))); });
   }
 
-  // The scene without what is kept.
+  // The omitted part of the scene.
   Scene rest(const Scene& kept) const {
     Scene out = scene_;
     const auto drop = [](auto& elements, const auto& those) {
@@ -192,7 +193,7 @@ class Pruner {
     return out;
   }
 
-  void tell(WantedPart& out) const {
+  void list_omitted(WantedPart& out) const {
     for (int p = 0; p < islands_; ++p) out.islands += is_kept(p) ? 0 : 1;
     for (const Body& body : scene_.bodies) {
       if (!is_kept(part_of(body.name))) out.bodies.push_back(body.name);
@@ -204,10 +205,10 @@ class Pruner {
 
   const Scene& scene_;
   NameIndex numbers_;
-  int islands_ = 0, parts_ = 0;                    // these first, then what stands still
-  std::vector<int> part_of_body_, part_of_joint_;  // none: a weld of the ground to itself
+  int islands_ = 0, parts_ = 0;                    // islands first, then immobile parts
+  std::vector<int> part_of_body_, part_of_joint_;  // none: only a weld of the ground to itself
   std::vector<bool> kept_;                         // by part
-  std::unordered_set<std::string_view> sensors_;   // with a wanted output
+  std::unordered_set<std::string_view> sensors_;   // with a requested output
 };
 
 }  // namespace
@@ -215,18 +216,18 @@ class Pruner {
 std::string WantedPart::report() const {
   if (bodies.empty() && joints.empty()) return {};
   std::string what = islands == 1 ? "1 island" : std::to_string(islands) + " islands";
-  if (islands == 0) what = "what stands still";
+  if (islands == 0) what = "immobile parts";
   std::string names;
   if (!bodies.empty()) names = (bodies.size() == 1 ? "body " : "bodies ") + text::some(bodies);
   if (!joints.empty()) {
     names += (names.empty() ? "" : "; ") + std::string(joints.size() == 1 ? "joint " : "joints ") + text::some(joints);
   }
-  return "left out, since no wanted output depends on it: " + what + " (" + names + ")";
+  return "omitted, because no requested output depends on it: " + what + " (" + names + ")";
 }
 
 WantedPart wanted_part(const Scene& scene) {
-  const bool may = scene.solver.reduces(Reduction::outputs) && scene.solver.reduces(Reduction::islands);
-  WantedPart out = scene.outputs.empty() || scene.is_wanted_part || !may
+  const bool can_prune = scene.solver.reduces(Reduction::outputs) && scene.solver.reduces(Reduction::islands);
+  WantedPart out = scene.outputs.empty() || scene.is_wanted_part || !can_prune
                        ? WantedPart{.scene = scene, .islands = 0, .bodies = {}, .joints = {}}
                        : Pruner(scene).run();
   out.scene.is_wanted_part = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene without what none of its wanted outputs depends on.
+// Omission of the islands on which no requested output depends.
 #pragma once
 
 #include <string>
@@ -11,17 +11,19 @@ namespace gelenk {
 
 struct WantedPart {
   Scene scene;
-  // What was left out: how many islands, and the names of what was in them or stood still.
+  // The omitted parts: number of islands, and names of their bodies and joints and of immobile ones.
   int islands = 0;
   std::vector<std::string> bodies, joints;
 
-  // "left out, since no wanted output depends on it: 2 islands (bodies a, b; joints A, B)"; empty where nothing is.
+  // "omitted, because no requested output depends on it: 2 islands (bodies a, b; joints A, B)"; empty if nothing is
+  // omitted.
   std::string report() const;
 };
 
-// The islands that a wanted output comes from, with all that acts on them, and sensors with a wanted output; the scene
-// itself where it lists no outputs, wants the energy of all, or where the reductions `outputs` or `islands` are off.
-// Each island is to the bit what it is in the whole. Throws SceneError for welds that contradict each other.
+// The islands with a requested output, with all elements that act on them, and the sensors with a requested output; the
+// scene itself if it lists no outputs, if the total energy is requested, or if the reduction `outputs` or `islands` is
+// off. Each island is bit for bit the same as in the whole scene. Throws SceneError for welds that contradict each
+// other.
 WantedPart wanted_part(const Scene& scene);
 
 }  // namespace gelenk

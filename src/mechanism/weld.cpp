@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies welded together become one, and so do bodies whose joints stand still.
+// Merging of bodies that are connected by welds or immobile joints.
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -10,10 +10,10 @@
 namespace gelenk {
 namespace {
 
-// Gaps of welds that close a loop of welds: rounding of a handful of products of numbers near 1 m and 1 rad.
-constexpr double weld_gap = 1e-9;
+// Maximum closure error of a loop of welds: rounding of a few products of numbers near 1 m and 1 rad.
+constexpr double weld_tolerance = 1e-9;  // m and rad
 
-// A joint that holds two bodies in one pose.
+// A joint that fixes the relative pose of two bodies.
 struct Weld {
   int joint;
   int a, b;    // bodies; -1: ground
@@ -27,7 +27,7 @@ Pose3 pose_at(const Joint& joint, const std::vector<double>& q) {
   return X_UC * X * X_UC.inverse();
 }
 
-struct Merger {
+struct GroupBuilder {
   const Scene& scene;
   BodyNumbers number{scene};
   Graph graph{};
@@ -43,10 +43,10 @@ struct Merger {
     for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
       const Joint& joint = scene.joints[j];
       const bool weld = find_joint_kind(joint.type)->nv == 0 && scene.solver.reduces(Reduction::weld);
-      const bool stands = !immobile.empty() && !immobile[j].empty();
-      if (keep[j] || (!weld && !stands)) continue;
+      const bool is_immobile = !immobile.empty() && !immobile[j].empty();
+      if (keep[j] || (!weld && !is_immobile)) continue;
       merged[j] = true;
-      const Pose3 X_FM = stands ? pose_at(joint, immobile[j]) : Pose3();
+      const Pose3 X_FM = is_immobile ? pose_at(joint, immobile[j]) : Pose3();
       const int a = number(joint.parent.body);
       const int b = number(joint.child.body);
       welds_of[a + 1].push_back(static_cast<int>(welds.size()));
@@ -55,7 +55,7 @@ struct Merger {
     }
   }
 
-  // Gathers what hangs on `first` by welds, breadth first.
+  // Adds all bodies that are connected to `first` by welds to the group, breadth first.
   void gather(int group, int first) {
     std::deque<int> open = {first};
     group_of[first + 1] = group;
@@ -95,7 +95,7 @@ struct Merger {
     }
   }
 
-  // Welds inside a group must agree with those that made the group.
+  // Throws SceneError unless redundant welds inside a group agree with the others.
   void check_welds() const {
     std::vector<std::string> errors;
     for (const Weld& weld : welds) {
@@ -103,7 +103,7 @@ struct Merger {
       const Pose3 X = (X_GB[weld.a + 1] * weld.X_AB).inverse() * X_GB[weld.b + 1];
       const double gap = X.p.norm();
       const double turn = rotation_vector(X.R).norm();
-      if (gap <= weld_gap && turn <= weld_gap) continue;
+      if (gap <= weld_tolerance && turn <= weld_tolerance) continue;
       errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name +
                        ": this weld contradicts other welds between '" + joint.parent.body + "' and '" +
                        joint.child.body + "': its two frames are " + std::to_string(gap) + " m and " +
@@ -132,28 +132,26 @@ struct Merger {
     graph.contacts = contacts_of(scene, group_of, X_GB);
   }
 
-  void tell(const ImmobileJoints& immobile, std::vector<Note>& notes) const {
+  void report(const ImmobileJoints& immobile, std::vector<Note>& notes) const {
     std::vector<std::string> welded;
-    std::vector<std::string> still;
+    std::vector<std::string> immobile_joints;
     for (const Weld& weld : welds) {
-      const bool stands = !immobile.empty() && !immobile[weld.joint].empty();
-      (stands ? still : welded).push_back(scene.joints[weld.joint].name);
+      const bool is_immobile = !immobile.empty() && !immobile[weld.joint].empty();
+      (is_immobile ? immobile_joints : welded).push_back(scene.joints[weld.joint].name);
     }
     if (!welded.empty()) {
       const bool one = welded.size() == 1;
       notes.push_back({Reduction::weld, std::string(one ? "weld " : "welds ") + text::some(welded) +
-                                            (one ? " makes" : " make") + " one body of two"});
+                                            (one ? " merges" : " each merge") + " two bodies into one"});
     }
-    if (!still.empty()) {
-      notes.push_back(
-          {Reduction::fixed, "nothing can move at " + text::some(still) + ": the bodies there are one, as if welded"});
+    if (!immobile_joints.empty()) {
+      notes.push_back({Reduction::fixed, "immobile joints are treated as welds: " + text::some(immobile_joints)});
     }
     std::vector<std::string> immobile_bodies;
     for (const int body : graph.groups[0].bodies) immobile_bodies.push_back(scene.bodies[body].name);
     if (!immobile_bodies.empty()) {
-      notes.push_back({Reduction::fixed, text::some(immobile_bodies) +
-                                             (immobile_bodies.size() == 1 ? " stands" : " stand") +
-                                             " still with the ground: dropped from the equations"});
+      notes.push_back({Reduction::fixed, text::some(immobile_bodies) + (immobile_bodies.size() == 1 ? " is" : " are") +
+                                             " fixed to the ground: removed from the equations"});
     }
   }
 };
@@ -176,13 +174,13 @@ std::vector<std::vector<int>> Graph::edges_of_groups() const {
 
 Graph merge_welds(const Scene& scene, const std::vector<bool>& keep, const ImmobileJoints& immobile,
                   std::vector<Note>& notes) {
-  Merger merger{.scene = scene};
-  merger.find_welds(keep, immobile);
-  merger.make_groups();
-  merger.check_welds();
-  merger.make_edges();
-  merger.tell(immobile, notes);
-  return std::move(merger.graph);
+  GroupBuilder builder{.scene = scene};
+  builder.find_welds(keep, immobile);
+  builder.make_groups();
+  builder.check_welds();
+  builder.make_edges();
+  builder.report(immobile, notes);
+  return std::move(builder.graph);
 }
 
 }  // namespace gelenk

@@ -28,9 +28,9 @@ ModelSize size_of(const ReducedScene& reduced) {
 
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
-  load_maker.emplace(scene, prepared.reduced);
+  load_assembler.emplace(scene, prepared.reduced);
   std::vector<Loads> loads;
-  for (std::vector<Loads>* of : {&loads, &other_loads}) load_maker->fill(*of);
+  for (std::vector<Loads>* of : {&loads, &other_loads}) load_assembler->fill(*of);
   sensitivity.reset();
   islands.clear();
   island_of_input.assign(u.count(), -1);
@@ -93,7 +93,7 @@ void Simulation::tune(const Scene& scene) {
     convert(s.tuned, s.scene.units);
     take_tunables(s.scene, s.tuned);
   }
-  s.load_maker->fill(s.other_loads);
+  s.load_assembler->fill(s.other_loads);
   for (std::size_t i = 0; i < s.islands.size(); ++i) s.islands[i]->swap_loads(s.other_loads[i]);
   s.immobile_energy = gelenk::immobile_energy(s.scene, s.prepared.reduced);
 }

@@ -64,7 +64,7 @@ struct Simulation::Impl {
   std::vector<std::unique_ptr<Island>> islands;
   std::vector<int> island_of_input;
   std::unique_ptr<Outputs> readings;
-  std::optional<LoadMaker> load_maker;
+  std::optional<LoadAssembler> load_assembler;
   std::vector<Loads> other_loads;  // by island: workspace of tune()
   double immobile_energy = 0;      // potential energy of immobile bodies
   double time = 0;

@@ -17,14 +17,14 @@ void bind_descent(nb::module_& m) {
   using Step = std::function<Numbers(const Numbers&, const Numbers&, double)>;
   m.def(
       "descend",
-      [](Numbers x, const Residual& residual, const Step& step, double tolerance, double rounding,
-         double least_progress, double least_damping, double longest_step, int most_steps) {
+      [](Numbers x, const Residual& residual, const Step& step, double tolerance, double rounding, double min_progress,
+         double min_damping, double max_step, int max_steps) {
         const auto vector = [](const Numbers& of) {
           return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size())));
         };
         const auto list = [](const Eigen::VectorXd& of) { return Numbers(of.begin(), of.end()); };
         const Eigen::VectorXd left = gelenk::descend(
-            x, {tolerance, rounding, least_progress, least_damping, longest_step, most_steps},
+            x, {tolerance, rounding, min_progress, min_damping, max_step, max_steps},
             [&](const Numbers& at) { return vector(residual(at)); },
             [&](const Numbers& at) {
               return [&, at](const Eigen::VectorXd& r, double damping) { return vector(step(at, list(r), damping)); };
@@ -33,8 +33,8 @@ void bind_descent(nb::module_& m) {
         return std::pair(x, list(left));
       },
       nb::arg("x"), nb::arg("residual"), nb::arg("step"), nb::kw_only(), nb::arg("tolerance") = 0.0,
-      nb::arg("rounding") = 0.0, nb::arg("least_progress") = 1e-6, nb::arg("least_damping") = 0.0,
-      nb::arg("longest_step") = 1e3, nb::arg("most_steps") = 100);
+      nb::arg("rounding") = 0.0, nb::arg("min_progress") = 1e-6, nb::arg("min_damping") = 0.0,
+      nb::arg("max_step") = 1e3, nb::arg("max_steps") = 100);
 }
 
 }  // namespace native

@@ -18,7 +18,7 @@ template <class Factor>
 void bind_answers(nb::class_<Factor>& c) {
   c.def_prop_ro("rank", &Factor::rank)
       .def_prop_ro("pivot_ratio", &Factor::pivot_ratio)
-      .def("set_weak", &Factor::set_weak)
+      .def("set_weak", &Factor::set_singular_threshold)
       .def(
           "constrain",
           [](const Factor& f, Numbers w, const Numbers& gamma, const std::optional<Numbers>& expected) {
@@ -59,7 +59,7 @@ void bind_factors(nb::module_& m) {
   bind_answers(dense);
 
   auto sparse = nb::class_<SparseRowFactor>(m, "SparseRowFactor").def(nb::init<int, std::vector<std::vector<int>>>());
-  sparse.def_prop_ro("possible", &SparseRowFactor::possible)
+  sparse.def_prop_ro("possible", &SparseRowFactor::is_applicable)
       .def("factorize", [](SparseRowFactor& f, const Table& columns) {
         f.begin();
         return std::ranges::all_of(f.blocks(), [&](const SparseRowFactor::Block& block) {
@@ -70,7 +70,7 @@ void bind_factors(nb::module_& m) {
               if (column[k] != 0) to[k] = column[k];
             }
           }
-          return f.take(block);
+          return f.append(block);
         });
       });
   bind_answers(sparse);

@@ -64,7 +64,7 @@ def test_contradicting_equations_end_at_the_least_residual(units: Any) -> None:
         J = problem.J(np.array(x))
         return [float(v) for v in -np.linalg.solve(J.T @ J * (1 + damping), J.T @ r)]
 
-    x, left = units.descend([5.0], problem.residual, least_squares, least_progress=1e-9)
+    x, left = units.descend([5.0], problem.residual, least_squares, min_progress=1e-9)
     gradient = problem.J(np.array(x)).T @ np.array(left)
     assert float(gradient[0]) == pytest.approx(0, abs=1e-3)  # |r| decreases by less than 1e-9 of itself there
     assert np.abs(left).max() > 0.5
@@ -72,7 +72,7 @@ def test_contradicting_equations_end_at_the_least_residual(units: Any) -> None:
 
 def test_steps_are_no_longer_than_specified(units: Any) -> None:
     problem = Problem(lambda x: x - 10, lambda _x: np.eye(1))
-    x, _ = problem.solve(units, [0.0], longest_step=3.0)
+    x, _ = problem.solve(units, [0.0], max_step=3.0)
     assert [float(at[0]) for at in problem.seen] == [0, 3, 6, 9, 10]
     assert x == [10]
 
@@ -81,18 +81,18 @@ def test_steps_are_no_longer_than_specified(units: Any) -> None:
 def test_iterations_below_the_tolerance_continue_to_rounding(units: Any, rounding: float) -> None:
     """x^2 = 0: each Newton step quarters the residual; iterations continue while it is at least halved."""
     problem = Problem(lambda x: x**2, lambda x: np.diag(2 * x))
-    _, left = problem.solve(units, [1.0], tolerance=1e-3, rounding=rounding, most_steps=2000)
+    _, left = problem.solve(units, [1.0], tolerance=1e-3, rounding=rounding, max_steps=2000)
     assert rounding / 4.01 < left[0] <= rounding
 
 
 def test_iterations_below_the_tolerance_stop_if_steps_gain_too_little(units: Any) -> None:
     """With a derivative five times too large steps gain a fifth: enough above the tolerance."""
     slow = Problem(lambda x: x, lambda _x: 5 * np.eye(1))
-    _, left = slow.solve(units, [1.0], tolerance=2e-3, least_progress=0.1)
+    _, left = slow.solve(units, [1.0], tolerance=2e-3, min_progress=0.1)
     assert 0.8 * 2e-3 < left[0] <= 2e-3
     assert set(slow.dampings) == {0.0}  # no step is damped to continue from there
     stuck = Problem(lambda x: x, lambda _x: 5 * np.eye(1))
-    _, left = stuck.solve(units, [1.0], tolerance=2e-3, least_progress=0.3)
+    _, left = stuck.solve(units, [1.0], tolerance=2e-3, min_progress=0.3)
     assert left[0] == 1
     assert max(stuck.dampings) > 1e5  # all dampings were tried
 
@@ -108,7 +108,7 @@ def test_steps_are_damped_until_they_succeed_and_then_released(units: Any) -> No
 
 def test_the_least_damping_is_kept(units: Any) -> None:
     problem = banana()
-    x, _ = problem.solve(units, [-1.2, 1.0], rounding=1e-13, least_damping=1e-10)
+    x, _ = problem.solve(units, [-1.2, 1.0], rounding=1e-13, min_damping=1e-10)
     assert x == pytest.approx([1, 1], abs=1e-12)
     assert min(problem.dampings) == 1e-10
 
@@ -129,5 +129,5 @@ def test_without_unknowns_nothing_changes(units: Any) -> None:
 
 def test_steps_are_counted(units: Any) -> None:
     problem = Problem(lambda x: x**2, lambda x: np.diag(2 * x))
-    problem.solve(units, [1.0], most_steps=7)
+    problem.solve(units, [1.0], max_steps=7)
     assert len(problem.seen) == 1 + 7

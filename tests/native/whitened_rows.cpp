@@ -74,7 +74,7 @@ void bind_whitened_rows(nb::module_& m) {
              }
              if (L.factorize() >= 0) throw std::runtime_error("no mass");
              for (int r = 0; r < rows.J.rows(); ++r) {
-               for (int k = 0; k < rows.J.entries(r); ++k) rows.J.values(r)[k] = J[r][rows.J.speeds(r)[k]];
+               for (int k = 0; k < rows.J.entries(r); ++k) rows.J.values(r)[k] = J[r][rows.J.columns(r)[k]];
              }
              rows.whitened->factorize(max_rank);
            })

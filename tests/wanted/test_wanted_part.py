@@ -106,13 +106,13 @@ def test_inspect_says_what_is_left_out() -> None:
     source = gelenk.load(two_on_one_table())
     report = gelenk.inspect(source, outputs=["L.*"])
     sentence = (
-        "left out, since no wanted output depends on it: 2 islands (bodies right and far; joints R and F)"
+        "omitted, because no requested output depends on it: 2 islands (bodies right and far; joints R and F)"
     )
     assert report.left_out == sentence == report.to_dict()["left_out"]
     assert sentence in report.reductions["outputs"].notes
     assert (report.described.bodies, report.reduced.bodies) == (5, 1)
     assert (report.described.islands, report.reduced.islands) == (1, 1)
-    assert "left out, since" in " ".join(str(report).split())
+    assert "omitted, because" in " ".join(str(report).split())
     assert gelenk.inspect(source).left_out == ""
 
 

@@ -86,11 +86,13 @@ def test_without_the_reduction_a_rod_that_may_spin_is_refused_by_name() -> None:
 def test_inspection_names_the_rods_and_their_joints() -> None:
     report = gelenk.inspect(spatial_four_bar()).reductions["massless"]
     assert report.changed
-    assert list(report.notes) == ["rod rod (universal U, spherical S) has no mass: its length is one row"]
+    assert list(report.notes) == [
+        "massless rod rod (universal U, spherical S): replaced by one distance constraint"
+    ]
     report = gelenk.inspect(hung_platform(3, {"phi_a": 0.5})).reductions["massless"]
     assert list(report.notes) == [
-        "rods rod1 (universal U1, spherical S1) and rod2 (universal U2, spherical S2) have no mass: "
-        "the length of each is one row",
+        "massless rods rod1 (universal U1, spherical S1) and rod2 (universal U2, spherical S2): "
+        "each replaced by one distance constraint",
     ]
 
 
