@@ -118,7 +118,7 @@ def masters(jobs: int, quick: bool) -> dict[str, str]:
     runs, reference = master.master_runs(all_methods(), jobs=jobs, case=case)
     runs_csv.write(runs, NUMBERS / "master.csv")
     steps = len(case.grid) - 1
-    cpu, error = master.share_of_ida(runs, 1e-6)
+    cpu, error = master.ida_fraction(runs, 1e-6)
     text = (
         master.master_table(runs, steps)
         + f"\nPer communication step of 1 ms, {steps} steps; {machine()}. At 1e-6 `auto` takes {cpu:.2f} of "

@@ -21,7 +21,7 @@ from typing import Any
 from benchmarks.page_parts import put
 
 import gelenk
-from gelenk.chart.mechanisms import at, hinge, rod, windows
+from gelenk.chart.mechanisms import at, four_bar_chain, hinge, rod
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "performance.md"
 SIZES = (256, 1024, 4096)
@@ -79,7 +79,7 @@ def islands(n: int) -> Scene:
 
 def n_four_bar(n: int) -> Scene:
     """Return the N-four-bar (IFToMM A02) with about n bodies."""
-    return windows(n // 2, 0.3, 1.0)
+    return four_bar_chain(n // 2, 0.3, 1.0)
 
 
 def scissors(n: int) -> Scene:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import gelenk
-from gelenk.chart.mechanisms import at, bricard, hinge, rod, windows
+from gelenk.chart.mechanisms import at, bricard, four_bar_chain, hinge, rod
 from gelenk.model.inspection import REDUCTIONS, Inspection, evaluation_cost
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -102,7 +102,7 @@ def coupled_by_a_rod() -> Scene:
 
 
 BUILT: dict[str, Callable[[], Scene]] = {
-    "chain of five parallelograms": lambda: windows(5, upright=math.pi / 2 - 1.2, rate=0.0),
+    "chain of five parallelograms": lambda: four_bar_chain(5, upright=math.pi / 2 - 1.2, rate=0.0),
     "Bricard's linkage of six hinges": bricard,
     "spatial slider-crank, ball joint listed first": ball_first,
     "pendulum of 50 welded pieces": lambda: welded_chain(50),
@@ -134,11 +134,13 @@ def change(before: object, after: object) -> str:
 
 def sizes(name: str, report: Inspection) -> str:
     data = report.to_dict()
-    keys = ("bodies", "coordinates", "rows", "algebra", "islands")
+    keys = ("bodies", "coordinates", "constraint_equations", "algebra", "islands")
     cells = [change(data["described"][key], data["reduced"][key]) for key in keys]
     counted = data["mobility"]["counted"]
     degrees_of_freedom = (
-        str(report.degrees_of_freedom) if counted == report.degrees_of_freedom else f"{report.degrees_of_freedom} (counted {counted})"
+        str(report.degrees_of_freedom)
+        if counted == report.degrees_of_freedom
+        else f"{report.degrees_of_freedom} (counted {counted})"
     )
     return "| " + " | ".join([name, *cells, degrees_of_freedom]) + " |"
 

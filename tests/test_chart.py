@@ -21,8 +21,8 @@ from gelenk.chart.case import Array, Case, Jumps, case_of
 from gelenk.chart.measure import Course, Reference, Run, Task, compared, measured
 from gelenk.chart.methods import AUTO, Method, all_methods, chosen, registered
 from gelenk.chart.outcome import Outcome, judged
+from gelenk.chart.quadrature import rotation
 from gelenk.chart.scenes import LIGHT_CART_POLE, light_cart_pole_truth, stability_cases
-from gelenk.chart.turning import turning
 from gelenk.chart.workers import Failure, work_off
 from gelenk.cli import app
 
@@ -173,14 +173,14 @@ def test_references_carry_the_digits_in_which_unrelated_methods_agree(
 def test_quadrature_finds_the_pendulum_s_rates_and_period() -> None:
     """A rod rotates uniformly without gravity; with gravity, energy relates rate and angle."""
     times = np.linspace(0.1, 20, 50)
-    phi, w = turning(np.ones_like, np.zeros_like, 0.3, -2.0, times)
+    phi, w = rotation(np.ones_like, np.zeros_like, 0.3, -2.0, times)
     np.testing.assert_allclose(phi, 0.3 - 2 * times, rtol=0, atol=1e-12)  # rounding of 40 rad
-    phi, w = turning(np.ones_like, lambda x: 9.81 * np.cos(x), 0.0, 1.0, times)
+    phi, w = rotation(np.ones_like, lambda x: 9.81 * np.cos(x), 0.0, 1.0, times)
     np.testing.assert_allclose(w**2 / 2 + 9.81 * np.cos(phi), 0.5 + 9.81, rtol=1e-12)
-    ahead, _ = turning(np.ones_like, lambda x: 9.81 * np.cos(x), 0.0, 1.0, times + 1e-4)
+    ahead, _ = rotation(np.ones_like, lambda x: 9.81 * np.cos(x), 0.0, 1.0, times + 1e-4)
     np.testing.assert_allclose((ahead - phi) / 1e-4, w, rtol=1e-2)  # h / 2 times the acceleration
     with pytest.raises(ValueError, match="does not suffice"):
-        turning(np.ones_like, lambda x: 9.81 * np.sin(x), 0.0, 1.0, times)
+        rotation(np.ones_like, lambda x: 9.81 * np.sin(x), 0.0, 1.0, times)
 
 
 def test_light_cart_pole_swings_as_published() -> None:
@@ -310,10 +310,10 @@ def test_costs_are_reported_per_communication_step() -> None:
 def test_published_tables_have_the_cheapest_run_that_is_accurate_enough() -> None:
     given = ((1e-3, 100, 1e-3), (1e-6, 300, 1e-5), (1e-7, 200, 1e-6))
     efforts = [published.Effort(*figures) for figures in given]
-    found = published.least(efforts, 1e-4)
+    found = published.cheapest(efforts, 1e-4)
     assert found is not None
     assert found.evaluations == 200
-    assert published.least(efforts, 1e-9) is None
+    assert published.cheapest(efforts, 1e-9) is None
 
 
 # --- commands ---
@@ -395,6 +395,6 @@ def test_every_scene_of_the_map_has_a_description() -> None:
 
 def test_mechanisms_are_the_benchmark_s() -> None:
     """Masses of the IFToMM library: 5 links of 1 kg, 5 rods of 1 kg; shaft, collar and two loaded arms."""
-    scenes = (mechanisms.windows(2), mechanisms.bricard(), mechanisms.governor())
+    scenes = (mechanisms.four_bar_chain(2), mechanisms.bricard(), mechanisms.governor())
     masses = [sum(b["mass"] for b in scene["bodies"].values()) for scene in scenes]
     assert masses == pytest.approx([5, 5, 0.3 + 3 + 2 * 5.3])

@@ -85,7 +85,7 @@ def test_every_option_of_simulate_reaches_the_run(four_bar_file: Path, tmp_path:
 def test_without_output_the_span_of_every_output_is_told(four_bar_file: Path) -> None:
     lines = told("simulate", four_bar_file, "--stop", "0.1").splitlines()
     assert lines[0] == "0 to 0.1 s, 101 rows; --output FILE.csv writes them"
-    assert lines[1].split() == ["start", "least", "most", "end"]
+    assert lines[1].split() == ["start", "min", "max", "end"]
     assert [line.split()[0] for line in lines[2:5]] == ["A.phi", "A.w", "A.a"]
     assert [line.split()[-1] for line in lines[2:5]] == ["rad", "rad/s", "rad/s2"]
     assert lines[2].split()[1] == "1.5708"
@@ -94,7 +94,10 @@ def test_without_output_the_span_of_every_output_is_told(four_bar_file: Path) ->
 def test_check_says_what_a_scene_is(four_bar_file: Path) -> None:
     lines = told("check", four_bar_file).splitlines()
     assert lines[0] == "<Scene FourBar: 3 bodies, 4 joints, 1 motor>"
-    assert lines[1] == "1 freedom: 3 speeds, 2 loop rows of rank 2, 3 moving bodies, planar"
+    assert (
+        lines[1]
+        == "1 degree of freedom: 3 velocities, 2 constraint equations of rank 2, 3 moving bodies, planar"
+    )
     assert lines[2] == "inputs: drive.tau"
     assert lines[3].startswith("loops closed at A.phi = 1.5708 rad")
 
@@ -106,8 +109,8 @@ def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
     table = {line.split()[0]: line.split()[1:] for line in lines[2:10]}
     assert table["bodies"] == ["3", "->", "3"]
     assert table["coordinates"] == ["3", "->", "3"]
-    assert table["rows"] == ["5", "->", "2", "planar,", "redundant_rows"]
-    assert table["freedoms"] == ["1", "->", "1", "counted:", "-2,", "see", "mobility"]
+    assert table["constraint"] == ["equations", "5", "->", "2", "planar,", "redundant_rows"]
+    assert table["degrees"] == ["of", "freedom", "1", "->", "1", "counted:", "-2,", "see", "mobility"]
     assert table["algebra"] == ["spatial", "->", "planar", "planar"]
     assert table["islands"] == ["1", "->", "1"]
     before, unit, _, after, same_unit = table["evaluation"]
@@ -118,19 +121,23 @@ def test_inspect_tells_sizes_reasons_and_costs(four_bar_file: Path) -> None:
         assert re.search(rf" {name} [0-9.]+ us ", text), name
     assert "C: sliding along y, C: turning about x and C: turning about z" in text
     assert "statically indeterminate: f[2], t[1], t[3] of A, B, C and D" in text
-    assert "mobility 1 freedom, where counting (6 for each body, less what is constrained) gives -2;" in text
+    assert (
+        "mobility 1 degree of freedom, while counting (6 for each body minus its constraints) gives -2;"
+        in text
+    )
     assert max(map(len, lines)) <= 110
 
 
 def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
     report = json.loads(told("inspect", four_bar_file, "--json"))
-    sizes = {"bodies", "coordinates", "speeds", "rows", "freedoms", "algebra", "islands", "evaluation"}
+    sizes = {"bodies", "coordinates", "velocities", "constraint_equations", "degrees_of_freedom", "algebra"}
+    sizes |= {"islands", "evaluation", "speeds", "rows", "freedoms"}  # the last three for one release
     assert set(report) == {
-        "name", "described", "reduced", "reductions", "redundant_rows", "undetermined_reactions",
-        "moved_frames", "mobility", "left_out",
+        "name", "described", "reduced", "reductions", "redundant_constraints", "undetermined_reactions",
+        "moved_frames", "mobility", "left_out", "redundant_rows",
     }  # fmt: skip
     assert set(report["described"]) == set(report["reduced"]) == sizes
-    assert (report["described"]["rows"], report["reduced"]["rows"]) == (5, 2)
+    assert [report[key]["constraint_equations"] for key in ("described", "reduced")] == [5, 2]
     assert report["described"]["evaluation"] > report["reduced"]["evaluation"] > 0  # s
     assert list(report["reductions"]) == list(gelenk.model.inspection.REDUCTIONS)
     for entry in report["reductions"].values():
@@ -139,20 +146,20 @@ def test_inspect_tells_programs_the_same(four_bar_file: Path) -> None:
     assert [name for name, entry in report["reductions"].items() if entry["changed"]] == [
         "planar", "redundant_rows", "outputs",
     ]  # fmt: skip
-    assert [row["joint"] for row in report["redundant_rows"]] == ["C", "C", "C"]
+    assert [row["joint"] for row in report["redundant_constraints"]] == ["C", "C", "C"]
     assert len(report["undetermined_reactions"]) == 12
     mobility = report["mobility"]
-    assert (mobility["freedoms"], mobility["counted"], mobility["at_start"]) == (1, -2, 1)
+    assert (mobility["degrees_of_freedom"], mobility["counted"], mobility["at_start"]) == (1, -2, 1)
     assert len(mobility["causes"]) == 1
 
 
 def test_inspect_without_a_reduction(four_bar_file: Path) -> None:
     report = json.loads(told("inspect", four_bar_file, "--without", "planar", "--json"))
     assert report["reductions"]["planar"]["on"] is False
-    assert (report["reduced"]["algebra"], report["reduced"]["rows"]) == ("spatial", 2)
+    assert (report["reduced"]["algebra"], report["reduced"]["constraint_equations"]) == ("spatial", 2)
     text = told("inspect", four_bar_file, "--without", "planar", "--without", "redundant-rows")
     assert text.count("switched off") == 2
-    assert re.search(r"rows +5  ->  5\n", text)
+    assert re.search(r"constraint equations +5  ->  5\n", text)
     report = json.loads(told("inspect", four_bar_file, "--without", "all", "--json"))
     assert not any(entry["on"] for entry in report["reductions"].values())
 
@@ -203,8 +210,8 @@ def test_import_repairs_inertias_where_asked_to(tmp_path: Path) -> None:
     done = call("import", "r.urdf", "-o", "r.yaml", "--repair-inertia", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stderr.splitlines()[-1] == (
-        "link b: no rigid body has its principal moments 1, 1, 3 kg m2; the nearest, 1.5, 1.5, 3, are taken: "
-        "its second moments are changed by 23 %"
+        "link b: no rigid body has its principal moments 1, 1, 3 kg m2; replaced by the nearest possible "
+        "ones, 1.5, 1.5, 3: the second moments change by 23 %"
     )
 
 
@@ -247,7 +254,7 @@ def test_scene_that_is_wrong_is_told_line_by_line(command: list[str], tmp_path: 
          "x: no such reduction; there are weld, static, cut_choice, planar, redundant_rows, islands, "
          "outputs, massless, all"),
         (["simulate", "x.fmu", "--without", "planar"],
-         "without: reductions of an FMU are settled when it is exported"),
+         "without: reductions of an FMU cannot be changed after its export"),
         (["export", "SCENE", "-o", "x.zip"], "x.zip: found the ending .zip, expected .fmu"),
     ],
 )  # fmt: skip
@@ -341,7 +348,10 @@ def test_export_keeps_to_the_folder_and_to_names_that_every_system_takes(
     assert done.returncode == 0, done.stderr
     expected = file or f"{name}.fmu"
     assert {path.name for path in tmp_path.rglob("*.*")} == {"scene.json", expected}
-    told_why = f"name: {name!r} is no file's name everywhere; written to {expected}, --output gives another\n"
+    told_why = (
+        f"name: {name!r} is not a valid file name on all systems; written to {expected}, "
+        "use --output for another name\n"
+    )
     assert done.stderr == (told_why if file else "")
     with zipfile.ZipFile(here / expected) as archive:
         stems = [part.split(".")[0].upper() for member in archive.namelist() for part in member.split("/")]
@@ -352,4 +362,4 @@ def test_export_keeps_to_the_folder_and_to_names_that_every_system_takes(
 def test_a_device_of_windows_as_output_is_told(four_bar_file: Path, tmp_path: Path) -> None:
     done = call("export", four_bar_file, "-o", "aux.fmu", cwd=tmp_path)
     assert done.returncode == 0
-    assert done.stderr == "aux.fmu: Windows takes 'aux' for a device and has no such file\n"
+    assert done.stderr == "aux.fmu: 'aux' is the name of a device on Windows, where this file cannot exist\n"

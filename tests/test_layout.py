@@ -184,7 +184,7 @@ def python_files() -> list[tuple[str, Path]]:
         ("model", "import gelenk"),
         ("simulation", "def late():\n    from gelenk.linear import linear_model"),
         ("linear", "from gelenk import modal"),
-        ("equilibria", "import gelenk.modal.spectrum"),
+        ("equilibria", "import gelenk.modal.eigenvalues"),
         ("io", "if SOME:\n    from gelenk.cli import told"),
         ("errors", "from gelenk.model.values import unknown"),
     ],

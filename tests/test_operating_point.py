@@ -79,7 +79,7 @@ def test_a_point_has_its_own_arguments(call: Callable[..., Any], five_bar: Path)
         assert known[field.name].default is field.default is None
         with pytest.raises(gelenk.UsageError) as caught:
             call(point, **{field.name: MOVING[field.name]})
-        assert str(caught.value) == f"{field.name}: given beside an operating point, which has its own"
+        assert str(caught.value) == f"{field.name}: not allowed with an operating point, which contains them"
 
 
 def test_a_point_stays_as_it_was_made(five_bar: Path) -> None:

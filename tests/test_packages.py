@@ -133,8 +133,8 @@ def test_a_module_that_fails_for_want_of_another_says_which(monkeypatch: pytest.
 @pytest.mark.parametrize(("old", "new"), _moved.MOVED.items())
 def test_a_module_that_has_moved_is_found_with_a_warning(old: str, new: str) -> None:
     sys.modules.pop(f"gelenk.{old}", None)
-    sentence = f"gelenk.{old} is called gelenk.{new}; the old name goes with the next release"
-    with pytest.warns(DeprecationWarning, match="is called") as caught:
+    sentence = f"gelenk.{old} is deprecated and will be removed in the next release; use gelenk.{new}"
+    with pytest.warns(DeprecationWarning, match="is deprecated") as caught:
         found = import_module(f"gelenk.{old}")
     assert [str(warning.message) for warning in caught] == [sentence]
     assert found is import_module(f"gelenk.{new}")
@@ -159,7 +159,10 @@ def test_whoever_uses_an_old_name_is_warned_in_his_own_line(line: str) -> None:
     assert json.loads(done.stdout) == "gelenk.linear.linearization"
     where, _, told = done.stderr.partition(": DeprecationWarning: ")
     assert where == f"<string>:{2 + line.count('\n')}"
-    assert told.startswith("gelenk.linearization is called gelenk.linear.linearization;")
+    assert told.startswith(
+        "gelenk.linearization is deprecated and will be removed in the next release; "
+        "use gelenk.linear.linearization"
+    )
 
 
 def test_a_result_pickled_by_an_earlier_version_is_read(four_bar: gelenk.Scene) -> None:

@@ -115,7 +115,7 @@ def test_impossible_value_of_a_parameter_is_told_with_its_bound(four_bar: gelenk
     [
         ("s.txt", b"a: 1", "s.txt: found the ending .txt, expected .yaml, .yml or .json"),
         ("arm.urdf", b"<robot/>", "arm.urdf:1: found a URDF robot description, expected a scene of Gelenk "
-         "(.yaml, .yml or .json); `gelenk import` makes a scene of it"),
+         "(.yaml, .yml or .json); convert it to a scene with `gelenk import`"),
         ("s.yaml", b"a: \xff", "s.yaml:1: byte 4 is not UTF-8 text"),
     ],
 )  # fmt: skip

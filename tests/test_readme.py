@@ -168,7 +168,7 @@ def test_python_of_the_modes_page_runs(root: Path, capsys: pytest.CaptureFixture
     exec(compile(block, "modes.md", "exec"), names)
     out = capsys.readouterr().out
     assert out.startswith("FourBar at t = 0 s: stable\n")
-    assert names["swing"].kind == "decays"
+    assert names["swing"].kind == "damped"
     assert Path("swing.gif").stat().st_size > 10_000
 
 
@@ -335,7 +335,7 @@ def test_demo_writes_table_plot_and_fmu(tmp_path: Path, capsys: pytest.CaptureFi
 
     demo.main(tmp_path / "out")
     told = capsys.readouterr().out
-    gap = float(re.search(r"Largest gap of the loop: (\S+) m;", told).group(1))  # type: ignore[union-attr]
+    gap = float(re.search(r"Largest closure error of the loop: (\S+) m;", told).group(1))  # type: ignore[union-attr]
     assert gap < 1e-10  # m: the projection's own bound
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"FourBar.fmu", "four_bar.csv", "four_bar.png"}
     assert (tmp_path / "out" / "four_bar.png").read_bytes().startswith(b"\x89PNG")

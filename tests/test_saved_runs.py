@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from mechanisms import four_bar
-from physics.loops.test_parallelograms import windows
+from physics.loops.test_parallelograms import four_bar_chain
 from physics.nonsmooth.test_stops import ball
 
 import gelenk
@@ -57,13 +57,13 @@ def test_shipped_scenes(path: Path, integrator: str) -> None:
 @pytest.mark.parametrize("before", range(60, 80, 2))
 def test_about_a_change_point(before: int) -> None:
     """Before it, in it and after it: bars in line at about 0.7 s."""
-    plant = goes_on_to_the_bit(windows(2, 0.0, 1.0), before, 40, 1e-2)
+    plant = goes_on_to_the_bit(four_bar_chain(2, 0.0, 1.0), before, 40, 1e-2)
     assert plant.diagnostics["solver.singular_positions"] > 0
 
 
 @pytest.mark.parametrize("before", range(60, 80, 4))
 def test_about_a_change_point_under_a_torque(before: int) -> None:
-    source = windows(2, 0.0, 1.0)
+    source = four_bar_chain(2, 0.0, 1.0)
     source["motors"] = {"drive": {"joint": "A0"}}
     plant = goes_on_to_the_bit(source, before, 40, 1e-2)
     assert plant.diagnostics["solver.singular_positions"] > 0

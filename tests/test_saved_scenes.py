@@ -151,7 +151,7 @@ def test_a_change_leaves_all_else_as_it_stands(
 
 def test_a_branch_is_put_into_the_text_of_its_scene(tmp_path: Path) -> None:
     path = scene_files.SCENES / "four_bar.yaml"
-    found = saved(gelenk.assemblies(path)[1].put_into(path), tmp_path)
+    found = saved(gelenk.assemblies(path)[1].apply_to(path), tmp_path)
     assert {line[1:].strip().split(":")[0] for line in differences(path.read_text(), found)} == {"start"}
 
 

@@ -112,7 +112,7 @@ def test_constant_input_is_a_parameter_too(four_bar: gelenk.Scene) -> None:
     a = gelenk.simulate(four_bar, stop=0.1, inputs={SINE: 3})
     b = gelenk.simulate(four_bar, stop=0.1, parameters={SINE: "3"})
     assert a.table.tolist() == b.table.tolist()
-    with pytest.raises(gelenk.UsageError, match="given as input and as parameter"):
+    with pytest.raises(gelenk.UsageError, match="given twice, as input and as parameter"):
         gelenk.simulate(four_bar, stop=0.1, inputs={SINE: 3}, parameters={SINE: 3})
 
 
@@ -138,14 +138,15 @@ def test_input_is_sampled_at_the_start_of_a_step_and_held(four_bar: gelenk.Scene
     ("text", "message"),
     [
         ("time,drive.ta\n0,1\n", "in.csv: drive.ta: no such input; did you mean drive.tau?"),
-        ("t,drive.tau\n0,1\n", "in.csv: found the columns t, drive.tau, expected one called time"),
+        ("t,drive.tau\n0,1\n", "in.csv: found the columns t, drive.tau, expected a column time"),
         ("time,drive.tau\n0,x\n1,\n", "in.csv:2: drive.tau: found 'x', expected a number\n"
          "in.csv:3: drive.tau: found '', expected a number"),
         ("time,drive.tau\n0,nan\n", "in.csv:2: drive.tau: found 'nan', expected a number"),
         ("time,drive.tau\n0\n", "in.csv:2: found 1 cells, expected 2"),
-        ("time,drive.tau\n1,0\n0.5,0\n", "in.csv: drive.tau: time goes back from 1 s to 0.5 s (row 2)"),
-        ("time,drive.tau,drive.tau\n1,0,0\n", "in.csv:1: column 'drive.tau' is there twice"),
-        ("time,drive.tau\n", "in.csv: found 1 lines, expected one of names and at least one of numbers"),
+        ("time,drive.tau\n1,0\n0.5,0\n", "in.csv: drive.tau: times decrease from 1 s to 0.5 s (row 2)"),
+        ("time,drive.tau,drive.tau\n1,0,0\n", "in.csv:1: found column 'drive.tau' twice, expected it once"),
+        ("time,drive.tau\n",
+         "in.csv: found 1 lines, expected a header line and at least one line of numbers"),
     ],
 )  # fmt: skip
 def test_table_that_is_no_input_is_refused(
@@ -171,7 +172,7 @@ def test_table_that_is_no_input_is_refused(
         ({"inputs": {SINE: math.nan}}, "drive.tau: found nan, expected a finite number"),
         ({"inputs": {SINE: ([0, 1], [1])}}, "drive.tau: found times of shape (2,) and values of shape (1,)"),
         ({"outputs": ["A.psi"]}, "A.psi: no such output; did you mean A.phi"),
-        ({"outputs": ["A.phi", "A.phi"]}, "A.phi: asked for twice"),
+        ({"outputs": ["A.phi", "A.phi"]}, "A.phi: found twice, expected once"),
         ({"tolerance": 2}, "tolerance: found 2, expected a number between 0 and 1"),
         ({"integrator": "leapfrog"}, "solver.integrator: found 'leapfrog', expected one of "),
         (

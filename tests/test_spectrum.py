@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from gelenk.modal.spectrum import Cluster, spectrum
+from gelenk.modal.eigenvalues import Cluster, spectrum
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def test_jordan_chains_are_found_in_other_coordinates(seed: int) -> None:
     found = spectrum(A)
     assert count(found) == len(A)
     # Means of clusters are as good as the matrix: 1e-14 and what T and clusters magnify, found below 1e-9.
-    told = sorted((round(c.value.real, 7), round(c.value.imag, 7), n) for c in found for n in c.lengths)
+    told = sorted((round(c.value.real, 7), round(c.value.imag, 7), n) for c in found for n in c.chain_lengths)
     assert told == sorted((value.real, value.imag, length) for value, length in blocks)
     for cluster in found:
         rest = A @ cluster.vectors - cluster.value * cluster.vectors
@@ -60,7 +60,7 @@ def test_jordan_chains_are_found_in_other_coordinates(seed: int) -> None:
 def test_a_rigid_body_that_rounding_has_made_a_slow_oscillator_drifts(noise: float) -> None:
     """Eigenvalues as large as 2e-7 each; together they are a double zero."""
     (found,) = spectrum(np.array([[0.0, 1.0], [noise, 0.0]]))
-    assert (found.value, found.lengths) == (0, (2,))
+    assert (found.value, found.chain_lengths) == (0, (2,))
 
 
 @pytest.mark.parametrize("stiffness", [1e-9, -1e-9])
@@ -75,7 +75,7 @@ def test_a_weak_spring_is_none_of_it(stiffness: float) -> None:
 def test_little_damping_of_what_rests_anywhere_is_told_from_a_drift(damping: float) -> None:
     """0 and -d lie next to a double zero, but there are kernels to tell them apart."""
     rest, slow = sorted(spectrum(np.array([[0, 1], [0, -damping]])), key=lambda c: abs(c.value))
-    assert (rest.value, rest.lengths) == (0, (1,))
+    assert (rest.value, rest.chain_lengths) == (0, (1,))
     assert slow.value == pytest.approx(-damping, rel=1e-4)
 
 
@@ -94,7 +94,7 @@ def test_units_do_not_decide() -> None:
     for mm, ms in ((1.0, 1.0), (1e3, 1e-3), (1e-3, 1e3)):
         scale = np.array([mm, 1, mm / ms, 1 / ms])
         (found,) = spectrum(A * scale[:, None] / scale * ms)
-        assert found.lengths == (2,)
+        assert found.chain_lengths == (2,)
         assert found.value == pytest.approx(2j * ms, rel=1e-9)
 
 

@@ -49,9 +49,9 @@ SCENE, REFUSED, WARNED = read_table(
 
 # Files of other programs, and of other kinds: name, text, what is said.
 A_SCENE = "a scene of Gelenk (.yaml, .yml or .json)"
-BY_URDF = "make a URDF of it and `gelenk import` that, or write a scene (docs/scene-format.md)"
-BY_HAND = "write a scene of the same bodies and joints (docs/scene-format.md)"
-IMPORT = "`gelenk import` makes a scene of it"
+BY_URDF = "convert it to URDF and use `gelenk import`, or write a scene (docs/scene-format.md)"
+BY_HAND = "write a scene with the same bodies and joints (docs/scene-format.md)"
+IMPORT = "convert it to a scene with `gelenk import`"
 FILES = [
     ("arm.xml", '<?xml version="1.0"?>\n<mujoco model="arm">\n</mujoco>\n',
      f"arm.xml:2: found an MJCF model of MuJoCo, expected {A_SCENE}; {BY_URDF}"),
@@ -70,7 +70,7 @@ FILES = [
     ("arm.adm", "ADAMS/View model name: arm\nPART/1, GROUND\n",
      f"arm.adm:1: found a data set of Adams, expected {A_SCENE}; {BY_HAND}"),
     ("arm.fmu", "PK\x03\x04",
-     f"arm.fmu: found an FMU, expected {A_SCENE}; it is exported already: `gelenk simulate` runs it"),
+     f"arm.fmu: found an FMU, expected {A_SCENE}; simulate it with `gelenk simulate`"),
     ("arm.csv", "time,A.phi\n0,0\n", "arm.csv: found the ending .csv, expected .yaml, .yml or .json"),
     ("arm.json", '{"gelenk": 1,\n "bodies": {"crank": {"mass": 1,}}}\n',
      "arm.json:2:33: found '}', expected a name in double quotes; leave out the comma before it"),

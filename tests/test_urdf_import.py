@@ -98,10 +98,10 @@ def test_panda_tells_what_it_left_out() -> None:
         "joint panda_finger_joint2: follows panda_finger_joint1 in the file (mimic); "
         "here it moves freely and has a motor"
     )
-    assert report[1].startswith("limits of position, speed and effort are not modelled: panda_joint1, ")
-    assert report[1].endswith("holds a position, with a stiffness that URDF does not tell")
+    assert report[1].startswith("limits of position, velocity and effort are not modeled: panda_joint1, ")
+    assert report[1].endswith("limits the position, with a stiffness that URDF does not specify")
     assert report[2] == "links without mass: panda_link8, panda_hand_tcp"
-    assert report[3].startswith("shapes and meshes are not taken over: ")
+    assert report[3].startswith("shapes and meshes are not converted: ")
 
 
 def test_saved_import_is_the_same_scene(tmp_path: Path) -> None:
@@ -198,13 +198,13 @@ def test_names_become_identifiers_each_used_once(tmp_path: Path) -> None:
     assert list(data["bodies"]) == ["base_link", "_2nd", "ground_link", "arm"]
     assert list(data["joints"])[1:] == ["arm_joint", "a_b", "a_b_joint"]
     assert list(data["motors"]) == ["arm_joint_motor", "a_b_motor", "a_b_joint_motor"]
-    assert [line for line in scene.report if "is called" in line] == [
-        "link base link: is called base_link here",
-        "link 2nd: is called _2nd here",
-        "link ground: is called ground_link here",
-        "joint arm: is called arm_joint here",
-        "joint a-b: is called a_b here",
-        "joint a b: is called a_b_joint here",
+    assert [line for line in scene.report if "renamed to" in line] == [
+        "link base link: renamed to base_link",
+        "link 2nd: renamed to _2nd",
+        "link ground: renamed to ground_link",
+        "joint arm: renamed to arm_joint",
+        "joint a-b: renamed to a_b",
+        "joint a b: renamed to a_b_joint",
     ]
 
 
@@ -218,8 +218,8 @@ def test_friction_mimic_and_transmissions_are_told(tmp_path: Path) -> None:
     assert scene.to_dict()["joints"]["j"]["damping"] == 0.5
     assert list(scene.report) == [
         "joint k: follows j in the file (mimic); here it moves freely",
-        "joint j: its dry friction of 0.2 is not modelled",
-        "joint k: its damping of 0.3 is not modelled",
+        "joint j: its dry friction of 0.2 is not modeled",
+        "joint k: its damping of 0.3 is not modeled",
     ]
 
 
@@ -241,30 +241,31 @@ KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
 @pytest.mark.parametrize(
     ("text", "messages"),
     [
-        ("<robot", [":1:1: no XML: unclosed token"]),
+        ("<robot", [":1:1: not XML: unclosed token"]),
         (
             "<sdf/>",
             [
                 ":1: found an SDF model of Gazebo, expected a URDF robot description (<robot>); "
-                "make a URDF of it and `gelenk import` that, or write a scene (docs/scene-format.md)"
+                "convert it to URDF and use `gelenk import`, or write a scene (docs/scene-format.md)"
             ],
         ),
-        (robot(), [": has no links"]),
-        (XACRO, [": holds xacro macros; expand it with xacro first"]),
-        (robot(BASE, BASE), [": link base: is there twice"]),
+        (robot(), [": found no links, expected at least one"]),
+        (XACRO, [": contains xacro macros; expand it with xacro first"]),
+        (robot(BASE, BASE), [": link base: found twice, expected once"]),
         (robot(BASE, joint("j", "hinge", "base", "tip")),
          [f": joint j: found type 'hinge', expected one of {KINDS}",
-          ": joint j: child: found 'tip', which is no link"]),
+          ": joint j: child: found 'tip', expected the name of a link"]),
         (one_link("<mass value='1'/><inertia ixx='1'/>"),
-         [": link a: inertia: has no iyy", ": link a: inertia: has no izz"]),
-        (one_link(""), [": link a: inertial: has no mass value"]),
+         [f": link a: inertia: found no {key}, expected one" for key in ("iyy", "izz")]),
+        (one_link(""), [": link a: inertial: found no mass value, expected one"]),
         (one_link("<mass value='heavy'/>"), [": could not convert string to float: 'heavy'"]),
         (robot(BASE, A, WELDED_TWICE), [": link a: is the child of 2 joints, expected at most one"]),
         (robot(BASE, A),
-         [": found the root links base, a, expected exactly one (a link that is no joint's child)"]),
+         [": found the root links base, a, expected exactly one (a link that is not the child of a joint)"]),
         (robot(BASE, HEAVY, joint("j", "continuous", "base", "a")),
          [": bodies.a.inertia: xx = 9 exceeds yy + zz = 2 kg m2; no rigid body has such moments",
-          ": --repair-inertia (repair_inertia=True) takes the nearest moments that one has"]),
+          ": --repair-inertia (repair_inertia=True) replaces impossible inertias by the nearest "
+          "possible ones"]),
     ],
 )  # fmt: skip
 def test_description_that_is_wrong_is_refused(text: str, messages: list[str], tmp_path: Path) -> None:

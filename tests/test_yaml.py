@@ -78,26 +78,26 @@ def test_alias_repeats_what_its_anchor_holds() -> None:
         (
             "a: 1\n b: 2",
             "s.yaml:2:2: found 'b: 2' indented by 1, expected 0 as the line above; "
-            "indent what belongs together alike",
+            "indent entries of one block equally",
         ),
         ("a: &x [*x]", "s.yaml:1:4: contains itself through an alias"),
         (
             "a: *y",
-            "s.yaml:1:4: found '*y', expected a value; & and * name anchors of YAML, put a text in quotes",
+            "s.yaml:1:4: found '*y', expected a value; & and * name anchors of YAML, put text in quotes",
         ),
         ("{[1]: 2}", "s.yaml:1:2: found a list or mapping as key, expected a name"),
         ("a: !rod {l: 1}", "s.yaml:1:4: found the tag !rod, expected a plain value"),
         (
             "a: [1,, 2]",
             "s.yaml:1:7: found ',' in 'a: [1,, 2]', expected a value; "
-            "leave out the sign, or add what is missing",
+            "remove the sign, or add the missing value",
         ),
-        ("a: |x", "s.yaml:1:4: found '|x', expected a value; put a text that begins so in quotes"),
-        ("{a: 1}\nb: 2", "s.yaml:2:1: found 'b: 2' behind the end of the scene, expected nothing more"),
+        ("a: |x", "s.yaml:1:4: found '|x', expected a value; put text that begins like this in quotes"),
+        ("{a: 1}\nb: 2", "s.yaml:2:1: found 'b: 2' after the end of the scene, expected nothing more"),
         ("a: !!int x", "s.yaml:1:4: found 'x', expected int"),
         (
             "--- 1\n--- 2",
-            "s.yaml:2:1: found a second document behind '---', expected one scene; put each in a file",
+            "s.yaml:2:1: found a second document after '---', expected one scene; use a file for each scene",
         ),
     ],
 )
@@ -115,15 +115,15 @@ def test_depth_without_end_is_refused() -> None:
 def test_aliases_that_multiply_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten lines that each name the one before ten times stand for ten thousand million values."""
     lines = ["a0: &a0 x"] + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 11)]
-    monkeypatch.setattr(yaml12, "MOST_VALUES", 10_000)
-    with pytest.raises(SceneError, match="aliases stand for more than 10000 values"):
+    monkeypatch.setattr(yaml12, "MAX_VALUES", 10_000)
+    with pytest.raises(SceneError, match="aliases expand to more than 10000 values"):
         yaml12.to_json("\n".join(lines), "s.yaml")
 
 
 @pytest.mark.parametrize("more", [0, 1])
 def test_as_many_values_as_allowed_are_read(more: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of n - 1 values is a value itself."""
-    monkeypatch.setattr(yaml12, "MOST_VALUES", 100)
+    monkeypatch.setattr(yaml12, "MAX_VALUES", 100)
     text = "[" + ", ".join("x" for _ in range(99 + more)) + "]"
     if more:
         with pytest.raises(SceneError, match="more than 100 values"):
@@ -136,7 +136,7 @@ def test_both_readers_allow_the_same_number_of_values(root: Path) -> None:
     """As shipped: 25 times what a scene of 10 000 bodies has."""
     native = (root / "src" / "scene_file" / "yaml.cpp").read_text("utf-8")
     (allowed,) = re.findall(r"max_values =\s*([0-9']+);", native)
-    assert yaml12.MOST_VALUES == int(allowed.replace("'", "")) == 25 * 200_000
+    assert yaml12.MAX_VALUES == int(allowed.replace("'", "")) == 25 * 200_000
 
 
 def test_what_is_dumped_is_read_back() -> None:

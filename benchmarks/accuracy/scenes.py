@@ -15,7 +15,7 @@ from benchmarks.reductions import ball_first, coupled_by_a_rod, on_a_truss, weld
 from gelenk.chart import mechanisms as common
 from gelenk.chart.case import Array, Case, Jumps, Smooth
 from gelenk.chart.mechanisms import Scene, shipped
-from gelenk.chart.scenes import WindowsTruth, equal_slider_crank_truth, parallelogram_truth
+from gelenk.chart.scenes import FourBarChainTruth, equal_slider_crank_truth, parallelogram_truth
 
 type Truth = Callable[[Array], dict[str, Array]]
 
@@ -100,8 +100,8 @@ def _ready() -> Iterator[Plant]:
 def _known() -> Iterator[Plant]:
     """Yield scenes of the charts and reductions."""
     top = common.heavy_top
-    yield Plant("n-four-bar-1", common.windows(1), 2.0, truth=WindowsTruth(1, 1.0))
-    yield Plant("n-four-bar-3", common.windows(3), 2.0, truth=WindowsTruth(3, 1.0))
+    yield Plant("n-four-bar-1", common.four_bar_chain(1), 2.0, truth=FourBarChainTruth(1, 1.0))
+    yield Plant("n-four-bar-3", common.four_bar_chain(3), 2.0, truth=FourBarChainTruth(3, 1.0))
     yield Plant("parallelogram", common.parallelogram(-math.pi / 2, 12.0), 2.0, truth=parallelogram_truth)
     yield Plant(
         "equal-slider-crank", common.equal_slider_crank(0.3, 2.0), 2.0, truth=equal_slider_crank_truth

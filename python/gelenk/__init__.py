@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gelenk: from the description of a mechanism to a running plant.
+"""Gelenk: from the description of a mechanism to a simulated plant.
 
 >>> import gelenk
 >>> scene = gelenk.load("scenes/four_bar.yaml")
 >>> result = gelenk.simulate(scene, stop=1.0, inputs={"drive.tau": 3.0})
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
-Packages by subject: `model` (scenes), `io` (files of other programs, FMUs), `simulation`, `linear`, `modal`,
-`equilibria`, `chart`, `cli`. None is imported before it is asked for.
+Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
+(modes of vibration), `equilibria`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ __all__ = [
     "simulate",
 ]
 
-# A package or module with the name of one of these would hide it: hence `simulation` and `equilibria`.
+# A package must not have the name of a function, which it would hide: hence `simulation` and `equilibria`.
 _get, _dir = _lazy.lazy(
     __name__,
     {
@@ -88,7 +88,7 @@ _get, _dir = _lazy.lazy(
     },
 )
 
-if not TYPE_CHECKING:  # with it, type checkers would take any name
+if not TYPE_CHECKING:  # type checkers would accept any attribute
 
     def __getattr__(name: str) -> Any:
         if name == "__version__":

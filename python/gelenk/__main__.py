@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`python -m gelenk` is the `gelenk` command."""
+"""Run the `gelenk` command as `python -m gelenk`."""
 
 from gelenk.cli import main
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Packages whose names are imported when they are first asked for (PEP 562)."""
+"""Packages whose public names are imported at their first use (PEP 562)."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from typing import Any
 def lazy(
     package: str, places: Mapping[str, Iterable[str]]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package.
+    """Return `__getattr__` and `__dir__` of a package.
 
-    Besides the public names, the modules in the package are found as its attributes.
+    Besides its public names, the modules of the package are available as attributes.
 
     Args:
-        package: its `__name__`.
-        places: module, as seen from the package (".scene") -> the public names that are found there.
+        package: `__name__` of the package.
+        places: module relative to the package (".scene") -> public names that are defined there.
     """
     modules = {name: module for module, names in places.items() for name in names}
 
     def get(name: str) -> Any:
         if name in modules:
             value = getattr(import_module(modules[name], package), name)
-            setattr(sys.modules[package], name, value)  # asked for once
+            setattr(sys.modules[package], name, value)  # further accesses do not come here
             return value
         if not name.startswith("__"):
             try:

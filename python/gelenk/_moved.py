@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modules under the names that they had before there were packages: for one release, with a warning.
+"""Modules that were renamed or moved into packages: the old names work for one release, with a warning.
 
-A finder behind all others, so that imports, attributes of `gelenk` and pickled results find them alike.
+They are found by a finder at the end of `sys.meta_path`: by imports, as attributes of `gelenk` and its
+packages, and by pickled results.
 """
 
 from __future__ import annotations
@@ -17,72 +18,80 @@ MOVED = {
     "animation": "modal.animation",
     "branches": "model.branches",
     "chart.cli": "cli.chart",
-    "cli_points": "cli.points",
-    "cli_values": "cli.values",
+    "chart.turning": "chart.quadrature",
+    "cli.points": "cli.analysis",
+    "cli.told": "cli.errors",
+    "cli.values": "cli.arguments",
+    "cli_points": "cli.analysis",
+    "cli_values": "cli.arguments",
     "derivatives": "simulation.derivatives",
+    "equilibria.rest": "equilibria.pose",
     "export": "io.export",
     "fmu_plant": "simulation.fmu_plant",
     "fmu_slave": "simulation.fmu_slave",
     "foreign": "model.foreign",
     "inputs": "simulation.inputs",
     "inspection": "model.inspection",
+    "linear.minimal": "linear.minimal_realization",
     "linearization": "linear.linearization",
+    "modal.posing": "modal.body_poses",
+    "modal.spectrum": "modal.eigenvalues",
     "mode": "modal.mode",
     "mode_shapes": "modal.shapes",
     "mode_table": "modal.table",
     "newton": "equilibria.newton",
     "places": "model.places",
     "plant": "simulation.plant",
-    "posing": "modal.posing",
+    "posing": "modal.body_poses",
     "progress": "cli.progress",
-    "rest": "equilibria.rest",
+    "rest": "equilibria.pose",
     "result": "simulation.result",
     "run": "simulation.run",
     "scales": "model.scales",
     "scene": "model.scene",
     "scene_plant": "simulation.scene_plant",
-    "spectrum": "modal.spectrum",
+    "spectrum": "modal.eigenvalues",
     "state_basis": "linear.state_basis",
     "steady": "equilibria.steady",
-    "told": "cli.told",
+    "told": "cli.errors",
     "urdf": "io.urdf",
     "urdf_inertia": "io.urdf_inertia",
     "yaml12": "model.yaml12",
     "yaml_faults": "model.yaml_faults",
 }
 
-# Whoever stands behind these asked for the old name.
-_BETWEEN = (os.path.dirname(__file__), os.path.dirname(import_module.__code__.co_filename))  # noqa: PTH120
+# Warnings are attributed to the first caller outside these files: the one that uses the old name.
+_SKIPPED_FILES = (os.path.dirname(__file__), os.path.dirname(import_module.__code__.co_filename))  # noqa: PTH120
 
 
 class MovedModules:
-    """Finds the old names, and loads in their place the modules that stand for them."""
+    """Finder and loader of modules under their old names."""
 
     @staticmethod
     def find_spec(name: str, *_path_and_target: object) -> ModuleSpec | None:
-        """As `importlib.abc.MetaPathFinder` has it."""
+        """Return a spec for the old name of a module, else None; see `importlib.abc.MetaPathFinder`."""
         package, _, old = name.partition(".")
         return ModuleSpec(name, MovedModules()) if package == "gelenk" and old in MOVED else None  # type: ignore[arg-type]
 
     @staticmethod
     def create_module(_: ModuleSpec) -> None:
-        """As `importlib.abc.Loader` has it: any module, which the next call replaces."""
+        """Return None, for a default module, which `exec_module` replaces; see `importlib.abc.Loader`."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
-        """Puts the module that has the name now where the old one is looked for."""
+        """Import the module by its new name, enter it in `sys.modules` under the old one, and warn."""
         old = module.__name__
         new = f"gelenk.{MOVED[old.removeprefix('gelenk.')]}"
         sys.modules[old] = import_module(new)
         warnings.warn(
-            f"{old} is called {new}; the old name goes with the next release",
+            f"{old} is deprecated and will be removed in the next release; use {new}",
             DeprecationWarning,
             stacklevel=2,
-            skip_file_prefixes=_BETWEEN,
+            skip_file_prefixes=_SKIPPED_FILES,
         )
 
 
 def find_moved_modules() -> None:
-    """From here on the old names are found."""
+    """Install the finder of old module names, unless it is installed already."""
     if MovedModules not in sys.meta_path:
         sys.meta_path.append(MovedModules)

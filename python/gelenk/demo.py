@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`python -m gelenk.demo [FOLDER]`: a four-bar, from its scene file to the plot of a run of its FMU.
+"""Demonstration: export a four-bar as an FMU, simulate it, and plot the results.
 
-Needs the extra `charts` for the plot.
+Run as `python -m gelenk.demo [FOLDER]`. The plot requires the extra `charts`.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ import gelenk
 from gelenk.extras import pyplot
 
 STOP, STEP = 5.0, 1e-3  # s
-HEALTH = ("constraints.position", "constraints.velocity")
+CLOSURE_ERRORS = ("constraints.position", "constraints.velocity")
 
 
 def torque(t: float) -> float:
-    """Of the crank's motor [N.m]: 3 N m and a sine of 2 N m, twice in three seconds."""
+    """Return the torque of the crank's motor [N.m]: 3 N m and a sine of 2 N m with a period of 1.5 s."""
     return 3.0 + 2.0 * math.sin(2 * math.pi * t / 1.5)
 
 
 def main(folder: Path) -> None:
-    """Exports, runs, tells, plots."""
+    """Export, simulate and plot the four-bar; write all files to `folder`."""
     try:
         pyplot()
     except gelenk.UsageError as e:
@@ -42,7 +42,7 @@ def main(folder: Path) -> None:
     names = [name for joint in "ABCD" for name in (f"{joint}.phi", f"{joint}.w")]
     begun = time.perf_counter()
     result = gelenk.simulate(
-        fmu, stop=STOP, step=STEP, inputs={"drive.tau": torque}, outputs=[*names, *HEALTH]
+        fmu, stop=STOP, step=STEP, inputs={"drive.tau": torque}, outputs=[*names, *CLOSURE_ERRORS]
     )
     took = time.perf_counter() - begun
     csv = folder / "four_bar.csv"
@@ -52,18 +52,23 @@ def main(folder: Path) -> None:
 
     crank = result["A.phi"]
     turns = (crank[-1] - crank[0]) / (2 * math.pi)
-    print(f"Ran the FMU in fmpy for {STOP:g} s in {len(result) - 1} steps of {STEP * 1e3:g} ms, "
-          f"the motor torque 3 N m + 2 N m sin(2 pi t / 1.5 s): {took:.2f} s.")  # fmt: skip
-    print(f"The crank went from {crank[0]:.4f} rad to {crank[-1]:.4f} rad, {turns:.2f} turns, "
-          f"at most {np.abs(result['A.w']).max():.2f} rad/s.")  # fmt: skip
+    print(f"Simulated the FMU in fmpy for {STOP:g} s in {len(result) - 1} steps of {STEP * 1e3:g} ms, "
+          f"with the motor torque 3 N m + 2 N m sin(2 pi t / 1.5 s): {took:.2f} s.")  # fmt: skip
+    print(f"The crank rotates from {crank[0]:.4f} rad to {crank[-1]:.4f} rad ({turns:.2f} turns), "
+          f"at up to {np.abs(result['A.w']).max():.2f} rad/s.")  # fmt: skip
     print(f"The rocker swings between {result['D.phi'].min():.4f} rad and {result['D.phi'].max():.4f} rad.")
-    print(f"Largest gap of the loop: {result[HEALTH[0]].max():.1e} m; "
-          f"of its rate: {result[HEALTH[1]].max():.1e} m/s.")  # fmt: skip
-    print(f"Numbers: {csv}. Joint states: {plot}.")
+    print(f"Largest closure error of the loop: {result[CLOSURE_ERRORS[0]].max():.1e} m; "
+          f"at velocity level: {result[CLOSURE_ERRORS[1]].max():.1e} m/s.")  # fmt: skip
+    print(f"Results: {csv}. Plot of the joint states: {plot}.")
 
 
 def draw(result: gelenk.Result, path: Path) -> None:
-    """Angles, speeds and torque over time, as a PNG."""
+    """Plot angles, angular velocities and torque over time, as a PNG file.
+
+    Args:
+        result: simulation of the four-bar.
+        path: file to write.
+    """
     plt = pyplot()
     t = result.time
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 10), layout="constrained")
@@ -78,7 +83,7 @@ def draw(result: gelenk.Result, path: Path) -> None:
         speeds.plot(t, result[f"{joint}.w"], **style)
     axes[3].plot(t, [torque(x) for x in t], color="black")
     for axis, label in zip(
-        axes, ("angle [turns]", "angle [deg]", "speed [rad/s]", "torque [N m]"), strict=True
+        axes, ("angle [turns]", "angle [deg]", "angular velocity [rad/s]", "torque [N m]"), strict=True
     ):
         axis.set_ylabel(label)
         axis.grid(alpha=0.3)
@@ -86,7 +91,7 @@ def draw(result: gelenk.Result, path: Path) -> None:
     for axis in axes[:3]:
         axis.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes[3].set_xlabel("time [s]")
-    axes[0].set_title("Four-bar: joint states of the FMU under a changing motor torque")
+    axes[0].set_title("Four-bar: joint states of the FMU under a time-varying motor torque")
     figure.savefig(path, dpi=110)
     plt.close(figure)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can go wrong because of what a user gave; the messages are whole sentences in the user's names."""
+"""Exceptions and warnings for faults in what a user provides; messages use the user's names."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 
 class GelenkError(Exception):
-    """The root of Gelenk's own exceptions."""
+    """Base class of Gelenk's own exceptions."""
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The message, one finished line per fault."""
+        """The message, one line per fault."""
         return tuple(str(self).splitlines())
 
 
 class SceneError(GelenkError):
-    """A scene that cannot be: every fault found in it, one line each."""
+    """A scene is invalid. The message lists all faults found in it, one per line."""
 
     def __init__(self, lines: Iterable[str] | str) -> None:
         self._lines = (lines,) if isinstance(lines, str) else tuple(lines)
@@ -28,47 +28,54 @@ class SceneError(GelenkError):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """One finished line per fault: "file: path: found ..., expected ..."."""
+        """The faults, one line each: "file: path: found ..., expected ..."."""
         return self._lines
 
 
 class AssemblyError(GelenkError):
-    """The loops cannot be closed with these start values. Says the smallest gap and where it gapes."""
+    """The loops cannot be closed with these start values. The message gives the smallest closure error and
+    its place.
+    """
 
 
 class StepError(GelenkError):
-    """A step could not be made. The plant stands at its last good time and can go on from there."""
+    """A step failed. The plant remains at the last valid time, from which the simulation can continue."""
 
-    #: What `gelenk.simulate` had computed until then; None when the step was made by hand.
+    #: Results of `gelenk.simulate` up to the failed step; None if `Simulation.step_to` was called directly.
     result: Result | None = None
 
 
 class StepBudgetError(StepError):
-    """A step has used up its evaluations (`solver.max_evaluations`) and ended early, at the plant's `time`.
+    """A step exhausted its evaluation budget (`solver.max_evaluations`) and ended early, at the plant's
+    `time`.
 
-    Another step takes it on from there.
+    The next step continues from there.
     """
 
 
 class UsageError(GelenkError):
-    """A wrong call: a name that does not exist, a value that is not finite, a step back in time."""
+    """An invalid call, such as an unknown name, a value that is not finite, or a step back in time."""
 
 
 class EquilibriumError(GelenkError):
-    """No equilibrium was found. Says which acceleration remains, and how large it is."""
+    """No equilibrium was found. The message gives the largest residual acceleration."""
 
 
 class OperatingPointWarning(UserWarning):
-    """A linear model was asked for about a point that is no equilibrium; names the states that change."""
+    """A model was linearized about a point that is not an equilibrium. The message gives the rates of the
+    states.
+    """
 
 
 class SceneWarning(UserWarning):
-    """A scene says what is allowed and hardly meant, such as an angle in degrees; names the place."""
+    """A scene contains a valid but suspicious value, such as an angle in degrees. The message gives its
+    place.
+    """
 
 
 class StartWarning(UserWarning):
-    """The start is a singular configuration, or beside one; names the loop and what it leaves open."""
+    """The start is at or near a singular configuration. The message names the loop and its consequences."""
 
 
 class ExportError(GelenkError):
-    """A file of the FMU could not be read or written."""
+    """A file of an FMU cannot be read or written, or a platform is not available."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Packages that not every user needs: what brings them, and what is said where one is missing."""
+"""Optional packages: the extra that installs each of them, and the error if one is missing."""
 
 from __future__ import annotations
 
@@ -8,18 +8,25 @@ from typing import Any
 
 from gelenk.errors import UsageError
 
-EXTRAS = {"matplotlib": "charts", "tqdm": "progress", "yourdfpy": "urdf"}  # of pyproject.toml
+EXTRAS = {
+    "matplotlib": "charts",
+    "tqdm": "progress",
+    "yourdfpy": "urdf",
+}  # package -> extra in pyproject.toml
 
 
 def extra(package: str, use: str) -> Any:
-    """A package that an extra of Gelenk brings.
+    """Import an optional package.
 
     Args:
         package: one of `EXTRAS`.
-        use: what it is for, as the beginning of a sentence: "charts are drawn with matplotlib".
+        use: its purpose, as the beginning of a message: "charts are drawn with matplotlib".
+
+    Returns:
+        Any: the imported module.
 
     Raises:
-        UsageError: it is missing; names the extra. Or it cannot be imported, and why.
+        UsageError: the package is missing or cannot be imported. The message names the extra to install.
     """
     try:
         return import_module(package)
@@ -30,6 +37,10 @@ def extra(package: str, use: str) -> Any:
 
 
 def pyplot() -> Any:
-    """Matplotlib's, drawing into files. Raises UsageError: it is not installed."""
+    """Return `matplotlib.pyplot` with a backend that draws into files.
+
+    Raises:
+        UsageError: matplotlib is not installed.
+    """
     extra("matplotlib", "charts are drawn with matplotlib").use("Agg")
     return import_module("matplotlib.pyplot")

@@ -9,12 +9,12 @@ from typing import Any
 import fmpy
 
 import gelenk
-from gelenk.chart.mechanisms import windows
+from gelenk.chart.mechanisms import four_bar_chain
 
 
 def test_singular_positions_are_logged_as_warnings(tmp_path: Path) -> None:
     """A falling parallelogram has its bars in line at 0.7088 and 1.2160 s (its pendulum by quadrature)."""
-    fmu = gelenk.export_fmu(windows(1), tmp_path / "w.fmu")
+    fmu = gelenk.export_fmu(four_bar_chain(1), tmp_path / "w.fmu")
     said: list[tuple[int, bytes, str]] = []
 
     def logger(_env: Any, _name: bytes, status: int, category: bytes, message: bytes) -> None:

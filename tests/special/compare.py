@@ -30,7 +30,7 @@ ALARM = 1e-3  # a warning is right where the smallest pivot is a ten-thousandth 
 TIGHTER = 0.1
 STEP = 2e-4  # rad, m
 # Refusals at positions that need not be singular.
-DOCUMENTED = ("a joint with a quaternion turns in part freely", "moves without inertia")
+DOCUMENTED = ("not all rotations of a joint with a quaternion are free", "moves without inertia")
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from .drawn import Case, at_rest
 
 QUARTERS = {"0": 0.0, "90": math.pi / 2, "180": math.pi, "-90": -math.pi / 2}
 FAMILIES: dict[str, Callable[[], Scene]] = {
-    "windows 1": lambda: charted.windows(1, 0.3),
-    "windows 3": lambda: charted.windows(3, 0.3, 0.0),
+    "windows 1": lambda: charted.four_bar_chain(1, 0.3),
+    "windows 3": lambda: charted.four_bar_chain(3, 0.3, 0.0),
     "parallelogram": lambda: charted.parallelogram(0.7, 2.0),
     "equal slider-crank": lambda: charted.equal_slider_crank(0.7, 1.0),
     "bricard": charted.bricard,

@@ -244,7 +244,7 @@ def test_modes_and_equilibria_are_of_the_part() -> None:
     (mode,) = found.modes
     assert {n.split(".")[0] for n in mode.shape} == {"L"}
     # The rest is found to 1e-8 rad, which counts squared; what remains is rounding.
-    assert mode.frequency == pytest.approx((1.5 * 9.81 / 0.5) ** 0.5, rel=1e-12)
+    assert mode.natural_frequency == pytest.approx((1.5 * 9.81 / 0.5) ** 0.5, rel=1e-12)
 
 
 def test_simulation_shows_the_wanted_alone() -> None:

@@ -19,7 +19,7 @@ from gelenk.simulation.run import grid
 
 type Array = NDArray[np.float64]
 
-MOST_SAMPLES = 1000
+MAX_SAMPLES = 1000
 SAMPLES = 20  # of a scene without input jumps; few, because each truncates a step of the integrator
 
 
@@ -91,7 +91,7 @@ class Case:
     def samples(self) -> list[int]:
         """Return the indices of the communication points, except the start, at which states are compared."""
         count = len(self.grid) - 1
-        every = -(-count // MOST_SAMPLES)
+        every = -(-count // MAX_SAMPLES)
         return sorted({*range(every, count + 1, every), count})
 
 

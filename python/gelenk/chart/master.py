@@ -91,7 +91,7 @@ def _cells(run: Run, steps: int) -> tuple[str, str, str]:
     return f"{1e6 * run.cpu / steps:.2f}", f"{run.evaluations / steps:.1f}", f"{run.error:.0e}{wrong}"
 
 
-def share_of_ida(runs: Sequence[Run], tolerance: float) -> tuple[float, float]:
+def ida_fraction(runs: Sequence[Run], tolerance: float) -> tuple[float, float]:
     """Return CPU time and error of `auto` relative to projection+ida at a tolerance, or NaN."""
     found = {run.method: run for run in runs if run.asked == tolerance}
     auto, ida = found.get("auto"), found.get("projection+ida")

@@ -56,7 +56,7 @@ def shipped(name: str) -> Scene:
     return gelenk.load(Path(str(resources.files("gelenk") / f"scenes/{name}.yaml"))).to_dict()
 
 
-def windows(n: int, upright: float = 0.0, rate: float = 1.0) -> Scene:
+def four_bar_chain(n: int, upright: float = 0.0, rate: float = 1.0) -> Scene:
     """Return the N-four-bar (IFToMM benchmark A02; Gonzalez et al. 2006), a chain of n four-bars.
 
     It has n + 1 cranks of 1 m and 1 kg from (0, 0) to (n, 0), and n couplers between their tips.
@@ -192,9 +192,9 @@ def uneven_four_bar(ratio: float) -> Scene:
     out = four_bar()
     for name in ("crank", "rocker"):
         given = out["bodies"][name]
-        share = out["bodies"]["coupler"]["mass"] / ratio / given["mass"]
-        given["mass"] *= share
-        given["inertia"] = [share * x for x in given["inertia"]]
+        factor = out["bodies"]["coupler"]["mass"] / ratio / given["mass"]
+        given["mass"] *= factor
+        given["inertia"] = [factor * x for x in given["inertia"]]
     return out
 
 

@@ -10,15 +10,15 @@ from typing import IO
 
 @contextmanager
 def status_line(stream: IO[str]) -> Iterator[Callable[[str, float], None]]:
-    """Yield a function that shows the current activity and the completed share in [0, 1].
+    """Yield a function that shows the current activity and the completed fraction in [0, 1].
 
     It prints nothing if the stream is not a terminal.
     """
     shown = stream.isatty()
 
-    def show(activity: str, share: float) -> None:
+    def show(activity: str, fraction: float) -> None:
         if shown:
-            print(f"\r\033[K{activity} {100 * share:.0f} %", end="", file=stream, flush=True)
+            print(f"\r\033[K{activity} {100 * fraction:.0f} %", end="", file=stream, flush=True)
 
     try:
         yield show

@@ -87,7 +87,7 @@ def cart_pole_efforts(step: float, method: Method = AUTO) -> list[Effort]:
     return efforts
 
 
-def least(efforts: list[Effort], error: float) -> Effort | None:
+def cheapest(efforts: list[Effort], error: float) -> Effort | None:
     """Return the run with the fewest evaluations whose error is at most `error`, or None."""
     return min((e for e in efforts if e.error <= error), key=lambda e: e.evaluations, default=None)
 
@@ -96,7 +96,7 @@ def andrews_table(efforts: list[Effort]) -> str:
     """Return a table of MEBDFI's figures and of Gelenk's cheapest runs with at least as many digits."""
     lines = []
     for tolerance, residuals, jacobians, digits in MEBDFI:
-        ours = least(efforts, 10.0**-digits)
+        ours = cheapest(efforts, 10.0**-digits)
         mine = ["none", "", ""] if ours is None else [
             f"{ours.evaluations:.0f}", f"{-math.log10(ours.error):.2f}", f"{ours.tolerance:.0e}"]  # fmt: skip
         lines.append([f"{tolerance:.0e}", str(residuals), str(jacobians), f"{digits:.2f}", *mine])
@@ -124,7 +124,7 @@ def cart_pole_table(at_samples: list[Effort], free: list[Effort]) -> str:
     for name, count, error in (criterion, *((f"{tolerance:.0e}", n, e) for tolerance, n, e in DOP853)):
         cells = [name, "" if count is None else str(count), f"{error:.1e}"]
         for efforts in (at_samples, free):
-            ours = least(efforts, error)
+            ours = cheapest(efforts, error)
             cells += ["none", ""] if ours is None else [f"{ours.evaluations:.0f}", f"{ours.error:.1e}"]
         lines.append(cells)
     header = ["DOP853: rtol", "evaluations", "e", "`auto`, steps of 0.01 s: evaluations", "e",

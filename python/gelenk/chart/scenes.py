@@ -11,7 +11,7 @@ import numpy as np
 from gelenk.chart import mechanisms
 from gelenk.chart.case import Array, Case, Jumps
 from gelenk.chart.mechanisms import GRAVITY
-from gelenk.chart.turning import passing, turning
+from gelenk.chart.quadrature import monotonic_motion, rotation
 
 type Truth = Callable[[Array], dict[str, Array]]
 
@@ -36,7 +36,7 @@ LIGHT_CART_POLE = {
 TORQUE = Jumps(3.0, 10.0)  # N m
 
 
-class WindowsTruth:
+class FourBarChainTruth:
     """Closed form of the N-four-bar: all cranks are parallel, so that it is a pendulum.
 
     I phi'' = P g sin phi with phi from the upright, I = (N+1)/3 + N [kg m²], P = (N+1)/2 + N [kg m].
@@ -48,7 +48,7 @@ class WindowsTruth:
     def __call__(self, times: Array) -> dict[str, Array]:
         """Return the joint states by output name at times [s], each of shape (times,)."""
         moment, weight = (self.n + 1) / 3 + self.n, GRAVITY * ((self.n + 1) / 2 + self.n)
-        phi, w = turning(
+        phi, w = rotation(
             lambda x: np.full_like(x, moment), lambda x: weight * np.cos(x), 0.0, self.rate, times
         )
         crank = math.pi / 2 - phi
@@ -66,7 +66,7 @@ def parallelogram_truth(times: Array) -> dict[str, Array]:
     The coupler only translates: a pendulum with I = 2 I_O + m_c L² = 0.132 kg m² and a weight moment of
     3.8259 N m.
     """
-    phi, w = turning(
+    phi, w = rotation(
         lambda x: np.full_like(x, 2 * 0.03 + 0.8 * 0.09),
         lambda x: GRAVITY * (2 * 0.5 * 0.15 + 0.8 * 0.3) * np.sin(x),
         -math.pi / 2,
@@ -93,7 +93,7 @@ def equal_slider_crank_truth(times: Array) -> dict[str, Array]:
         found: Array = 1 / 3 + 1 / 12 + 2.25 * s2 + 0.25 * (1 - s2) + 4 * s2
         return found
 
-    phi, w = turning(mass, np.zeros_like, 0.3, 2.0, times)
+    phi, w = rotation(mass, np.zeros_like, 0.3, 2.0, times)
     return {
         "A.phi": phi, "A.w": w, "B.phi": -2 * phi, "B.w": -2 * w, "C.phi": phi, "C.w": w,
         "P.s": 2 * np.cos(phi), "P.v": -2 * np.sin(phi) * w,
@@ -124,12 +124,12 @@ def light_cart_pole_truth(times: Array) -> dict[str, Array]:
         from_dip = abs((psi + math.pi / 2) % math.pi - math.pi / 2)
         return min(0.05, max(0.2 * narrow, 0.2 * from_dip))
 
-    psi = passing(slowness, math.pi / 2, times, panel)
+    psi = monotonic_motion(slowness, math.pi / 2, times, panel)
     theta = math.pi / 2 * np.sin(psi)
     rate = math.pi / 2 * np.cos(psi) / slowness(psi)
-    share = bob * length / whole
+    ratio = bob * length / whole
     return {
-        "track.s": share * (1 - np.sin(theta)), "track.v": -share * np.cos(theta) * rate,
+        "track.s": ratio * (1 - np.sin(theta)), "track.v": -ratio * np.cos(theta) * rate,
         "hinge.phi": theta, "hinge.w": rate,
     }  # fmt: skip
 
@@ -140,11 +140,16 @@ def singular() -> list[Case]:
         Case(
             f"n-four-bar-{n}",
             f"{f'A chain of {n} four-bars' if n > 1 else 'A four-bar'} with equal bars crosses singular "
-            f"configurations with {n} additional instantaneous degree{'s' if n > 1 else ''} of freedom.",
-            mechanisms.windows(n),
+            "configurations with "
+            + (
+                f"{n} additional instantaneous degrees of freedom."
+                if n > 1
+                else "1 additional instantaneous degree of freedom."
+            ),
+            mechanisms.four_bar_chain(n),
             20.0,
             0.01,
-            truth=WindowsTruth(n, 1.0),
+            truth=FourBarChainTruth(n, 1.0),
         )
         for n in (1, 2, 10, 40)
     ]

@@ -76,19 +76,19 @@ def stability(
         methods: Methods to be compared.
         settings: Tolerances, processes and limits.
         names: Names of scenes; None: all, or the quick selection.
-        progress: Called with the current activity and the completed share.
+        progress: Called with the current activity and the completed fraction.
 
     Returns:
         The map with all runs.
     """
-    report = progress or (lambda _activity, _share: None)
+    report = progress or (lambda _activity, _fraction: None)
     cases = cases_of(names or (QUICK_CASES if settings.quick else None))
     reasons = {case.name: unreadable(case) for case in cases}
     runnable = [case for case in cases if not reasons[case.name]]
     report("references", 0.0)
     truth = references(runnable, settings.jobs, 5 * settings.limit, settings.quick)
     tasks = [task for case in runnable for task in tasks_of(case, methods, settings.tolerances)]
-    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: report("runs", share))
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda fraction: report("runs", fraction))
     runs = [without_truth(run, truth.get(run.scene)) for run in runs]
     words = {}
     for case in cases:

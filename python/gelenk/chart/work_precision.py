@@ -83,19 +83,19 @@ def study(
         cases: Test cases.
         methods: Methods to be compared.
         settings: Tolerances, steps, processes and limits.
-        progress: Called with the current activity and the completed share.
+        progress: Called with the current activity and the completed fraction.
 
     Raises:
         UsageError: a case has no reference solution.
     """
-    report = progress or (lambda _activity, _share: None)
+    report = progress or (lambda _activity, _fraction: None)
     report("references", 0.0)
     truth = references(cases, settings.jobs, max(60.0, settings.limit), settings.quick)
     faults = [f"{name}: {found.reason}" for name, found in truth.items() if isinstance(found, Failure)]
     if faults:
         raise UsageError("\n".join(faults))
     tasks = [task for case in cases for task in tasks_of(case, methods, settings)]
-    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda share: report("runs", share))
+    runs = run_all(tasks, truth, settings.jobs, settings.limit, lambda fraction: report("runs", fraction))
     studies = []
     for i, case in enumerate(cases):
         report(f"timing {case.name}", i / len(cases))
@@ -124,7 +124,7 @@ def run_all(
         truth: References by the name of the case.
         jobs: Number of concurrent processes.
         limit: Wall-clock limit of each run [s].
-        progress: Called with the completed share.
+        progress: Called with the completed fraction.
 
     Returns:
         The runs in the order of the tasks.
@@ -167,7 +167,11 @@ def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
     places = [k for k, run in enumerate(runs) if run.finished and run.cpu <= LONG]
     if not places or rounds == 0:
         return list(runs)
-    call = (by_turns, ([tasks[k] for k in places], [runs[k].cpu for k in places], rounds), TIMING_LIMIT)
+    call = (
+        interleaved_times,
+        ([tasks[k] for k in places], [runs[k].cpu for k in places], rounds),
+        TIMING_LIMIT,
+    )
     (found,) = work_off([call], 1)
     out = list(runs)
     if isinstance(found, Failure):
@@ -177,15 +181,15 @@ def timed(tasks: Sequence[Task], runs: Sequence[Run], rounds: int) -> list[Run]:
     return out
 
 
-def by_turns(tasks: Sequence[Task], expected: Sequence[float], rounds: int) -> list[float]:
+def interleaved_times(tasks: Sequence[Task], expected: Sequence[float], rounds: int) -> list[float]:
     """Return the smallest CPU time [s] of each task; all tasks are run in each round."""
     runners = [Runner(task) for task in tasks]
-    least = [math.inf] * len(tasks)
+    shortest = [math.inf] * len(tasks)
     for _ in range(rounds):
         for k, runner in enumerate(runners):
             for _ in range(max(1, min(10, int(SHORT / max(expected[k], 1e-9))))):
-                least[k] = min(least[k], runner.timed())
-    return least
+                shortest[k] = min(shortest[k], runner.timed())
+    return shortest
 
 
 # --- cost of `auto` relative to the best method ---

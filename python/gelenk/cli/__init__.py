@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The gelenk command."""
+"""The `gelenk` command."""
 
 from __future__ import annotations
 

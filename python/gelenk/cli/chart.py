@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gelenk.chart.progress import status_line
-from gelenk.cli.told import told
+from gelenk.cli.errors import report_user_errors
 from gelenk.errors import UsageError
 from gelenk.extras import pyplot
 from gelenk.model.values import number, unknown
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Plot work-precision diagrams and stability maps of the solver methods.",
     no_args_is_help=True,
+    rich_markup_mode=None,  # as in the main application
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -49,7 +50,7 @@ SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # default number of concurrent 
 
 
 @app.command("work-precision")
-@told
+@report_user_errors
 def work_precision(
     scenes: Annotated[
         list[str],
@@ -70,7 +71,10 @@ def work_precision(
     quick: Quick = False,
     limit: Limit = None,
 ) -> None:
-    """Plot work-precision diagrams: CPU time and evaluations of every method against its error."""
+    """Plot work-precision diagrams.
+
+    They show CPU time and evaluations of every method against its error.
+    """
     from gelenk.chart.case import case_of
     from gelenk.chart.methods import chosen
     from gelenk.chart.reference_set import reference_set
@@ -147,7 +151,7 @@ def _written(one: work_precision_study.Study, folder: Path) -> None:
 
 
 @app.command("stability")
-@told
+@report_user_errors
 def stability(
     scenes: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; default: all.")
@@ -159,7 +163,10 @@ def stability(
     quick: Quick = False,
     limit: Limit = None,
 ) -> None:
-    """Plot a stability map: the outcome of every method on every scene, as a colored table."""
+    """Plot a stability map.
+
+    It is a colored table with the outcome of every method on every scene.
+    """
     from gelenk.chart import draw_stability, runs_csv, tables
     from gelenk.chart import stability as stability_study
     from gelenk.chart.methods import chosen

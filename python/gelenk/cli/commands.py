@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The `gelenk` command. What a user can cause goes to stderr, one line each, with exit code 1.
+"""The `gelenk` command. Errors that a user can cause are lines on stderr, with exit code 1.
 
-What computes is imported by the command that is given, so that help is there at once.
+Modules for computations are imported by the commands that need them, so that help is printed at once.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gelenk
-from gelenk.cli import points
-from gelenk.cli.chart import app as chart_app
-from gelenk.cli.progress import progress_bar
-from gelenk.cli.told import told
-from gelenk.cli.values import (
+from gelenk.cli import analysis
+from gelenk.cli.arguments import (
     AssemblyTolerance,
-    all_listed,
-    scene_given,
-    settings_given,
-    settings_with,
-    table_file,
+    check_output_file,
+    load_scene,
+    parse_parameters,
+    parse_settings,
+    split_all_names,
 )
+from gelenk.cli.chart import app as chart_app
+from gelenk.cli.errors import report_user_errors
+from gelenk.cli.progress import progress_bar
 from gelenk.errors import StepError, UsageError
 from gelenk.model.defaults import STARTS
 
@@ -33,8 +33,9 @@ if TYPE_CHECKING:
     from gelenk.simulation.result import Result
 
 app = typer.Typer(
-    help="From the description of a mechanism to a plant FMU.",
+    help="Check, simulate, analyze and export mechanisms described by scene files.",
     no_args_is_help=True,
+    rich_markup_mode=None,  # "[s]" in a help text would be taken for markup
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -43,11 +44,11 @@ app.add_typer(chart_app, name="chart")
 
 Without = Annotated[
     list[str] | None,
-    typer.Option("--without", metavar="NAME", help="Leave out a reduction, or `all`; repeatable."),
+    typer.Option("--without", metavar="NAME", help="Switch off a reduction, or `all`; repeatable."),
 ]
 Outputs = Annotated[
     list[str] | None,
-    typer.Option("--outputs", metavar="NAME", help="A wanted output, or a pattern: 'crank.*'; repeatable."),
+    typer.Option("--outputs", metavar="NAME", help="Requested output, or a pattern: 'crank.*'; repeatable."),
 ]
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file: .yaml, .yml or .json.")]
 
@@ -61,51 +62,61 @@ def _version(asked: bool) -> None:
 @app.callback()
 def main_options(
     _: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """From the description of a mechanism to a plant FMU."""
+    """Check, simulate, analyze and export mechanisms described by scene files."""
 
 
 @app.command()
-@told
+@report_user_errors
 def export(
     scene: SceneFile,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="X.fmu", help="By default NAME.fmu, here.")
+        Path | None,
+        typer.Option("--output", "-o", metavar="X.fmu", help="FMU file; default: NAME.fmu in this folder."),
     ] = None,
     without: Without = None,
     platforms: Annotated[
-        str, typer.Option(metavar="LIST", help="For whom: linux64, win64 or both, with a comma between.")
+        str, typer.Option(metavar="LIST", help="Platforms: linux64, win64 or both, separated by a comma.")
     ] = "linux64",
     outputs: Outputs = None,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
-    """Export a scene as an FMU (FMI 2.0 co-simulation); platforms that are missing are told on stderr."""
+    """Export a scene as an FMU (FMI 2.0 co-simulation).
+
+    Missing platforms are reported on stderr.
+    """
     from gelenk.io.export import file_name_notes, fmu_file, missing_platforms
 
     wanted = [name.strip() for name in platforms.split(",")]
     missing = missing_platforms(wanted)
-    there = [name for name in wanted if name not in missing]
-    loaded = scene_given(scene, assembly_tolerance).without(without or [])
-    # With none left, the export says why.
-    out = gelenk.export_fmu(loaded, output or fmu_file(loaded.name), there or wanted, all_listed(outputs))
+    available = [name for name in wanted if name not in missing]
+    loaded = load_scene(scene, assembly_tolerance).without(without or [])
+    # If none is available, the export reports the reason.
+    out = gelenk.export_fmu(
+        loaded, output or fmu_file(loaded.name), available or wanted, split_all_names(outputs)
+    )
     for sentence in [*missing.values(), *file_name_notes(loaded.name, output)]:
         print(sentence, file=sys.stderr)
     print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, {loaded.name}")
 
 
 @app.command()
-@told
+@report_user_errors
 def check(scene: SceneFile, assembly_tolerance: AssemblyTolerance = None) -> None:
-    """Check a scene, close its loops, and say what it is."""
-    plant = gelenk.Simulation(scene_given(scene, assembly_tolerance))
+    """Check a scene, close its loops, and print its size."""
+    plant = gelenk.Simulation(load_scene(scene, assembly_tolerance))
     plant.initialize()
     size = plant.size
     algebra = "planar" if size.planar else "spatial"
     print(f"{plant.scene!r}")
-    rows = f"{_count(size.constraint_equations, 'loop row')} of rank {size.rank}"
-    print(f"{_count(size.degrees_of_freedom, 'freedom')}: {_count(size.velocities, 'speed')}, {rows}, "
+    n = size.degrees_of_freedom
+    dof = "1 degree of freedom" if n == 1 else f"{n} degrees of freedom"
+    equations = _count(size.constraint_equations, "constraint equation")
+    if size.constraint_equations:
+        equations += f" of rank {size.rank}"
+    print(f"{dof}: {_count(size.velocities, 'velocity')}, {equations}, "
           f"{_count(size.bodies, 'moving body')}, {algebra}")  # fmt: skip
     print(f"inputs: {', '.join(s.name for s in plant.inputs) or 'none'}")
     report = plant.assembly_report()
@@ -114,21 +125,24 @@ def check(scene: SceneFile, assembly_tolerance: AssemblyTolerance = None) -> Non
 
 
 @app.command()
-@told
+@report_user_errors
 def inspect(
     scene: SceneFile,
     without: Without = None,
     outputs: Outputs = None,
     assembly_tolerance: AssemblyTolerance = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Tell what the model is reduced to, why, and what an evaluation costs with and without."""
-    report = gelenk.inspect(scene_given(scene, assembly_tolerance), without or [], all_listed(outputs))
+    """Print the reductions of a model and their effects.
+
+    For each reduction, the cost of an evaluation with and without it is measured.
+    """
+    report = gelenk.inspect(load_scene(scene, assembly_tolerance), without or [], split_all_names(outputs))
     print(json.dumps(report.to_dict(), indent=2) if as_json else report)
 
 
 @app.command()
-@told
+@report_user_errors
 def assemblies(
     scene: SceneFile,
     settings: Annotated[
@@ -136,33 +150,39 @@ def assemblies(
     ] = None,
     bodies: Annotated[
         list[str] | None,
-        typer.Option("--body", metavar="NAME", help="Count branches by how this body stands; repeatable."),
+        typer.Option(
+            "--body", metavar="NAME", help="Distinguish branches by the pose of this body only; repeatable."
+        ),
     ] = None,
-    starts: Annotated[int, typer.Option(help="Most searches, for each part that moves by itself.")] = STARTS,
+    starts: Annotated[int, typer.Option(help="Maximum number of searches for each island.")] = STARTS,
     take: Annotated[
-        int | None, typer.Option("--take", metavar="NUMBER", help="Put this branch into --output.")
+        int | None,
+        typer.Option("--take", metavar="NUMBER", help="Write the scene in this branch to --output."),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="SCENE", help="Scene file for --take.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """The ways in which a scene can be put together with its fixed start values."""
-    source = gelenk.load(Path(scene)).with_parameters(settings_given(settings or []))
+    """List the branches in which a scene can be assembled.
+
+    Fixed start values are kept; the branch nearest to the initial guesses is listed first.
+    """
+    source = gelenk.load(Path(scene)).with_parameters(parse_settings(settings or []))
     found = gelenk.assemblies(source, bodies=bodies or [], starts=starts)
     if (take is None) != (output is None):
-        raise UsageError("--take and --output go together: the branch, and the scene to be written")
+        raise UsageError("--take and --output: found one of them, expected both or none")
     if take is None or output is None:
         print(json.dumps(found.to_dict(), indent=2) if as_json else found)
         return
     if not 1 <= take <= len(found):
         raise UsageError(f"--take {take}: expected 1 to {len(found)}")
-    found[take - 1].put_into(source).save(output)
+    found[take - 1].apply_to(source).save(output)
     print(f"{output}: branch {take} of {len(found)}")
 
 
 @app.command("import")
-@told
+@report_user_errors
 def import_(
     robot: Annotated[Path, typer.Argument(metavar="ROBOT.urdf", help="URDF robot description.")],
     output: Annotated[
@@ -171,11 +191,16 @@ def import_(
     floating: Annotated[bool, typer.Option("--floating", help="Let the root link move freely.")] = False,
     repair_inertia: Annotated[
         bool,
-        typer.Option("--repair-inertia", help="Take the nearest inertia where no body has the one given."),
+        typer.Option(
+            "--repair-inertia", help="Replace physically impossible inertias by the nearest possible ones."
+        ),
     ] = False,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
-    """Make a scene of a URDF robot description; what is not taken over is told on stderr."""
+    """Convert a URDF robot description to a scene.
+
+    What is not converted is listed on stderr.
+    """
     scene = gelenk.import_urdf(
         robot, floating=floating, repair_inertia=repair_inertia, assembly_tolerance=assembly_tolerance
     )
@@ -186,63 +211,75 @@ def import_(
 
 
 @app.command()
-@told
+@report_user_errors
 def simulate(
     plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
-    stop: Annotated[float | None, typer.Option(help="End of the run [s].")] = None,
+    stop: Annotated[float | None, typer.Option(help="End of the simulation [s].")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,
     tolerance: Annotated[float | None, typer.Option(help="Relative tolerance of the integrator.")] = None,
     integrator: Annotated[
         str | None,
-        typer.Option(help="auto, ida, erk, rk4, generalized-alpha, ...: see docs/scene-format.md."),
+        typer.Option(
+            help="Integrator: auto, ida, erk, rk4, generalized-alpha, ...: see docs/scene-format.md."
+        ),
     ] = None,
     formulation: Annotated[
-        str | None, typer.Option(help="projection, baumgarte, index3, ...: how loops meet the integrator.")
+        str | None,
+        typer.Option(
+            help="Constraint formulation: projection, baumgarte, index3, ...: see docs/scene-format.md."
+        ),
     ] = None,
     inputs: Annotated[
-        Path | None, typer.Option("--input", metavar="FILE.csv", help="Columns `time` and inputs by name.")
+        Path | None,
+        typer.Option(
+            "--input", metavar="FILE.csv", help="Inputs: a column `time` and a column for each input."
+        ),
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="NAME=VALUE", help="A parameter, or an input as a constant; repeatable."
+            "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
         ),
     ] = None,
     assembly_tolerance: AssemblyTolerance = None,
     without: Without = None,
     outputs: Outputs = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE.csv", help="Result table; - is stdout.")
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.csv", help="Table of results; - for stdout."),
     ] = None,
 ) -> None:
-    """Run a scene or an FMU; without --output, tell the span of every output."""
-    table_file(output)
+    """Simulate a scene or an FMU.
+
+    Without --output, the range of every output is printed.
+    """
+    check_output_file(output)
     try:
         with progress_bar(sys.stderr) as progress:
             result = gelenk.simulate(
                 plant, stop=stop, step=step, tolerance=tolerance, integrator=integrator,
                 formulation=formulation, inputs=inputs,
-                parameters=settings_with(settings or [], assembly_tolerance), outputs=all_listed(outputs),
-                without=without or [], progress=progress,
+                parameters=parse_parameters(settings or [], assembly_tolerance),
+                outputs=split_all_names(outputs), without=without or [], progress=progress,
             )  # fmt: skip
     except StepError as e:
         if e.result is not None and output is not None:
             _write(e.result, output)
         raise
     _write(result, output)
-    _tell_passages(result)
+    _report_singular_crossings(result)
 
 
-points.register(app)
+analysis.register(app)
 
 
-def _tell_passages(result: Result) -> None:
+def _report_singular_crossings(result: Result) -> None:
     if not result.singular_positions:
         return
     times = ", ".join(f"{t:g}" for t in result.singular_positions[:5])
     more = len(result.singular_positions) - 5
     print(
-        f"passed singular positions, where loops could go on by another branch, before t = {times}"
+        f"crossed singular configurations, where motion on another branch is possible, before t = {times}"
         f"{f' and {more} more' if more > 0 else ''} s",
         file=sys.stderr,
     )
@@ -263,7 +300,7 @@ def _summary(result: Result) -> None:
     if not result.names:
         return
     width = max(map(len, result.names))
-    print(f"{'':{width}}  {'start':>12} {'least':>12} {'most':>12} {'end':>12}")
+    print(f"{'':{width}}  {'start':>12} {'min':>12} {'max':>12} {'end':>12}")
     for name in result.names:
         x = result[name]
         cells = " ".join(f"{value:12.6g}" for value in (x[0], x.min(), x.max(), x[-1]))
@@ -272,12 +309,12 @@ def _summary(result: Result) -> None:
 
 
 def _count(n: int, what: str) -> str:
-    plural = f"{what[:-1]}ies" if what.endswith("body") else f"{what}s"
+    plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
     return f"{n} {what if n == 1 else plural}"
 
 
 def main() -> None:
-    """Entry point of the command."""
+    """Run the `gelenk` command with the arguments of the process."""
     app(prog_name="gelenk")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A progress bar for long runs."""
+"""A progress bar for long simulations."""
 
 from __future__ import annotations
 
@@ -11,31 +11,35 @@ from typing import IO, Any
 from gelenk.errors import UsageError
 from gelenk.extras import extra
 
-QUIET = 1.0  # s; shorter runs show no bar
-PERIOD = 0.1  # s between drawings
+QUIET = 1.0  # s; shorter simulations show no bar
+PERIOD = 0.1  # s between updates
 
 
 @contextmanager
 def progress_bar(stream: IO[str]) -> Iterator[Callable[[float, float], None] | None]:
-    """A function to be called with the time reached and the end [s]; None where no one would see it."""
+    """Yield a function to be called with the time reached and the end [s]; None if there is no terminal.
+
+    Args:
+        stream: where to draw the bar.
+    """
     if not stream.isatty():
         yield None
         return
-    begun = last = time.monotonic()
+    started = last = time.monotonic()
     bar: Any = None
-    told = False
+    failed = False
 
     def reached(t: float, stop: float) -> None:
-        nonlocal bar, last, told
+        nonlocal bar, last, failed
         now = time.monotonic()
-        if told or now - last < PERIOD or now - begun < QUIET:
+        if failed or now - last < PERIOD or now - started < QUIET:
             return
         last = now
         if bar is None:
             try:
                 tqdm = extra("tqdm", "progress is shown by tqdm").tqdm
-            except UsageError as e:  # nothing that a run would have to end for
-                told = True
+            except UsageError as e:  # a missing progress bar must not end the simulation
+                failed = True
                 print(e, file=stream)
                 return
             bar = tqdm(total=stop, initial=t, unit="s", file=stream, leave=False,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Equilibria, at rest or in steady motion, and the inputs that hold them."""
+"""Equilibria at rest or in steady motion, and the inputs that hold them (trim)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Newton's method for accelerations that vanish, on the pose and on inputs."""
+"""Newton's method for poses and inputs at which the accelerations vanish."""
 
 from __future__ import annotations
 
@@ -8,214 +8,226 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.equilibria.rest import Pose, Rest
+from gelenk.equilibria.pose import LinearizedPose, PosedPlant
 from gelenk.errors import AssemblyError, EquilibriumError, UsageError
-from gelenk.linear.model import standing
+from gelenk.linear.model import equilibrium_rate_bounds
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 200
-MOST_IN_VAIN = 5  # steps by which those to come do not become shorter by this factor
-PROGRESS = 0.9
-MOST_FALLS = 100  # steps downhill, where Newton's lead nowhere
-SHORTEST = 1 / 64  # of a step, before it is given up
-# Singular values up to this, or this part of the largest, are rounding: of directions that nothing holds.
-SINGULAR = 1e-10
-SETTLED = (
-    1e-9  # rad, part of the mechanism's length or of an input: the error after such a step is its square
-)
+MAX_STEPS = 200
+MAX_STEPS_WITHOUT_PROGRESS = 5  # Newton steps in which the step length does not fall below the next factor
+PROGRESS_FACTOR = 0.9  # of the smallest step length so far
+MAX_DESCENT_STEPS = 100  # pseudo-transient steps, if Newton's method makes no progress
+MIN_STEP_FRACTION = 1 / 64  # of a full step, before the step is rejected
+# Singular values up to this value, or this fraction of the largest, are rounding errors: of directions
+# without restoring force.
+SINGULAR_VALUE_TOLERANCE = 1e-10
+# rad, and relative to the mechanism's length or to an input. The error after a step of this length is its
+# square.
+STEP_TOLERANCE = 1e-9
 
 
 class Search:
-    """From a pose to one without accelerations: dx and du with a + A dx + B du = 0, held ones apart.
+    """Search for a pose without accelerations: a + A dx + B du = 0, with held coordinates fixed.
 
-    Where this is singular, the least dx and du that make a smallest. Steps are shortened until the next
-    one, by the same derivatives, would be shorter (Deuflhard 2004, ch. 3: natural monotonicity).
+    If the system is singular, dx and du of minimum norm minimize the accelerations. A step is shortened until
+    the next step, with the same Jacobian, would be shorter (natural monotonicity test, Deuflhard 2004, ch.
+    3).
 
     Attributes:
-        pose: reached.
-        starts: the start values of its joints.
-        inputs: all of them, there; these and the start values in the mechanism's own units.
-        steps: taken.
-        settled: whether the last one was of no length, be it an equilibrium or not.
+        plant: the plant.
+        pose: the pose reached.
+        starts: start values of its joints, in the mechanism's own units.
+        inputs: values of all inputs, in own units.
+        steps: number of steps taken.
+        converged: whether the last step had length zero; the pose need not be an equilibrium.
     """
 
     def __init__(
-        self, rest: Rest, first: Pose, inputs: Mapping[str, float], solve_for: Sequence[str]
+        self, plant: PosedPlant, first: LinearizedPose, inputs: Mapping[str, float], solve_for: Sequence[str]
     ) -> None:
-        self.rest = rest
+        self.plant = plant
         self.inputs = dict(inputs)
         self._free = [first.found.inputs.index(name) for name in solve_for]
         self._names = list(solve_for)
         self.steps = 0
-        self.settled = False
-        self._falls = 0
+        self.converged = False
+        self._descent_steps = 0
         self.pose = first
         self.starts: dict[str, float] = {}
 
     def run(self) -> None:
-        """Goes on until the pose settles, or the steps are used up."""
+        """Iterate until convergence, or until the maximum number of steps is reached.
+
+        Raises:
+            AssemblyError: the loops cannot be closed with the held values.
+            EquilibriumError: the held values cannot be reached.
+        """
         self._approach()
-        least, in_vain = np.inf, 0  # of Newton's steps since the last fall; steps since then
-        while self.steps < MOST_STEPS and not self.settled:
-            dq, du = self._newton(self.pose.accelerations, self._gap())
-            size = self._size(dq, du)
-            if size < SETTLED:
+        shortest, in_vain = np.inf, 0  # step length since the last descent; steps without a shorter one
+        while self.steps < MAX_STEPS and not self.converged:
+            dq, du = self._newton(self.pose.accelerations, self._hold_error())
+            size = self._step_length(dq, du)
+            if size < STEP_TOLERANCE:
                 self._try(dq, du, 1.0)
-                self.settled = self._stands() or not self._fall()
+                self.converged = self._is_equilibrium() or not self._pseudo_transient_step()
                 continue
-            # Shortened steps go on to and fro where A is singular between two poses.
-            nearer = size < PROGRESS * least
-            in_vain = 0 if nearer else in_vain + 1
-            least = size if nearer else least
-            if in_vain < MOST_IN_VAIN and self._shortened(dq, du):
+            # Shortened steps would oscillate for ever about a pose between two others at which A is singular.
+            shorter = size < PROGRESS_FACTOR * shortest
+            in_vain = 0 if shorter else in_vain + 1
+            shortest = size if shorter else shortest
+            if in_vain < MAX_STEPS_WITHOUT_PROGRESS and self._damped_step(dq, du):
                 continue
-            if not self._fall():
+            if not self._pseudo_transient_step():
                 return
-            least = np.inf
+            shortest = np.inf
         if self._names:
-            self._least_inputs()
+            self._minimize_inputs()
 
     def _approach(self) -> None:
-        """To the values that are held, in steps that keep the branch."""
-        held = list(self.rest.hold)
-        share = 0.0
-        while share < 1:
-            dq = self._particular(self._gap())
-            share = self.rest.share(self.rest.turns(self.pose, dq))
-            starts = self.rest.starts(self.pose, share * dq)
+        """Move to the held values in steps that remain on the branch."""
+        held = list(self.plant.hold)
+        fraction = 0.0
+        while fraction < 1:
+            dq = self._min_norm_step(self._hold_error())
+            fraction = self.plant.step_fraction(self.plant.rotations(self.pose, dq))
+            starts = self.plant.starts(self.pose, fraction * dq)
             for name in held:
-                start, end = self.pose.found.values[name], self.rest.hold[name]
-                starts[name] = end if share == 1 else start + share * (end - start)
-            self._take(starts, self.rest.put(starts, self.inputs))
-            if share < 1:
+                start, end = self.pose.found.values[name], self.plant.hold[name]
+                starts[name] = end if fraction == 1 else start + fraction * (end - start)
+            self._accept(starts, self.plant.put(starts, self.inputs))
+            if fraction < 1:
                 self.steps += 1
-            if self.steps >= MOST_STEPS:
-                raise EquilibriumError(self.unreached)
+            if self.steps >= MAX_STEPS:
+                raise EquilibriumError(self.unreachable)
 
-    def _gap(self) -> Array:
-        return np.array([value - self.pose.found.values[name] for name, value in self.rest.hold.items()])
+    def _hold_error(self) -> Array:
+        return np.array([value - self.pose.found.values[name] for name, value in self.plant.hold.items()])
 
-    def _particular(self, gap: Array) -> Array:
-        out: Array = np.linalg.pinv(self.pose.slopes(list(self.rest.hold)), SINGULAR) @ gap
+    def _min_norm_step(self, error: Array) -> Array:
+        """Return the minimum-norm step that corrects an error of the held coordinates, shape (unknowns,)."""
+        out: Array = (
+            np.linalg.pinv(self.pose.jacobian(list(self.plant.hold)), SINGULAR_VALUE_TOLERANCE) @ error
+        )
         return out
 
     def _free_directions(self) -> Array:
-        """Of the unknowns, shape (n, what is not held)."""
-        return self._across(self.pose.slopes(list(self.rest.hold)))
+        """Return a basis of the steps that move no held coordinate, shape (unknowns, directions)."""
+        return self._null_space(self.pose.jacobian(list(self.plant.hold)))
 
-    def _free_speeds(self) -> Array:
-        """Of the independent speeds, shape (n, those that move nothing held)."""
-        return self._across(self.pose.slopes(list(self.rest.hold)) @ self.pose.ways)
+    def _free_velocities(self) -> Array:
+        """Return a basis of the velocities that move no held coordinate, shape (conditions, directions)."""
+        return self._null_space(self.pose.jacobian(list(self.plant.hold)) @ self.pose.velocity_basis)
 
     @staticmethod
-    def _across(H: Array) -> Array:
+    def _null_space(H: Array) -> Array:
         _, size, V = np.linalg.svd(H, full_matrices=True)
-        rank = int((size > SINGULAR * size.max(initial=0.0)).sum())
+        rank = int((size > SINGULAR_VALUE_TOLERANCE * size.max(initial=0.0)).sum())
         return V[rank:].T
 
-    def _newton(self, accelerations: Array, gap: Array) -> tuple[Array, Array]:
-        held = self._particular(gap)
+    def _newton(self, accelerations: Array, hold_error: Array) -> tuple[Array, Array]:
+        held = self._min_norm_step(hold_error)
         N = self._free_directions()
         J = np.hstack([self.pose.A @ N, self.pose.B[:, self._free]])
-        stiffest = float(np.linalg.norm(J, 2)) if J.size else 0.0
-        found = np.linalg.pinv(J, SINGULAR * max(1.0, 1 / max(stiffest, SINGULAR)))
-        found = found @ -(accelerations + self.pose.A @ held)
+        largest = float(np.linalg.norm(J, 2)) if J.size else 0.0
+        tolerance = SINGULAR_VALUE_TOLERANCE * max(1.0, 1 / max(largest, SINGULAR_VALUE_TOLERANCE))
+        found = np.linalg.pinv(J, tolerance) @ -(accelerations + self.pose.A @ held)
         return held + N @ found[: N.shape[1]], found[N.shape[1] :]
 
-    def _size(self, dq: Array, du: Array) -> float:
+    def _step_length(self, dq: Array, du: Array) -> float:
         scale = np.array([1 + abs(self.inputs[name]) for name in self._names])
         return float(np.abs(np.concatenate([dq / self.pose.sizes, du / scale])).max(initial=0.0))
 
-    def _shortened(self, dq: Array, du: Array) -> bool:
-        size = self._size(dq, du)
-        share = self.rest.share(self.rest.turns(self.pose, dq))
-        least = SHORTEST * share
-        while share >= least:
-            there = self._try(dq, du, share, keep=False)
-            if there is not None:
-                starts, inputs, pose = there
-                gap = (1 - share) * self._gap()
-                rest = self._newton(pose.accelerations_of(self.pose.conditions), gap)
-                if self._size(*rest) <= (1 - share / 4) * size:
+    def _damped_step(self, dq: Array, du: Array) -> bool:
+        size = self._step_length(dq, du)
+        fraction = self.plant.step_fraction(self.plant.rotations(self.pose, dq))
+        smallest = MIN_STEP_FRACTION * fraction
+        while fraction >= smallest:
+            trial = self._try(dq, du, fraction, keep=False)
+            if trial is not None:
+                starts, inputs, pose = trial
+                hold_error = (1 - fraction) * self._hold_error()
+                next_step = self._newton(pose.accelerations_of(self.pose.conditions), hold_error)
+                if self._step_length(*next_step) <= (1 - fraction / 4) * size:
                     self.inputs = inputs
-                    self._take(starts, pose)
+                    self._accept(starts, pose)
                     self.steps += 1
                     return True
-            share /= 2
+            fraction /= 2
         return False
 
     def _try(
-        self, dq: Array, du: Array, share: float, keep: bool = True
-    ) -> tuple[dict[str, float], dict[str, float], Pose] | None:
-        """The pose after a step; None where the loops do not close, or are singular."""
-        starts = self.rest.starts(self.pose, share * dq) | self.rest.hold
+        self, dq: Array, du: Array, fraction: float, keep: bool = True
+    ) -> tuple[dict[str, float], dict[str, float], LinearizedPose] | None:
+        """Return start values, inputs and pose after a step; None if the loops are open or singular."""
+        starts = self.plant.starts(self.pose, fraction * dq) | self.plant.hold
         inputs = dict(self.inputs)
         for name, change in zip(self._names, du, strict=True):
-            inputs[name] += share * float(change)
+            inputs[name] += fraction * float(change)
         try:
-            pose = self.rest.put(starts, inputs)
+            pose = self.plant.put(starts, inputs)
         except (AssemblyError, UsageError):
             return None
         if keep:
             self.inputs = inputs
-            self._take(starts, pose)
+            self._accept(starts, pose)
             self.steps += 1
         return starts, inputs, pose
 
-    def _stands(self) -> bool:
-        return self.pose.stands and self.kept()
+    def _is_equilibrium(self) -> bool:
+        return self.pose.is_equilibrium and self.holds()
 
     @property
-    def unreached(self) -> str:
-        """What to say of a pose that is not attained."""
-        what = "the pose to hold" if self.rest.conditions is None else "this motion"
-        return f"{', '.join(self.rest.hold)}: the mechanism cannot be brought to {what}"
+    def unreachable(self) -> str:
+        """The message for held values that cannot be reached."""
+        what = "the pose to hold" if self.plant.conditions is None else "this motion"
+        return f"{', '.join(self.plant.hold)}: the mechanism cannot be brought to {what}"
 
-    def kept(self) -> bool:
-        """Whether what is held is where it has to be."""
-        return float(np.abs(self._gap()).max(initial=0.0)) <= SETTLED
+    def holds(self) -> bool:
+        """Whether all held coordinates and velocities have their values."""
+        return float(np.abs(self._hold_error()).max(initial=0.0)) <= STEP_TOLERANCE
 
-    def _fall(self) -> bool:
-        """Downhill, as through honey, where Newton's method is stuck: to where the pose is stable.
+    def _pseudo_transient_step(self) -> bool:
+        """Descend the potential energy by pseudo-transient continuation until the pose is stable.
 
-        Implicit Euler on dq/dt = v': (s - A) dq = v', with s above all eigenvalues of A, which are those of
-        -M^-1 K: so dq lowers the potential energy.
+        It is used if Newton's method makes no progress, and returns whether the pose has changed. Steps of
+        implicit Euler for the overdamped motion dq/dt = v': (s - A) dq = v', with s above all eigenvalues of
+        A. These are the eigenvalues of -M^-1 K, so that dq lowers the potential energy.
         """
-        if self.rest.conditions is not None:  # what holds a steady motion is no potential
+        if self.plant.conditions is not None:  # a steady motion does not minimize a potential
             return False
-        N = self._free_speeds()
+        N = self._free_velocities()
         if not N.shape[1]:
             return False
-        again = self._falls > 0  # from where Newton's steps have led up once more: down to the bottom
+        again = self._descent_steps > 0  # Newton's steps have led uphill again: descend to the minimum
         moved = False
-        while self._falls < MOST_FALLS:
-            ways = self.pose.ways @ N
-            A, a = N.T @ self.pose.A @ ways, N.T @ self.pose.accelerations
-            steepest = float(np.linalg.eigvals(A).real.max())
+        while self._descent_steps < MAX_DESCENT_STEPS:
+            directions = self.pose.velocity_basis @ N
+            A, a = N.T @ self.pose.A @ directions, N.T @ self.pose.accelerations
+            largest = float(np.linalg.eigvals(A).real.max())
             size = float(np.abs(a).max())
-            stable = steepest < -SINGULAR * max(1.0, float(np.abs(A).max()))
-            if size <= standing(A, np.ones(len(A))).max() or (stable and moved and not again):
+            stable = largest < -SINGULAR_VALUE_TOLERANCE * max(1.0, float(np.abs(A).max()))
+            if size <= equilibrium_rate_bounds(A, np.ones(len(A))).max() or (stable and moved and not again):
                 return moved
-            dq = ways @ np.linalg.solve((2 * max(steepest, 0.0) + size) * np.eye(len(A)) - A, a)
-            self._falls += 1
-            share = self.rest.share(self.rest.turns(self.pose, dq))
+            dq = directions @ np.linalg.solve((2 * max(largest, 0.0) + size) * np.eye(len(A)) - A, a)
+            self._descent_steps += 1
+            fraction = self.plant.step_fraction(self.plant.rotations(self.pose, dq))
             before = self.pose.largest()
-            if self._try(dq, np.zeros(len(self._names)), share) is None:
+            if self._try(dq, np.zeros(len(self._names)), fraction) is None:
                 return moved
-            if self.pose.largest() == before:  # a constant force that no coordinate changes
+            if self.pose.largest() == before:  # a constant force in a direction without restoring force
                 return False
             moved = True
-            N = self._free_speeds()
+            N = self._free_velocities()
         return moved
 
-    def _least_inputs(self) -> None:
-        """Of all inputs that do the same in this pose those of the least sum of squares."""
+    def _minimize_inputs(self) -> None:
+        """Replace the inputs by those of least norm with the same effect in this pose."""
         B = self.pose.B[:, self._free]
         u = np.array([self.inputs[name] for name in self._names])
-        least = np.linalg.pinv(B, SINGULAR) @ (B @ u)
+        least = np.linalg.pinv(B, SINGULAR_VALUE_TOLERANCE) @ (B @ u)
         if np.abs(least - u).max(initial=0.0) > 1e-12 * np.abs(u).max(initial=0.0):
             self._try(np.zeros(len(self.pose.unknowns)), least - u, 1.0)
 
-    def _take(self, starts: dict[str, float], pose: Pose) -> None:
+    def _accept(self, starts: dict[str, float], pose: LinearizedPose) -> None:
         self.starts, self.pose = starts, pose

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Steady motion: which speeds stay constant, and whether they do for longer than a moment."""
+"""Steady motion: which velocities are constant, and whether they remain constant."""
 
 from __future__ import annotations
 
@@ -8,21 +8,30 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.linalg import qr
 
-from gelenk.equilibria.rest import Pose
+from gelenk.equilibria.pose import LinearizedPose
 from gelenk.errors import UsageError
-from gelenk.linear.minimal import Minimal
-from gelenk.linear.model import STANDS
+from gelenk.linear.minimal_realization import MinimalRealization
+from gelenk.linear.model import EQUILIBRIUM_RATE_TOLERANCE
 from gelenk.model.values import number, unknown
 
-DEPENDENT = 1e-8  # of the largest: singular values below are speeds that others decide
-NOTICED = (
-    1e-6  # of speeds and their rates in own units: by more than this loops do not gape, however they are held
+SINGULAR_VALUE_RATIO_LIMIT = 1e-8  # relative to the largest; below it, velocities are determined by others
+# Rates of velocities and accelerations that are not due to the states, relative to the rate or 1 in own
+# units; larger than those that any formulation's closure errors cause.
+DRIVEN_RATE_TOLERANCE = 1e-6
+DRIFT_ROUNDING_TOLERANCE = (
+    1e-10  # of derivatives of accelerations times rates of coordinates: rounding errors
 )
-NOISE = 1e-10  # of the slopes of accelerations, times how fast coordinates go on: rounding
 
 
 def steady_given(steady: Mapping[str, float | None] | Sequence[str] | str) -> dict[str, float | None]:
-    """Speeds and their values, None where these are to be found. Raises UsageError."""
+    """Return velocities by name with their values, None if a value is to be determined.
+
+    Args:
+        steady: the argument of `gelenk.equilibrium`.
+
+    Raises:
+        UsageError: a value is not a finite number.
+    """
     if isinstance(steady, str):
         steady = [steady]
     if not isinstance(steady, Mapping):
@@ -30,14 +39,18 @@ def steady_given(steady: Mapping[str, float | None] | Sequence[str] | str) -> di
     return {name: None if value is None else number(name, value, "real") for name, value in steady.items()}
 
 
-def constant_speeds(minimal: Minimal, steady: Mapping[str, float | None]) -> list[str]:
-    """The named speeds, and as many others as decide all the rest: these are 0.
+def constant_speeds(minimal: MinimalRealization, steady: Mapping[str, float | None]) -> list[str]:
+    """Return the named velocities, and as many others, which are 0, as determine all remaining ones.
+
+    Args:
+        minimal: the plant's derivatives.
+        steady: velocities by name, with their values in own units or None.
 
     Raises:
-        UsageError: names of no speeds, or of speeds that cannot be chosen together.
+        UsageError: a name is not a velocity, or the velocities depend on each other.
     """
     known = [name for name in minimal.candidates if not minimal.is_coordinate(name)]
-    faults = [unknown(name, "speed", known) for name in steady if name not in known]
+    faults = [unknown(name, "velocity", known) for name in steady if name not in known]
     if faults:
         raise UsageError("\n".join(faults))
     free = [name for name in minimal.names if not minimal.is_coordinate(name)]
@@ -45,39 +58,45 @@ def constant_speeds(minimal: Minimal, steady: Mapping[str, float | None]) -> lis
     named = [name for name in steady if not _is_driven(minimal, name, steady[name])]
     rows = np.array([minimal.row(name)[n:] for name in named]).reshape(len(named), len(free))
     _, size, V = np.linalg.svd(rows)
-    rank = int((size > DEPENDENT * size.max(initial=0.0)).sum())
+    rank = int((size > SINGULAR_VALUE_RATIO_LIMIT * size.max(initial=0.0)).sum())
     if rank < len(named):
         raise UsageError(
-            f"steady: {', '.join(named)} cannot be chosen together, {rank} of them decide the others"
+            f"steady: {', '.join(named)} are not independent; {rank} of them determine the others"
         )
     order = qr(V[rank:], pivoting=True, mode="r")[1] if rank < len(free) else []
     return named + [free[int(i)] for i in sorted(order[: len(free) - rank])]
 
 
-def _is_driven(minimal: Minimal, name: str, value: float | None) -> bool:
-    """Whether constraints alone make this speed what it is. Raises UsageError: and that is another one."""
-    if np.abs(minimal.row(name)).max(initial=0.0) > DEPENDENT:
+def _is_driven(minimal: MinimalRealization, name: str, value: float | None) -> bool:
+    """Whether constraints alone determine this velocity. Raises UsageError if they give it another value."""
+    if np.abs(minimal.row(name)).max(initial=0.0) > SINGULAR_VALUE_RATIO_LIMIT:
         return False
     there = minimal.value(name)
-    if value is not None and abs(there - value) > DEPENDENT * max(1.0, abs(there)):
+    if value is not None and abs(there - value) > SINGULAR_VALUE_RATIO_LIMIT * max(1.0, abs(there)):
         size = minimal.of.size(name)
         raise UsageError(
-            f"steady: {name} is {size * there:.6g} by a constraint, it cannot be {size * value:g}"
+            f"steady: found {name} = {size * value:g}, but a constraint makes it {size * there:.6g}"
         )
     return True
 
 
-def advancing(pose: Pose) -> dict[str, float]:
-    """Coordinates of joints that do not stay where they are, and their speeds; J.theta[i] of quaternions."""
+def advancing(pose: LinearizedPose) -> dict[str, float]:
+    """Return the coordinates that change, with their rates in SI units; J.theta[i] for quaternions."""
     minimal = pose.minimal
     speeds = {name: minimal.speed(name) for name in minimal.candidates if minimal.is_coordinate(name)}
     values = {name: (speed, pose.found.values[speed]) for name, speed in speeds.items()}
-    return {name: pose.in_si(speed, value) for name, (speed, value) in values.items() if abs(value) > STANDS}
+    return {
+        name: pose.in_si(speed, value)
+        for name, (speed, value) in values.items()
+        if abs(value) > EQUILIBRIUM_RATE_TOLERANCE
+    }
 
 
-def pushed(pose: Pose) -> dict[str, float]:
-    """What goes on by no state, but by a motion that is given as a function of time: rates of coordinates and
-    of speeds, by their names, as far as no state tells of them.
+def driven_rates(pose: LinearizedPose) -> dict[str, float]:
+    """Return velocities and accelerations that prescribed motions cause, in own units.
+
+    Only the parts that do not follow from the states are returned, by the names of velocities and
+    accelerations.
     """
     minimal, found = pose.minimal, pose.found
     rates = np.array([minimal.rate(name)[2] for name in minimal.names])
@@ -85,24 +104,28 @@ def pushed(pose: Pose) -> dict[str, float]:
     for name in minimal.candidates:
         rate = minimal.rate(name)[2]
         own = rate - float(minimal.row(name) @ rates)
-        if abs(own) > NOTICED * max(1.0, abs(rate)):
+        if abs(own) > DRIVEN_RATE_TOLERANCE * max(1.0, abs(rate)):
             out[minimal.speed(name) if minimal.is_coordinate(name) else found.rates[name]] = own
     return out
 
 
-def change(pose: Pose) -> tuple[str, float, float]:
-    """How fast the accelerations change as the coordinates go on: the largest, and what may be rounding.
+def acceleration_drift(pose: LinearizedPose) -> tuple[str, float, float]:
+    """Return the largest rate of change of an acceleration: its name, the rate, and the bound of rounding
+    errors.
 
-    With dx/dt known, da/dt = (da/dx) dx/dt: 0 in a steady motion, in which nothing depends on what goes on.
+    da/dt = (da/dx) dx/dt vanishes in a steady motion, in which nothing depends on the coordinates that
+    advance.
     """
     minimal = pose.minimal
     rates = np.array([minimal.rate(name)[2] for name in minimal.names])
-    worst = ("", 0.0, STANDS)
+    worst = ("", 0.0, EQUILIBRIUM_RATE_TOLERANCE)
     for name in pose.conditions:
         row = minimal.rate(name)[0]
         found = float(row @ rates)
-        bound = STANDS * max(1.0, float(np.abs(rates).max())) + NOISE * float(np.abs(row * rates).sum())
-        bound += NOISE * float(np.abs(row).max()) * float(np.abs(rates).max())
+        bound = EQUILIBRIUM_RATE_TOLERANCE * max(
+            1.0, float(np.abs(rates).max())
+        ) + DRIFT_ROUNDING_TOLERANCE * float(np.abs(row * rates).sum())
+        bound += DRIFT_ROUNDING_TOLERANCE * float(np.abs(row).max()) * float(np.abs(rates).max())
         if abs(found) / bound > abs(worst[1]) / worst[2]:
             worst = (pose.found.rates[name], found, bound)
     return worst

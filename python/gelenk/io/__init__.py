@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files of other programs that scenes are made of, and FMUs that are made of scenes."""
+"""Import of files of other programs as scenes, and export of scenes as FMUs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exporting scenes as FMUs. No compiler runs: an FMU is a prebuilt library, a scene, its description."""
+"""Export of scenes as FMUs, which consist of a prebuilt library, the scene and its description."""
 
 from __future__ import annotations
 
@@ -22,24 +22,27 @@ def export_fmu(
     platforms: Sequence[str] = ("linux64",),
     outputs: Iterable[str] | None = None,
 ) -> Path:
-    """Writes an FMI 2.0 co-simulation FMU, as a whole or not at all.
+    """Write an FMI 2.0 co-simulation FMU; no incomplete file remains after an error.
 
     Args:
-        scene: anything `gelenk.load` takes.
-        out: the .fmu file; one that exists is replaced.
-        platforms: for whom, `linux64` or `win64`; what is missing is an error (see `missing_platforms`).
-        outputs: names and patterns of the outputs that are wanted; by default the scene's own. What none of
-            them depends on is not in the FMU.
+        scene: anything `gelenk.load` accepts.
+        out: the .fmu file; an existing file is replaced.
+        platforms: platforms of the FMU, `linux64` or `win64`; see `missing_platforms`.
+        outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
+            of them depends are not in the FMU.
 
     Returns:
         Path: the file written.
 
     Raises:
-        SceneError: the scene is wrong.
-        UsageError: an entry of `outputs` that names no output.
-        AssemblyError: its loops cannot be closed with the start values.
+        SceneError: the scene is invalid.
+        UsageError: an output is unknown.
+        AssemblyError: the loops cannot be closed with the start values.
         ExportError: the file cannot be written, or a platform is unknown or missing.
         OSError: the scene cannot be read.
+
+    >>> gelenk.export_fmu(four_bar, "FourBar.fmu").name
+    'FourBar.fmu'
     """
     target = Path(out)
     if target.suffix.lower() != ".fmu":
@@ -58,23 +61,34 @@ def export_fmu(
 
 
 def fmu_file(name: str) -> Path:
-    """The file in the present folder for a scene of that name, on Linux, macOS and Windows alike."""
+    """Return the default FMU file for a scene's name, valid on Linux, macOS and Windows."""
     return Path(f"{_core.file_stem(name)}.fmu")
 
 
 def file_name_notes(name: str, output: Path | None) -> list[str]:
-    """What to tell of the file of a scene's FMU, as sentences. output: what the user asked for instead."""
+    """Return notes about the file name of a scene's FMU.
+
+    Args:
+        name: name of the scene.
+        output: file name that the user has given instead.
+
+    Returns:
+        list[str]: notes for the user; empty if there is no problem.
+    """
     if output is not None:
-        device = f"{output}: Windows takes {output.stem!r} for a device and has no such file"
+        device = f"{output}: {output.stem!r} is the name of a device on Windows, where this file cannot exist"
         return [device] if _core.is_device_name(output.name) else []
     file = fmu_file(name)
     if file.stem == name:
         return []
-    return [f"name: {name!r} is no file's name everywhere; written to {file}, --output gives another"]
+    return [
+        f"name: {name!r} is not a valid file name on all systems; written to {file}, "
+        "use --output for another name"
+    ]
 
 
 def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:
-    """Of the platforms those for which this installation has no library, each with the reason as a sentence.
+    """Return the platforms for which this installation has no library, each with a message.
 
     Raises:
         ExportError: a platform is unknown.
@@ -86,23 +100,23 @@ def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:
         path = _place(RUNTIMES[platform])
         if path.exists():
             continue
-        how = "`make win64` in Gelenk's source builds it" if platform == "win64" else "install gelenk anew"
+        how = "run `make win64` in Gelenk's source" if platform == "win64" else "reinstall gelenk"
         missing[platform] = f"{platform}: this installation of gelenk has no {path.name} ({path}); {how}"
     return missing
 
 
 def runtime_library(platform: str = "linux64") -> Path:
-    """The library that an FMU carries for a platform (x86-64), as a gzip file."""
+    """Return the gzip file with the library of FMUs for a platform (x86-64). Raises ExportError."""
     return _part(RUNTIMES[platform])
 
 
 def licenses() -> Path:
-    """The folder with the licences of what the library contains."""
+    """Return the folder with the licenses of the components of the library. Raises ExportError."""
     return _part("licenses")
 
 
 def schema() -> str:
-    """The JSON Schema of scene files, as text."""
+    """Return the JSON Schema of scene files as text."""
     return _core.scene_schema()
 
 

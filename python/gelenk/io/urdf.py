@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes from URDF robot descriptions (needs the extra `urdf`).
+"""Import of URDF robot descriptions as scenes (requires the extra `urdf`).
 
 A link becomes a body in the link's own frame, a joint keeps its name, frame, axis and viscous damping, and
-every joint that can be driven gets a motor `JOINT_motor`. What is not taken over is told in words.
+every joint that can be driven gets a motor `JOINT_motor`. Everything that is not converted is listed in the
+scene's report.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ KINDS = {
     "planar": "planar",
 }
 DRIVEN = ("revolute", "prismatic")
-GRAVITY = 9.81  # m/s2 along -z: URDF says nothing of it, its tools mean this
+GRAVITY = 9.81  # m/s2 along -z; URDF does not specify gravity, its tools assume this value
 
 
 def import_urdf(
@@ -43,23 +44,23 @@ def import_urdf(
     repair_inertia: bool = False,
     assembly_tolerance: float | None = None,
 ) -> Scene:
-    """A scene from a URDF file; meshes and shapes are not needed and not looked for.
+    """Convert a URDF file to a scene; meshes and shapes are ignored.
 
     Args:
-        path: the .urdf file. Its root link is welded to the ground with the frames in line.
-        floating: let the root link move freely instead.
-        repair_inertia: take the nearest physical inertia where a link that can move has one that no rigid
-            body has: negative second moments about the centre of mass are raised to a millionth of the
-            largest. A link that moves without mass and inertia gets a millionth of its carrier's. All other
-            masses and inertias stay as they are to the bit.
+        path: the .urdf file. Its root link is welded to the ground with aligned frames.
+        floating: whether the root link moves freely instead.
+        repair_inertia: whether to replace the physically impossible inertia of a movable link by the nearest
+            possible one: negative second moments about the center of mass are raised to a millionth of the
+            largest. A movable link without mass and inertia gets a millionth of those of its carrier. All
+            other masses and inertias are unchanged.
         assembly_tolerance: the scene's `assembly.tolerance`, for loops that are closed by joints added to it.
 
     Returns:
-        Scene: its `report` tells, line by line, what was not taken over, and what was repaired by how much.
+        Scene: its `report` lists, line by line, what was not converted, and what was repaired by how much.
 
     Raises:
-        SceneError: the file is no URDF, or describes what no robot can be.
-        UsageError: the reader is not installed.
+        SceneError: the file is not URDF, or its robot is invalid.
+        UsageError: the URDF reader is not installed.
         OSError: the file cannot be read.
     """
     file = Path(path)
@@ -74,22 +75,24 @@ def import_urdf(
     except SceneError as e:
         if not impossible_inertias(e):
             raise
-        advice = "--repair-inertia (repair_inertia=True) takes the nearest moments that one has"
+        advice = (
+            "--repair-inertia (repair_inertia=True) replaces impossible inertias by the nearest possible ones"
+        )
         raise SceneError([*e.lines, f"{file}: {advice}"]) from None
 
 
 def _check(file: Path) -> None:
-    """What the reader of URDF would pass over in silence or stumble over without a word for the user."""
+    """Report faults that the URDF reader ignores, or for which it has no understandable message."""
     try:
         root = ET.fromstring(file.read_bytes())
     except ET.ParseError as e:
         line, column = e.position
-        raise SceneError(f"{file}:{line}:{column + 1}: no XML: {str(e).split(':')[0]}") from None
+        raise SceneError(f"{file}:{line}:{column + 1}: not XML: {str(e).split(':')[0]}") from None
     if root.tag != "robot":
         foreign.refuse_content(file.read_bytes(), str(file), "a URDF robot description (<robot>)")
         raise SceneError(f"{file}: found <{root.tag}>, expected <robot>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
-        raise SceneError(f"{file}: holds xacro macros; expand it with xacro first")
+        raise SceneError(f"{file}: contains xacro macros; expand it with xacro first")
     faults = _name_faults(file, root)
     links = [e.get("name") for e in root.findall("link")]
     for joint in root.findall("joint"):
@@ -97,18 +100,24 @@ def _check(file: Path) -> None:
     for body in root.findall("link"):
         faults += _inertial_faults(f"{file}: link {body.get('name')}", body.find("inertial"))
     if not links:
-        faults.append(f"{file}: has no links")
+        faults.append(f"{file}: found no links, expected at least one")
     if faults:
         raise SceneError(faults)
 
 
 def _name_faults(file: Path, root: ET.Element) -> list[str]:
     faults = [
-        f"{file}: {e.tag}: has no name" for e in root if e.tag in ("link", "joint") and not e.get("name")
+        f"{file}: {e.tag}: found no name, expected one"
+        for e in root
+        if e.tag in ("link", "joint") and not e.get("name")
     ]
     for tag in ("link", "joint"):
         names = [e.get("name") for e in root.findall(tag)]
-        faults += [f"{file}: {tag} {n}: is there twice" for n in dict.fromkeys(names) if names.count(n) > 1]
+        faults += [
+            f"{file}: {tag} {n}: found twice, expected once"
+            for n in dict.fromkeys(names)
+            if names.count(n) > 1
+        ]
     return faults
 
 
@@ -120,7 +129,7 @@ def _joint_faults(where: str, joint: ET.Element, links: Sequence[str | None]) ->
         element = joint.find(role)
         link = None if element is None else element.get("link")
         if link not in links:
-            faults.append(f"{where}: {role}: found {link!r}, which is no link")
+            faults.append(f"{where}: {role}: found {link!r}, expected the name of a link")
     return faults
 
 
@@ -130,22 +139,22 @@ def _inertial_faults(where: str, inertial: ET.Element | None) -> list[str]:
     faults = []
     mass = inertial.find("mass")
     if mass is None or mass.get("value") is None:
-        faults.append(f"{where}: inertial: has no mass value")
+        faults.append(f"{where}: inertial: found no mass value, expected one")
     inertia = inertial.find("inertia")
     if inertia is not None:
         missing = [name for name in ("ixx", "iyy", "izz") if inertia.get(name) is None]
-        faults += [f"{where}: inertia: has no {name}" for name in missing]
+        faults += [f"{where}: inertia: found no {name}, expected one" for name in missing]
     return faults
 
 
 def _read(file: Path) -> Any:
     yourdfpy = extra("yourdfpy", "importing URDF needs yourdfpy")
-    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # its errors reach the user as ours
+    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # its errors are reported as SceneError
     try:
         return yourdfpy.URDF.load(
             str(file), build_scene_graph=False, load_meshes=False, load_collision_meshes=False
         ).robot
-    except Exception as e:  # the reader's own, and ValueError for numbers that are none
+    except Exception as e:  # exceptions of the reader, and ValueError for invalid numbers
         raise SceneError(f"{file}: {' '.join(str(e).split()) or type(e).__name__}") from e
 
 
@@ -155,7 +164,7 @@ def _convert(file: Path, robot: Any, floating: bool) -> tuple[dict[str, Any], st
     bodies = {link.name: names.take("link", link.name, "link") for link in robot.links}
     joints = {joint.name: names.take("joint", joint.name, "joint") for joint in robot.joints}
     root = _root(file, robot)
-    attach = names.take("joint", "base" if floating else f"{root}_to_ground", "joint", told=False)
+    attach = names.take("joint", "base" if floating else f"{root}_to_ground", "joint", noted=False)
     scene: dict[str, Any] = {
         "gelenk": 1,
         "name": _identifier(robot.name or file.stem),
@@ -187,7 +196,8 @@ def _root(file: Path, robot: Any) -> str:
     if len(roots) != 1:
         found = ", ".join(roots) or "none"
         faults.append(
-            f"{file}: found the root links {found}, expected exactly one (a link that is no joint's child)"
+            f"{file}: found the root links {found}, expected exactly one "
+            "(a link that is not the child of a joint)"
         )
     if faults:
         raise SceneError(faults)
@@ -200,7 +210,7 @@ def _body(link: Any) -> dict[str, Any]:
         return {"mass": 0.0}
     body: dict[str, Any] = {"mass": float(inertial.mass)}
     origin = np.eye(4) if inertial.origin is None else inertial.origin
-    R = origin[:3, :3]  # the inertial frame in the link's
+    R = origin[:3, :3]  # orientation of the inertial frame in the link frame
     if origin[:3, 3].any():
         body["com"] = _numbers(origin[:3, 3])
     if inertial.inertia is not None and inertial.inertia.any():
@@ -231,7 +241,7 @@ def _joint(joint: Any, bodies: dict[str, str]) -> dict[str, Any]:
 
 
 def _rotation(R: NDArray[np.float64]) -> dict[str, Any]:
-    """Roll, pitch and yaw, as people write them, where they give the matrix back to rounding."""
+    """Return roll, pitch and yaw of a rotation if they reproduce it to rounding, else its matrix."""
     if np.array_equal(R, np.eye(3)):
         return {}
     rpy = [
@@ -239,13 +249,13 @@ def _rotation(R: NDArray[np.float64]) -> dict[str, Any]:
         float(np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))),
         float(np.arctan2(R[1, 0], R[0, 0])),
     ]
-    if np.abs(_rpy_matrix(rpy) - R).max() <= 1e-15:  # a few roundings of numbers up to 1
+    if np.abs(_rpy_matrix(rpy) - R).max() <= 1e-15:  # a few rounding errors of numbers up to 1
         return {"rpy": _numbers(rpy)}
     return {"matrix": [_numbers(row) for row in R]}
 
 
 def _rpy_matrix(rpy: list[float]) -> NDArray[np.float64]:
-    """Turns about the fixed axes x, y, z in this order."""
+    """Return the matrix of rotations about the fixed axes x, y, z in this order."""
     (a, b, c), (p, q, r) = np.cos(rpy), np.sin(rpy)
     x = np.array([[1, 0, 0], [0, a, -p], [0, p, a]])
     y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
@@ -254,24 +264,24 @@ def _rpy_matrix(rpy: list[float]) -> NDArray[np.float64]:
 
 
 def _left_out(robot: Any) -> list[str]:
-    """One line per kind of thing that the scene does not hold."""
+    """Return the notes on what the scene does not contain, one line for each kind of element."""
     movable = [j for j in robot.joints if j.type != "fixed"]
     notes = [_mimicry(j) for j in movable if j.mimic is not None]
     notes += _losses(movable)
     limited = [j.name for j in movable if j.limit is not None]
     if limited:
         notes.append(
-            f"limits of position, speed and effort are not modelled: {_list(limited)}; "
-            "a joint's `stop` in the scene holds a position, with a stiffness that URDF does not tell"
+            f"limits of position, velocity and effort are not modeled: {_list(limited)}; "
+            "a joint's `stop` in the scene limits the position, with a stiffness that URDF does not specify"
         )
     massless = [link.name for link in robot.links if link.inertial is None or not link.inertial.mass]
     if massless:
         notes.append(f"links without mass: {_list(massless)}")
     shapes = sum(len(link.visuals) + len(link.collisions) for link in robot.links)
     if shapes:
-        notes.append(f"shapes and meshes are not taken over: {shapes}")
+        notes.append(f"shapes and meshes are not converted: {shapes}")
     if robot.transmission:
-        notes.append("transmissions are not taken over: every motor has gear ratio 1")
+        notes.append("transmissions are not converted: every motor has gear ratio 1")
     return notes
 
 
@@ -284,7 +294,7 @@ def _losses(movable: Sequence[Any]) -> list[str]:
     frictions = {j.name: _loss(j, "friction") for j in movable}
     dampings = {j.name: _loss(j, "damping") for j in movable if KINDS[j.type] not in DRIVEN}
     return [
-        f"joint {name}: its {what} of {number:g} is not modelled"
+        f"joint {name}: its {what} of {number:g} is not modeled"
         for what, losses in (("dry friction", frictions), ("damping", dampings))
         for name, number in losses.items()
         if number
@@ -292,7 +302,7 @@ def _losses(movable: Sequence[Any]) -> list[str]:
 
 
 def _loss(joint: Any, name: str) -> float:
-    """Friction or damping of a joint; 0 where the file tells none."""
+    """Return friction or damping of a joint; 0 if the file contains none."""
     return float((joint.dynamics and getattr(joint.dynamics, name)) or 0.0)
 
 
@@ -301,17 +311,17 @@ def _list(names: list[str]) -> str:
 
 
 def _numbers(values: Iterable[float]) -> list[float]:
-    return [float(x) + 0.0 for x in values]  # + 0.0: no minus zeros
+    return [float(x) + 0.0 for x in values]  # + 0.0 turns -0.0 into 0.0
 
 
 def _identifier(name: str) -> str:
-    """Letters, digits and underscores, not beginning with a digit."""
+    """Return a name with letters, digits and underscores only, which does not begin with a digit."""
     word = re.sub(r"[^A-Za-z0-9_]+", "_", name)
     return word if re.match(r"[A-Za-z_]", word) else f"_{word}"
 
 
 class _Names:
-    """Names of bodies, joints and motors: identifiers, each used once. A change is noted."""
+    """Unique identifiers for bodies, joints and motors; changes of names are noted."""
 
     def __init__(self, notes: list[str]) -> None:
         self._notes = notes
@@ -323,9 +333,17 @@ class _Names:
             "constraints",
             "energy",
             "time",
-        }  # FMU variables begin so
+        }  # the first parts of FMU variable names
 
-    def take(self, what: str, wanted: str, ending: str, *, told: bool = True) -> str:
+    def take(self, what: str, wanted: str, ending: str, *, noted: bool = True) -> str:
+        """Return an unused identifier for a name.
+
+        Args:
+            what: what is named, for the note: "joint".
+            wanted: the name in the URDF file.
+            ending: appended to names that are used already or reserved.
+            noted: whether a change is noted.
+        """
         name = _identifier(wanted)
         if name in self._taken:
             name = f"{name}_{ending}"
@@ -333,6 +351,6 @@ class _Names:
         while name in self._taken:
             name, n = f"{base}{n}", n + 1
         self._taken.add(name)
-        if name != wanted and told:
-            self._notes.append(f"{what} {wanted}: is called {name} here")
+        if name != wanted and noted:
+            self._notes.append(f"{what} {wanted}: renamed to {name}")
         return name

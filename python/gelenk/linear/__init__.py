@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linear models about an operating point."""
+"""Linear models of mechanisms about an operating point."""
 
 from __future__ import annotations
 

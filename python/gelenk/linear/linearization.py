@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The linear model of a mechanism about a point of its motion."""
+"""Linearization of a mechanism about an operating point."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gelenk.errors import OperatingPointWarning, UsageError
-from gelenk.linear.minimal import Array, Minimal, check_whole, chosen_states
+from gelenk.linear.minimal_realization import Array, MinimalRealization, check_complete, chosen_states
 from gelenk.linear.model import LinearModel
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
-from gelenk.linear.state_basis import completed, felt, transformed
+from gelenk.linear.state_basis import completed, dependencies, transformed
 from gelenk.model.values import Value, check_names
 from gelenk.simulation.derivatives import Derivatives
 from gelenk.simulation.inputs import Inputs
@@ -37,37 +37,37 @@ def linearize(
     parameters: Mapping[str, Value] | None = None,
     tolerance: float | None = None,
 ) -> control.StateSpace:
-    """The linear model of a scene, or of an FMU by its directional derivatives alone, for python-control.
+    """Linearize a scene or an FMU about an operating point, for python-control.
 
-    Exact, without difference quotients; by as many states as the mechanism has. See
-    `gelenk.linear.linear_model`, whose numbers these are, for the point itself (x0, u0, y0), and
+    The model is exact to rounding and has a minimal number of states; FMUs are linearized by their
+    directional derivatives. `gelenk.linear.linear_model` also returns the operating point (x0, u0, y0). See
     docs/linearization.md.
 
     Args:
-        source: a .fmu file, or whatever `gelenk.load` takes; or an operating point, in which the arguments of
-            these names stand already.
-        at: the point: None, the start values; a time [s], where the motion from the start values under
-            `input_values` gets to; or values by name, on top of the start values: a joint's state
-            ("hinge.phi", attained exactly), a parameter ("hinge.phi_start", "pole.m"), an input.
+        source: a .fmu file, anything `gelenk.load` accepts, or an operating point, which already contains the
+            arguments `at`, `input_values`, `parameters` and `tolerance`.
+        at: the operating point. None: the start values. A time [s]: the state that the motion from the start
+            values under `input_values` reaches. Values by name: the start values with these replaced: a state
+            of a joint ("hinge.phi", attained exactly), a parameter ("hinge.phi_start", "pole.m") or an input.
         input_values: see `gelenk.simulation.inputs.functions`; inputs that are not named are 0.
-        inputs: names to be inputs of the model, in this order; by default all. Others stay as they are.
-        outputs: names to be outputs of the model, in this order; by default all.
-        states: names of coordinates, or of coordinates and speeds, in this order; by default those of the
-            plant. Of a spherical or free joint, `J.theta[1..3]`. Coordinates and speeds may be fewer than all
-            where nothing named changes with those left out.
+        inputs: names of the model's inputs, in this order; by default all. The others remain constant.
+        outputs: names or patterns of the model's outputs, in this order; by default all.
+        states: names of coordinates, or of coordinates and velocities, in this order; by default those chosen
+            by the plant. Rotation coordinates of a spherical or free joint are `J.theta[1..3]`. States may be
+            omitted if none of the named states and outputs depends on them.
         parameters: values by FMU parameter name.
-        tolerance: relative tolerance of the integrator, where `at` is a time.
+        tolerance: relative tolerance of the integrator, if `at` is a time.
 
     Returns:
-        control.StateSpace: states as named in Gelenk, inputs and outputs with "_" for "." (drive_f).
+        control.StateSpace: with the state names of Gelenk, and inputs and outputs with "_" for "." (drive_f).
 
     Warns:
-        OperatingPointWarning: the point is no equilibrium; names each state that changes, and its rate.
+        OperatingPointWarning: the point is not an equilibrium; the warning gives the rates of the states.
 
     Raises:
-        SceneError, UsageError: the scene, a name or a value is wrong, or the position is singular.
+        SceneError, UsageError: the scene, a name or a value is invalid, or the configuration is singular.
         AssemblyError: the loops cannot be closed with these values.
-        StepError: the motion does not get to `at`.
+        StepError: the motion cannot be computed up to `at`.
         OSError: a file cannot be read.
 
     >>> model = gelenk.linearize("scenes/cart_pole.yaml", at={"hinge.phi": 0}, outputs=["hinge.phi"])
@@ -76,8 +76,8 @@ def linearize(
     """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     model = model_at(point, inputs, outputs, states)
-    if model.unrest:
-        warnings.warn(model.unrest, OperatingPointWarning, stacklevel=2)
+    if model.residual_rates:
+        warnings.warn(model.residual_rates, OperatingPointWarning, stacklevel=2)
     return model.to_control()
 
 
@@ -92,7 +92,18 @@ def linear_model(
     parameters: Mapping[str, Value] | None = None,
     tolerance: float | None = None,
 ) -> LinearModel:
-    """The same as `linearize`, as matrices with the point they belong to; warns of nothing."""
+    """Return the linear model as matrices with its operating point, without a warning.
+
+    The arguments are those of `linearize`; `LinearModel.residual_rates` states whether the point is an
+    equilibrium.
+
+    Raises:
+        SceneError, UsageError, AssemblyError, StepError, OSError: as for `linearize`.
+
+    >>> model = gelenk.linear.linear_model("scenes/cart_pole.yaml", at={"hinge.phi": 0})
+    >>> model.A.shape, model.residual_rates
+    ((4, 4), '')
+    """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
     return model_at(point, inputs, outputs, states)
 
@@ -103,7 +114,17 @@ def model_at(
     outputs: Names | None = None,
     states: Names | None = None,
 ) -> LinearModel:
-    """The linear model about a point; names as of `linearize`, None for all."""
+    """Return the linear model about an operating point.
+
+    Args:
+        point: the operating point.
+        inputs: names of the inputs; None: all.
+        outputs: names or patterns of the outputs; None: all.
+        states: names of the states; None: those chosen by the plant.
+
+    Raises:
+        SceneError, UsageError, AssemblyError, StepError, OSError: as for `linearize`.
+    """
     plant = open_plant(point.source, (), whole=outputs is not None)
     try:
         reached = point.reach(plant)
@@ -124,19 +145,19 @@ def _assembled(
 ) -> LinearModel:
     u = _selected(inputs, found.inputs, "input")
     y = _selected(None if outputs is None else expanded(outputs, found.outputs), found.outputs, "output")
-    minimal = Minimal(found.in_own_units())
+    minimal = MinimalRealization(found.in_own_units())
     x = chosen_states(minimal, states)
-    check_whole(minimal)
-    whole = completed(minimal, x)
-    by_x, C = transformed(minimal, whole, time)
-    if len(x) < len(whole):
+    check_complete(minimal)
+    complete = completed(minimal, x)
+    by_x, C = transformed(minimal, complete, time)
+    if len(x) < len(complete):
         if outputs is None:
-            y = _determined(C, found.readings, y, len(x))
-        _check_closed(by_x, C[_places(y, found.readings)], whole, x, y)
+            y = _independent_of_others(C, found.readings, y, len(x))
+        _check_independent_of_others(by_x, C[_indices(y, found.readings)], complete, x, y)
         by_x, C = by_x[: len(x), : len(x)], C[:, : len(x)]
     rates = [minimal.rate(state) for state in x]
     by_u = np.array([row for _, row, _ in rates]).reshape(len(x), len(found.inputs))
-    columns, rows = _places(u, found.inputs), _places(y, found.readings)
+    columns, rows = _indices(u, found.inputs), _indices(y, found.readings)
     units = {n: found.units.get(n, "1") for n in (*u, *y)} | {n: minimal.unit(n) for n in x}
     values = minimal.of.values
     return _in_si(LinearModel(
@@ -147,7 +168,7 @@ def _assembled(
 
 
 def _in_si(model: LinearModel) -> LinearModel:
-    """The same, with its numbers in SI in the place of the mechanism's own units."""
+    """Convert a model from the mechanism's own units to SI units."""
     x, u, y = (
         model.scales.sizes([model.units[name] for name in names])
         for names in (model.states, model.inputs, model.outputs)
@@ -160,19 +181,21 @@ def _in_si(model: LinearModel) -> LinearModel:
     )  # fmt: skip
 
 
-def _places(names: Names, among: Names) -> list[int]:
+def _indices(names: Names, among: Names) -> list[int]:
     return [among.index(name) for name in names]
 
 
-def _determined(C: Array, readings: Names, outputs: Names, kept: int) -> tuple[str, ...]:
-    """Those outputs that do not change with states behind the first `kept`."""
+def _independent_of_others(C: Array, readings: Names, outputs: Names, kept: int) -> tuple[str, ...]:
+    """Return the outputs that do not depend on states after the first `kept`."""
     rows = {name: C[[readings.index(name)]] for name in outputs}
-    return tuple(n for n in outputs if not felt(rows[n], (n,), kept, [""] * C.shape[1]))
+    return tuple(n for n in outputs if not dependencies(rows[n], (n,), kept, [""] * C.shape[1]))
 
 
-def _check_closed(A: Array, C: Array, states: Names, kept: Names, outputs: Names) -> None:
+def _check_independent_of_others(A: Array, C: Array, states: Names, kept: Names, outputs: Names) -> None:
+    """Raise UsageError if rates of the kept states, or outputs, depend on other states."""
     n = len(kept)
-    faults = felt(A[:n], [f"der({name})" for name in kept], n, states) + felt(C, outputs, n, states)
+    faults = dependencies(A[:n], [f"der({name})" for name in kept], n, states)
+    faults += dependencies(C, outputs, n, states)
     if faults:
         raise UsageError("\n".join(f"states: {fault}, which is not among them" for fault in faults))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A linear model: matrices with names, and the point they belong to."""
+"""Linear models: matrices with names and an operating point."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
+from gelenk._deprecated import DeprecatedAlias
 from gelenk.errors import UsageError
 from gelenk.model.scales import Scales
 
@@ -19,32 +20,35 @@ if TYPE_CHECKING:
 
 type Array = NDArray[np.float64]
 
-COORDINATES = ("rad", "m")
+COORDINATE_UNITS = ("rad", "m")
 
-STANDS = _core.equilibrium_rate_tolerance  # of a state in own units: above it the point is told to be no equilibrium
-ROUNDED = _core.equilibrium_rounding_tolerance  # of the terms a rate is the sum of
+# The largest rate of a state at an equilibrium, in the mechanism's own units; and relative to the magnitude
+# of the terms of the rate, which cancel only to rounding.
+EQUILIBRIUM_RATE_TOLERANCE = _core.equilibrium_rate_tolerance
+EQUILIBRIUM_ROUNDING_TOLERANCE = _core.equilibrium_rounding_tolerance
+CANCELLATION_TOLERANCE = 1e-12  # of a sum relative to its terms: rounding errors
 
 
 @dataclass(frozen=True)
 class LinearModel:
-    """dx/dt = rates + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), near a point.
+    """A linear model dx/dt = rates + A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0), in SI units.
 
     Attributes:
-        name: of the mechanism.
-        time: of the point [s].
-        states: names of x.
-        inputs: names of u.
-        outputs: names of y.
-        A: shape (states, states).
-        B: shape (states, inputs).
-        C: shape (outputs, states).
-        D: shape (outputs, inputs).
-        x0: the states at the point; a rotation coordinate `J.theta[i]` is 0 there.
-        u0: the inputs at the point.
-        y0: the outputs at the point.
-        rates: of the states at the point; all 0 at an equilibrium.
-        units: of states, inputs and outputs, by name.
-        scales: of the mechanism; what is small is so in these units.
+        name: name of the mechanism.
+        time: time of the operating point [s].
+        states: names of the states x.
+        inputs: names of the inputs u.
+        outputs: names of the outputs y.
+        A: derivatives of the rates with respect to the states, shape (states, states).
+        B: derivatives of the rates with respect to the inputs, shape (states, inputs).
+        C: derivatives of the outputs with respect to the states, shape (outputs, states).
+        D: derivatives of the outputs with respect to the inputs, shape (outputs, inputs).
+        x0: states at the operating point; a rotation coordinate `J.theta[i]` is 0 there.
+        u0: inputs at the operating point.
+        y0: outputs at the operating point.
+        rates: rates of the states at the operating point; 0 at an equilibrium.
+        units: units of states, inputs and outputs, by name.
+        scales: the mechanism's own units, in which tolerances apply.
     """
 
     name: str
@@ -63,19 +67,24 @@ class LinearModel:
     units: Mapping[str, str]
     scales: Scales = field(default_factory=Scales)
 
+    unrest = DeprecatedAlias("residual_rates")
+    unrest_of_states = DeprecatedAlias("residual_state_rates")
+
     def to_control(self) -> control.StateSpace:
-        """For python-control. Its inputs and outputs may have no dots in their names: they are `_` there.
+        """Return the model as a `StateSpace` of python-control.
+
+        Names of inputs and outputs have `_` for `.`, because python-control does not allow dots in them.
 
         Raises:
-            UsageError: python-control is not installed, or two names are one without their dots.
+            UsageError: python-control is not installed, or two names are equal without their dots.
         """
         try:
             import control
         except ImportError as e:
-            raise UsageError(f"python-control, which linear models are made for, is missing: {e}") from None
+            raise UsageError(f"linear models require python-control, which cannot be imported: {e}") from None
         inputs, outputs = _without_dots(self.inputs, "inputs"), _without_dots(self.outputs, "outputs")
-        # python-control takes a matrix of shape (1, 0) for one of shape (0, 0): without inputs the model is
-        # made with one that does nothing, which is then taken away.
+        # python-control treats a matrix of shape (1, 0) as one of shape (0, 0). A model without inputs is
+        # therefore created with an input that has no effect, which is then removed.
         B, D = (M if inputs else np.zeros((len(M), 1)) for M in (self.B, self.D))
         out = control.StateSpace(
             self.A, B, self.C, D, name=self.name.replace(".", "_") or None, dt=0,
@@ -87,65 +96,73 @@ class LinearModel:
         return out
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, for JSON: matrices row by row."""
+        """Return plain data for JSON: matrices as lists of rows, in SI units."""
         lists = {key: getattr(self, key).tolist() for key in ("A", "B", "C", "D", "x0", "u0", "y0", "rates")}
         names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
         units = {name: self.units[name] for key in names for name in names[key]}
         return {"name": self.name, "time": self.time, **names, "units": units, **lists}
 
     @property
-    def unrest(self) -> str:
-        """Why the point is no equilibrium, in words that name each state and its rate; empty if it is one.
+    def residual_rates(self) -> str:
+        """A message with the rate of each state that is not in equilibrium; empty if all are.
 
-        Coordinates that go on steadily count where a rate or another output changes by it.
+        Coordinates that advance at a constant rate are only listed if a rate or another output depends on
+        them.
         """
-        return self._told(self._moving(self.C))
+        return self._residual_report(self._nonequilibrium_states(self.C))
 
     @property
-    def unrest_of_states(self) -> str:
-        """The same without a look at outputs."""
-        return self._told(self._moving(self.C[:0]))
+    def residual_state_rates(self) -> str:
+        """The same as `residual_rates`, without regard to outputs."""
+        return self._residual_report(self._nonequilibrium_states(self.C[:0]))
 
-    def _moving(self, C: Array) -> list[int]:
-        """States that change, and not steadily or felt by others than the output of that name."""
+    def _nonequilibrium_states(self, C: Array) -> list[int]:
+        """Return the indices of states that change, except those that change steadily without any effect."""
         x, y = self._sizes(self.states), self._sizes(self.outputs)
         rates, A, C = self.rates / x * self.scales.time, self.A * x / x[:, None], C * x / y[: len(C), None]
         A *= self.scales.time
-        speeds = np.array([self.units.get(name) not in COORDINATES for name in self.states], bool)
-        bounds = standing(A, 1 + speeds * np.abs(self.x0 / x))
+        speeds = np.array([self.units.get(name) not in COORDINATE_UNITS for name in self.states], bool)
+        bounds = equilibrium_rate_bounds(A, 1 + speeds * np.abs(self.x0 / x))
         moving = [int(i) for i in np.flatnonzero(np.abs(rates) > bounds)]
         own = {self.states[i] for i in moving}
         others = [k for k in range(len(C)) if self.outputs[k] not in own]
-        felt = [M for M in (A, C[others]) if _felt(M @ rates, np.abs(M) @ np.abs(rates))]
-        named = [i for i in moving if any(_felt(M[:, i], np.abs(M).max(axis=1)) for M in felt)]
-        unsteady = [i for i in moving if _felt(A[i] @ rates, np.abs(A[i]) @ np.abs(rates))]
+        changing = [M for M in (A, C[others]) if _exceeds_rounding(M @ rates, np.abs(M) @ np.abs(rates))]
+        named = [
+            i for i in moving if any(_exceeds_rounding(M[:, i], np.abs(M).max(axis=1)) for M in changing)
+        ]
+        unsteady = [i for i in moving if _exceeds_rounding(A[i] @ rates, np.abs(A[i]) @ np.abs(rates))]
         return sorted({*named, *unsteady})
 
     def _sizes(self, names: Sequence[str]) -> Array:
         return self.scales.sizes([self.units.get(name, "1") for name in names])
 
-    def _told(self, moving: Sequence[int]) -> str:
+    def _residual_report(self, moving: Sequence[int]) -> str:
         if not moving:
             return ""
-        told = ", ".join(
+        listed = ", ".join(
             f"{self.states[i]} changes at {self.rates[i]:.6g} {_per_second(self.units[self.states[i]])}"
             for i in moving[:6]
         ) + (f" and {len(moving) - 6} more" if len(moving) > 6 else "")
-        return f"t = {self.time:g} s is no equilibrium in these states: {told}"
+        return f"t = {self.time:g} s is not an equilibrium: {listed}"
 
     def __str__(self) -> str:
         return _shown(self)
 
 
-def standing(A: Array, sizes: Array) -> Array:
-    """Up to which rates nothing moves. A: their slopes by states of these sizes; all in own units."""
-    bounds: Array = STANDS + ROUNDED * (np.abs(A) @ sizes)
+def equilibrium_rate_bounds(A: Array, sizes: Array) -> Array:
+    """Return the rates up to which states are considered at rest, in the mechanism's own units.
+
+    Args:
+        A: derivatives of the rates with respect to the states, shape (rates, states).
+        sizes: magnitudes of the states, shape (states,).
+    """
+    bounds: Array = EQUILIBRIUM_RATE_TOLERANCE + EQUILIBRIUM_ROUNDING_TOLERANCE * (np.abs(A) @ sizes)
     return bounds
 
 
-def _felt(found: Any, size: Any) -> bool:
-    """Whether any of these is more than rounding of terms of this size."""
-    return bool((np.abs(found) > STANDS + 1e-12 * size).any())
+def _exceeds_rounding(sums: Any, terms: Any) -> bool:
+    """Whether any of these sums exceeds the rounding error of terms of this magnitude."""
+    return bool((np.abs(sums) > EQUILIBRIUM_RATE_TOLERANCE + CANCELLATION_TOLERANCE * terms).any())
 
 
 def _without_dots(names: Sequence[str], what: str) -> list[str]:
@@ -153,7 +170,7 @@ def _without_dots(names: Sequence[str], what: str) -> list[str]:
     same = [name for name, short in zip(names, out, strict=True) if out.count(short) > 1]
     if same:
         raise UsageError(
-            f"{what}: python-control knows no dots, and without them {', '.join(same)} are one name"
+            f"{what}: python-control allows no dots in names, and {', '.join(same)} are equal without them"
         )
     return out
 
@@ -163,7 +180,7 @@ def _per_second(unit: str) -> str:
 
 
 def _shown(model: LinearModel) -> str:
-    """The point, then A, B, C and D with the names of their rows and columns."""
+    """Return the operating point, then A, B, C and D with the names of their rows and columns."""
     point = f"{model.name} at t = {model.time:g} s: {_count(len(model.states), 'state')}, "
     point += f"{_count(len(model.inputs), 'input')}, {_count(len(model.outputs), 'output')}"
     groups = (("states", model.states, model.x0), ("inputs", model.inputs, model.u0))
@@ -186,7 +203,7 @@ def _values(model: LinearModel, title: str, names: Sequence[str], values: Array)
     for name, value in zip(names, values, strict=True):
         unit = model.units[name]
         lines.append(f"  {name:{width}}  {value + 0.0:12.6g}{'' if unit in ('', '1') else '  ' + unit}")
-    return "\n".join([f"{title} at the point", *lines])
+    return "\n".join([f"{title} at the operating point", *lines])
 
 
 def _matrix(title: str, matrix: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str]) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Other states than the plant's own: as many that determine all, or fewer that nothing else acts on."""
+"""Changes of the states of a linear model: to a complete set, or to fewer states that depend on no others."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ import numpy as np
 import scipy.linalg
 
 from gelenk.errors import UsageError
-from gelenk.linear.minimal import Array, Minimal
+from gelenk.linear.minimal_realization import Array, MinimalRealization
 
-DETERMINED = (
-    1e-8  # least singular value of what states mean to others, over the largest: the core's own limit
+# Smallest singular value of the transformation between states, relative to the largest; the limit of the
+# core.
+SINGULAR_VALUE_RATIO_LIMIT = 1e-8
+DEPENDENCY_TOLERANCE = (
+    1e-10  # of entries of A and C, relative to the largest in the row or 1: rounding errors
 )
-NOT_FELT = 1e-10  # an entry of A or C against the largest in its row, or 1: rounding of what vanishes
 
 
-def completed(minimal: Minimal, states: Sequence[str]) -> list[str]:
-    """The states and, behind them, those of the plant's own that make up the rest."""
+def completed(minimal: MinimalRealization, states: Sequence[str]) -> list[str]:
+    """Complete a set of states with states of the plant, which are appended."""
     n = len(minimal.names)
     if len(states) == n:
         return list(states)
@@ -28,11 +30,19 @@ def completed(minimal: Minimal, states: Sequence[str]) -> list[str]:
     return [*states, *(minimal.names[i] for i in sorted(order[: n - len(states)]))]
 
 
-def transformed(minimal: Minimal, states: Sequence[str], time: float) -> tuple[Array, Array]:
-    """The slopes of the states' rates, and of all readings, by these states, as many as the mechanism has.
+def transformed(minimal: MinimalRealization, states: Sequence[str], time: float) -> tuple[Array, Array]:
+    """Return the Jacobians of the states' rates and of all readings with respect to a complete set of states.
+
+    Args:
+        minimal: derivatives with respect to the plant's own minimal states.
+        states: names of as many states.
+        time: time of the operating point [s], for messages.
+
+    Returns:
+        tuple[Array, Array]: shapes (states, states) and (readings, states).
 
     Raises:
-        UsageError: they do not determine the others at the point.
+        UsageError: the states do not determine the others at the operating point.
     """
     n = len(states)
     by_x = np.array([minimal.rate(state)[0] for state in states]).reshape(n, n)
@@ -40,20 +50,28 @@ def transformed(minimal: Minimal, states: Sequence[str], time: float) -> tuple[A
         return by_x, minimal.C
     T = np.array([minimal.row(state) for state in states])
     size = np.linalg.svd(T, compute_uv=False)
-    if size[-1] < DETERMINED * max(size[0], 1.0):  # 1: what a state of the plant means to itself
+    # 1 is the derivative of a state of the plant with respect to itself.
+    if size[-1] < SINGULAR_VALUE_RATIO_LIMIT * max(size[0], 1.0):
         raise UsageError(
-            f"t = {time:g} s: the states {', '.join(states)} do not determine the others here (a loop stands "
-            "at a dead centre for them): derivatives by them do not exist there"
+            f"t = {time:g} s: the states {', '.join(states)} do not determine the others here (a loop is at "
+            "a dead center for them), so that derivatives with respect to them do not exist"
         )
     return np.linalg.solve(T.T, by_x.T).T, np.linalg.solve(T.T, minimal.C.T).T
 
 
-def felt(rows: Array, names: Sequence[str], kept: int, states: Sequence[str]) -> list[str]:
-    """Rows, by name, that change with states behind the first `kept`: "der(x) changes with y"."""
+def dependencies(rows: Array, names: Sequence[str], kept: int, states: Sequence[str]) -> list[str]:
+    """Return a message for each row that depends on states after the first `kept`: "der(x) depends on y".
+
+    Args:
+        rows: derivatives with respect to all states, shape (names, states).
+        names: names of the rows.
+        kept: number of states that may occur.
+        states: names of all states.
+    """
     out = []
     for name, row in zip(names, rows, strict=True):
         size = max(1.0, np.abs(row).max(initial=0.0))
-        by = [states[k] for k in range(kept, len(states)) if abs(row[k]) > NOT_FELT * size]
+        by = [states[k] for k in range(kept, len(states)) if abs(row[k]) > DEPENDENCY_TOLERANCE * size]
         if by:
-            out.append(f"{name} changes with {', '.join(by)}")
+            out.append(f"{name} depends on {', '.join(by)}")
     return out

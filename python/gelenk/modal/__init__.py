@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes: eigenvalues and shapes of a linear model, and how they look."""
+"""Modes of vibration: eigenvalues and mode shapes of linear models, and their animation."""
 
 from __future__ import annotations
 

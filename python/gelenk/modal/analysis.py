@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes of a mechanism about a point of its motion."""
+"""Modes of a mechanism about an operating point."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from gelenk.errors import OperatingPointWarning, UsageError
 from gelenk.linear.linearization import model_at
 from gelenk.linear.model import LinearModel
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
-from gelenk.modal.mode import Mode, verdict
-from gelenk.modal.posing import Posed, posed
-from gelenk.modal.shapes import Rows, rows_of, shaped, watched
-from gelenk.modal.spectrum import ROUNDING
+from gelenk.modal.body_poses import PoseEvaluator, pose_evaluator
+from gelenk.modal.eigenvalues import ROUNDING
+from gelenk.modal.mode import Mode, stability_of
+from gelenk.modal.shapes import CoordinateRows, coordinate_rows, modes_of, with_body_sensors
 from gelenk.modal.table import table
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value
@@ -30,22 +30,23 @@ if TYPE_CHECKING:
     import control
 
 
-SCENE = "resources/scene.json"  # in an FMU of Gelenk
+SCENE_IN_FMU = "resources/scene.json"  # of FMUs exported by Gelenk
 
 
 @dataclass(frozen=True)
 class Modes:
-    """All modes of a mechanism near a point, slow ones first.
+    """All modes of a mechanism about an operating point, slowest first.
 
     Attributes:
-        name: of the mechanism.
-        time: of the point [s].
-        modes: one for each real eigenvalue, for each pair, and for each Jordan chain of repeated ones.
-        stability: "stable": all decay; "marginal": none grows, some stay, drift or swing on for ever, and
-            what the linear model leaves out decides; "unstable": some grow.
-        decided_by: the mode that makes it so; None where nothing moves.
-        why: the same as a sentence.
-        units: of shapes and states.
+        name: name of the mechanism.
+        time: time of the operating point [s].
+        modes: one mode for each real eigenvalue, each complex pair, and each Jordan chain of repeated ones.
+        stability: "stable": all modes are damped. "marginal": none is unstable, but some are undamped,
+            drifting or rigid-body modes, so that the terms neglected by the linear model decide. "unstable":
+            some grow.
+        decided_by: the mode that determines the stability; None if the mechanism cannot move.
+        why: the reason, as a sentence.
+        units: units of shape components and states, by name.
     """
 
     name: str
@@ -55,36 +56,39 @@ class Modes:
     decided_by: Mode | None
     why: str
     units: Mapping[str, str]
-    _posed: Posed | None = field(default=None, repr=False, compare=False)
+    _evaluator: PoseEvaluator | None = field(default=None, repr=False, compare=False)
 
     def animate(self, mode: int, file: str | PathLike[str], amplitude: float | None = None) -> Path:
-        """Draws a mode's shape, swinging about the point: one period, again and again.
+        """Write an animation of a mode shape: one period of oscillation about the operating point, repeated.
 
-        A shape that only decays or grows swings, too, so that it can be seen; no amplitude dies away.
+        Non-oscillatory modes are also drawn as oscillations; the amplitude neither decays nor grows.
 
         Args:
-            mode: its number.
-            file: .gif, .html, or .mp4, which takes ffmpeg.
-            amplitude: of the coordinate that moves most [rad, m]; by default as much as is seen well.
+            mode: number of the mode, from 1.
+            file: file to write: .gif, .html, or .mp4, which requires ffmpeg.
+            amplitude: amplitude of the coordinate with the largest motion [rad, m]; by default one that is
+                clearly visible.
 
         Returns:
             Path: the file.
 
         Raises:
-            UsageError: no such mode, no scene to draw, no matplotlib, another kind of file; or loops that do
-                not close at this amplitude.
+            UsageError: the mode does not exist, there is no scene to draw, matplotlib is not installed, the
+                file type is not supported, or the loops cannot be closed at this amplitude.
             OSError: the file cannot be written.
         """
         from gelenk.modal.animation import animate
 
         if not 1 <= mode <= len(self.modes):
             raise UsageError(f"mode: found {mode}, expected a number from 1 to {len(self.modes)}")
-        if self._posed is None:
-            raise UsageError("found a linear model alone, expected modes of a scene or of an FMU of Gelenk")
-        return animate(self._posed, self.modes[mode - 1], Path(file), amplitude)
+        if self._evaluator is None:
+            raise UsageError(
+                "found modes of a linear model, expected modes of a scene or of an FMU exported by Gelenk"
+            )
+        return animate(self._evaluator, self.modes[mode - 1], Path(file), amplitude)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, for JSON: complex numbers as [real, imaginary]."""
+        """Return plain data for JSON: complex numbers as [real, imaginary]; old keys as in `Mode.to_dict`."""
         return {
             "name": self.name, "time": self.time, "stability": self.stability, "why": self.why,
             "decided_by": None if self.decided_by is None else self.decided_by.number,
@@ -106,27 +110,30 @@ def modes(
     tolerance: float | None = None,
     rounding: float = ROUNDING,
 ) -> Modes:
-    """Eigenvalues, frequencies, damping and shapes of a scene, an FMU or a linear model, and its stability.
+    """Compute the modes of a scene, an FMU or a linear model, and its stability.
 
-    Repeated eigenvalues are found as such, with as many modes as they have shapes; where those are too few,
-    with the lengths of their Jordan chains. See docs/modes.md.
+    Repeated eigenvalues are recognized, with one mode for each of their Jordan chains. See docs/modes.md.
 
     Args:
-        source: a .fmu file, whatever `gelenk.load` takes, an operating point, in which the arguments of these
-            names stand already, or a continuous linear model.
-        at: the point, as for `gelenk.linearize`.
-        input_values: inputs at the point.
-        states: coordinates to be states. Eigenvalues depend on them only where the point is no equilibrium.
+        source: a .fmu file, anything `gelenk.load` accepts, a continuous linear model, or an operating point,
+            which already contains the arguments `at`, `input_values`, `parameters` and `tolerance`.
+        at: the operating point, as for `gelenk.linearize`.
+        input_values: inputs at the operating point.
+        states: names of coordinates that are states. Eigenvalues depend on the choice only if the point is
+            not an equilibrium.
         parameters: values by FMU parameter name.
-        tolerance: relative tolerance of the integrator, where `at` is a time.
-        rounding: error of the matrix A that is reckoned with, relative to its norm: eigenvalues that it could
-            make one are one.
+        tolerance: relative tolerance of the integrator, if `at` is a time.
+        rounding: assumed error of the matrix A relative to its norm, from 0 to less than 1. Eigenvalues that
+            a perturbation of this size could make coincide are considered equal.
+
+    Returns:
+        Modes: the modes, slowest first, and the stability.
 
     Warns:
-        OperatingPointWarning: the point is no equilibrium; names each state that changes, and its rate.
+        OperatingPointWarning: the point is not an equilibrium; the warning gives the rates of the states.
 
     Raises:
-        SceneError, UsageError, AssemblyError, StepError, OSError: as `gelenk.linearize`.
+        SceneError, UsageError, AssemblyError, StepError, OSError: as for `gelenk.linearize`.
 
     >>> found = gelenk.modes("scenes/cart_pole.yaml", at={"hinge.phi": 0})
     >>> found.stability, found.decided_by.names
@@ -142,38 +149,40 @@ def modes(
     plant, scene, by_fmu = _opened(point.source)
     point = replace(point, source=plant)
     model = model_at(point, states=states)
-    if model.unrest_of_states:
-        warnings.warn(model.unrest_of_states, OperatingPointWarning, stacklevel=2)
-    bodies = None if by_fmu or scene is None else watched(scene, point, model.states)
+    if model.residual_state_rates:
+        warnings.warn(model.residual_state_rates, OperatingPointWarning, stacklevel=2)
+    bodies = None if by_fmu or scene is None else with_body_sensors(scene, point, model.states)
     if scene is None:
         return found_in(model, rounding, bodies)
-    # Of fewer states than all not every joint's place is told.
-    everything = model if states is None else model_at(point)
+    # A model with fewer states does not determine all joint coordinates.
+    complete = model if states is None else model_at(point)
     settings = {**(point.parameters or {}), **point.values}
-    return found_in(model, rounding, bodies, posed(scene, settings, everything))
+    return found_in(model, rounding, bodies, pose_evaluator(scene, settings, complete))
 
 
 def _refuse(arguments: Mapping[str, Any]) -> None:
     given = ", ".join(name for name, value in arguments.items() if value is not None)
     if given:
-        raise UsageError(f"{given}: of no use with a linear model, whose point is settled")
+        raise UsageError(f"{given}: not allowed with a linear model, which has its operating point already")
 
 
 def _opened(source: Any) -> tuple[Scene | str, Scene | None, bool]:
-    """What is to be linearised, the scene to draw, and whether it is an FMU's."""
+    """Return what to linearize, the scene to draw (None if unknown), and whether `source` is an FMU."""
     if not (isinstance(source, str | PathLike) and str(source).lower().endswith(".fmu")):
         scene = load(source).wanted_part()
         return scene, scene, False
     try:
         with zipfile.ZipFile(source) as archive:
-            return str(source), load(archive.read(SCENE).decode()).wanted_part(), True
-    except (zipfile.BadZipFile, KeyError):  # model_at says what is the matter; or no FMU of Gelenk
+            return str(source), load(archive.read(SCENE_IN_FMU).decode()).wanted_part(), True
+    except (zipfile.BadZipFile, KeyError):  # not exported by Gelenk, or damaged, which model_at reports
         return str(source), None, True
 
 
 def _of_control(system: Any) -> LinearModel:
     if system.dt not in (0, None):
-        raise UsageError(f"found a model in time steps of {system.dt} s, expected a continuous one")
+        raise UsageError(
+            f"found a discrete-time model with steps of {system.dt} s, expected a continuous-time model"
+        )
     x, u, y = (tuple(map(str, getattr(system, f"{key}_labels"))) for key in ("state", "input", "output"))
     x0, u0, y0 = (np.zeros(len(names)) for names in (x, u, y))
     A, B, C, D = (np.asarray(getattr(system, key), np.float64) for key in "ABCD")
@@ -181,13 +190,23 @@ def _of_control(system: Any) -> LinearModel:
 
 
 def found_in(
-    model: LinearModel, rounding: float, bodies: LinearModel | None = None, at: Posed | None = None
+    model: LinearModel, rounding: float, bodies: LinearModel | None = None, at: PoseEvaluator | None = None
 ) -> Modes:
-    """Modes of a linear model; bodies: the same with frame sensors on all bodies."""
+    """Return the modes of a linear model.
+
+    Args:
+        model: the linear model.
+        rounding: assumed error of A relative to its norm.
+        bodies: the same model with the frames of all bodies as outputs; None if they are unknown.
+        at: evaluator for animations; None if there is no scene.
+
+    Raises:
+        UsageError: A contains NaN or infinity.
+    """
     if not np.isfinite(model.A).all():
-        raise UsageError("A: found a number that is not finite")
-    rows: Rows = rows_of(model, bodies)
-    found = shaped(model, rows, rounding)
-    stability, by, why = verdict(found)
+        raise UsageError("A: found NaN or infinity, expected finite entries")
+    rows: CoordinateRows = coordinate_rows(model, bodies)
+    found = modes_of(model, rows, rounding)
+    stability, by, why = stability_of(found)
     units = {**rows.units} | {name: model.units.get(name, "1") for name in model.states}
     return Modes(model.name, model.time, found, stability, by, why, units, at)

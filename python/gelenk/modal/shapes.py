@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shapes of modes by coordinates and by bodies, from a linear model's outputs."""
+"""Mode shapes by coordinate and by body, from the outputs of a linear model."""
 
 from __future__ import annotations
 
@@ -13,30 +13,33 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from gelenk.linear.linearization import model_at
-from gelenk.linear.model import COORDINATES, STANDS, LinearModel
+from gelenk.linear.model import COORDINATE_UNITS, EQUILIBRIUM_RATE_TOLERANCE, LinearModel
 from gelenk.linear.operating_point import OperatingPoint
+from gelenk.modal.eigenvalues import Cluster, spectrum
 from gelenk.modal.mode import BodyMotion, Complex, Mode
-from gelenk.modal.spectrum import Cluster, spectrum
-from gelenk.model.rotation import small_turn
+from gelenk.model.rotation import small_rotation
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import elements
 
 Array = NDArray[np.float64]
 
-SPEEDS_COUNT = 1e-6  # in the choice of shapes of repeated modes: only where coordinates leave one open
-NOTHING = 1e-9  # a coordinate that moves by this part of the states does not move
-WATCH = "watch_"  # before a body's name: the sensor on it
+# Weight of states against coordinates in the choice of a basis for repeated modes: they decide only if
+# coordinates leave the choice open.
+STATE_WEIGHT = 1e-6
+IMMOBILE_AMPLITUDE = 1e-9  # relative to the largest component of the eigenvector; below it nothing moves
+BODY_SENSOR_PREFIX = "watch_"  # name of a body's sensor: the prefix and the body's name
 
 
 @dataclass(frozen=True)
-class Rows:
-    """What moves by how much with the states: coordinates, speeds, and frames of bodies.
+class CoordinateRows:
+    """Derivatives of coordinates and body frames with respect to the states.
 
     Attributes:
-        names: of the coordinates.
-        by_states: shape (names, states).
-        frames: name -> slopes of its translation and of its rotation in the world, both of shape (3, states).
-        units: of the coordinates.
+        names: names of the coordinates.
+        by_states: derivatives of the coordinates, shape (names, states).
+        frames: derivatives of translation [m] and rotation [rad] of each frame in the world, both of shape
+            (3, states), by name.
+        units: units of the coordinates.
     """
 
     names: tuple[str, ...]
@@ -45,10 +48,19 @@ class Rows:
     units: Mapping[str, str]
 
 
-def watched(scene: Scene, point: OperatingPoint, states: Sequence[str]) -> LinearModel | None:
-    """The scene's linear model, with a frame sensor on each body that has mass; None where there is no body.
+def with_body_sensors(scene: Scene, point: OperatingPoint, states: Sequence[str]) -> LinearModel | None:
+    """Return the linear model of a scene with a frame sensor on each body that has mass.
 
-    Sensors change no motion. A rod without mass is no body there: it is told by the joints at its ends.
+    Sensors do not influence the motion. Massless rods are omitted: the joints at their ends determine their
+    motion.
+
+    Args:
+        scene: the scene.
+        point: the operating point.
+        states: names of the states.
+
+    Returns:
+        LinearModel | None: its outputs are named after the bodies; None if no body has mass.
     """
     data = copy.deepcopy(scene.to_dict())
     heavy = [name for name, body in data["bodies"].items() if body["mass"] > 0]
@@ -61,8 +73,8 @@ def watched(scene: Scene, point: OperatingPoint, states: Sequence[str]) -> Linea
 
 
 def free_prefix(data: Mapping[str, Any]) -> str:
-    """One that no name of a scene begins with."""
-    prefix = WATCH
+    """Return a prefix with which no name in a scene begins."""
+    prefix = BODY_SENSOR_PREFIX
     sections = [section for section in data.values() if isinstance(section, Mapping)]
     while any(str(name).startswith(prefix) for section in sections for name in section):
         prefix += "_"
@@ -70,7 +82,7 @@ def free_prefix(data: Mapping[str, Any]) -> str:
 
 
 def _renamed(model: LinearModel, prefix: str) -> LinearModel:
-    """Without the prefix: its frames are bodies."""
+    """Return the model with only the outputs that have the prefix, which is removed from their names."""
     kept = [i for i, name in enumerate(model.outputs) if name.startswith(prefix)]
     outputs = tuple(model.outputs[i].removeprefix(prefix) for i in kept)
     return LinearModel(
@@ -80,8 +92,15 @@ def _renamed(model: LinearModel, prefix: str) -> LinearModel:
     )  # fmt: skip
 
 
-def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
-    """Coordinates are states, and outputs of joints, in rad or m; all states, if there are none."""
+def coordinate_rows(model: LinearModel, bodies: LinearModel | None) -> CoordinateRows:
+    """Return the derivatives of all coordinates and frames with respect to the states.
+
+    Coordinates are states and outputs of joints in rad or m; if there are none, all states are used.
+
+    Args:
+        model: the linear model.
+        bodies: the model with body frames as outputs; None if they are unknown.
+    """
     unit = np.eye(len(model.states))
     names = {name: row for name, row in zip(model.states, unit, strict=True) if _is_place(model, name)}
     for name, row in _outputs_of_joints(model):
@@ -89,7 +108,7 @@ def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
     if not names:
         names = dict(zip(model.states, unit, strict=True))
     of = model if bodies is None else bodies
-    return Rows(
+    return CoordinateRows(
         tuple(names), np.array([*names.values()]).reshape(len(names), len(model.states)),
         {name: _frame(of, name) for name in _frame_names(of.outputs)},
         {name: model.units.get(name, "rad" if ".theta[" in name else "1") for name in names},
@@ -97,26 +116,26 @@ def rows_of(model: LinearModel, bodies: LinearModel | None) -> Rows:
 
 
 def _is_place(model: LinearModel, name: str) -> bool:
-    return model.units.get(name) in COORDINATES
+    return model.units.get(name) in COORDINATE_UNITS
 
 
 def _outputs_of_joints(model: LinearModel) -> Iterator[tuple[str, Array]]:
-    """Coordinates among the outputs, J.theta[1..3] in the place of quaternions, and their slopes."""
+    """Yield the coordinates among the outputs and their derivatives; J.theta[1..3] replaces a quaternion."""
     at = {name: i for i, name in enumerate(model.outputs)}
     for name in model.outputs:
         owner, _, rest = name.rpartition(".")
         if rest.startswith("r[") and f"{owner}.a[1]" not in at:
-            continue  # where a sensor's frame or a contact is: no joint
+            continue  # a frame sensor or a contact point, not a joint
         if _is_place(model, name):
             yield name, model.C[at[name]]
         elif rest == "Q[1]" and f"{owner}.z[1]" in at and {*elements(f"{owner}.Q", 4)} <= {*at}:
             Q = [at[n] for n in elements(f"{owner}.Q", 4)]
-            turn = small_turn(model.y0[Q], model.C[Q], in_world=False)
+            turn = small_rotation(model.y0[Q], model.C[Q], in_world=False)
             yield from zip(elements(f"{owner}.theta", 3), turn, strict=True)
 
 
 def _frame_names(outputs: Sequence[str]) -> list[str]:
-    """Frame sensors: position and quaternion, as a free joint has, but no accelerations."""
+    """Return the names of frame sensors: they have r and Q like a free joint, but no accelerations."""
     known = {*outputs}
     owners = dict.fromkeys(name.removesuffix(".r[1]") for name in outputs if name.endswith(".r[1]"))
     return [
@@ -128,47 +147,58 @@ def _frame_names(outputs: Sequence[str]) -> list[str]:
 def _frame(model: LinearModel, name: str) -> tuple[Array, Array]:
     at = {output: i for i, output in enumerate(model.outputs)}
     r, Q = ([at[n] for n in elements(f"{name}.{key}", count)] for key, count in (("r", 3), ("Q", 4)))
-    return model.C[r], small_turn(model.y0[Q], model.C[Q], in_world=True)
+    return model.C[r], small_rotation(model.y0[Q], model.C[Q], in_world=True)
 
 
-def shaped(model: LinearModel, rows: Rows, rounding: float) -> tuple[Mode, ...]:
-    """The modes of A, slow ones first."""
+def modes_of(model: LinearModel, rows: CoordinateRows, rounding: float) -> tuple[Mode, ...]:
+    """Return the modes of the matrix A, slowest first.
+
+    Args:
+        model: the linear model.
+        rows: coordinates and frames for the mode shapes.
+        rounding: assumed error of A relative to its norm.
+    """
     clusters = spectrum(model.A, rounding)
     clusters.sort(key=lambda c: (float(f"{abs(c.value):.9e}"), -c.value.real))
-    coasts = _coasts(model, rounding)
+    position_only = _grows_in_position_only(model, rounding)
     found: list[Mode] = []
     for cluster in clusters:
-        vectors = _told_apart(cluster, rows)
-        for k in range(len(cluster.lengths)):
-            found.append(_mode(len(found) + 1, cluster, k, vectors[:, k], coasts, model, rows))
+        vectors = _canonical_basis(cluster, rows)
+        for k in range(len(cluster.chain_lengths)):
+            found.append(_mode(len(found) + 1, cluster, k, vectors[:, k], position_only, model, rows))
     return tuple(found)
 
 
-def _coasts(model: LinearModel, rounding: float) -> bool:
-    """Whether Jordan chains of 0 are but coordinates that run on and that no speed feels: a disc's place.
+def _grows_in_position_only(model: LinearModel, rounding: float) -> bool:
+    """Whether the Jordan chains of the eigenvalue 0 only move coordinates on which no velocity depends.
 
-    Without them, and what only they feel, 0 has a shape for each time it is there.
+    An example is the position of a rolling disk. Without such coordinates the eigenvalue 0 is semisimple.
     """
-    unfelt = np.array([model.units.get(name) in COORDINATES for name in model.states], bool)
+    ignorable = np.array([model.units.get(name) in COORDINATE_UNITS for name in model.states], bool)
     size = np.abs(model.A)
-    entries = size > STANDS + rounding * size.max(axis=1, keepdims=True, initial=0.0)
-    while (felt := unfelt & entries[~unfelt].any(axis=0)).any():
-        unfelt &= ~felt
-    rest = spectrum(model.A[np.ix_(~unfelt, ~unfelt)], rounding)
-    return bool(unfelt.any()) and all(max(c.lengths) == 1 for c in rest if c.value == 0)
+    entries = size > EQUILIBRIUM_RATE_TOLERANCE + rounding * size.max(axis=1, keepdims=True, initial=0.0)
+    while (used := ignorable & entries[~ignorable].any(axis=0)).any():
+        ignorable &= ~used
+    rest = spectrum(model.A[np.ix_(~ignorable, ~ignorable)], rounding)
+    return bool(ignorable.any()) and all(max(c.chain_lengths) == 1 for c in rest if c.value == 0)
 
 
-def _told_apart(cluster: Cluster, rows: Rows) -> Complex:
-    """Of equal modes any mixture is one. Taken are those in which one coordinate moves that others leave.
+def _canonical_basis(cluster: Cluster, rows: CoordinateRows) -> Complex:
+    """Return a basis of the modes of a cluster in which each mode has a coordinate that is zero in the
+    others.
 
-    Leads of longer chains may be mixed into those of shorter ones, not the other way round.
+    Any linear combination of modes with equal eigenvalues is a mode; eigenvectors of longer Jordan chains may
+    be added to those of shorter ones, but not vice versa.
     """
     V = cluster.vectors.copy()
-    W = np.vstack([rows.by_states, SPEEDS_COUNT * np.eye(len(V))])
+    W = np.vstack([rows.by_states, STATE_WEIGHT * np.eye(len(V))])
     done: list[int] = []
     while len(done) < V.shape[1]:
         first = len(done)
-        longer, equal = V[:, :first], slice(first, first + cluster.lengths.count(cluster.lengths[first]))
+        longer, equal = (
+            V[:, :first],
+            slice(first, first + cluster.chain_lengths.count(cluster.chain_lengths[first])),
+        )
         if first:
             V[:, equal] -= longer @ np.linalg.solve(W[done] @ longer, W[done] @ V[:, equal])
         seen = W @ V[:, equal]
@@ -180,13 +210,19 @@ def _told_apart(cluster: Cluster, rows: Rows) -> Complex:
 
 
 def _mode(
-    number: int, cluster: Cluster, chain: int, v: Complex, coasts: bool, model: LinearModel, rows: Rows
+    number: int,
+    cluster: Cluster,
+    chain: int,
+    v: Complex,
+    position_only: bool,
+    model: LinearModel,
+    rows: CoordinateRows,
 ) -> Mode:
     names, shape = rows.names, rows.by_states @ v
-    if np.abs(shape).max(initial=0.0) <= NOTHING * np.abs(v).max():  # a speed that is kept
+    if np.abs(shape).max(initial=0.0) <= IMMOBILE_AMPLITUDE * np.abs(v).max():  # a conserved velocity
         names, shape = model.states, v
-    size_of = np.abs(shape)
-    v = v / shape[int(np.flatnonzero(size_of >= (1 - 1e-9) * size_of.max())[0])]
+    amplitude = np.abs(shape)
+    v = v / shape[int(np.flatnonzero(amplitude >= (1 - 1e-9) * amplitude.max())[0])]
     if cluster.value.imag == 0:
         v = v.real.astype(np.complex128)
     shape = rows.by_states @ v if names is rows.names else v
@@ -197,10 +233,10 @@ def _mode(
     return Mode(
         number,
         cluster.value,
-        cluster.error,
+        cluster.error_bound,
         cluster.size,
-        cluster.lengths[chain],
-        coasts and cluster.value == 0,
+        cluster.chain_lengths[chain],
+        position_only and cluster.value == 0,
         by_name,
         by_state,
         bodies,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes as a text to be read."""
+"""Printed tables of modes."""
 
 from __future__ import annotations
 
@@ -11,18 +11,24 @@ import numpy as np
 
 from gelenk.modal.mode import Mode
 
-ABREAST = 6  # shapes in one table
-WIDTH = 110
-NONE = 5e-7  # of the largest: shown as 0
+SHAPES_PER_TABLE = 6
+MAX_LINE_LENGTH = 110
+DISPLAY_TOLERANCE = 5e-7  # relative to the largest component of a shape; below it, a component is shown as 0
 
 
 def table(title: str, why: str, modes: Sequence[Mode]) -> str:
-    """The verdict, a line for each mode, and their shapes by coordinate."""
-    parts = [title, textwrap.fill(why, WIDTH)]
+    """Return the stability, a line for each mode, and the mode shapes by coordinate.
+
+    Args:
+        title: mechanism, time and stability.
+        why: reason of the stability.
+        modes: the modes to list.
+    """
+    parts = [title, textwrap.fill(why, MAX_LINE_LENGTH)]
     if modes:
         parts.append(_numbers(modes))
-    for first in range(0, len(modes), ABREAST):
-        parts.append(_shapes(modes[first : first + ABREAST]))
+    for first in range(0, len(modes), SHAPES_PER_TABLE):
+        parts.append(_shapes(modes[first : first + SHAPES_PER_TABLE]))
     return "\n\n".join(parts)
 
 
@@ -30,13 +36,13 @@ def _numbers(modes: Sequence[Mode]) -> str:
     lines = ["mode               eigenvalue [1/s]       [rad/s]          [Hz]    damping  time constant [s]"]
     for mode in modes:
         value = _complex(mode.eigenvalue)
-        damping = "" if math.isnan(mode.damping) else f"{mode.damping:.4g}"
+        damping = "" if math.isnan(mode.damping_ratio) else f"{mode.damping_ratio:.4g}"
         constant = "" if math.isinf(mode.time_constant) else f"{mode.time_constant:.5g}"
-        power = mode.length - 1
-        chain = f", with t{f'^{power}' if power > 1 else ''}" if power > (mode.kind == "drifts") else ""
+        power = mode.chain_length - 1
+        chain = f", with t{f'^{power}' if power > 1 else ''}" if power > (mode.kind == "drifting") else ""
         lines.append(
-            f"{mode.number:4}  {value:>29}  {mode.frequency:12.6g}  {mode.hertz:12.6g}  {damping:>9}  "
-            f"{constant:>17}  {mode.kind}{chain}"
+            f"{mode.number:4}  {value:>29}  {mode.natural_frequency:12.6g}  {mode.frequency_hz:12.6g}  "
+            f"{damping:>9}  {constant:>17}  {mode.kind}{chain}"
         )
     return "\n".join(line.rstrip() for line in lines)
 
@@ -58,10 +64,10 @@ def _shapes(modes: Sequence[Mode]) -> str:
 
 
 def _cell(x: complex) -> str:
-    """A number, or magnitude and phase where the coordinate does not move in step with the largest."""
-    if abs(x) < NONE:
+    """Return a real number, or magnitude and phase if the component is not in phase with the largest one."""
+    if abs(x) < DISPLAY_TOLERANCE:
         return "0"
-    phase = round(float(np.degrees(np.angle(x))))  # damping turns phases by less than what a reader asks for
+    phase = round(float(np.degrees(np.angle(x))))  # slight damping causes phases below 0.5 degrees
     if phase % 180 == 0:
         return f"{math.copysign(abs(x), x.real):.5g}"
     return f"{abs(x):.3g} at {phase}°"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes: reading, checking, changing, saving; how they are put together and what is computed of them."""
+"""Scenes: reading, checking, changing and saving; their assembly branches and reductions."""
 
 from __future__ import annotations
 

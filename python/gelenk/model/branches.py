@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The different ways in which a mechanism can be put together."""
+"""The branches in which a mechanism can be assembled."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gelenk import _core
+from gelenk._deprecated import DeprecatedAlias, with_old_keys
 from gelenk.errors import UsageError
 from gelenk.model.defaults import STARTS
 from gelenk.model.scene import Scene, Source, from_dict, load
@@ -17,31 +18,37 @@ from gelenk.model.values import Value, start_parameter
 
 @dataclass(frozen=True)
 class Branch:
-    """One way to put a part of a mechanism together.
+    """One of the positions in which an island of a mechanism can be assembled.
 
     Attributes:
-        values: of all joint coordinates of the part, by name ("A.phi"), in SI units.
-        distance: root of the sum of weight * change ** 2, which assembly makes small, over all guesses;
-            coordinates without one count a ten-thousandth of their squares.
-        freedoms: that the fixed values leave. With some, this is a place of least distance among its
-            neighbours; without, a place that stands by itself.
-        flat: there are neighbours at the same distance, of which this is one.
-        hits: searches that ended here.
-        chosen: the scene's own start values lead here.
-        part: number of the part. Any branch of one part goes with any of another.
+        values: all joint coordinates of the island, by name ("A.phi"), in SI units.
+        distance: distance from the initial guesses, which assembly minimizes: the square root of the sum of
+            weight * change ** 2. Squares of coordinates without a guess count a ten-thousandth.
+        degrees_of_freedom: degrees of freedom that the fixed values leave. If there are any, the branch is a
+            local minimum of the distance; otherwise, its position is isolated.
+        is_not_isolated: whether neighboring positions have the same distance, of which this is one.
+        hits: number of searches that ended here.
+        is_default: whether the scene's own start values lead to this branch.
+        island: number of the island, from 0. Branches of different islands can be combined freely.
     """
 
     values: Mapping[str, float]
     distance: float
     degrees_of_freedom: int
-    flat: bool
+    is_not_isolated: bool
     hits: int
-    chosen: bool
-    part: int
+    is_default: bool
+    island: int
+
+    freedoms = DeprecatedAlias("degrees_of_freedom")
+    flat = DeprecatedAlias("is_not_isolated")
+    chosen = DeprecatedAlias("is_default")
+    part = DeprecatedAlias("island")
+    put_into = DeprecatedAlias("apply_to")
 
     @property
     def start(self) -> dict[str, dict[str, Any]]:
-        """Start coordinates as a scene's joints have them: {"A": {"phi": 0.3}}."""
+        """Start coordinates as in the joints of a scene: {"A": {"phi": 0.3}}."""
         out: dict[str, dict[str, Any]] = {}
         for name, value in self.values.items():
             joint, _, quantity = name.partition(".")
@@ -54,19 +61,26 @@ class Branch:
 
     @property
     def parameters(self) -> dict[str, Value]:
-        """The same as parameters of the scene and its FMU: {"A.phi_start": 0.3}."""
+        """Start coordinates as parameters of the scene and its FMU: {"A.phi_start": 0.3}."""
         return {start_parameter(name): value for name, value in self.values.items()}
 
-    def put_into(self, scene: Source) -> Scene:
-        """The scene with these coordinates as its start values: it is assembled here.
+    def apply_to(self, scene: Source) -> Scene:
+        """Return a copy of a scene with these coordinates as start values, so that it is assembled in this
+        branch.
 
-        What was fixed stays so; the rest are guesses. Speeds stay as they are.
+        Fixed values remain fixed, all others are initial guesses. Start velocities are unchanged.
+
+        Args:
+            scene: the scene of the branch; anything `gelenk.load` accepts.
+
+        Raises:
+            SceneError, OSError: the scene is invalid, or cannot be read.
         """
         changed = load(scene)
         data = copy.deepcopy(changed.to_dict())
         for joint, values in self.start.items():
             start = data["joints"][joint].setdefault("start", {})
-            if start.get("fixed") is True:  # of what was given
+            if start.get("fixed") is True:  # the values that were given
                 start["fixed"] = [key for key in start if key not in ("fixed", "weight")]
             start.update(values)
         return changed._with_core(from_dict(data, changed.file)._core)
@@ -74,15 +88,15 @@ class Branch:
 
 @dataclass(frozen=True)
 class Assemblies:
-    """The branches that were found; iterates over them.
+    """The assembly branches of a mechanism; a sequence of `Branch`.
 
     Attributes:
-        name: of the mechanism.
-        branches: part by part, the nearest to the wishes first.
-        starts: searches made, by part.
-        closed: those of them that closed the loops.
-        settled: searches ended because they found nothing new any more, not because there were enough.
-        units: of the coordinates.
+        name: name of the mechanism.
+        branches: branches by island, each with the nearest to the initial guesses first.
+        starts: number of searches in each island.
+        closed: number of searches that closed the loops, in each island.
+        settled: whether the search in each island ended because it found no new branches, not at the limit.
+        units: units of the coordinates.
     """
 
     name: str
@@ -102,17 +116,21 @@ class Assemblies:
         return self.branches[index]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        parts = [
+        """Return plain data for JSON.
+
+        For one release, values are also found under the old keys in `gelenk._deprecated.OLD_KEYS`, and
+        `islands` under `parts`.
+        """
+        islands = [
             {
-                "starts": self.starts[part],
-                "closed": self.closed[part],
-                "settled": self.settled[part],
-                "branches": [_plain(branch) for branch in self.branches if branch.part == part],
+                "starts": self.starts[island],
+                "closed": self.closed[island],
+                "settled": self.settled[island],
+                "branches": [_plain(branch) for branch in self.branches if branch.island == island],
             }
-            for part in range(len(self.starts))
+            for island in range(len(self.starts))
         ]
-        return {"name": self.name, "parts": parts, "units": dict(self.units)}
+        return {"name": self.name, "islands": islands, "units": dict(self.units), "parts": islands}
 
     def __str__(self) -> str:
         return "\n".join(_lines(self))
@@ -126,24 +144,29 @@ def assemblies(
     starts: int = STARTS,
     seed: int = 1,
 ) -> Assemblies:
-    """Lists the ways in which a scene can be put together with its fixed start values.
+    """List the branches in which a scene can be assembled with its fixed start values.
 
-    Loops are closed from many random positions, the same ones in every call; positions that were found
-    before (angles within a turn) count once. Where the fixed values leave freedoms, the places of least
-    distance from the guesses are listed. Searching ends when it has found nothing new for long: it is
-    likely, not certain, that none is missing. `hits` tell how often each was met.
+    Loops are closed from many random positions, the same ones in every call. Positions that differ by full
+    turns are equal. If the fixed values leave degrees of freedom, local minima of the distance from the
+    initial guesses are listed. The search ends when it has found no new branch for a long time; that none is
+    missing is likely but not certain. `hits` states how often each branch was found.
 
     Args:
-        source: anything `gelenk.load` takes.
-        parameters: set before, by name.
-        bodies: branches in which these stand alike count as one, of which the nearest is listed; none: all
-            coordinates count. (Each leg of a Stewart platform can be turned by half a turn about itself.)
-        starts: at most so many searches for each part.
-        seed: of the random positions.
+        source: anything `gelenk.load` accepts.
+        parameters: values of parameters, by name.
+        bodies: names of bodies; branches in which these have equal poses count as one, of which the nearest
+            is listed. By default, all coordinates distinguish branches. (Each leg of a Stewart platform can
+            be rotated by half a turn about itself.)
+        starts: maximum number of searches in each island.
+        seed: seed of the random positions.
+
+    Returns:
+        Assemblies: the branches.
 
     Raises:
-        AssemblyError: the scene's own start values lead to no assembly.
-        UsageError: starts or seed below zero, a body that does not exist.
+        SceneError, OSError: the scene is invalid, or cannot be read.
+        AssemblyError: the loops cannot be closed from the scene's own start values.
+        UsageError: `starts` or `seed` is negative, or a body or parameter is unknown.
 
     >>> [round(branch.values["D.phi"], 4) for branch in gelenk.assemblies(four_bar)]
     [1.9152, 3.8781]
@@ -157,59 +180,62 @@ def assemblies(
             values=dict(zip(names, one.values, strict=True)),
             distance=one.distance,
             degrees_of_freedom=one.degrees_of_freedom,
-            flat=one.flat,
+            is_not_isolated=one.flat,
             hits=one.hits,
-            chosen=one.chosen,
-            part=number,
+            is_default=one.chosen,
+            island=number,
         )
-        for number, (part, names, _) in enumerate(found)
-        for one in part.assemblies
+        for number, (island, names, _) in enumerate(found)
+        for one in island.assemblies
     ]
     return Assemblies(
         name=scene.name,
         branches=tuple(branches),
-        starts=tuple(part.starts for part, _, _ in found),
-        closed=tuple(part.closed for part, _, _ in found),
-        settled=tuple(part.settled for part, _, _ in found),
+        starts=tuple(island.starts for island, _, _ in found),
+        closed=tuple(island.closed for island, _, _ in found),
+        settled=tuple(island.settled for island, _, _ in found),
         units={name: unit for _, names, units in found for name, unit in zip(names, units, strict=True)},
     )
 
 
 def _plain(branch: Branch) -> dict[str, Any]:
-    out = {key: getattr(branch, key) for key in ("distance", "degrees_of_freedom", "flat", "hits", "chosen")}
-    return {**out, "values": dict(branch.values), "start": branch.start}
+    keys = ("distance", "degrees_of_freedom", "is_not_isolated", "hits", "is_default")
+    data = {key: getattr(branch, key) for key in keys}
+    data |= {"values": dict(branch.values), "start": branch.start}
+    return with_old_keys(data)
 
 
 def _lines(found: Assemblies) -> Iterator[str]:
     if not found.starts:
-        yield f"{found.name} has no loops: its start values are taken as they are"
-    for part in range(len(found.starts)):
-        listed = {n: branch for n, branch in enumerate(found.branches, 1) if branch.part == part}
-        yield _search_line(found, part, len(listed))
-        most = max((branch.degrees_of_freedom for branch in listed.values()), default=0)
-        if most:
+        yield f"{found.name} has no closed loops: its start values are used as they are"
+    for island in range(len(found.starts)):
+        listed = {n: branch for n, branch in enumerate(found.branches, 1) if branch.island == island}
+        yield _search_line(found, island, len(listed))
+        dof = max((branch.degrees_of_freedom for branch in listed.values()), default=0)
+        if dof:
+            count = "1 degree of freedom" if dof == 1 else f"{dof} degrees of freedom"
             yield (
-                f"  fixed values leave {most} freedom{'' if most == 1 else 's'}: "
-                "listed are places of least distance from the guesses"
+                f"  the fixed values leave {count}: "
+                "local minima of the distance from the initial guesses are listed"
             )
         for number, branch in listed.items():
             yield from _branch_lines(number, branch, found.units)
 
 
-def _search_line(found: Assemblies, part: int, count: int) -> str:
+def _search_line(found: Assemblies, island: int, count: int) -> str:
     what = f"{count} branch{'' if count == 1 else 'es'}"
-    end = "no new ones turned up any more" if found.settled[part] else "there may be more"
-    where = f", part {part + 1}" if len(found.starts) > 1 else ""
-    searches = f"after {found.starts[part]} searches of which {found.closed[part]} closed the loops"
-    return f"{found.name}{where}: {what}, {searches}; {end}"
+    end = "probably all" if found.settled[island] else "there may be more"
+    where = f", island {island + 1}" if len(found.starts) > 1 else ""
+    searches = f"in {found.starts[island]} searches, {found.closed[island]} of which closed the loops"
+    return f"{found.name}{where}: {what} found {searches}; {end}"
 
 
 def _branch_lines(number: int, branch: Branch, units: Mapping[str, str]) -> Iterator[str]:
     notes = [f"distance {branch.distance:.6g}", f"found {branch.hits} times"]
-    if branch.flat:
+    if branch.is_not_isolated:
         notes.append("one of many at this distance")
-    if branch.chosen:
-        notes.append("taken by the start values as they are")
+    if branch.is_default:
+        notes.append("assembled from the start values")
     yield ""
     yield f"  {number}: {'; '.join(notes)}"
     width = max(map(len, branch.values), default=0)

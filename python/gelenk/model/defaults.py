@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Defaults that commands tell, too; nothing has to be imported to read them."""
+"""Default values that are also shown by commands; this module imports nothing."""
 
-STARTS = 3000  # of searches for the branches of a part
+STARTS = 3000  # maximum number of searches for the branches of an island

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files of other programs that are given for scenes: what they are, and what to do with them."""
+"""Files of other programs that are given instead of scenes: error messages that say what to do with them."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import NoReturn
 
 from gelenk.errors import SceneError
 
-_IMPORT = "`gelenk import` makes a scene of it"
-_BY_URDF = "make a URDF of it and `gelenk import` that, or write a scene (docs/scene-format.md)"
-_BY_HAND = "write a scene of the same bodies and joints (docs/scene-format.md)"
+_IMPORT = "convert it to a scene with `gelenk import`"
+_BY_URDF = "convert it to URDF and use `gelenk import`, or write a scene (docs/scene-format.md)"
+_BY_HAND = "write a scene with the same bodies and joints (docs/scene-format.md)"
 
-# Each with what its content begins with, as a rule; the first that is found counts.
+# Kinds of files: pattern of their content, name, and advice. The first match counts.
 _CONTENTS = (
     (rb"<robot\b[^>]*xmlns:xacro|<xacro:", "a xacro file", f"expand it with xacro, then {_IMPORT}"),
     (rb"<robot\b", "a URDF robot description", _IMPORT),
     (rb"<mujoco\b|<mujocoinclude\b", "an MJCF model of MuJoCo", _BY_URDF),
     (rb"<sdf\b|<gazebo\b", "an SDF model of Gazebo", _BY_URDF),
-    (rb"<fmiModelDescription\b", "the description in an FMU", "give the scene that it was exported from"),
+    (rb"<fmiModelDescription\b", "the description in an FMU", "use the scene from which it was exported"),
     (rb"<OpenSimDocument\b", "an OpenSim model", _BY_HAND),
     (rb"<COLLADA\b", "a COLLADA drawing", _BY_HAND),
     (rb"^\s*(?:within\b[^;\n]*;\s*)?(?:partial\s+|encapsulated\s+)*(?:model|package|class|block)\s+\w+\s*(?:\"|$|//|\n)",
@@ -28,17 +28,17 @@ _CONTENTS = (
     (rb"^\s*(?:part|model|marker|constraint|defaults)\s+(?:create|modify|attributes|model)\b",
      "a command file of Adams", _BY_HAND),
     (rb"^#usda\b|^PXR-USDC", "a USD scene", _BY_HAND),
-    (rb"\APK\x03\x04", "a zip archive, as FMUs are", "give the scene that it was exported from"),
+    (rb"\APK\x03\x04", "a zip archive, as FMUs are", "use the scene from which it was exported"),
     (rb"<\?xml|\A\s*<[A-Za-z!]", "an XML file", _BY_HAND),
 )  # fmt: skip
 
-# A name with a colon, or an opening brace, behind comments: what is wrong with it, the reader of scenes says.
+# A name with a colon, or an opening brace, after comments: a scene, whose errors the scene reader reports.
 _SCENE = re.compile(rb"(?:\s|\xef\xbb\xbf|---|#(?!usda)[^\n]*\n)*(?:['\"]?\w+['\"]?\s*:|\{)")
 
 _ENDINGS = {
     ".urdf": ("a URDF robot description", _IMPORT),
     ".xacro": ("a xacro file", f"expand it with xacro, then {_IMPORT}"),
-    ".fmu": ("an FMU", "it is exported already: `gelenk simulate` runs it"),
+    ".fmu": ("an FMU", "simulate it with `gelenk simulate`"),
     ".mjcf": ("an MJCF model of MuJoCo", _BY_URDF),
     ".sdf": ("an SDF model of Gazebo", _BY_URDF),
     ".mo": ("a Modelica model", _BY_HAND),
@@ -55,7 +55,15 @@ _EXPECTED = "a scene of Gelenk (.yaml, .yml or .json)"
 
 
 def refuse_ending(path: Path) -> NoReturn:
-    """Raises SceneError: the name is not one of a scene; the content says what it is."""
+    """Raise SceneError for a file whose name is not that of a scene.
+
+    Args:
+        path: the file; its content determines the message.
+
+    Raises:
+        SceneError: always.
+        OSError: the file cannot be read.
+    """
     ending = path.suffix.lower()
     with path.open("rb") as file:
         content = file.read(10_000)
@@ -68,7 +76,13 @@ def refuse_ending(path: Path) -> NoReturn:
 
 
 def refuse_content(content: bytes, file: str, expected: str = _EXPECTED) -> None:
-    """Raises SceneError where a text is one of another program, for all that its name says."""
+    """Raise SceneError if a file is one of another program, independently of its name.
+
+    Args:
+        content: content of the file.
+        file: file name for messages.
+        expected: the expected kind of file, for the message.
+    """
     start = content[:10_000]
     if _SCENE.match(start):
         return

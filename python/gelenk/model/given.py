@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a scene was made of: where it is written, this is kept but for what has changed."""
+"""The source of a scene, which is preserved when the scene is saved, except for changes."""
 
 from __future__ import annotations
 
@@ -13,18 +13,29 @@ from gelenk.model import yaml12, yaml_edits
 
 
 class Given:
-    """The data of a scene as they were given, without defaults, and their text."""
+    """The data of a scene as given, without defaults, and their text."""
 
     def __init__(self, core: _core.Scene, data: dict[str, Any], text: str | None = None) -> None:
-        """core: what became of it; text: of the data, where they were read from YAML."""
+        """Store the source of a scene.
+
+        Args:
+            core: the scene.
+            data: the data from which it was read.
+            text: text of the data, if it is YAML.
+        """
         self._core = core
         self._data = data
         self._text = text
 
     def written(self, core: _core.Scene, language: str) -> str:
-        """The text of a file, in YAML or JSON, of the scene or of what has become of it.
+        """Return the text of a file for the scene or a changed copy of it.
 
-        All of it is written anew, with defaults, where a change is none of single fields.
+        The source is preserved except for changed fields. If a change cannot be expressed by single fields,
+        everything is written, including defaults.
+
+        Args:
+            core: the scene to write.
+            language: "yaml" or "json".
         """
         data = self._data_of(core)
         if language == "yaml" and self._text is not None and data is not None:
@@ -36,12 +47,12 @@ class Given:
         return yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
 
     def _data_of(self, core: _core.Scene) -> dict[str, Any] | None:
-        """As those given, with changes; None where no changes of single fields make them."""
+        """Return the given data with changed fields; None if changes of single fields are not sufficient."""
         if core is self._core:
             return self._data
         before, after = (_core.write_scene_json(scene) for scene in (self._core, core))
-        for beside in (False, True):
-            found = _changed(self._data, json.loads(before), json.loads(after), beside)
+        for siblings in (False, True):
+            found = _changed(self._data, json.loads(before), json.loads(after), siblings)
             with suppress(SceneError):
                 if _core.write_scene_json(_core.read_scene_json(json.dumps(found), "")) == after:
                     assert isinstance(found, dict)
@@ -49,33 +60,37 @@ class Given:
         return None
 
 
-def _changed(given: Any, before: Any, after: Any, beside: bool) -> Any:
-    """The value given, with what differs between the scene as it was and as it is.
+def _changed(given: Any, before: Any, after: Any, siblings: bool) -> Any:
+    """Return a given value with the differences between two normalized versions of the scene.
 
-    Both have all defaults; what is left out of the value and did not change stays out. beside: with what
-    stands beside a change, too, where it was given in other words (`fixed: [w]`, of a start with w alone).
+    Args:
+        given: the value as given, which may omit defaults; they remain omitted if they did not change.
+        before: its normalized version before the change.
+        after: its normalized version after the change.
+        siblings: whether to write also the siblings of a changed field that were given in another form
+            (`fixed: [w]` for a start with only w).
     """
     if repr(before) == repr(after):
         return given
     values = (given, before, after)
     if all(isinstance(value, dict) for value in values):
-        return _changed_mapping(given, before, after, beside)
+        return _changed_mapping(given, before, after, siblings)
     if all(isinstance(value, list) for value in values) and len(before) == len(after):
-        n = len(given)  # products of inertia may be left out
+        n = len(given)  # products of inertia may be omitted
         if repr(before[n:]) == repr(after[n:]):
-            return [_changed(*items, beside) for items in zip(given, before, after, strict=False)]
+            return [_changed(*items, siblings) for items in zip(given, before, after, strict=False)]
     return after
 
 
 def _changed_mapping(
-    given: dict[str, Any], before: dict[str, Any], after: dict[str, Any], beside: bool
+    given: dict[str, Any], before: dict[str, Any], after: dict[str, Any], siblings: bool
 ) -> dict[str, Any]:
     out = {key: value for key, value in given.items() if key in after or key not in before}
     changes = {key: value for key, value in after.items() if repr(before.get(key)) != repr(value)}
     for key, value in changes.items():
-        left_out: dict[str, Any] | None = {} if isinstance(value, dict) else None
-        out[key] = _changed(given.get(key, left_out), before.get(key, left_out), value, beside)
-    if beside and not all(isinstance(value, dict) for value in changes.values()):
-        told = {key: after[key] for key in out if not isinstance(after.get(key, {}), dict)}
-        out |= {key: value for key, value in told.items() if out[key] != value}
+        omitted: dict[str, Any] | None = {} if isinstance(value, dict) else None
+        out[key] = _changed(given.get(key, omitted), before.get(key, omitted), value, siblings)
+    if siblings and not all(isinstance(value, dict) for value in changes.values()):
+        given_siblings = {key: after[key] for key in out if not isinstance(after.get(key, {}), dict)}
+        out |= {key: value for key, value in given_siblings.items() if out[key] != value}
     return out

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the fields of a scene's text stand: messages about a path (`joints.A.start.phi`) get its line."""
+"""Line numbers of the fields in a scene's text, for messages about a path (`joints.A.start.phi`)."""
 
 from __future__ import annotations
 
@@ -26,22 +26,33 @@ class _Value:
 
 @dataclass
 class _Field:
-    line: int  # of its name
-    again: int  # of its name, where it stands last
+    line: int  # of the first field of this name
+    last_line: int  # of the last field of this name, if it is repeated
     value: _Value
 
 
 class Places:
-    """Lines of a text, found when first asked for."""
+    """Line numbers of the fields in a text, which is parsed at the first query."""
 
     def __init__(self, text: str, language: str, file: str) -> None:
-        """language: yaml or json; file: what messages call it."""
+        """Store a text.
+
+        Args:
+            text: text of a scene.
+            language: "yaml" or "json".
+            file: file name in messages.
+        """
         self._text = text
         self._language = language
         self._file = file or "scene"
 
     def located(self, lines: Iterable[str], *, whole: bool = True) -> list[str]:
-        """Messages `file: path: ...` as `file:line: path: ...`. whole: also those whose path is not there."""
+        """Add line numbers to messages: `file: path: ...` becomes `file:line: path: ...`.
+
+        Args:
+            lines: the messages.
+            whole: whether messages whose path is not in the text get the line of the whole scene.
+        """
         return [self._located(line, whole) for line in lines]
 
     def _located(self, message: str, whole: bool) -> str:
@@ -60,7 +71,7 @@ class Places:
         return f"{self._file}:{found}: {rest}"
 
     def _line(self, rest: str, twice: bool) -> int | None:
-        """The line of the longest path that a message begins with; None where it begins with none."""
+        """Return the line of the longest path with which a message begins; None if it begins with none."""
         value, line = self._root, None
         at = 0
         while value is not None:
@@ -77,7 +88,7 @@ class Places:
                 break
             found, at = first
             value = found.value
-            line = found.again if twice and rest.startswith(": found twice", at) else found.line
+            line = found.last_line if twice and rest.startswith(": found twice", at) else found.line
         return line
 
     @functools.cached_property
@@ -86,9 +97,10 @@ class Places:
 
 
 def _first_field(rest: str, at: int, fields: dict[str, _Field]) -> tuple[_Field, int] | None:
-    """The field with the longest name that stands there, and where that ends.
+    """Return the field with the longest name at a place of a message, and the end of the name.
 
-    Names may hold dots, brackets and colons. Of one that is too long there is the beginning and `...`.
+    Names may contain dots, brackets and colons. Names that are too long are abbreviated in messages with
+    `...`.
     """
     ends = [at + end.start() for end in re.finditer(r"[.\[:]|$", rest[at : at + 500])]
     for end in reversed(ends):
@@ -102,7 +114,7 @@ def _first_field(rest: str, at: int, fields: dict[str, _Field]) -> tuple[_Field,
 
 
 def _printable(name: str) -> str:
-    """As messages show it (text::printable): control characters escaped, not much more than 60 bytes."""
+    """Return a name as in messages (text::printable): control characters escaped, about 60 bytes at most."""
     out = ""
     for c in name:
         if len(out.encode()) >= 60:
@@ -114,14 +126,14 @@ def _printable(name: str) -> str:
 def _put(fields: dict[str, _Field], name: str, line: int, value: _Value) -> None:
     shown = _printable(name)
     if shown in fields:
-        fields[shown].again = line
+        fields[shown].last_line = line
     else:
         fields[shown] = _Field(line, line, value)
 
 
 def _yaml_tree(text: str) -> _Value | None:
     root = yaml.compose(text, Loader=yaml12.Loader)
-    made: dict[int, _Value] = {}  # aliases repeat nodes
+    made: dict[int, _Value] = {}  # by identity, as aliases repeat nodes
 
     def tree(node: Node) -> _Value:
         if id(node) in made:
@@ -139,9 +151,9 @@ def _yaml_tree(text: str) -> _Value | None:
 
 
 def _json_tree(text: str) -> _Value:
-    """Of text that has been read already: no mistakes of grammar are in it."""
+    """Return the lines of a JSON text that is known to be valid."""
     root = _Value(1)
-    open_: list[tuple[_Value, bool]] = []  # with whether it is a mapping
+    open_: list[tuple[_Value, bool]] = []  # open collections, and whether they are mappings
     line, name, name_line = 1, None, 1
 
     def put(value: _Value) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Units of a mechanism's own size: what is small is so in these, in a micrometre as in a kilometre."""
+"""Units of a mechanism's own size, in which tolerances apply: equally for micrometers and kilometers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Exponents of mass, length and time in the symbols of units.
+# Exponents of mass, length and time in unit symbols.
 _SYMBOLS = {
     "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "rad": (0, 0, 0), "1": (0, 0, 0),
     "N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3), "Hz": (0, 0, -1),
@@ -22,8 +22,12 @@ _FACTOR = re.compile(r"(kg|rad|Hz|[mNJWs1])(\d*)")
 
 @dataclass(frozen=True)
 class Scales:
-    """A length [m], a mass [kg] and a time [s] near those of a mechanism, powers of two: changing to these
-    units and back rounds nothing. 1 where the mechanism's are usual, or not known.
+    """The own units of a mechanism: powers of two, so that conversions cause no rounding errors.
+
+    Attributes:
+        length: a length of about the mechanism's size [m]; 1 for ordinary or unknown sizes.
+        mass: a mass of about those of its bodies [kg]; 1 for ordinary or unknown masses.
+        time: a time of about that of its motion [s]; 1 for ordinary or unknown times.
     """
 
     length: float = 1.0
@@ -31,7 +35,11 @@ class Scales:
     time: float = 1.0
 
     def size(self, unit: str) -> float:
-        """The SI value of 1 in these units. unit: as FMI spells it; what is no such unit is a number."""
+        """Return the SI value of 1 own unit.
+
+        Args:
+            unit: the unit in SI, as FMI spells it; unknown units are dimensionless.
+        """
         out = 1.0
         for sign, part in zip((1, -1), unit.partition("/")[::2], strict=True):
             for symbol in part.replace("/", ".").split(".") if part else ():
@@ -44,5 +52,5 @@ class Scales:
         return out
 
     def sizes(self, units: Sequence[str]) -> Array:
-        """The same of several."""
+        """Return the SI values of 1 own unit for several units, shape (units,)."""
         return np.array([self.size(unit) for unit in units], np.float64)

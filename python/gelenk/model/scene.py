@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes: loading, changing, saving."""
+"""Scenes: loading, changing and saving."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from gelenk.model.given import Given
 from gelenk.model.places import Places
 from gelenk.model.values import Value, number, unknown
 
-LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # of scene files, by their endings
+LANGUAGES = {".yaml": "yaml", ".yml": "yaml", ".json": "json"}  # language of scene files by ending
 type Source = Scene | str | PathLike[str] | Mapping[str, Any]
 
 
 class Scene:
-    """A mechanism that has been read and found valid. Immutable; made by `gelenk.load`."""
+    """A valid, immutable description of a mechanism, created by `gelenk.load`."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Scene:
         self._given = given
         self._places = places
         self._pruned: Scene | None = None
-        #: What an import did not take over, in words; empty for scenes of Gelenk's own.
+        #: What an import did not convert, line by line; empty for scenes that were not imported.
         self.report = tuple(report)
 
     @property
@@ -48,12 +48,12 @@ class Scene:
 
     @property
     def file(self) -> str:
-        """Where the scene was read from; empty if it was not read from a file."""
+        """File from which the scene was read; empty if there is none."""
         return self._core.file
 
     @property
     def stop(self) -> float:
-        """Default end of a run [s]."""
+        """Default end of a simulation [s]."""
         return self._core.stop
 
     @property
@@ -63,26 +63,26 @@ class Scene:
 
     @property
     def tolerance(self) -> float:
-        """Default relative tolerance."""
+        """Default relative tolerance of the integrator."""
         return self._core.tolerance
 
     @property
     def parameters(self) -> dict[str, Value]:
-        """What may still be set before a run: names as in the FMU, present values."""
+        """Parameters that can be set before a simulation: names as in the FMU, with present values."""
         return {p.name: _shown(p, p.value(self._core)) for p in _core.list_parameters(self._core)}
 
     def with_parameters(self, settings: Mapping[str, Value]) -> Scene:
-        """A changed copy.
+        """Return a copy with other parameter values.
 
         Args:
-            settings: parameter names with numbers (SI units), booleans, or names of enumeration items.
+            settings: values by parameter name: numbers (SI units), booleans, or names of enumeration items.
 
         Raises:
-            UsageError: a name that does not exist, a value that is not allowed.
-            SceneError: values that no body can have together.
+            UsageError: a name is unknown, or a value is not allowed.
+            SceneError: the values contradict each other.
 
         Warns:
-            SceneWarning: values that are hardly meant.
+            SceneWarning: a value is suspicious.
         """
         table = {p.name: p for p in _core.list_parameters(self._core)}
         values = []
@@ -98,19 +98,19 @@ class Scene:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names and patterns of the outputs that are wanted; none: all."""
+        """Names and patterns of the requested outputs; empty: all."""
         return tuple(self._core.outputs)
 
     def with_outputs(self, outputs: Iterable[str] | None) -> Scene:
-        """A copy that wants these outputs in place of its own; None: all.
+        """Return a copy with other requested outputs.
 
-        What none of them depends on is left out wherever the scene is simulated, linearized or exported.
+        Parts on which none of them depends are omitted when the scene is simulated, linearized or exported.
 
         Args:
-            outputs: names ("A.phi"), or patterns as in shells ("crank.*", "*.w", "tip.r[1-2]").
+            outputs: names ("A.phi"), or patterns as in shells ("crank.*", "*.w", "tip.r[1-2]"); None: all.
 
         Raises:
-            UsageError: none at all, a name that is no output, or a pattern that none meets.
+            UsageError: the list is empty, or an entry matches no output.
         """
         names = [outputs] if isinstance(outputs, str) else list(outputs or [])
         if outputs is not None and not names:
@@ -121,7 +121,7 @@ class Scene:
         return self._with_core(_core.with_outputs(self._core, names))
 
     def pruned(self) -> Scene:
-        """The scene without what no wanted output depends on."""
+        """Return the scene without the parts on which no requested output depends."""
         if not self.outputs or self._core.is_wanted_part:
             return self
         if self._pruned is None:
@@ -129,25 +129,28 @@ class Scene:
         return self._pruned
 
     def inputs_beyond(self, known: Iterable[str]) -> list[str]:
-        """The names of the scene's inputs that are not among others.
+        """Return the names of the scene's inputs that are not in a list.
 
         Args:
-            known: these others.
+            known: the list.
         """
         names = set(known)
         return [name for name in _core.input_names(self._core) if name not in names]
 
     def wanted_part(self) -> Scene:
-        """What the wanted outputs depend on, as a scene of its own; it shows all outputs of that part."""
+        """Return the parts on which the requested outputs depend, as a scene with all of their outputs."""
         if not self.outputs:
             return self
         return self._with_core(_core.with_outputs(_core.wanted_part(self._core), []))
 
     def without(self, reductions: Iterable[str]) -> Scene:
-        """A copy in which these reductions are switched off; "all" stands for every one.
+        """Return a copy in which reductions are switched off.
+
+        Args:
+            reductions: names of reductions, or "all".
 
         Raises:
-            UsageError: a name that is no reduction.
+            UsageError: a reduction is unknown.
         """
         names = [name.replace("-", "_") for name in reductions]
         known = [*_core.reduction_names, "all"]
@@ -164,12 +167,12 @@ class Scene:
         return self._with_core(_read_plain(data, self.file)[0])
 
     def _with_core(self, core: _core.Scene) -> Scene:
-        """What became of this scene, saved as what was given with the changes made since."""
+        """Return a changed version of this scene that remembers its source."""
         return Scene(core, self._given, self.report, self._places)
 
     @contextmanager
     def located(self) -> Iterator[None]:
-        """Errors about this scene say the line of its file."""
+        """Add line numbers to errors about this scene."""
         try:
             yield
         except (SceneError, AssemblyError) as e:
@@ -181,18 +184,20 @@ class Scene:
             ) from None
 
     def to_dict(self) -> dict[str, Any]:
-        """The scene as plain data: defaults filled in, all frames told in their bodies."""
+        """Return the scene as plain data, with all defaults, and all frames relative to their bodies."""
         data = json.loads(_core.write_scene_json(self._core))
         assert isinstance(data, dict)
         return data
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the scene to a .yaml, .yml or .json file: as it was given where it was not changed since.
+        """Write the scene to a .yaml, .yml or .json file.
 
-        In YAML, what was read from YAML keeps its comments and its layout.
+        Everything that has not been changed is written as it was given. Scenes that were read from YAML keep
+        their comments and layout in YAML.
 
         Raises:
-            SceneError: the file's name has another ending.
+            SceneError: the file name has another ending.
+            OSError: the file cannot be written.
         """
         target = Path(path)
         language = LANGUAGES.get(target.suffix.lower())
@@ -212,18 +217,21 @@ class Scene:
 
 
 def load(source: Source) -> Scene:
-    """Reads and checks a scene.
+    """Read and check a scene.
 
     Args:
-        source: a .yaml, .yml or .json file; a mapping with the same keys; or the text of a scene
-            (recognised by its line breaks or its opening brace).
+        source: a .yaml, .yml or .json file; a mapping with the same keys; or the text of a scene (recognized
+            by its line breaks or its opening brace).
+
+    Returns:
+        Scene: the scene; a scene is returned unchanged.
 
     Raises:
-        SceneError: with every fault found, one line each.
+        SceneError: the scene is invalid; the message lists all faults, one per line.
         OSError: the file cannot be read.
 
     Warns:
-        SceneWarning: what is allowed and hardly meant, such as angles in degrees.
+        SceneWarning: a value is valid but suspicious, such as an angle in degrees.
 
     >>> pendulum = gelenk.load('''
     ... gelenk: 1
@@ -260,14 +268,23 @@ def load(source: Source) -> Scene:
 
 
 def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = ()) -> Scene:
-    """A scene from plain data; numpy numbers and arrays are taken, too. Raises SceneError."""
+    """Create a scene from plain data.
+
+    Args:
+        data: the scene; numpy numbers and arrays are accepted.
+        file: file name for messages.
+        report: what an import did not convert.
+
+    Raises:
+        SceneError: the scene is invalid.
+    """
     core, plain, doubts = _read_plain(data, file)
     _warn(doubts)
     return Scene(core, Given(core, plain), report)
 
 
 def _read_plain(data: Mapping[str, Any], file: str) -> tuple[_core.Scene, dict[str, Any], list[str]]:
-    """The scene, the data without numpy's types, and what is hardly meant."""
+    """Return the scene, the data without numpy types, and warnings about suspicious values."""
     try:
         text = json.dumps(data, default=_plain)
     except ValueError:

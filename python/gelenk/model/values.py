@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names and values of parameters, inputs and outputs, as users give them."""
+"""Names and values of parameters, inputs and outputs, as given by users."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ type Value = float | int | bool | str
 
 
 def unknown(name: str, what: str, known: Iterable[str]) -> str:
-    """The sentence for a name that does not exist: the nearest ones, else all if they are few."""
+    """Return the message for an unknown name, with similar names or, if there are few, all names.
+
+    Args:
+        name: the unknown name.
+        what: what it should name: "output".
+        known: the known names.
+    """
     names = list(known)
     near = difflib.get_close_matches(name, names, n=3)
     if near:
@@ -28,22 +34,40 @@ def unknown(name: str, what: str, known: Iterable[str]) -> str:
 def check_names(
     wanted: Sequence[str], known: Collection[str], what: str, missing: Callable[[str], str] | None = None
 ) -> None:
-    """Each must be there, and asked for once.
+    """Check that all names of a list are known and occur only once.
 
-    missing: the sentence for one that is not there; None: that of `unknown`.
+    Args:
+        wanted: the list.
+        known: the known names.
+        what: what they name, for messages: "output".
+        missing: function that returns the message for an unknown name; None: `unknown`.
 
     Raises:
-        UsageError: a line for each fault.
+        UsageError: a name is unknown or repeated; the message has a line for each fault.
     """
     sentence = missing or (lambda name: unknown(name, what, known))
     faults = [sentence(name) for name in wanted if name not in known]
-    faults += [f"{name}: asked for twice" for name in dict.fromkeys(wanted) if list(wanted).count(name) > 1]
+    faults += [
+        f"{name}: found twice, expected once"
+        for name in dict.fromkeys(wanted)
+        if list(wanted).count(name) > 1
+    ]
     if faults:
         raise UsageError("\n".join(faults))
 
 
 def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> float:
-    """What a user wrote for a parameter, as the number that stands for it. Raises UsageError."""
+    """Convert the value of a parameter to a number.
+
+    Args:
+        name: name of the parameter, for messages.
+        value: the value given.
+        kind: type of the parameter: "real", "integer", "boolean" or "enumeration".
+        items: items of an enumeration, numbered from 1.
+
+    Raises:
+        UsageError: the value does not have this type, or is not finite.
+    """
     if kind == "boolean":
         if value in (True, False):
             return float(value)
@@ -67,10 +91,10 @@ def number(name: str, value: Value, kind: str, items: Iterable[str] = ()) -> flo
 
 
 def start_parameter(name: str) -> str:
-    """Of a joint's coordinate or speed: A.phi_start, F.r_start[1]."""
+    """Return the start parameter of a joint's coordinate or velocity: A.phi_start, F.r_start[1]."""
     return name.replace("[", "_start[", 1) if "[" in name else f"{name}_start"
 
 
 def elements(name: str, count: int) -> list[str]:
-    """name[1], name[2], ..."""
+    """Return the names of a vector's components: name[1], name[2], ..."""
     return [f"{name}[{i}]" for i in range(1, count + 1)]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""YAML 1.2 (core schema) to JSON text, so that one reader checks scenes in either language.
+"""Conversion of YAML 1.2 (core schema) to JSON, so that one reader checks scenes in both languages.
 
-PyYAML reads YAML 1.1, where `1e-6` is a string, `on` a boolean, `010` eight and `1:30` ninety; here
-they are what they look like. A key given twice is passed on twice: the reader of scenes reports it.
+PyYAML implements YAML 1.1, in which `1e-6` is a string, `on` a boolean, `010` eight and `1:30` ninety.
+Repeated keys are preserved; the scene reader reports them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from gelenk.errors import SceneError
 from gelenk.model import yaml_faults
 
-MOST_VALUES = 5_000_000  # aliases can repeat each other; a scene of 10 000 bodies has some 200 000 values
+MAX_VALUES = 5_000_000  # aliases of aliases grow exponentially; a scene of 10 000 bodies has about 200 000
 
 _TAG = "tag:yaml.org,2002:"
 _PATTERNS = {  # YAML 1.2.2, section 10.3.2
@@ -34,13 +34,13 @@ _PATTERNS = {  # YAML 1.2.2, section 10.3.2
 
 
 class Loader(yaml.SafeLoader):
-    """A YAML 1.2 loader; only its composer is used."""
+    """A YAML 1.2 loader, of which only the composer is used."""
 
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 (PyYAML's own way)
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 (as in PyYAML)
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes what either version of YAML would not take for a string."""
+    """A dumper that quotes strings which YAML 1.1 or 1.2 would read as other types."""
 
     yaml_implicit_resolvers = {  # noqa: RUF012
         first: list(rules) for first, rules in yaml.SafeDumper.yaml_implicit_resolvers.items()
@@ -53,7 +53,15 @@ for _name, (_pattern, _first) in _PATTERNS.items():
 
 
 def to_json(text: str, file: str) -> str:
-    """JSON text of a YAML document; file is only used in messages. Raises SceneError."""
+    """Convert a YAML document to JSON text.
+
+    Args:
+        text: the document.
+        file: file name for messages.
+
+    Raises:
+        SceneError: the document is not valid YAML, or contains tags.
+    """
     try:
         root = yaml.compose(text, Loader=Loader)
         return "null" if root is None else _Writer(file).write(root)
@@ -64,12 +72,12 @@ def to_json(text: str, file: str) -> str:
 
 
 def dump(data: dict[str, Any]) -> str:
-    """YAML text: short lists and mappings on one line, keys in their order."""
+    """Return data as YAML text, with short lists and mappings on one line and keys in their order."""
     return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=110))
 
 
 def inline(value: Any) -> str:
-    """YAML text of a value in one line, which stands in a block and between brackets alike."""
+    """Return a value as YAML text in one line, valid in blocks and between brackets."""
     text = yaml.dump([value], Dumper=_Dumper, sort_keys=False, default_flow_style=True, width=math.inf)
     return str(text).strip()[1:-1]
 
@@ -80,17 +88,18 @@ def _at(file: str, mark: Any, what: str) -> str:
 
 
 class _Writer:
-    """Writes the tree of a document as JSON."""
+    """Writer of a YAML node tree as JSON."""
 
     def __init__(self, file: str) -> None:
         self._file = file
-        self._above: set[int] = set()  # nodes being written
+        self._above: set[int] = set()  # identities of the nodes that are being written, to detect recursion
         self._count = 0
 
     def write(self, node: Node) -> str:
+        """Return the JSON text of a node. Raises SceneError."""
         self._count += 1
-        if self._count > MOST_VALUES:
-            raise SceneError(f"{self._file}: its aliases stand for more than {MOST_VALUES} values")
+        if self._count > MAX_VALUES:
+            raise SceneError(f"{self._file}: its aliases expand to more than {MAX_VALUES} values")
         if isinstance(node, ScalarNode):
             return self._scalar(node)
         if id(node) in self._above:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Changes in a YAML text: all that is not changed keeps its comments, its order, its layout and its spelling.
+"""Edits of a YAML text that preserve comments, order, layout and spelling of everything that is not changed.
 
-Emitters that keep comments (ruamel.yaml's) set the rest anew: they join the lines of `{...}`, and drop the
-comments in them and the spaces that align columns. Here values are exchanged where they stand.
+Emitters that preserve comments, such as that of ruamel.yaml, reformat the rest: they join the lines of
+`{...}` and lose comments in them and aligned columns. Here values are replaced in the text.
 """
 
 from __future__ import annotations
@@ -23,33 +23,42 @@ _GONE = object()
 
 
 def changed(text: str, before: Any, after: Any) -> str | None:
-    """The text of `before` so that it says `after`; None where single values and entries do not do it."""
+    """Change a YAML text.
+
+    Args:
+        text: the text.
+        before: its data.
+        after: the new data.
+
+    Returns:
+        str | None: the new text; None if replacing single values and entries is not sufficient.
+    """
     edits = _Edits(text)
     root = yaml.compose(text, Loader=_Loader)
     assert root is not None
     edits.change(root, before, after)
     found = edits.applied()
     try:
-        said = json.loads(yaml12.to_json(found, ""))
+        result = json.loads(yaml12.to_json(found, ""))
     except SceneError:
         return None
-    return found if _plain(said) == _plain(after) else None
+    return found if _plain(result) == _plain(after) else None
 
 
 def _plain(value: Any) -> str:
-    """Text that tells 1 from 1.0 and from true, and 0.0 from -0.0."""
+    """Return a text that differs for 1, 1.0 and true, and for 0.0 and -0.0."""
     return json.dumps(value, sort_keys=True)
 
 
 class _Alias(Node):
-    """Where `*name` stands; its value is the node that has the name."""
+    """An alias `*name` in the tree; its value is the node with the anchor."""
 
 
 class _Loader(yaml12.Loader):
-    """Keeps where aliases stand."""
+    """A loader that keeps aliases in the tree."""
 
     def compose_node(self, parent: Node | None, index: Any) -> Node | None:
-        """Of the tree, the node that comes next."""
+        """Compose the next node of the tree."""
         alias = self.peek_event() if self.check_event(AliasEvent) else None  # type: ignore[no-untyped-call]
         node = super().compose_node(parent, index)
         return node if alias is None else _Alias("", node, alias.start_mark, alias.end_mark)
@@ -57,7 +66,7 @@ class _Loader(yaml12.Loader):
 
 class _Entry(NamedTuple):
     key: str | int
-    start: int  # of its name or its dash
+    start: int  # start of its name or its dash
     end: int
     value: Node
 
@@ -66,19 +75,21 @@ class _Edits:
     def __init__(self, text: str) -> None:
         self._text = text
         self._newline = "\r\n" if "\n" in text and text.count("\r\n") == text.count("\n") else "\n"
-        self._edits: list[tuple[int, int, str]] = []  # from, to, what stands there instead
-        self._after: dict[int, Any] = {}  # of nodes, by identity: what they will say
+        self._edits: list[tuple[int, int, str]] = []  # start, end, replacement
+        self._after: dict[int, Any] = {}  # by identity of a node: its new data
 
     def applied(self) -> str:
-        """The text with all changes."""
+        """Return the text with all edits."""
         parts, at = [], 0
-        for start, end, new in sorted(self._edits, key=lambda edit: edit[0]):  # at one place the inner first
+        for start, end, new in sorted(
+            self._edits, key=lambda edit: edit[0]
+        ):  # at equal places in order of creation: inner nodes first
             parts += [self._text[at:start], new]
             at = max(at, end)
         return "".join([*parts, self._text[at:]])
 
     def change(self, node: Node, before: Any, after: Any) -> None:
-        """Makes a node that says `before` say `after`."""
+        """Change the data of a node from `before` to `after`."""
         if isinstance(node, _Alias):
             named = self._after.get(id(node.value), _GONE)
             if named is _GONE or _plain(named) != _plain(after):
@@ -101,7 +112,7 @@ class _Edits:
             self._change_block(entries, new, added)
 
     def _change_flow(self, entries: list[_Entry], new: dict[Any, Any], added: list[str]) -> None:
-        """Cuts entries that are gone out of `{...}` or `[...]`, and adds others behind the last."""
+        """Remove entries from `{...}` or `[...]`, and add new ones after the last."""
         last = max(k for k, entry in enumerate(entries) if entry.key in new)
         end = entries[last].end
         self._edits += [
@@ -111,7 +122,7 @@ class _Edits:
         ]
         if last + 1 < len(entries):
             start, stop = entries[last + 1].start, entries[-1].end
-            if "#" in self._text[end:start]:  # a comment: it stays, and so does the comma before it
+            if "#" in self._text[end:start]:  # a comment, which is kept with the comma before it
                 comma = re.match(r"\s*,", self._text[stop:])
                 self._edits.append((start, stop + (comma.end() if comma else 0), ""))
             else:
@@ -119,7 +130,7 @@ class _Edits:
         self._edits.append((end, end, "".join(f", {entry}" for entry in added)))
 
     def _change_block(self, entries: list[_Entry], new: dict[Any, Any], added: list[str]) -> None:
-        """The same with entries that each have lines of their own."""
+        """Remove and add entries that have lines of their own."""
         for k, entry in enumerate(entries):
             if entry.key in new:
                 end = self._line_end(entry.end)
@@ -141,7 +152,7 @@ class _Edits:
         self._edits.append((start, end, yaml12.inline(value) if start < end else f" {yaml12.inline(value)}"))
 
     def _entries(self, node: CollectionNode, keys: dict[Any, Any]) -> list[_Entry]:
-        """keys: one for each, in their order; none: they are not asked for."""
+        """Return the entries of a collection with their keys, in this order; nothing if there are no keys."""
         return [
             _Entry(key, self._start(node, item), self._end(_value(item)), _value(item))
             for key, item in zip(keys, node.value, strict=True)
@@ -153,13 +164,13 @@ class _Edits:
         return yaml12.inline(value) if node.flow_style else f"- {yaml12.inline(value)}"
 
     def _start(self, node: CollectionNode, item: Any) -> int:
-        """Where an entry of this collection begins: its name, its dash, or itself."""
+        """Return the start of an entry of a collection: of its name, its dash, or its value."""
         start: int = (item[0] if isinstance(item, tuple) else item).start_mark.index
         is_dashed = not isinstance(node, MappingNode) and not node.flow_style
         return self._text.rindex("-", 0, start) if is_dashed else start
 
     def _end(self, node: Node) -> int:
-        """Where its text ends; of a block its last entry's, as the parser goes on to behind comments."""
+        """Return the end of a node's text; for a block that of its last entry, without comments after it."""
         if isinstance(node, CollectionNode) and not node.flow_style and node.value:
             return self._end(_value(node.value[-1]))
         start = node.start_mark.index
@@ -174,14 +185,15 @@ class _Edits:
 
 
 def _value(item: Node | tuple[Node, Node]) -> Node:
-    """Of an entry of a mapping, which is a pair with its name, or of a list."""
+    """Return the value of an entry of a mapping (a pair with its name) or of a list."""
     return item[1] if isinstance(item, tuple) else item
 
 
 def _matched(before: Any, after: Any) -> tuple[dict[Any, Any], dict[Any, Any]]:
-    """The entries of both by what they are told by: names, a list's words, places in lists alike long.
+    """Return the entries of two collections by their keys: names, words of a list, or indices in lists of
+    equal length.
 
-    Empty where the one does not become the other by exchanging, leaving out and adding entries.
+    The results are empty if replacing, removing and adding entries does not turn one into the other.
     """
     if isinstance(before, dict) and isinstance(after, dict):
         return before, after

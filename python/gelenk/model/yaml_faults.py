@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mistakes of YAML's grammar, in words of the file instead of the parser's."""
+"""Syntax errors in YAML files, explained in terms of the file instead of the parser."""
 
 from __future__ import annotations
 
@@ -8,11 +8,17 @@ from collections.abc import Callable
 
 import yaml
 
-LONGEST = 50  # characters of a line that are shown
+MAX_SHOWN = 50  # characters of a line in a message
 
 
 def explained(error: yaml.YAMLError, text: str, file: str) -> str:
-    """`file:line:column: found ..., expected ...; what to do`; without a place where the parser has none."""
+    """Return the message for a syntax error: `file:line:column: found ..., expected ...; what to do`.
+
+    Args:
+        error: error of the YAML parser.
+        text: text of the file.
+        file: file name for the message, which has no place if the parser gives none.
+    """
     if isinstance(error, yaml.reader.ReaderError) and isinstance(error.character, int):
         index = error.position if error.position < len(text) else text.find(chr(error.character))
         return _at(file, *_place(text, index), f"found the character U+{error.character:04X}, expected text")
@@ -23,16 +29,16 @@ def explained(error: yaml.YAMLError, text: str, file: str) -> str:
     problem = error.problem or ""
     if "block scalar" in (error.context or ""):
         return _at(file, *_block_text(error, _Lines(lines, mark)))
-    for pattern, told in _TOLD:
+    for pattern, explain in _EXPLANATIONS:
         if pattern in problem:
-            line, column, what = told(error, _Lines(lines, mark))
+            line, column, what = explain(error, _Lines(lines, mark))
             return _at(file, line, column, what)
     what = ", ".join(part for part in (error.context, problem) if part)
     return _at(file, mark.line, mark.column, what)
 
 
 class _Lines:
-    """The text around a mark."""
+    """The lines of a text and a place in it, the mark of an error."""
 
     def __init__(self, lines: list[str], mark: yaml.Mark) -> None:
         self.lines = lines
@@ -40,40 +46,42 @@ class _Lines:
         self.column = mark.column
 
     def here(self) -> str:
+        """Return the line of the mark."""
         return self.lines[self.line] if self.line < len(self.lines) else ""
 
     def above(self, line: int) -> int:
-        """The last line before it with more than a comment in it."""
+        """Return the last line before a line that contains more than a comment."""
         for k in range(line - 1, -1, -1):
             if self.lines[k].split("#")[0].strip():
                 return k
         return line
 
     def word(self) -> str:
-        """What stands at the mark."""
+        """Return the word at the mark, for a message."""
         found = re.match(r"[^\s,:\[\]{}]+|\S", self.here()[self.column :])
         return quoted(found[0]) if found else "the end of the file" if self.ends() else "the end of the line"
 
     def ends(self) -> bool:
+        """Whether nothing follows the mark in the text."""
         return not any(line.strip() for line in [self.here()[self.column :], *self.lines[self.line + 1 :]])
 
 
 def quoted(line: str) -> str:
-    """A line, made fit for a message."""
+    """Return a line in quotes for a message: without control characters, and abbreviated."""
     shown = "".join(c if c.isprintable() else " " for c in line.strip())
-    return f"'{shown if len(shown) <= LONGEST else shown[:LONGEST] + '...'}'"
+    return f"'{shown if len(shown) <= MAX_SHOWN else shown[:MAX_SHOWN] + '...'}'"
 
 
-type _Told = tuple[int, int, str]
+type _Explanation = tuple[int, int, str]  # line and column from 0, message
 
 
-def _second_colon(_: yaml.MarkedYAMLError, at: _Lines) -> _Told:
-    """`: ` where a value has begun: a second one in the line, or the line above goes on here."""
+def _second_colon(_: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
+    """Explain a `: ` inside a value: a second one in a line, or a value continued from the line above."""
     before = at.here()[: at.column]
     if re.search(r":\s", before):
         return at.line, at.column, (
-            f"found a second ': ' in {quoted(at.here())}, expected one `name: value` in a line; "
-            "begin a new line, or put a text in quotes"
+            f"found a second ': ' in {quoted(at.here())}, expected one `name: value` per line; "
+            "begin a new line, or put text in quotes"
         )  # fmt: skip
     above = at.above(at.line)
     if above != at.line and not re.search(r":(\s|$)", at.lines[above]):
@@ -81,72 +89,76 @@ def _second_colon(_: yaml.MarkedYAMLError, at: _Lines) -> _Told:
     here, there = _indent(at.here()), _indent(at.lines[above])
     return at.line, here, (
         f"found {quoted(at.here())} indented by {here}, expected {there} as the line above; "
-        "indent what belongs together alike"
+        "indent entries of one block equally"
     )  # fmt: skip
 
 
-def _without_colon(at: _Lines, line: int) -> _Told:
+def _without_colon(at: _Lines, line: int) -> _Explanation:
     text = at.lines[line].split("#")[0]
     squeezed = re.match(r"\s*(\w+):(\S.*)", text)
-    hint = f"write '{squeezed[1]}: {squeezed[2].strip()}'" if squeezed else "a colon and a space part the two"
+    hint = (
+        f"write '{squeezed[1]}: {squeezed[2].strip()}'"
+        if squeezed
+        else "separate name and value by a colon and a space"
+    )
     if re.match(r"\s*-\S", text):
-        hint = "in a list a space follows the '-'"
+        hint = "write a space after the '-' of a list"
     return line, _indent(text), f"found {quoted(text)}, expected `name: value`; {hint}"
 
 
-def _no_colon(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _no_colon(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     mark = error.context_mark
     return _without_colon(at, at.line if mark is None else mark.line)
 
 
-def _not_closed(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
-    """A comma or the closing bracket is missing in `[...]` or `{...}`."""
+def _not_closed(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
+    """Explain a missing comma or closing bracket in `[...]` or `{...}`."""
     close = "]" if "expected ',' or ']'" in (error.problem or "") else "}"
-    begun = error.context_mark
+    opened_at = error.context_mark
     opening = "[" if close == "]" else "{"
-    opened = f"the '{opening}' of line {begun.line + 1}" if begun else f"the '{opening}' before"
+    opened = f"the '{opening}' of line {opened_at.line + 1}" if opened_at else f"the '{opening}' before"
     chunk = re.split(r"[,\[\]{}]", at.here()[: at.column])[-1]
     what = f"found {at.word()}" + (f" after {quoted(chunk)}" if chunk.strip() else "")
     hint = "a comma or a bracket is missing"
     if at.here()[at.column : at.column + 1] in ("]", "}"):
-        hint = "close each bracket by one of its kind"
+        hint = "close each bracket by a matching one"
     if ";" in chunk:
-        hint = "a comma parts entries, not a semicolon"
+        hint = "separate entries by commas, not semicolons"
     elif "=" in chunk:
         hint = "write `name: value`, not `name=value`"
     return at.line, at.column, f"{what}, expected ',' or '{close}' of {opened}; {hint}"
 
 
-def _block_end(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
-    """Something that does not go with the lines above."""
+def _block_end(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
+    """Explain a line that does not fit the block above."""
     found = re.search(r"found '(.*)'", error.problem or "")
     token = found[1] if found else ""
-    begun = (error.context_mark.line if error.context_mark else at.line) + 1
+    opened_at = (error.context_mark.line if error.context_mark else at.line) + 1
     if token in ("]", "}"):
         opening = "[" if token == "]" else "{"
         what = f"found '{token}', which closes nothing, expected it once for each '{opening}'; leave it out"
     elif token == "-":
         what = (
-            f"found {quoted(at.here())} among names, expected `name: value` as in line {begun}; "
+            f"found {quoted(at.here())} among names, expected `name: value` as in line {opened_at}; "
             "write `NAME: {...}` in place of `- {...}`"
         )
     elif token == "?":
         what = (
-            f"found {quoted(at.here())} in a list, expected `- ...` as in line {begun}; "
+            f"found {quoted(at.here())} in a list, expected `- ...` as in line {opened_at}; "
             "write all entries as `NAME: {...}`"
         )
     elif token == "<block mapping start>" and _indent(at.here()) == at.column:
         above = _indent(at.lines[at.above(at.line)])
         what = (
             f"found {quoted(at.here())} indented by {at.column}, expected {above} as the line above; "
-            "indent what belongs together alike"
+            "indent entries of one block equally"
         )
     else:
-        what = f"found {at.word()}, expected a new line; one `name: value` stands in a line"
+        what = f"found {at.word()}, expected a new line; write one `name: value` per line"
     return at.line, at.column, what
 
 
-def _quote(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _quote(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     mark = error.context_mark
     line, column = (at.line, at.column) if mark is None else (mark.line, mark.column)
     text = at.lines[line][column:]
@@ -154,40 +166,50 @@ def _quote(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
     return line, column, what
 
 
-def _start(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _start(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     text = at.here()[at.column :]
     if text.startswith("\t") or "\\t" in (error.problem or ""):
-        return at.line, at.column, "found a tab, expected spaces; YAML is indented by spaces alone"
-    return at.line, at.column, f"found {quoted(text)}, expected a value; put a text that begins so in quotes"
+        return at.line, at.column, "found a tab, expected spaces; YAML is indented by spaces only"
+    return (
+        at.line,
+        at.column,
+        f"found {quoted(text)}, expected a value; put text that begins like this in quotes",
+    )
 
 
-def _alias(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _alias(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     text = quoted(at.here()[at.column if error.context_mark is None else error.context_mark.column :])
-    what = f"found {text}, expected a value; & and * name anchors of YAML, put a text in quotes"
+    what = f"found {text}, expected a value; & and * name anchors of YAML, put text in quotes"
     return at.line, at.column if error.context_mark is None else error.context_mark.column, what
 
 
-def _no_value(_: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _no_value(_: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     found = f"found {at.word()} in {quoted(at.here())}"
-    return at.line, at.column, f"{found}, expected a value; leave out the sign, or add what is missing"
+    return at.line, at.column, f"{found}, expected a value; remove the sign, or add the missing value"
 
 
-def _block_text(error: yaml.MarkedYAMLError, at: _Lines) -> _Told:
+def _block_text(error: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
     mark = error.context_mark
     line, column = (at.line, at.column) if mark is None else (mark.line, mark.column)
-    what = f"found {quoted(at.lines[line][column:])}, expected a value; put a text that begins so in quotes"
+    what = (
+        f"found {quoted(at.lines[line][column:])}, expected a value; put text that begins like this in quotes"
+    )
     return line, column, what
 
 
-def _after_the_end(_: yaml.MarkedYAMLError, at: _Lines) -> _Told:
-    return at.line, at.column, f"found {quoted(at.here())} behind the end of the scene, expected nothing more"
+def _after_the_end(_: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
+    return at.line, at.column, f"found {quoted(at.here())} after the end of the scene, expected nothing more"
 
 
-def _document(_: yaml.MarkedYAMLError, at: _Lines) -> _Told:
-    return at.line, at.column, "found a second document behind '---', expected one scene; put each in a file"
+def _document(_: yaml.MarkedYAMLError, at: _Lines) -> _Explanation:
+    return (
+        at.line,
+        at.column,
+        "found a second document after '---', expected one scene; use a file for each scene",
+    )
 
 
-_TOLD: tuple[tuple[str, Callable[[yaml.MarkedYAMLError, _Lines], _Told]], ...] = (
+_EXPLANATIONS: tuple[tuple[str, Callable[[yaml.MarkedYAMLError, _Lines], _Explanation]], ...] = (
     ("mapping values are not allowed here", _second_colon),
     ("could not find expected ':'", _no_colon),
     ("expected ',' or ", _not_closed),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Running a scene or an FMU: plants, inputs, results."""
+"""Simulation of scenes and FMUs: plants, inputs, results."""
 
 from __future__ import annotations
 

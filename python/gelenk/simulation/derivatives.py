@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Derivatives of a plant at a point, by its states as it declares them."""
+"""Derivatives of a plant at an operating point with respect to its declared states and inputs."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Derivatives:
-    """What all that can be read differs by: dy = C dx + D du, exactly.
+    """Exact derivatives of all readings: dy = C dx + D du.
 
     Attributes:
-        states: x, as the plant declares them.
-        inputs: u.
+        states: names of x, as the plant declares them.
+        inputs: names of u.
         outputs: those of `readings` that are outputs.
-        readings: y, the states and their derivatives among them, except for quaternions.
-        C: shape (readings, states).
-        D: shape (readings, inputs).
-        values: of inputs and readings, at the point.
-        rates: reading -> the reading that is its time derivative.
-        units: of inputs and readings.
-        order: how many states the mechanism has; None where that is not known.
-        scales: of the mechanism.
+        readings: names of y, which include the states and, except for quaternions, their derivatives.
+        C: derivatives with respect to the states, shape (readings, states).
+        D: derivatives with respect to the inputs, shape (readings, inputs).
+        values: values of inputs and readings at the operating point.
+        rates: name of a reading -> name of the reading that is its time derivative.
+        units: units of inputs and readings.
+        order: minimal number of states of the mechanism; None if unknown.
+        scales: the mechanism's own units.
     """
 
     states: tuple[str, ...]
@@ -46,11 +46,11 @@ class Derivatives:
     scales: Scales = field(default_factory=Scales)
 
     def size(self, name: str) -> float:
-        """The SI value of 1 of this input or reading in the mechanism's own units."""
+        """Return the SI value of 1 own unit of an input or reading."""
         return self.scales.size(self.units.get(name, "1"))
 
     def in_own_units(self) -> Derivatives:
-        """The same, values and slopes in the mechanism's own units; `units` and `scales` stay."""
+        """Convert derivatives and values to the mechanism's own units; `units` and `scales` are unchanged."""
         y, x, u = (
             np.array([self.size(name) for name in names])
             for names in (self.readings, self.states, self.inputs)
@@ -59,8 +59,12 @@ class Derivatives:
         return replace(self, C=self.C * x / y[:, None], D=self.D * u / y[:, None], values=values)
 
 
-def rate_told(name: str, description: str) -> str | None:
-    """Whose derivative an output is: A.w, "A: angular velocity, der(phi)" -> A.phi."""
+def differentiated_name(name: str, description: str) -> str | None:
+    """Return the name of the quantity of which an output is the time derivative, from its description.
+
+    "A.w" with the description "A: angular velocity, der(phi)" is the derivative of "A.phi"; None if the
+    description does not end so.
+    """
     found = re.search(r"\bder\(([^()]+)\)$", description)
     owner = name.rpartition(".")[0]
     return f"{owner}.{found.group(1)}" if found and owner else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An FMU as a plant that `gelenk.simulate` can run, through fmpy."""
+"""FMUs as plants that `gelenk.simulate` can run, with fmpy."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from gelenk import _core
 from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
 from gelenk.model.scales import Scales
 from gelenk.model.values import Value, number
-from gelenk.simulation.derivatives import Derivatives, rate_told
+from gelenk.simulation.derivatives import Derivatives, differentiated_name
 from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
 
-_WARNING = 1  # FMI's status; what is above has failed
+_WARNING = 1  # fmi2Warning; larger statuses are failures
 
 
 class FmuPlant(Plant):
-    """See `gelenk.simulation.plant.Plant`. Any FMI 2.0 co-simulation FMU."""
+    """An FMI 2.0 co-simulation FMU as a plant; see `gelenk.simulation.plant.Plant`."""
 
     def __init__(self, path: Path) -> None:
         self._file = path
@@ -59,7 +59,7 @@ class FmuPlant(Plant):
         try:
             _extract(path, self._folder)
             self._annotations = _annotations(self._folder)
-            with self._told(UsageError):
+            with self._reporting(UsageError):
                 self._slave = instantiated(self._folder, self._description, self._log)
         except BaseException:
             self.close()
@@ -71,7 +71,7 @@ class FmuPlant(Plant):
     @property
     @override
     def events(self) -> list[tuple[float, str]]:
-        return []  # they go to the logger
+        return []  # FMUs log their events
 
     @override
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
@@ -80,13 +80,13 @@ class FmuPlant(Plant):
 
     def _set(self, name: str, value: Value) -> None:
         v = self._variables[name]
-        with self._told(UsageError):
+        with self._reporting(UsageError):
             if v.type == "String":
                 self._slave.setString([v.valueReference], [str(value)])
                 return
-            if words := self._words(v):
-                x = number(name, value, "enumeration", words)
-                self._slave.setInteger([v.valueReference], [[*words.values()][int(x) - 1]])
+            if choices := self._choices(v):
+                x = number(name, value, "enumeration", choices)
+                self._slave.setInteger([v.valueReference], [[*choices.values()][int(x) - 1]])
                 return
             x = number(name, value, "boolean" if v.type == "Boolean" else "real")
             if v.type == "Boolean":
@@ -98,8 +98,8 @@ class FmuPlant(Plant):
             else:
                 self._slave.setReal([v.valueReference], [x])
 
-    def _words(self, variable: Any) -> dict[str, int]:
-        """Of a choice, its words with their numbers; until version 0.1 choices were Enumerations."""
+    def _choices(self, variable: Any) -> dict[str, int]:
+        """Return the items of a choice with their numbers; until version 0.1 choices were Enumerations."""
         if variable.type == "Enumeration":
             return {item.name: int(item.value) for item in variable.declaredType.items}
         for choice in () if self._annotations is None else self._annotations.findall(".//Choice"):
@@ -109,7 +109,7 @@ class FmuPlant(Plant):
 
     @override
     def reset(self) -> None:
-        with self._told(UsageError):
+        with self._reporting(UsageError):
             self._slave.reset()
 
     @override
@@ -119,14 +119,14 @@ class FmuPlant(Plant):
         inputs: Mapping[str, float],
         input_derivatives: Mapping[str, Sequence[float]] | None = None,
     ) -> None:
-        with self._told(AssemblyError):
+        with self._reporting(AssemblyError):
             self._slave.setupExperiment(tolerance=tolerance, startTime=0.0)
             self._slave.enterInitializationMode()
             for name, value in inputs.items():
                 self.set_input(name, value)
             for name, derivatives in (input_derivatives or {}).items():
                 self.set_input_derivatives(name, derivatives)
-            self._listen()
+            self._collect_messages()
             self._warnings.clear()
             self._slave.exitInitializationMode()
         for sentence in self._warnings:
@@ -136,7 +136,7 @@ class FmuPlant(Plant):
     def select(self, names: list[str]) -> None:
         for name in names:
             if self._variables[name].type != "Real":
-                raise UsageError(f"{name}: only real variables can be recorded")
+                raise UsageError(f"{name}: not a real variable; only real variables can be recorded")
         self._references = [self._variables[name].valueReference for name in names]
 
     @override
@@ -149,7 +149,7 @@ class FmuPlant(Plant):
     def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
         n = len(derivatives)
         reference = self._variables[name].valueReference
-        with self._told(UsageError):  # fmpy's own call has room for one number of inputs only
+        with self._reporting(UsageError):  # fmpy's wrapper only works for one number of inputs
             self._slave.fmi2SetRealInputDerivatives(
                 self._slave.component, (c_uint * n)(*[reference] * n), n, (c_int * n)(*range(1, n + 1)),
                 (c_double * n)(*derivatives),
@@ -157,53 +157,55 @@ class FmuPlant(Plant):
 
     @override
     def advance(self, start: float, end: float) -> None:
-        with self._told(StepError):
+        with self._reporting(StepError):
             self._slave.doStep(start, end - start)
 
     @override
     def read(self) -> NDArray[np.float64]:
-        with self._told(StepError):
+        with self._reporting(StepError):
             return np.array(self._slave.getReal(self._references) if self._references else [])
 
     @override
     def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
         if not getattr(self._description.coSimulation, "providesDirectionalDerivative", False):
-            raise UsageError(f"{self._file}: found no directional derivatives in this FMU, expected them")
+            raise UsageError(
+                f"{self._file}: this FMU provides no directional derivatives, which linearization requires"
+            )
         declared = {u.variable.derivative.name: u.variable.name for u in self._description.derivatives}
-        states = [name for name in self._variables if name in declared]  # in their order
+        states = [name for name in self._variables if name in declared]  # in the order of declaration
         inputs, outputs = self._real(self.inputs), self._real(self.outputs)
         unknowns = [*dict.fromkeys([*outputs, *declared.values()])]
-        inner = [name for name in states if name not in unknowns]  # states that are no outputs
+        inner = [name for name in states if name not in unknowns]  # states that are not outputs
         names = [*inputs, *unknowns, *inner]
-        with self._told(UsageError):
+        with self._reporting(UsageError):
             C = np.vstack(
-                [self._slopes(unknowns, states), np.eye(len(states))[[states.index(n) for n in inner]]]
+                [self._jacobian(unknowns, states), np.eye(len(states))[[states.index(n) for n in inner]]]
             )
-            D = np.vstack([self._slopes(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
+            D = np.vstack([self._jacobian(unknowns, inputs), np.zeros((len(inner), len(inputs)))])
             values = self._slave.getReal(self._references_of(names))
         return Derivatives(
             tuple(states), tuple(inputs), tuple(outputs), (*unknowns, *inner), C, D,
             dict(zip(names, map(float, values), strict=True)),
-            self._rates_told(outputs) | declared, self.units, *self._annotated(),
+            self._rates_of(outputs) | declared, self.units, *self._annotated(),
         )  # fmt: skip
 
     def _real(self, names: Iterable[str]) -> list[str]:
         return [name for name in names if self._variables[name].type == "Real"]
 
-    def _rates_told(self, outputs: Iterable[str]) -> dict[str, str]:
-        """By the outputs whose derivatives they are, as descriptions tell."""
-        told = {name: rate_told(name, self._variables[name].description or "") for name in outputs}
-        return {of: name for name, of in told.items() if of is not None and of in self._variables}
+    def _rates_of(self, outputs: Iterable[str]) -> dict[str, str]:
+        """Return the outputs that are time derivatives, by the names of what they differentiate."""
+        found = {name: differentiated_name(name, self._variables[name].description or "") for name in outputs}
+        return {of: name for name, of in found.items() if of is not None and of in self._variables}
 
     def _annotated(self) -> tuple[int | None, Scales]:
-        """How many states the mechanism has, None where the FMU does not tell; and its scales."""
-        told = None if self._annotations is None else self._annotations.find(".//Order")
-        if told is None:
+        """Return the minimal number of states, None if unknown, and the mechanism's own units."""
+        order = None if self._annotations is None else self._annotations.find(".//Order")
+        if order is None:
             return None, Scales()
-        scales = (float(told.get(key, "1")) for key in ("length", "mass", "time"))
-        return int(told.get("states", "0")), Scales(*scales)
+        scales = (float(order.get(key, "1")) for key in ("length", "mass", "time"))
+        return int(order.get("states", "0")), Scales(*scales)
 
-    def _slopes(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
+    def _jacobian(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
         asked = self._references_of(unknowns)
         columns = [
             self._slave.getDirectionalDerivative(asked, self._references_of([name]), [1.0]) for name in knowns
@@ -220,27 +222,27 @@ class FmuPlant(Plant):
             self._slave = None
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _listen(self) -> None:
-        """Takes down what the FMU has logged."""
+    def _collect_messages(self) -> None:
+        """Collect the messages that the FMU has logged."""
         for status, message in self._log.take():
             text = message.decode("utf-8", "replace")
-            if status > _WARNING:  # in the user's terms: no name of a C function, no unpacked copy
+            if status > _WARNING:  # without names of C functions and of unpacked files
                 text = re.sub(r"^fmi2\w+: ", "", text)
                 self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
             elif status == _WARNING:
                 self._warnings.append(text)
 
     @contextmanager
-    def _told(self, error: Callable[[str], GelenkError]) -> Iterator[None]:
-        """A call that fails is told in the words that the FMU logged."""
+    def _reporting(self, error: Callable[[str], GelenkError]) -> Iterator[None]:
+        """Turn a failed call of fmpy into an exception with the messages that the FMU has logged."""
         self._messages.clear()
         self._warnings.clear()
         try:
             yield
         except GelenkError:
             raise
-        except Exception as e:  # fmpy's own, and plain Exception where instantiation fails
-            self._listen()
+        except Exception as e:  # exceptions of fmpy, and plain Exception if instantiation fails
+            self._collect_messages()
             if (
                 not self._messages
                 and not isinstance(e, fmpy.fmi1.FMICallException)
@@ -248,16 +250,16 @@ class FmuPlant(Plant):
             ):
                 raise
             raise error("\n".join(self._messages) or f"{self._file}: {e}") from e
-        self._listen()
+        self._collect_messages()
 
 
 def _description(path: Path) -> Any:
-    path.open("rb").close()  # raises what is the matter with the file itself
+    path.open("rb").close()  # raises OSError if the file cannot be read
     try:
         found = fmpy.read_model_description(str(path), validate=False)
     except (zipfile.BadZipFile, KeyError):
         raise UsageError(f"{path}: not an FMU (a zip file with a modelDescription.xml)") from None
-    except Exception as e:  # an XML parser's and fmpy's own
+    except Exception as e:  # exceptions of the XML parser and of fmpy
         raise UsageError(
             f"{path}: its modelDescription.xml cannot be read: {' '.join(str(e).split())}"
         ) from None
@@ -270,11 +272,11 @@ def _extract(path: Path, folder: str) -> None:
     try:
         fmpy.extract(str(path), folder)
     except (zipfile.BadZipFile, zlib.error) as e:
-        raise UsageError(f"{path}: damaged: {e}") from None
+        raise UsageError(f"{path}: the zip file is damaged: {e}") from None
 
 
 def _annotations(folder: str) -> ET.Element | None:
-    """What Gelenk wrote for itself into modelDescription.xml, where fmpy does not look."""
+    """Return Gelenk's vendor annotations in modelDescription.xml, which fmpy does not read."""
     return ET.parse(Path(folder, "modelDescription.xml")).find("VendorAnnotations/Tool[@name='Gelenk']")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An instance of an FMU, loaded by fmpy, with a logger of Gelenk's."""
+"""Instances of FMUs, loaded by fmpy, with a logger of Gelenk."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ from gelenk import _core
 
 
 def instantiated(folder: str, description: Any, log: _core.FmuLog) -> Any:
-    """The instance, as fmpy's FMU2Slave.
+    """Load and instantiate an FMU.
 
-    In fmpy `instantiate_fmu(logger=...)` holds the logger of the whole process in one pointer. The last FMU
-    with a logger leaves it there when it is closed, and the next message of any FMU in fmpy goes to freed
-    memory. So fmpy's is not touched.
+    fmpy's own logger is not used: `instantiate_fmu(logger=...)` stores it in one pointer for the whole
+    process, which dangles after the last FMU with a logger is closed, so that the next message of any FMU
+    uses freed memory.
 
     Args:
-        folder: where the FMU was extracted.
-        description: fmpy's, of an FMU of FMI 2.0 for co-simulation.
-        log: takes what the FMU logs; has to live as long as the instance.
+        folder: folder with the extracted FMU.
+        description: fmpy's model description of an FMI 2.0 co-simulation FMU.
+        log: receives the messages of the FMU; must live as long as the instance.
+
+    Returns:
+        Any: fmpy's FMU2Slave.
 
     Raises:
-        Exception: the library cannot be loaded or makes no instance.
+        Exception: the library cannot be loaded or returns no instance.
     """
-    # fmpy goes to the library's directory and, where the library cannot be loaded, stays there.
+    # fmpy changes to the library's directory and remains there if the library cannot be loaded.
     with chdir(Path.cwd()):
         slave = fmi2.FMU2Slave(
             guid=description.guid,
@@ -42,7 +45,7 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog) -> Any:
         componentEnvironment=c_void_p(log.environment),
     )
     try:
-        slave.instantiate(callbacks=callbacks)  # which keeps the callbacks
+        slave.instantiate(callbacks=callbacks)  # keeps a reference to the callbacks
     except BaseException:
         slave.freeLibrary()
         raise

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inputs of a run as functions of time: constants, callables, tables, CSV files."""
+"""Inputs of a simulation as functions of time: constants, callables, tables, CSV files."""
 
 from __future__ import annotations
 
@@ -19,25 +19,26 @@ from gelenk.model.values import Value, number, unknown
 if TYPE_CHECKING:
     from gelenk.simulation.plant import Plant
 
-_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
-_THROUGH_FIVE = np.linalg.inv(np.vander(_PLACES, increasing=True))
+_INTERPOLATION_POINTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # as fractions of a step
+# Matrix from the values at these points to the coefficients of the polynomial of degree 4.
+_QUARTIC_INTERPOLANT = np.linalg.inv(np.vander(_INTERPOLATION_POINTS, increasing=True))
 
-type Signal = Callable[[float], float]
-type Input = Signal | float | tuple[ArrayLike, ArrayLike]
+type InputFunction = Callable[[float], float]
+type Input = InputFunction | float | tuple[ArrayLike, ArrayLike]
 type Inputs = Mapping[str, Input] | NDArray[np.void] | str | PathLike[str]
 
 
-def functions(inputs: Inputs | None, known: Iterable[str]) -> dict[str, Signal]:
-    """One function of time [s] per input named.
+def functions(inputs: Inputs | None, known: Iterable[str]) -> dict[str, InputFunction]:
+    """Return a function of time [s] for each named input.
 
     Args:
-        inputs: by name, a callable of time, a constant, or (times, values) between which it is linear, held
-            before the first and after the last; a time given twice is a jump. Or all of them as columns of a
-            structured array or CSV file with a column `time`.
-        known: the names of the plant's inputs.
+        inputs: for each name a callable of time, a constant, or (times, values), which are interpolated
+            linearly and held before the first and after the last time; a repeated time is a discontinuity.
+            Alternatively, all inputs as columns of a structured array or a CSV file with a column `time`.
+        known: names of the plant's inputs.
 
     Raises:
-        UsageError: unknown names, tables that are no functions of time.
+        UsageError: unknown names, or tables that are not functions of time.
         OSError: the file cannot be read.
     """
     if inputs is None:
@@ -57,14 +58,19 @@ def functions(inputs: Inputs | None, known: Iterable[str]) -> dict[str, Signal]:
 
 def functions_and_constants(
     inputs: Inputs | None, settings: dict[str, Value], known: Iterable[str], twice: str
-) -> dict[str, Signal]:
-    """As `functions`, with the inputs that `settings` names, which go from there and are constant.
+) -> dict[str, InputFunction]:
+    """Return a function of time [s] for each input named in `inputs` or, with a constant value, in
+    `settings`.
 
     Args:
-        inputs: as of `functions`.
-        settings: parameters and inputs by name; the inputs are taken out.
-        known: the names of the plant's inputs.
-        twice: completes "NAME: given ..." where both name it.
+        inputs: as for `functions`.
+        settings: values of parameters and inputs by name; the inputs are removed from it.
+        known: names of the plant's inputs.
+        twice: end of the message "NAME: given ..." for an input that both contain.
+
+    Raises:
+        UsageError: as for `functions`, or an input in both.
+        OSError: the file cannot be read.
     """
     names = list(known)
     signals = functions(inputs, names)
@@ -75,11 +81,17 @@ def functions_and_constants(
     return signals
 
 
-def set_inputs(plant: Plant, signals: Mapping[str, Signal], start: float, end: float) -> None:
-    """What the inputs are over a step [s]: held at their values at its start.
+def set_inputs(plant: Plant, signals: Mapping[str, InputFunction], start: float, end: float) -> None:
+    """Set the inputs of a plant for a communication step.
 
-    Inputs that are motions, NAME.*_ref, cannot be held and jump: they follow the polynomial through five of
-    their values in the step.
+    Inputs are held at their values at the start of the step. Motion inputs (NAME.*_ref) must not jump and
+    follow the polynomial through five of their values in the step.
+
+    Args:
+        plant: the plant.
+        signals: functions of time by input.
+        start: start of the step [s].
+        end: end of the step [s].
     """
     for name, signal in signals.items():
         if not is_motion(name):
@@ -91,36 +103,48 @@ def set_inputs(plant: Plant, signals: Mapping[str, Signal], start: float, end: f
 
 
 def is_motion(name: str) -> bool:
-    """Whether the input of this name is a motion, as constraints of scenes name them."""
+    """Whether an input is a prescribed motion, by its name."""
     return name.endswith("_ref")
 
 
-def polynomial(signal: Signal, start: float, end: float) -> tuple[float, list[float]]:
-    """Value and derivatives of orders 1 to 4 at the start of the polynomial through five values in a step."""
+def polynomial(signal: InputFunction, start: float, end: float) -> tuple[float, list[float]]:
+    """Interpolate an input in a step by a polynomial of degree 4.
+
+    Args:
+        signal: function of time.
+        start: start of the step [s].
+        end: end of the step [s].
+
+    Returns:
+        tuple[float, list[float]]: value, and time derivatives of orders 1 to 4, at the start.
+    """
     h = end - start
-    coefficients = (_THROUGH_FIVE @ [signal(start + h * s) for s in _PLACES]).tolist()
+    coefficients = (_QUARTIC_INTERPOLANT @ [signal(start + h * s) for s in _INTERPOLATION_POINTS]).tolist()
     return coefficients[0], [math.factorial(k) * c / h**k for k, c in enumerate(coefficients) if k > 0]
 
 
 def read_csv(path: str | PathLike[str]) -> NDArray[np.void]:
-    """A CSV file with a line of names as a structured array.
+    """Read a CSV file with a header line as a structured array.
 
     Raises:
-        UsageError: with the line of each cell that is no number, or too many or few of them.
+        UsageError: the header is invalid, a cell is not a number, or a line has another number of cells; the
+            message gives the lines.
         OSError: the file cannot be read.
     """
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as file:
             lines = [(i, row) for i, row in enumerate(csv.reader(file), 1) if row]
     except (UnicodeDecodeError, csv.Error) as e:
-        raise UsageError(f"{path}: no CSV file: {e}") from None
+        raise UsageError(f"{path}: not a CSV file: {e}") from None
     if len(lines) < 2:
         raise UsageError(
-            f"{path}: found {len(lines)} lines, expected one of names and at least one of numbers"
+            f"{path}: found {len(lines)} lines, expected a header line and at least one line of numbers"
         )
     names = [name.strip() for name in lines[0][1]]
     faults = [
-        f"{path}:1: column {name!r} is there twice" for name in dict.fromkeys(names) if names.count(name) > 1
+        f"{path}:1: found column {name!r} twice, expected it once"
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
     ]
     if "" in names:
         faults.append(f"{path}:1: found column {names.index('') + 1} without a name, expected one")
@@ -150,11 +174,11 @@ def _columns(table: NDArray[np.void], where: str) -> dict[str, Input]:
     fields = table.dtype.names
     if fields is None or "time" not in fields:
         found = ", ".join(fields or ()) or "no names"
-        raise UsageError(f"{where}found the columns {found}, expected one called time")
+        raise UsageError(f"{where}found the columns {found}, expected a column time")
     return {name: (table["time"], table[name]) for name in fields if name != "time"}
 
 
-def _function(name: str, value: Input) -> Signal:
+def _function(name: str, value: Input) -> InputFunction:
     if callable(value):
         return value
     if isinstance(value, tuple):
@@ -168,18 +192,18 @@ def _function(name: str, value: Input) -> Signal:
     return lambda _: constant
 
 
-def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> Signal:
+def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> InputFunction:
     t = np.asarray(times, np.float64)
     x = np.asarray(values, np.float64)
     if t.ndim != 1 or t.shape != x.shape or not len(t):
         shapes = f"times of shape {t.shape} and values of shape {x.shape}"
-        raise UsageError(f"{name}: found {shapes}, expected two lists of one length")
+        raise UsageError(f"{name}: found {shapes}, expected two lists of equal length")
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
-        raise UsageError(f"{name}: found times or values that are not finite")
+        raise UsageError(f"{name}: found NaN or infinity in times or values")
     back = np.flatnonzero(np.diff(t) < 0)
     if len(back):
         k = int(back[0])
-        raise UsageError(f"{name}: time goes back from {t[k]:g} s to {t[k + 1]:g} s (row {k + 2})")
+        raise UsageError(f"{name}: times decrease from {t[k]:g} s to {t[k + 1]:g} s (row {k + 2})")
     last = len(t) - 1
 
     def at(time: float) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a run needs of a plant, be it a scene or an FMU."""
+"""The interface of plants, which scenes and FMUs implement."""
 
 from __future__ import annotations
 
@@ -14,30 +14,41 @@ from gelenk.simulation.derivatives import Derivatives
 
 
 class Plant(Protocol):
-    """A plant that stands at t = 0 once started."""
+    """A plant that can be simulated and linearized; `start` brings it to t = 0.
 
-    name: str  # of the mechanism
-    stop: float  # default end [s]
-    step: float  # default communication step [s]
+    Attributes:
+        name: name of the mechanism.
+        stop: default end of a simulation [s].
+        step: default communication step [s].
+        inputs: names of the inputs.
+        outputs: names of the outputs.
+        parameters: names of the parameters.
+        idle: names of inputs on which no requested output depends; they can be set, without effect.
+        readings: names of the outputs, and of states and their derivatives that are not outputs.
+        units: units of everything that can be selected, by name.
+        assembly_report: what assembly has found; empty if unknown.
+    """
+
+    name: str
+    stop: float
+    step: float
     inputs: list[str]
     outputs: list[str]
     parameters: list[str]
-    idle: list[
-        str
-    ]  # inputs of what no wanted output depends on: they may be set, and act on nothing there is
-    readings: list[str]  # outputs, and states and their derivatives that are none
-    units: dict[str, str]  # of all that can be selected
+    idle: list[str]
+    readings: list[str]
+    units: dict[str, str]
     assembly_report: str
 
     @property
     def events(self) -> list[tuple[float, str]]:
-        """Of the last advance(): times [s] and texts; empty where the plant does not tell."""
+        """Times [s] and descriptions of the events in the last `advance`; empty if unknown."""
 
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
-        """Before start()."""
+        """Set parameters before `start`. Raises UsageError or SceneError for invalid names and values."""
 
     def reset(self) -> None:
-        """As if just opened: parameters and inputs are the plant's own again, and start() may follow."""
+        """Restore the plant's own parameters and inputs; `start` may follow."""
 
     def start(
         self,
@@ -45,29 +56,41 @@ class Plant(Protocol):
         inputs: Mapping[str, float],
         input_derivatives: Mapping[str, Sequence[float]] | None = None,
     ) -> None:
-        """Makes everything consistent at t = 0. Raises AssemblyError."""
+        """Assemble the plant and make its state consistent at t = 0.
 
-    def select(self, names: list[str]) -> None:
-        """Chooses what read() gives."""
-
-    def set_input(self, name: str, value: float) -> None:
-        """Holds until set again. Raises UsageError."""
-
-    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
-        """Of orders 1, 2, ... over the next step [unit/s, ...]. Raises UsageError."""
-
-    def advance(self, start: float, end: float) -> None:
-        """Steps [s]. Raises StepError."""
-
-    def read(self) -> NDArray[np.float64]:
-        """The selected values now."""
-
-    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
-        """Here and now; once started. `coordinates` are states where the plant's own do not lead on.
+        Args:
+            tolerance: relative tolerance of the integrator; None: the plant's own.
+            inputs: values of inputs at t = 0.
+            input_derivatives: their time derivatives of orders 1, 2, ...
 
         Raises:
-            UsageError: a singular position, or a plant that gives no derivatives.
+            AssemblyError: the loops cannot be closed.
+        """
+
+    def select(self, names: list[str]) -> None:
+        """Select the quantities that `read` returns. Raises UsageError if one cannot be read."""
+
+    def set_input(self, name: str, value: float) -> None:
+        """Set an input, which is held until it is set again. Raises UsageError."""
+
+    def set_input_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
+        """Set the time derivatives of orders 1, 2, ... of an input in the next step. Raises UsageError."""
+
+    def advance(self, start: float, end: float) -> None:
+        """Advance from `start` to `end` [s]. Raises StepError."""
+
+    def read(self) -> NDArray[np.float64]:
+        """Return the present values of the selected quantities, shape (selected,)."""
+
+    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+        """Return the derivatives of all readings at the present state, after `start`.
+
+        Args:
+            coordinates: used as states if derivatives with respect to the plant's own states do not exist.
+
+        Raises:
+            UsageError: the configuration is singular, or the plant provides no derivatives.
         """
 
     def close(self) -> None:
-        """Frees what the plant holds."""
+        """Release the plant's resources."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a run gave: a table of numbers over time."""
+"""Results of a simulation: a table of signals over time."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from gelenk.model.values import unknown
 
 
 class Result:
-    """Signals over time: `result["A.phi"]` is an array as long as `result.time`."""
+    """Signals over time: `result["A.phi"]` is an array with the shape of `result.time`."""
 
     def __init__(self, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> None:
-        """Wraps rows of shape (times, 1 + len(names)), time first."""
+        """Make a result of rows of shape (times, 1 + len(names)), with time in the first column."""
         self._rows = rows
         self._column = {name: i for i, name in enumerate(("time", *names))}
-        #: Units by name, in FMI's spelling; "1" for none.
+        #: Units by name, as FMI spells them; "1" for dimensionless signals.
         self.units = dict(units)
-        #: What assembly found, in words; empty when the plant does not tell.
+        #: What assembly has found; empty if unknown.
         self.assembly_report = ""
-        #: Times [s] of the rows before which a singular position was passed, where loops could have gone on
-        #: by another branch; empty when the plant does not tell.
+        #: Times [s] of the rows before which a singular configuration was crossed, where motion on another
+        #: branch is possible; empty if unknown.
         self.singular_positions: tuple[float, ...] = ()
-        #: Of a scene: times [s] and texts of the stops that were met or left and the singular positions
-        #: that were passed, in order. An FMU gives them to its logger (category logEvents).
+        # : Times [s] and descriptions of events, in order: contacts with stops and releases, singular
+        # configurations : crossed. Empty for an FMU, which logs its events (category logEvents).
         self.events: tuple[tuple[float, str], ...] = ()
 
     @property
@@ -55,16 +55,16 @@ class Result:
 
     @property
     def table(self) -> NDArray[np.void]:
-        """A structured array with the fields `time` and the names; shape (times,)."""
+        """The results as a structured array with the fields `time` and the names, shape (times,)."""
         fields = np.dtype([(name, np.float64) for name in self._column])
         return np.ascontiguousarray(self._rows).view(fields).reshape(-1)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes `time` and the signals, every number to its last bit. Raises OSError."""
+        """Write `time` and the signals to a CSV file, all numbers with full precision. Raises OSError."""
         Path(path).write_text(self.csv(), encoding="utf-8")
 
     def csv(self) -> str:
-        """The same as text."""
+        """Return the text of the CSV file that `to_csv` writes."""
         lines = [",".join(self._column)]
         lines.extend(",".join(map(repr, row)) for row in self._rows.tolist())
         return "\n".join(lines) + "\n"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Running a scene or an FMU over a time span."""
+"""Simulation of a scene or an FMU over a time span."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from gelenk.simulation.plant import Plant
 from gelenk.simulation.result import Result
 from gelenk.simulation.scene_plant import ScenePlant
 
-PASSAGES = "solver.singular_positions"  # how many were passed
-MOST_NUMBERS = 500_000_000  # of a result, 4 GB
+SINGULAR_CROSSINGS = "solver.singular_positions"  # diagnostic: number of singular configurations crossed
+MAX_NUMBERS = 500_000_000  # in a result, 4 GB
 _DIAGNOSTICS = frozenset(_core.diagnostic_names)
 
 
@@ -41,36 +41,36 @@ def simulate(
     assembly_tolerance: float | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
-    """Runs a scene, or an FMU, from t = 0.
+    """Simulate a scene or an FMU from t = 0.
 
-    Inputs are sampled at the start of every communication step and held over it, as a master does; those
-    that are motions (`NAME.phi_ref`) follow a polynomial through five of their values in the step. A row of
-    the result is what the plant shows at the end of a step, before the next input is set.
+    Inputs are sampled at the start of every communication step and held over it, as in a co-simulation;
+    motion inputs (`NAME.phi_ref`) follow a polynomial through five of their values in the step. A row of the
+    result contains the outputs at the end of a step, before the next input is set.
 
     Args:
-        plant: a .fmu file, or whatever `gelenk.load` takes.
-        stop: end of the run [s]; by default the scene's or the FMU's own.
+        plant: a .fmu file, or anything `gelenk.load` accepts.
+        stop: end of the simulation [s]; by default that of the scene or FMU.
         step: communication step [s]; the last one is shortened to end at `stop`.
         tolerance: relative tolerance of the integrator.
         integrator: "auto", "ida", "cvode", "cvode-adams", "dirk", "erk", "rk4", "euler",
             "generalized-alpha", "hht" or "newmark".
-        formulation: how loops meet the integrator: "projection", or a rival of it (docs/scene-format.md).
-        inputs: see `gelenk.simulation.inputs.functions`; inputs that are not named stay 0.
-        parameters: values by FMU parameter name, such as "A.phi_start"; or inputs, as constants.
-        outputs: names and patterns ("crank.*") to record; by default all outputs. Of a scene, what none of
-            them depends on is left out of the computation; in place of the `outputs` it lists itself.
-        without: reductions to leave out, see `gelenk.inspect`; scenes only.
-        assembly_tolerance: the parameter `assembly.tolerance`, how far joint frames may be moved (rad,
-            lengths of about the mechanism's size) so that loops with rounded numbers close.
+        formulation: "projection", or an alternative formulation of the constraints (docs/scene-format.md).
+        inputs: see `gelenk.simulation.inputs.functions`; inputs that are not named are 0.
+        parameters: values by FMU parameter name, such as "A.phi_start"; also constant inputs.
+        outputs: names and patterns ("crank.*") of the outputs to record; by default those of the scene or
+            FMU. Parts of a scene on which none of them depends are not computed.
+        without: reductions to switch off, see `gelenk.inspect`; scenes only.
+        assembly_tolerance: the parameter `assembly.tolerance`: the largest correction of joint frames (rad,
+            and lengths of about the mechanism's size) that closes loops with rounded dimensions.
         progress: called after every step with the time reached and `stop` [s].
 
     Returns:
         Result: `time` and the outputs.
 
     Raises:
-        SceneError, UsageError: the scene, a name or a value is wrong.
+        SceneError, UsageError: the scene, a name or a value is invalid.
         AssemblyError: the loops cannot be closed with the start values.
-        StepError: a step failed; its `result` holds the rows until then.
+        StepError: a step failed; its `result` contains the rows up to this step.
         OSError: a file cannot be read.
 
     >>> import math
@@ -84,16 +84,20 @@ def simulate(
         if assembly_tolerance is not None:
             settings["assembly.tolerance"] = assembly_tolerance
         known = [*opened.inputs, *opened.idle]
-        signals = functions_and_constants(inputs, settings, known, "as input and as parameter")
+        signals = functions_and_constants(inputs, settings, known, "twice, as input and as parameter")
         configure(opened, settings, tolerance, {"integrator": integrator, "formulation": formulation})
         times = grid(opened.stop if stop is None else stop, opened.step if step is None else step)
         names = _selected(opened, outputs)
-        if len(times) * (1 + len(names)) > MOST_NUMBERS:
+        if len(times) * (1 + len(names)) > MAX_NUMBERS:
             raise UsageError(
-                f"{len(times)} rows of {1 + len(names)} columns would not fit; choose a longer step"
+                f"{len(times)} rows of {1 + len(names)} columns are too many; choose a longer step"
             )
-        watched = [PASSAGES] if PASSAGES in opened.units and PASSAGES not in names else []
-        opened.select([*names, *watched])
+        monitored = (
+            [SINGULAR_CROSSINGS]
+            if SINGULAR_CROSSINGS in opened.units and SINGULAR_CROSSINGS not in names
+            else []
+        )
+        opened.select([*names, *monitored])
         tolerance = None if "solver.tolerance" in settings else tolerance
         first = float(times[1]) if len(times) > 1 else opened.step
         motions = {
@@ -106,21 +110,30 @@ def simulate(
 
 
 def grid(stop: float, step: float) -> NDArray[np.float64]:
-    """Times k step [s] from 0, the last one `stop`. Computed, not summed, so that errors do not grow.
+    """Return the communication times k * step [s] from 0; the last one is `stop`.
+
+    Times are multiples, not sums, so that rounding errors do not accumulate.
+
+    Args:
+        stop: end of the simulation [s].
+        step: communication step [s].
+
+    Returns:
+        NDArray: shape (steps + 1,).
 
     Raises:
-        UsageError: stop or step that no run can have.
+        UsageError: stop or step is out of range.
     """
     if not (math.isfinite(stop) and stop >= 0):
         raise UsageError(f"stop: found {stop} s, expected 0 or more")
     if not (math.isfinite(step) and step > 0):
         raise UsageError(f"step: found {step} s, expected more than 0")
     ratio = stop / step
-    if ratio > MOST_NUMBERS:
+    if ratio > MAX_NUMBERS:
         raise UsageError(
-            f"step: {stop:g} s in steps of {step:g} s are {ratio:.3g} steps; choose a longer one"
+            f"step: {stop:g} s in steps of {step:g} s are {ratio:.3g} steps; choose a longer step"
         )
-    # 0.3 / 0.1 and 1.1 / 0.1 miss their integers by an ulp: a last step of 1e-16 s is not meant.
+    # 0.3 / 0.1 and 1.1 / 0.1 differ from integers by rounding, which must not cause a last step of 1e-16 s.
     whole = round(ratio)
     count = whole if abs(ratio - whole) <= 1e-12 * max(1.0, ratio) else math.ceil(ratio)
     times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * step
@@ -135,20 +148,22 @@ def open_plant(
     *,
     whole: bool = False,
 ) -> Plant:
-    """A scene without these reductions, or an FMU.
+    """Open a scene or an FMU as a plant.
 
     Args:
-        plant: as of `simulate`.
-        without: names of reductions.
-        outputs: names and patterns; of a scene, what none of them depends on is left out; None: as it says.
-        whole: nothing of a scene is left out, whatever outputs it lists.
+        plant: as for `simulate`.
+        without: reductions to switch off.
+        outputs: names and patterns of the outputs; parts of a scene on which none of them depends are
+            omitted. None: those that the scene lists.
+        whole: whether to omit nothing.
 
     Raises:
-        SceneError, UsageError, OSError: what is wrong.
+        SceneError, UsageError: the scene or FMU, or a name, is invalid.
+        OSError: a file cannot be read.
     """
     if isinstance(plant, str | PathLike) and str(plant).lower().endswith(".fmu"):
         if without:
-            raise UsageError("without: reductions of an FMU are settled when it is exported")
+            raise UsageError("without: reductions of an FMU cannot be changed after its export")
         from gelenk.simulation.fmu_plant import FmuPlant
 
         return FmuPlant(Path(plant))
@@ -165,22 +180,32 @@ def _narrowed(scene: Scene, outputs: Sequence[str] | None) -> Scene:
         fault and not set("*?[") & set(name) for name, fault in zip(names, faults, strict=True)
     )
     if unknown_names or any(name in _DIAGNOSTICS for name in names):
-        return scene.with_outputs(None)  # as of an FMU, these are told; diagnostics are of all that moves
+        return scene.with_outputs(None)  # unknown names are reported later; diagnostics cover all parts
     return scene.with_outputs(names)
 
 
 def configure(
-    plant: Plant, settings: dict[str, Value], tolerance: float | None, words: dict[str, str | None]
+    plant: Plant, settings: dict[str, Value], tolerance: float | None, choices: dict[str, str | None]
 ) -> None:
-    """Sets parameters; words: of `solver`, None where nothing is said. Raises UsageError."""
+    """Set the parameters of a plant.
+
+    Args:
+        plant: the plant, not yet started.
+        settings: values by parameter name; `choices` are added to it.
+        tolerance: relative tolerance, which is only checked.
+        choices: values of parameters `solver.NAME`; None: not given.
+
+    Raises:
+        UsageError: a name or value is invalid, or a parameter is given twice.
+    """
     if tolerance is not None and not 0 < tolerance < 1:
         raise UsageError(f"tolerance: found {tolerance}, expected a number between 0 and 1")
-    for word, choice in words.items():
+    for name, choice in choices.items():
         if choice is None:
             continue
-        if f"solver.{word}" in settings:
-            raise UsageError(f"solver.{word}: given as {word} and as parameter")
-        settings[f"solver.{word}"] = choice
+        if f"solver.{name}" in settings:
+            raise UsageError(f"solver.{name}: given twice, as {name} and as parameter")
+        settings[f"solver.{name}"] = choice
     known = [*plant.parameters, *plant.inputs, *plant.idle]
     faults = [unknown(name, "parameter or input", known) for name in settings if name not in plant.parameters]
     if faults:
@@ -190,7 +215,15 @@ def configure(
 
 
 def expanded(outputs: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Names in the place of patterns, in the order asked for; of patterns those that no other entry names."""
+    """Replace patterns by the names that match them, without those that other entries name.
+
+    Args:
+        outputs: names and patterns.
+        known: names of all outputs.
+
+    Returns:
+        list[str]: names in the order of `outputs`; patterns without a match are kept.
+    """
     entries = [outputs] if isinstance(outputs, str) else list(outputs)
     exact = set(known)
     taken = set(entries)
@@ -219,15 +252,15 @@ def _run(
     rows[:, 0] = times
     rows[0, 1:] = plant.read()[: len(names)]
     stop = float(times[-1])
-    passages: list[float] = []
+    crossings: list[float] = []
     events: list[tuple[float, str]] = []
-    passed = names.index(PASSAGES) if PASSAGES in names else len(names)
+    column = names.index(SINGULAR_CROSSINGS) if SINGULAR_CROSSINGS in names else len(names)
     count = 0.0
 
     def result(count: int) -> Result:
         found = Result(names, rows[:count], {name: plant.units[name] for name in names})
         found.assembly_report = plant.assembly_report
-        found.singular_positions = tuple(passages)
+        found.singular_positions = tuple(crossings)
         found.events = tuple(events)
         return found
 
@@ -240,9 +273,9 @@ def _run(
             events += plant.events
             values = plant.read()
             rows[k, 1:] = values[: len(names)]
-            if passed < len(values) and values[passed] > count:
-                count = float(values[passed])
-                passages.append(end)
+            if column < len(values) and values[column] > count:
+                count = float(values[column])
+                crossings.append(end)
         except StepError as e:
             e.result = result(k)
             raise

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A scene as a plant that `gelenk.simulate` can run, without an FMU in between."""
+"""Scenes as plants that `gelenk.simulate` can run, without an FMU."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from gelenk.errors import UsageError
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene
 from gelenk.model.values import Value
-from gelenk.simulation.derivatives import Derivatives, rate_told
+from gelenk.simulation.derivatives import Derivatives, differentiated_name
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.simulation import Simulation
 
 
 class ScenePlant(Plant):
-    """See `gelenk.simulation.plant.Plant`."""
+    """A scene as a plant; see `gelenk.simulation.plant.Plant`."""
 
     def __init__(self, scene: Scene) -> None:
         self._whole = scene
@@ -49,7 +49,7 @@ class ScenePlant(Plant):
     def set_parameters(self, settings: Mapping[str, Value]) -> None:
         kept = self._scene.parameters if self._scene is not self._whole else settings
         if any(name not in kept for name in settings):
-            self._whole.with_parameters(settings)  # raises what is wrong
+            self._whole.with_parameters(settings)  # raises UsageError or SceneError
         self._simulation = Simulation(
             self._scene.with_parameters({name: value for name, value in settings.items() if name in kept})
         )
@@ -106,12 +106,12 @@ class ScenePlant(Plant):
         output = {s.name: i for i, s in enumerate(plant._signals)}
         rates = {}
         for signal in plant._signals:
-            of = rate_told(signal.name, signal.description)
+            of = differentiated_name(signal.name, signal.description)
             if of in output:
                 rates[of] = signal.name
         try:
             found = plant._core._linearize()
-        except UsageError:  # a dead centre for the states taken, maybe not for those wanted
+        except UsageError:  # a dead center for the plant's own states, maybe not for the requested ones
             taken = [output[name] for name in coordinates if name in output]
             speeds = [output[rates[name]] for name in coordinates if name in rates]
             if not taken:

@@ -20,7 +20,7 @@ from special.drawn import at_rest, drawn
 from special.listed import starts
 
 import gelenk
-from gelenk.equilibria.rest import Pose, Rest
+from gelenk.equilibria.pose import LinearizedPose, PosedPlant
 
 # rad, m. After Newton's last step what is left is rounding, 1e-14 by the closure of loops, over pivots of
 # 1e-6 at least; along directions that nothing holds neither moves.
@@ -39,11 +39,11 @@ def begun(source: Scene, start: str = "equilibrium") -> dict[str, float]:
 def own_search(source: Any, monkeypatch: pytest.MonkeyPatch, **arguments: Any) -> gelenk.Equilibrium:
     """That of Python alone, as for an FMU of others."""
 
-    def stay(_rest: Rest, pose: Pose, *_: Any) -> Pose:
+    def stay(_plant: PosedPlant, pose: LinearizedPose, *_: Any) -> LinearizedPose:
         return pose
 
     with monkeypatch.context() as m:
-        m.setattr(Rest, "settled", stay)
+        m.setattr(PosedPlant, "native_equilibrium", stay)
         return gelenk.equilibrium(source, **arguments)
 
 
@@ -69,7 +69,7 @@ def outcome(source: Scene) -> float | str:
         found = gelenk.equilibrium(source)
     except REFUSED as e:
         # At a change point a mechanism may well stand still; only derivatives do not exist there.
-        undefined = "derivatives do not exist" in str(e) or "can give no states" in str(e)
+        undefined = "derivatives do not exist" in str(e) or "cannot provide states" in str(e)
         if isinstance(run, Exception) or undefined:
             return "none"
         return f"a run begins at rest, but: {e}"

@@ -29,7 +29,7 @@ TURN = 2 * math.pi
 def led_back(branch: gelenk.Branch, source: Any) -> float:
     """How far from a branch the scene is assembled with it as guesses, and as parameters."""
     farthest = 0.0
-    for scene in (branch.put_into(source), gelenk.load(source).with_parameters(branch.parameters)):
+    for scene in (branch.apply_to(source), gelenk.load(source).with_parameters(branch.parameters)):
         plant = gelenk.Simulation(scene)
         plant.initialize()
         farthest = max(farthest, *(abs(plant.output(name) - x) for name, x in branch.values.items()))
@@ -54,14 +54,14 @@ def test_four_bar_with_its_crank_fixed_has_two(seed: int | None) -> None:
         at = [apart([branch.values[f"{j}.phi"] for j in JOINTS], truth) for branch in found]
         assert min(at) < 1e-12  # closed to some tens of roundings
         assert led_back(found[at.index(min(at))], source) < 1e-12
-    assert sum(branch.chosen for branch in found) == 1
+    assert sum(branch.is_default for branch in found) == 1
 
 
 def test_what_was_free_stays_free_where_a_branch_is_put() -> None:
     """Its angles are guesses but for the crank's, which was fixed: another crank's angle can be asked for."""
     source = held({"A": 1.1}, B={"phi": -0.2}, D={"phi": 1.5, "weight": 3})
     branch = gelenk.assemblies(source)[0]
-    data = branch.put_into(source).to_dict()
+    data = branch.apply_to(source).to_dict()
     fixed = {name: entry["start"].get("fixed", False) for name, entry in data["joints"].items()}
     assert fixed.pop("A") in (True, ["phi"])
     assert not any(fixed.values()), fixed
@@ -122,11 +122,11 @@ def two_arms() -> Scene:
 def test_parts_that_move_apart_are_listed_apart() -> None:
     source = two_arms()
     found = gelenk.assemblies(source)
-    assert [branch.part for branch in found] == [0, 0, 1, 1]
+    assert [branch.island for branch in found] == [0, 0, 1, 1]
     # Any of one goes with any of the other.
     for left in found.branches[:2]:
         for right in found.branches[2:]:
-            plant = gelenk.Simulation(right.put_into(left.put_into(source)))
+            plant = gelenk.Simulation(right.apply_to(left.apply_to(source)))
             plant.initialize()
             for name, x in {**left.values, **right.values}.items():
                 assert plant.output(name) == pytest.approx(x, abs=1e-12)
@@ -166,15 +166,15 @@ def test_with_a_freedom_left_the_valleys_of_the_distance_are_listed() -> None:
     assert len(truth) == 3
     assert [branch.distance for branch in found] == pytest.approx(truth, abs=1e-9)
     assert {branch.degrees_of_freedom for branch in found} == {1}
-    assert found[0].chosen
+    assert found[0].is_default
     assert max(led_back(branch, source) for branch in found) < 1e-12
-    assert "fixed values leave 1 freedom: listed are places of least distance" in str(found)
+    assert "fixed values leave 1 degree of freedom: local minima of the distance" in str(found)
 
 
 def test_of_a_continuum_one_is_listed_and_said_to_be_one_of_many() -> None:
     source = wishing(bare(), **{j: {"phi": WISHES[i], "weight": 0} for i, j in enumerate(JOINTS)})
     (only,) = gelenk.assemblies(source)
-    assert only.flat
+    assert only.is_not_isolated
     assert only.distance == 0
     assert "one of many at this distance" in str(gelenk.assemblies(source))
 
@@ -219,7 +219,7 @@ def test_stewart_platform_has_the_poses_that_its_lengths_alone_allow() -> None:
     unmet = list(range(len(truth)))
     for branch in found:
         assert led_back(branch, source) < 1e-12
-        plant = gelenk.Simulation(branch.put_into(source))
+        plant = gelenk.Simulation(branch.apply_to(source))
         plant.initialize()
         pose = [plant.output(f"pose.r[{i}]") for i in (1, 2, 3)]
         turn = Rotation.from_quat([plant.output(f"pose.Q[{i}]") for i in (1, 2, 3, 4)]).as_rotvec()
@@ -248,7 +248,7 @@ def test_the_same_call_gives_the_same_and_other_seeds_the_same_branches() -> Non
 def test_without_loops_there_is_nothing_to_list() -> None:
     found = gelenk.assemblies(shipped.shipped("double_pendulum"))
     assert len(found) == 0
-    assert str(found) == "DoublePendulum has no loops: its start values are taken as they are"
+    assert str(found) == "DoublePendulum has no closed loops: its start values are used as they are"
 
 
 def test_what_cannot_be_listed_is_told() -> None:
@@ -269,7 +269,7 @@ def test_too_few_searches_are_said_to_be_few() -> None:
 
 def test_fixed_values_stay_fixed_and_others_guesses_where_a_branch_is_put() -> None:
     source = held({"A": 1.1}, B={"phi": 0.2, "w": 3.0, "weight": {"phi": 7, "w": 2}})
-    changed = gelenk.assemblies(source)[1].put_into(source).to_dict()["joints"]
+    changed = gelenk.assemblies(source)[1].apply_to(source).to_dict()["joints"]
     assert changed["A"]["start"] == {"phi": 1.1, "fixed": True}
     assert changed["B"]["start"]["weight"] == {"phi": 7, "w": 2}
     assert changed["B"]["start"]["w"] == 3.0
@@ -294,6 +294,6 @@ def test_command_lists_and_takes_branches(tmp_path: Path) -> None:
     plant.initialize()
     assert plant.output("C.phi") == pytest.approx(expected[1].values["C.phi"], abs=1e-12)
     assert "expected 1 to 2" in call("--take", 3, "-o", other).stderr
-    assert "go together" in call("--take", 1).stderr
-    (turned,) = json.loads(call("--set", "A.phi_start=2", "--json", "--body", "crank").stdout)["parts"]
+    assert "--take and --output: found one of them" in call("--take", 1).stderr
+    (turned,) = json.loads(call("--set", "A.phi_start=2", "--json", "--body", "crank").stdout)["islands"]
     assert [branch["values"]["A.phi"] for branch in turned["branches"]] == [2]

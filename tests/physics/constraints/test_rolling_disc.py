@@ -143,8 +143,8 @@ def test_upright_disc_needs_its_speed() -> None:
 
 
 def named_in(warning: str) -> set[str]:
-    assert "is no equilibrium in these states: " in warning
-    return {part.split()[0] for part in warning.partition("states: ")[2].split(", ")}
+    assert "is not an equilibrium: " in warning
+    return {part.split()[0] for part in warning.partition("equilibrium: ")[2].split(", ")}
 
 
 def test_coordinates_that_change_are_told() -> None:

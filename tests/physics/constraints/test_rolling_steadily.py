@@ -69,26 +69,27 @@ def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
     rate = math.sqrt(abs(slope) / (across + k))
     if slope < 0:
         assert modes.stability == "marginal"
-        assert last.frequency == pytest.approx(rate, rel=1e-10)
+        assert last.natural_frequency == pytest.approx(rate, rel=1e-10)
         # Heading drifts in a wider circle, the place across as t^2 with it, the place along with the spin.
-        assert [(mode.kind, mode.length) for mode in zeros] == [("drifts", 3), ("drifts", 2), ("stays", 1)]
-        assert zeros[0].coasts
+        kinds = [(mode.kind, mode.chain_length) for mode in zeros]
+        assert kinds == [("drifting", 3), ("drifting", 2), ("rigid-body", 1)]
+        assert zeros[0].grows_in_position_only
         assert zeros[0].names == ["y.s"]
     else:  # too slow to stand
         assert modes.stability == "unstable"
         assert modes.decided_by is not None
         assert modes.decided_by.eigenvalue == pytest.approx(rate, rel=1e-10)
     # On its heading depends where x and y go; the wheel's own angle is nothing to warn of.
-    named = [str(warning.message).partition("states: ")[2] for warning in caught]
+    named = [str(warning.message).partition("equilibrium: ")[2] for warning in caught]
     assert [name.split()[0] for name in named] == (["yaw.phi"] if tilt else [])
     # Without the coordinates that nothing feels there is nothing to warn of, and nothing drifts.
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         few = gelenk.modes(source, at=found.at, states=["tilt.phi", "tilt.w", "yaw.w", "spin.w"])
     assert few.stability == modes.stability
-    assert few.modes[-1].frequency == pytest.approx(last.frequency, rel=CLOSE)
+    assert few.modes[-1].natural_frequency == pytest.approx(last.natural_frequency, rel=CLOSE)
     assert {mode.kind for mode in few.modes} == (
-        {"stays", "swings on"} if slope < 0 else {"stays", "grows", "decays"}
+        {"rigid-body", "undamped"} if slope < 0 else {"rigid-body", "unstable", "damped"}
     )
     assert {*few.modes[-1].shape} == {"tilt.phi", "z.s"}
     assert {*found.advancing} == {"x.s", "spin.phi", *(["yaw.phi"] if tilt else [])}

@@ -109,4 +109,4 @@ def test_inspection_knows_rows_in_space_of_what_only_a_plane_makes_rods() -> Non
     """A plank on three hinged rods: in space the two rods that are rows would be bodies without inertia."""
     report = gelenk.inspect(hung_plank(3))
     assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, -6)
-    assert {joint for joint, _ in report.redundant_rows} == {"B1", "B2"}
+    assert {joint for joint, _ in report.redundant_constraints} == {"B1", "B2"}

@@ -14,7 +14,7 @@ from models.running import assert_close, record
 
 import gelenk
 from physics.loops.test_bricard import bricard
-from physics.loops.test_parallelograms import windows
+from physics.loops.test_parallelograms import four_bar_chain
 
 HINGES = "ABCD"
 
@@ -45,12 +45,12 @@ def test_four_bar_in_space_has_three_repeated_rows() -> None:
     assert (report.described.constraint_equations, report.counted_degrees_of_freedom) == (5, -2)
     assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
     assert report.reduced.planar
-    assert {motion for _, motion in report.redundant_rows} == {
+    assert {motion for _, motion in report.redundant_constraints} == {
         "sliding along z",
         "turning about x",
         "turning about y",
     }
-    assert len({joint for joint, _ in report.redundant_rows}) == 1
+    assert len({joint for joint, _ in report.redundant_constraints}) == 1
     assert set(report.undetermined_reactions) == open_reactions(HINGES, "f[3]", "t[1]", "t[2]")
     assert any("3 constraint equations are redundant at every position" in cause for cause in report.mobility)
 
@@ -64,7 +64,7 @@ def test_four_bar_told_by_turned_frames_has_the_same_counts() -> None:
     B["parent"]["rotation"] = B["child"]["rotation"] = matrix(R)
     report = told(source)
     assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
-    assert len(report.redundant_rows) == 3
+    assert len(report.redundant_constraints) == 3
     assert set(report.undetermined_reactions) == (
         open_reactions("ACD", "f[3]", "t[1]", "t[2]") | open_reactions("B", "f[1]", "t[2]", "t[3]")
     )
@@ -85,7 +85,7 @@ def test_four_bar_moves_alike_with_more_rows(off: list[str], rows: int, planar: 
     report = told(source, *off)
     assert (report.reduced.constraint_equations, report.reduced.planar) == (rows, planar)
     assert (report.reduced.rank, report.degrees_of_freedom) == (2, 1)
-    assert len(report.redundant_rows) == 3
+    assert len(report.redundant_constraints) == 3
     expected, found = end_of(source), end_of(source, *off)
     for name, value in expected.items():
         assert_close(name, found[name], value, 1e-9 * max(1.0, abs(value)), "one motion")
@@ -99,7 +99,7 @@ def test_ball_joint_in_a_planar_loop_has_one_repeated_row() -> None:
     report = told(source)
     assert (report.described.constraint_equations, report.counted_degrees_of_freedom) == (3, 0)
     assert (report.reduced.coordinates, report.reduced.constraint_equations, report.degrees_of_freedom) == (3, 2, 1)
-    assert [joint for joint, _ in report.redundant_rows] == ["C"]
+    assert [joint for joint, _ in report.redundant_constraints] == ["C"]
     assert set(report.undetermined_reactions) == (
         open_reactions("ABD", "f[3]", "t[1]", "t[2]") | open_reactions("C", "f[1]", "f[2]", "f[3]")
     )
@@ -118,7 +118,7 @@ def test_bricard_has_a_freedom_that_counting_does_not_see() -> None:
     report = told(bricard())
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom, report.initial_degrees_of_freedom) == (0, 1, 1)
     assert (report.reduced.constraint_equations, report.reduced.rank) == (5, 4)
-    assert report.redundant_rows == ()
+    assert report.redundant_constraints == ()
     assert any("with coefficients that vary" in cause and "J1" in cause for cause in report.mobility)
 
 
@@ -140,18 +140,18 @@ STARTS = {
 )
 def test_windows_keep_the_rows_they_need(n: int, start: str) -> None:
     """Issue 3: two for each of N parallelograms, also if started where all bars lie in one line: each window
-    could fold there, so n more freedoms open for a moment. From there ways lead on along which some windows
+    could fold there, so n more freedoms open for a moment. From there ways lead on along which some four-bars
     stay in line; rows that do nothing on these are needed on the others.
     """
     upright, rate = STARTS[start]
-    report = told(windows(n, upright, rate))
+    report = told(four_bar_chain(n, upright, rate))
     assert (report.reduced.constraint_equations, report.reduced.rank, report.degrees_of_freedom) == (2 * n, 2 * n, 1)
-    in_space = gelenk.Simulation(gelenk.load(windows(n, upright, rate)).without(["planar"]))
+    in_space = gelenk.Simulation(gelenk.load(four_bar_chain(n, upright, rate)).without(["planar"]))
     in_space.initialize()
     assert (in_space.size.constraint_equations, in_space.size.degrees_of_freedom) == (2 * n, 1)
     assert report.initial_degrees_of_freedom == (1 + n if upright == SINGULAR else 1)
     assert any("singular" in cause for cause in report.mobility) == (upright == SINGULAR)
-    assert len(report.redundant_rows) == 3 * n
+    assert len(report.redundant_constraints) == 3 * n
 
 
 @pytest.mark.parametrize(("coupler_is_parent", "rows"), [(False, 3), (True, 4)])
@@ -162,7 +162,7 @@ def test_third_crank_of_a_parallelogram_adds_no_freedom(coupler_is_parent: bool,
     report = told(reducible.triple_crank(coupler_is_parent))
     assert (report.reduced.coordinates, report.reduced.constraint_equations, report.reduced.rank) == (4, rows, 3)
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-6, 1)
-    assert len(report.redundant_rows) == 10 - rows
+    assert len(report.redundant_constraints) == 10 - rows
     changing = any("with coefficients that vary" in cause for cause in report.mobility)
     assert changing == coupler_is_parent
 
@@ -201,7 +201,7 @@ def test_second_guide_repeats_the_first(make: Any, open_components: tuple[str, .
     report = told(make(), *off)
     assert (report.counted_degrees_of_freedom, report.degrees_of_freedom) == (-4, 1)
     assert (report.described.constraint_equations, report.reduced.constraint_equations, report.reduced.rank) == (5, 0, 0)
-    assert len(report.redundant_rows) == 5
+    assert len(report.redundant_constraints) == 5
     joints = make()["joints"]
     assert set(report.undetermined_reactions) == {f"{j}.{c}" for j in joints for c in open_components}
 

@@ -55,8 +55,8 @@ def nearest(longer: float) -> float:
     [(0.0, 0.0, True), (1e-4, 0.0141, True), (1e-3, 0.0447, False), (1e-2, 0.142, False)],
 )
 def test_passages_are_told_within_a_hundredth(longer: float, angle: float, told: bool) -> None:
-    """A share of 0.02 of the soundest pivot counts as zero (singularity_monitor.cpp): bars that lean by some 0.01 rad
-    are in line, and those that lean by several are not. The crank passes each half turn.
+    """A share of 0.02 of the soundest pivot counts as zero (singularity_monitor.cpp): bars that lean by some
+    0.01 rad are in line, and those that lean by several are not. The crank passes each half turn.
     """
     found = gelenk.simulate(nearly_parallelogram(longer), stop=2.0, step=0.01)
     assert nearest(longer) == pytest.approx(angle, rel=0.01)

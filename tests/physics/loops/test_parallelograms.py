@@ -20,9 +20,9 @@ from gelenk.chart import mechanisms
 ABOUT_Z = {"axis": [0, 0, 1]}
 
 
-def windows(n: int, upright: float, rate: float) -> Scene:
+def four_bar_chain(n: int, upright: float, rate: float) -> Scene:
     """The N-four-bar (IFToMM A02) with a sensor on the first crank's tip."""
-    return with_sensors(mechanisms.windows(n, upright, rate), tip=frame_sensor("crank0", (1, 0, 0)))
+    return with_sensors(mechanisms.four_bar_chain(n, upright, rate), tip=frame_sensor("crank0", (1, 0, 0)))
 
 
 def falling(n: int, upright: float, rate: float, times: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ def test_windows_fall_as_one_pendulum(n: int, integrator: str) -> None:
     times = np.linspace(0, 0.5, 26)
     phi = falling(n, 0.0, 1.0, times)
     times, phi = times[phi < 1.4], phi[phi < 1.4]
-    found = run(windows(n, 0.0, 1.0), times, tolerance=1e-11, integrator=integrator)
+    found = run(four_bar_chain(n, 0.0, 1.0), times, tolerance=1e-11, integrator=integrator)
     expected = np.array([np.sin(phi), np.cos(phi)]).T
     assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-8, "1000 rtol near the change point")
     for i in range(n + 1):
@@ -59,7 +59,7 @@ def test_hanging_windows_swing_for_long() -> None:
     """Below the horizontal all is regular: 20 s of swinging by 1 rad about the lower rest."""
     times = np.linspace(0, 20, 81)
     phi = falling(2, math.pi - 1.0, 0.0, times)
-    found = run(windows(2, math.pi - 1.0, 0.0), times, tolerance=1e-12)
+    found = run(four_bar_chain(2, math.pi - 1.0, 0.0), times, tolerance=1e-12)
     assert_close("A0.phi", found["A0.phi"], math.pi / 2 - phi, 1e-8, "10^4 rtol: phase over 20 s")
     assert_close("constraints.position", found["constraints.position"], 0, 1e-10, "closure")
 

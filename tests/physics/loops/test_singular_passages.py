@@ -18,7 +18,7 @@ from models.running import assert_close, run
 from scipy.integrate import solve_ivp
 
 import gelenk
-from physics.loops.test_parallelograms import falling, windows
+from physics.loops.test_parallelograms import falling, four_bar_chain
 from physics.loops.test_singular_starts import parallelogram, pendulum_acceleration
 
 ROOT = Path(__file__).parents[3]
@@ -37,7 +37,7 @@ def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> 
     m; the falling pendulum makes some tens of it over the run.
     """
     times = np.linspace(0, stop, round(100 * stop) + 1)
-    found = run(windows(n, 0.0, 1.0), times, tolerance=tolerance, integrator="erk")
+    found = run(four_bar_chain(n, 0.0, 1.0), times, tolerance=tolerance, integrator="erk")
     expected = tip(falling(n, 0.0, 1.0, times))
     assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "of a window, at any tolerance")
 
@@ -47,7 +47,7 @@ def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> 
 def test_free_steps_pass_as_well(n: int, integrator: str) -> None:
     """With no communication points to cut them, steps are ten times as long."""
     times = np.array([0.0, 20.0])
-    found = run(windows(n, 0.0, 1.0), times, tolerance=1e-8, integrator=integrator)
+    found = run(four_bar_chain(n, 0.0, 1.0), times, tolerance=1e-8, integrator=integrator)
     expected = tip(falling(n, 0.0, 1.0, times))
     assert_close("B0", found.vector("tip.r")[:, :2], expected, 5e-5, "5000 rtol: as anywhere over 14 turns")
 
@@ -74,7 +74,7 @@ def test_third_crank_does_not_hinder(coupler_is_parent: bool, tolerance: float) 
 @pytest.mark.parametrize(("n", "step"), [(1, 0.01), (2, 0.1), (10, 0.01)])
 def test_torques_may_jump_while_passing(n: int, step: float, tolerance: float) -> None:
     """Another torque on the first crank in every communication step, many of them beside a change point."""
-    source = windows(n, 0.0, 1.0)
+    source = four_bar_chain(n, 0.0, 1.0)
     source["motors"] = {"drive": {"joint": "A0"}}
     plant = gelenk.Simulation(source)
     plant.initialize(0.0, tolerance)
@@ -93,7 +93,7 @@ def test_torques_may_jump_while_passing(n: int, step: float, tolerance: float) -
         a_error = max(a_error, abs(plant.output("A0.a") + fall(0, y)[1]))
     assert tip_error < max(1e-5, 100 * tolerance), "steps of 0.1 s reach 7e-6 m in 10 s at 1e-6"
     # There the rows ask for what is an error of the state over a distance that vanishes.
-    assert a_error < 5e-3, "1e-3 rad/s2 with ten windows, of some 20"
+    assert a_error < 5e-3, "1e-3 rad/s2 with ten four-bars, of some 20"
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
@@ -124,7 +124,9 @@ def test_accelerations_shown_while_passing(step: float, integrator: str, toleran
 @pytest.mark.parametrize(("n", "points"), [(1, 40), (1, 2000), (2, 200), (10, 2000)])
 def test_every_passage_is_told(n: int, points: int, tolerance: float) -> None:
     """The cranks of a falling N-four-bar lie flat, all bars in line, where cos(phi) = 0."""
-    source = windows(n, 0.0, 1.0) | {"experiment": {"stop": 10, "step": 10 / points, "tolerance": tolerance}}
+    source = four_bar_chain(n, 0.0, 1.0) | {
+        "experiment": {"stop": 10, "step": 10 / points, "tolerance": tolerance}
+    }
     found = gelenk.simulate(source, outputs=["tip.r[1]", "solver.singular_positions"])
     fine = np.linspace(0, 10, 100001)
     flat = fine[1:][np.diff(np.sign(np.cos(falling(n, 0.0, 1.0, fine)))) != 0]
@@ -138,7 +140,7 @@ def test_every_passage_is_told(n: int, points: int, tolerance: float) -> None:
 def test_parallelogram_keeps_its_branch_at_twenty_passages() -> None:
     """Full turns of one window: the energy of 3 rad/s at the top carries it through 20 change points."""
     times = np.linspace(0, 20, 2001)
-    found = run(windows(1, 0.0, 1.0), times, tolerance=1e-8)
+    found = run(four_bar_chain(1, 0.0, 1.0), times, tolerance=1e-8)
     assert found["solver.singular_positions"][-1] >= 20
     assert_close("couple", found["A0.phi"] - found["A1.phi"], np.zeros(len(times)), 1e-7, "it stays parallel")
 

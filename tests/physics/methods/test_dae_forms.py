@@ -12,7 +12,7 @@ from models.running import Array, assert_close
 
 import gelenk
 from physics.loops.test_bricard import bricard
-from physics.loops.test_parallelograms import windows
+from physics.loops.test_parallelograms import four_bar_chain
 
 ROOT = Path(__file__).parents[3]
 FORMS = ("index3", "stabilized-index2")
@@ -143,7 +143,7 @@ def test_short_steps_end_beside_a_singular_position(n: int) -> None:
     """All bars of the N-four-bar are in line after 0.71 s (test_singular_passages.py). At 1e-9 steps are too
     short to straddle that.
     """
-    source = windows(n, 0.0, 1.0)
+    source = four_bar_chain(n, 0.0, 1.0)
     source["solver"] = {"integrator": "ida", "formulation": "stabilized-index2"}
     simulation = gelenk.Simulation(gelenk.load(source))
     simulation.initialize(0.0, 1e-9)

@@ -20,7 +20,7 @@ from models.running import Recording, assert_close, record
 import gelenk
 from gelenk.chart.mechanisms import governor
 from physics.loops.test_bricard import bricard
-from physics.loops.test_parallelograms import falling, windows
+from physics.loops.test_parallelograms import falling, four_bar_chain
 from physics.loops.test_singular_passages import tip
 from physics.methods.test_integrators import MOTIONS, states
 
@@ -215,7 +215,7 @@ def test_passes_change_points(n: int, formulation: str) -> None:
     """28 times in 10 s (the N-four-bar of test_singular_passages.py): steps of 1 ms straddle them."""
     times = list(np.linspace(0, 10, 101))
     solver: dict[str, Any] = {"integrator": "generalized-alpha", "formulation": formulation}
-    found = go(windows(n, 0.0, 1.0), times, step=H, **solver)
+    found = go(four_bar_chain(n, 0.0, 1.0), times, step=H, **solver)
     expected = tip(falling(n, 0.0, 1.0, np.array(times)))
     assert_close("tip", found.vector("tip.r")[:, :2], expected, 1e-4, "ten times what was found; h^2 is 1e-6")
 

@@ -19,7 +19,7 @@ from models.running import assert_close
 import gelenk
 from gelenk.model.inspection import REDUCTIONS, evaluation_cost
 from physics.loops.test_bricard import bricard
-from physics.loops.test_parallelograms import windows
+from physics.loops.test_parallelograms import four_bar_chain
 
 # What reductions find something to do in, and the time [s] to run it.
 BUILT: dict[str, tuple[Callable[[], Scene], float]] = {
@@ -27,7 +27,7 @@ BUILT: dict[str, tuple[Callable[[], Scene], float]] = {
     "ball_four_bar": (reducible.ball_four_bar, 2.0),
     "triple_crank": (lambda: reducible.triple_crank(False, rate=1.0), 0.2),  # short of its change points,
     "triple_crank_turned": (lambda: reducible.triple_crank(True, rate=1.0), 0.2),  # where errors grow
-    "windows": (lambda: windows(3, 0.2, 1.0), 0.3),  # likewise
+    "four_bar_chain": (lambda: four_bar_chain(3, 0.2, 1.0), 0.3),  # likewise
     "bricard": (bricard, 2.0),
     "door": (reducible.door, 2.0),
     "guided": (reducible.guided, 1.0),
@@ -184,7 +184,7 @@ def flock(count: int = 1000) -> Scene:
 THOUSAND: dict[str, tuple[Callable[[], Scene], int]] = {  # and the islands they make
     "chain": (lambda: chain("revolute"), 1),
     "welded": (lambda: chain("weld"), 1),
-    "loops": (lambda: windows(500, 0.3, 1.0), 1),
+    "loops": (lambda: four_bar_chain(500, 0.3, 1.0), 1),
     "flock": (flock, 1000),
     "pendulums": (lambda: reducible.in_line(1000, np.arange(1000.0)), 1000),
 }

@@ -144,9 +144,9 @@ def test_linear_models_and_their_warnings_are_the_same(
         in_units_of_the_original(expected, (1.0, 1.0)), in_units_of_the_original(found, scales), strict=True
     ):
         assert np.abs(mine - there).max(initial=0.0) <= 1e-10 * (1 + np.abs(mine).max(initial=0.0))
-    assert bool(expected.unrest) == bool(found.unrest) == (off > 0)
+    assert bool(expected.residual_rates) == bool(found.residual_rates) == (off > 0)
     # The same states are named.
-    names = [[n for n in m.states if f"{n} changes" in m.unrest] for m in (expected, found)]
+    names = [[n for n in m.states if f"{n} changes" in m.residual_rates] for m in (expected, found)]
     assert names[0] == names[1]
 
 
@@ -163,7 +163,7 @@ def test_what_stiff_springs_leave_of_rounding_is_no_motion(stiffness: float) -> 
     found = gelenk.equilibrium(source)
     assert found.values["J.s"] == pytest.approx(0.7 - 2.5 * GRAVITY / stiffness, rel=1e-14)
     assert found.values["H.phi"] == pytest.approx(0, abs=1e-12)
-    assert not linear_model(source, at=found.at).unrest
+    assert not linear_model(source, at=found.at).residual_rates
 
 
 @pytest.mark.parametrize("length", [1e-8, 1e4])
@@ -181,9 +181,9 @@ def test_what_moves_is_a_matter_of_gravity_over_length(length: float, tmp_path: 
     for plant in (source, gelenk.export_fmu(source, tmp_path / "x.fmu")):
         found = gelenk.equilibrium(plant, input_values={"drive.tau": torque})
         assert found.values["H.phi"] == pytest.approx(math.asin(0.3), rel=1e-13)
-        assert not linear_model(plant, at=found.at).unrest
+        assert not linear_model(plant, at=found.at).residual_rates
         beside = linear_model(plant, at={**found.at, "H.phi_start": found.values["H.phi"] + 1e-6})
-        assert "H.w changes" in beside.unrest
+        assert "H.w changes" in beside.residual_rates
 
 
 @pytest.mark.parametrize("weights", [{}, {"main": 3.0, "cylinder": 2.0}, {"main": 1.0, "cylinder": 1.0}])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a user can cause, as lines on stderr and exit code 1."""
+"""Errors that a user can cause: lines on stderr and exit code 1."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ import typer
 
 from gelenk.errors import GelenkError, SceneWarning, StartWarning
 
-TOLD = (SceneWarning, StartWarning)
+REPORTED_WARNINGS = (SceneWarning, StartWarning)
 
 
 @contextmanager
 def _plain_warnings() -> Iterator[None]:
-    """Warnings of a scene and its start are lines on stderr, each told once."""
+    """Print warnings about a scene and its start as lines on stderr, each once."""
     with warnings.catch_warnings():
-        for category in TOLD:
+        for category in REPORTED_WARNINGS:
             warnings.simplefilter("once", category)
         show = warnings.showwarning
 
         def line(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
-            if issubclass(category, TOLD):
+            if issubclass(category, REPORTED_WARNINGS):
                 print(message, file=sys.stderr)
             else:
                 show(message, category, *rest, **named)
@@ -35,8 +35,8 @@ def _plain_warnings() -> Iterator[None]:
         yield
 
 
-def told[**P](command: Callable[P, None]) -> Callable[P, None]:
-    """The command, with errors that a user can cause turned into lines."""
+def report_user_errors[**P](command: Callable[P, None]) -> Callable[P, None]:
+    """Decorate a command: errors that a user can cause become lines on stderr and exit code 1."""
 
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
@@ -45,7 +45,7 @@ def told[**P](command: Callable[P, None]) -> Callable[P, None]:
                 command(*args, **kwargs)
         except GelenkError as e:
             lines = e.lines
-        except BrokenPipeError:  # the reader of our output has gone: nothing to tell
+        except BrokenPipeError:  # the reader of our output has closed it
             sys.stderr.close()
             raise typer.Exit(1) from None
         except OSError as e:

@@ -21,7 +21,7 @@ NEWTON = 8  # iterations, starting within the panel
 type Profile = Callable[[Array], Array]
 
 
-def passing(
+def monotonic_motion(
     slowness: Profile, start: float, times: Array, panel: Callable[[float], float] | None = None
 ) -> Array:
     """Return the coordinate of a monotonically growing motion at given times; shape (times,).
@@ -46,15 +46,17 @@ def passing(
         edges.append(edges[-1] + width)
     place = np.searchsorted(clock, times, side="right") - 1
     begin, rest = np.array(edges)[place], times - np.array(clock)[place]
-    most = np.array(edges)[place + 1] - begin
-    way = np.minimum(most, rest / slowness(begin))
+    max_distance = np.array(edges)[place + 1] - begin
+    distance = np.minimum(max_distance, rest / slowness(begin))
     for _ in range(NEWTON):
-        way = np.clip(way - (passed(begin, way) - rest) / slowness(begin + way), 0.0, most)
-    found: Array = begin + way
+        distance = np.clip(
+            distance - (passed(begin, distance) - rest) / slowness(begin + distance), 0.0, max_distance
+        )
+    found: Array = begin + distance
     return found
 
 
-def turning(mass: Profile, potential: Profile, phi: float, w: float, times: Array) -> tuple[Array, Array]:
+def rotation(mass: Profile, potential: Profile, phi: float, w: float, times: Array) -> tuple[Array, Array]:
     """Return angle [rad] and rate [rad/s] of a motion without reversal; shapes (times,).
 
     Args:
@@ -71,13 +73,13 @@ def turning(mass: Profile, potential: Profile, phi: float, w: float, times: Arra
     here = np.array([phi])
     energy = float((mass(here) * w * w / 2 + potential(here))[0])
 
-    def slowness(way: Array) -> Array:
-        angle = phi + direction * way
+    def slowness(distance: Array) -> Array:
+        angle = phi + direction * distance
         spare = energy - potential(angle)
         if not (spare > 0).all():
             raise ValueError("the energy does not suffice to continue the rotation")
         found: Array = np.sqrt(mass(angle) / (2 * spare))
         return found
 
-    way = passing(slowness, 0.0, times)
-    return phi + direction * way, direction / slowness(way)
+    distance = monotonic_motion(slowness, 0.0, times)
+    return phi + direction * distance, direction / slowness(distance)

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Derivatives of a plant at an operating point with respect to a minimal set of states.
+
+A quaternion Q has four components for three degrees of freedom. It is replaced by the small rotation dtheta
+of the joint's frame M from its nominal motion, along the axes of M: dQ = 1/2 Q o (dtheta, 0). theta is zero
+at the operating point, and d(dtheta)/dt = dw - w x dtheta: with R the nominal rotation and S = R (1 +
+dtheta~) the perturbed one, this follows to first order from dS/dt = S (w + dw)~ and dR/dt = R w~.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import GelenkError, UsageError
+from gelenk.model.values import check_names, elements, unknown
+from gelenk.simulation.derivatives import Derivatives
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Rotation:
+    """A joint whose quaternion can be read."""
+
+    Q: list[int]  # indices of the quaternion's components in the readings
+    w: list[int]  # indices of the angular velocity's components
+    G: Array  # shape (4, 3): dQ = G dtheta; dtheta = 4 G' dQ
+
+
+class MinimalRealization:
+    """Derivatives with respect to minimal states: three rotation coordinates replace each quaternion.
+
+    Attributes:
+        of: the plant's derivatives.
+        names: names of the states, coordinates first: those of the plant with J.theta[1..3] for J.Q[1..4].
+        C: derivatives of the readings with respect to the states, shape (readings, states).
+        D: derivatives of the readings with respect to the inputs, shape (readings, inputs).
+    """
+
+    def __init__(self, of: Derivatives) -> None:
+        self.of = of
+        self._row = {name: i for i, name in enumerate(of.readings)}
+        self._rotations = self._find_rotations()
+        columns: dict[str, Array] = {}
+        raw = np.eye(len(of.states))
+        place = {name: i for i, name in enumerate(of.states)}
+        for name in of.states:
+            joint, _, component = name.rpartition(".Q[")
+            if joint not in self._rotations:
+                columns[name] = raw[place[name]]
+            elif component == "1]":
+                across = self._rotations[joint].G.T @ raw[[place[Q] for Q in elements(f"{joint}.Q", 4)]]
+                columns |= dict(zip(elements(f"{joint}.theta", 3), across, strict=True))
+        self.names = tuple(sorted(columns, key=lambda name: not self.is_coordinate(name)))
+        E = np.array([columns[name] for name in self.names]).reshape(len(columns), len(of.states)).T
+        self.C: Array = of.C @ E
+        self.D = of.D
+
+    def _find_rotations(self) -> dict[str, _Rotation]:
+        rotations = {}
+        for name in self.of.readings:
+            joint = name.removesuffix(".Q[1]")
+            wanted = [*elements(f"{joint}.Q", 4), *elements(f"{joint}.w", 3)]
+            # Frame sensors have Q and w, too, but only joints have the time derivatives of w as readings.
+            if joint == name or f"{joint}.w[1]" not in self.of.rates or not {*wanted} <= {*self._row}:
+                continue
+            rows = [self._row[n] for n in wanted]
+            x, y, z, s = (self.of.values[n] for n in wanted[:4])
+            G = 0.5 * np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]])
+            rotations[joint] = _Rotation(rows[:4], rows[4:], G)
+        return rotations
+
+    @property
+    def incomplete_joints(self) -> list[str]:
+        """Names of joints with a quaternion that is not, or only in part, among the states."""
+        return [joint for joint in self._rotations if f"{joint}.theta[1]" not in self.names]
+
+    @property
+    def candidates(self) -> list[str]:
+        """Names of all quantities that can be states: those whose time derivative is a reading."""
+        quaternions = {self.of.readings[k] for rotation in self._rotations.values() for k in rotation.Q}
+        out = [name for name in self.of.readings if name in self.of.rates and name not in quaternions]
+        return out + [theta for joint in self._rotations for theta in elements(f"{joint}.theta", 3)]
+
+    def speed(self, coordinate: str) -> str:
+        """Return the name of a coordinate's velocity: A.w for A.phi, S.w[1] for S.theta[1]."""
+        theta = self._theta(coordinate)
+        if theta is None:
+            return self.of.rates[coordinate]
+        return coordinate.replace(".theta[", ".w[")
+
+    def is_coordinate(self, name: str) -> bool:
+        """Whether the second time derivative of a quantity is a reading, so that it is a coordinate."""
+        return self._theta(name) is not None or self.of.rates.get(name) in self.of.rates
+
+    def row(self, name: str) -> Array:
+        """Return the derivatives of a reading or rotation coordinate with respect to the states, shape
+        (states,).
+        """
+        theta = self._theta(name)
+        if theta is None:
+            row: Array = self.C[self._row[name]]
+            return row
+        rotation, i = theta
+        return np.asarray(4 * rotation.G[:, i] @ self.C[rotation.Q])
+
+    def rate(self, name: str) -> tuple[Array, Array, float]:
+        """Return the derivatives of a state's rate with respect to the states and the inputs, and the rate
+        itself.
+        """
+        theta = self._theta(name)
+        if theta is None:
+            row = self._row[self.of.rates[name]]
+            return self.C[row], self.D[row], self.of.values[self.of.rates[name]]
+        rotation, i = theta
+        w = np.array([self.of.values[self.of.readings[k]] for k in rotation.w])
+        w_cross_theta = np.cross(w, 4 * (rotation.G.T @ self.C[rotation.Q]).T).T[i]
+        return self.C[rotation.w[i]] - w_cross_theta, self.D[rotation.w[i]], float(w[i])
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a state."""
+        return "rad" if self._theta(name) is not None else self.of.units.get(name, "1")
+
+    def value(self, name: str) -> float:
+        """Return the value of a state at the operating point; 0 for a rotation coordinate."""
+        return 0.0 if self._theta(name) is not None else self.of.values[name]
+
+    def _theta(self, name: str) -> tuple[_Rotation, int] | None:
+        joint, _, component = name.rpartition(".theta[")
+        if name in self._row or joint not in self._rotations or component not in ("1]", "2]", "3]"):
+            return None
+        return self._rotations[joint], int(component[0]) - 1
+
+
+def chosen_states(minimal: MinimalRealization, wanted: Sequence[str] | None) -> list[str]:
+    """Return the states that a user has named, with their velocities if only coordinates are named.
+
+    Args:
+        minimal: the plant's derivatives.
+        wanted: names of states, fewer than the mechanism has if coordinates and velocities are named; None:
+            all.
+
+    Raises:
+        UsageError: names that cannot be states, too many names, or too few coordinates without velocities.
+    """
+    if wanted is None:
+        return list(minimal.names)
+    known = minimal.candidates
+    check_names(wanted, known, "state", lambda name: _no_state(name, known))
+    out = list(wanted)
+    if all(minimal.is_coordinate(name) for name in wanted):
+        out += [minimal.speed(name) for name in wanted]
+    n = len(minimal.names)
+    coordinates = sum(map(minimal.is_coordinate, minimal.names))
+    if len(wanted) == coordinates and len(out) > n:  # fewer velocities than coordinates: use the plant's
+        out = [*wanted, *minimal.names[coordinates:]]
+    if len(out) > n or (len(out) < n and all(map(minimal.is_coordinate, wanted))):
+        velocities = f"their {n - coordinates}" if 2 * coordinates == n else f"{n - coordinates}"
+        raise UsageError(
+            f"states: found {len(wanted)}, expected {coordinates} coordinates, or these and {velocities} "
+            "velocities"
+        )
+    return out
+
+
+def check_complete(minimal: MinimalRealization) -> None:
+    """Check that the states determine the whole motion.
+
+    Raises:
+        GelenkError: a quaternion is only partly among the states.
+    """
+    found = minimal.of
+    names, joints = ", ".join(minimal.names), ", ".join(minimal.incomplete_joints)
+    sentence = (
+        f"not all rotations of a joint with a quaternion are free{f' ({joints})' if joints else ''}, so that "
+        f"it cannot provide states; the other states, {names}, do not determine the motion"
+    )
+    if found.order is not None:
+        if len(minimal.names) != found.order:
+            raise GelenkError(
+                f"{sentence}: there are {len(minimal.names)} of {found.order}. If the loop is cut at this "
+                "joint, it needs no states: list it after the loop's other joints, or leave the reduction "
+                "cut_choice on"
+            )
+        return
+    # FMUs of other tools do not state the number of states. Readings must then change as dy/dt = C dx/dt.
+    rates = np.array([minimal.rate(name)[2] for name in minimal.names])
+    for i, name in enumerate(found.readings):
+        speed = found.rates.get(name)
+        if speed is None:
+            continue
+        terms = minimal.C[i] * rates
+        scale = 1 + np.abs(terms).sum() + abs(found.values[speed])
+        if (
+            abs(terms.sum() - found.values[speed]) > 1e-4 * scale
+        ):  # loops closed by a penalty have small errors
+            raise GelenkError(f"{sentence}: the rate of {name} does not follow from theirs")
+
+
+def _no_state(name: str, known: Sequence[str]) -> str:
+    theta = re.sub(r"\.Q(\[[1-4]\])?$", ".theta[1]", name)
+    if theta != name and theta in known:
+        owner = name.rpartition(".")[0]
+        return f"{name}: a quaternion has one component too many for states; use {owner}.theta[1..3]"
+    return unknown(name, "state", known)
