@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Equilibria and trim against closed forms and independent solutions."""
+"""Equilibria and trim, compared with closed forms and independent solutions."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from gelenk.chart import mechanisms
 from gelenk.linear import linear_model
 from physics.analysis.test_linear_models import BARS, TOP_WEIGHT, reduced
 
-ROUNDING = 1e-12  # Newton's method converges quadratically: what remains is rounding, found below 1e-13
+ROUNDING = 1e-12  # Newton's method converges quadratically: only rounding remains, measured below 1e-13
 
 
 def equilibrium(source: Scene, tmp_path: Path, **arguments: Any) -> gelenk.Equilibrium:
-    """Of the scene; that of its FMU is the same, and both are points to linearise about without a warning."""
+    """The equilibrium of the scene; its FMU must have the same, and linearization there must not warn."""
     found = gelenk.equilibrium(source, **arguments)
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
     by_fmu = gelenk.equilibrium(fmu, **arguments)
     for values, others in ((found.values, by_fmu.values), (found.inputs, by_fmu.inputs)):
         assert list(values) == list(others)
-        # As the closed forms, over the largest stiffness here, some 1e3 1/s2, in the accelerations.
+        # Rounding as above; in the accelerations times the largest stiffness here, about 1e3 1/s2.
         assert [*values.values()] == pytest.approx([*others.values()], rel=1e-11, abs=1e-9)
     assert found.residual < 1e-9
     assert found.residual == max((abs(x) for x in linear_model(source, at=found.at).rates), default=0.0)
@@ -49,7 +49,7 @@ def assert_values(found: Mapping[str, float], expected: Mapping[str, float], bou
 
 
 def pendulum(angle: float) -> Scene:
-    """A bob of 0.8 kg at 0.3 m; phi from the hanging pose."""
+    """A bob of 0.8 kg at 0.3 m; phi is measured from the hanging position."""
     return scene(
         {"bob": body(0.8, (0, -0.3, 0), (0.05, 0, 0.05))},
         {
@@ -62,7 +62,7 @@ def pendulum(angle: float) -> Scene:
 
 @pytest.mark.parametrize(("start", "up"), [(0.1, False), (2.9, True), (math.pi / 2, False), (-1.5, False)])
 def test_pendulum_under_a_constant_torque(start: float, up: bool, tmp_path: Path) -> None:
-    """At m g l sin phi = tau; from the level, where the slope of gravity vanishes, it falls."""
+    """At m g l sin phi = tau; from the horizontal, where the gradient of gravity vanishes, it falls."""
     tau = 1.1
     angle = math.asin(tau / (0.8 * GRAVITY * 0.3))
     found = equilibrium(pendulum(start), tmp_path, input_values={"drive.tau": tau})
@@ -70,22 +70,22 @@ def test_pendulum_under_a_constant_torque(start: float, up: bool, tmp_path: Path
     assert found.inputs == {"drive.tau": tau}
 
 
-def test_steps_converge_quadratically() -> None:
-    """From 0.05 rad off in a handful of steps; the cart is held, else the plant would search by itself."""
+def test_newton_iterations_converge_quadratically() -> None:
+    """From a start 0.05 rad away in a few iterations; without `hold`, the plant's own search would run."""
     assert gelenk.equilibrium(mechanisms.shipped("cart_pole"), hold={"track.s": 0.0}).iterations <= 4
 
 
-@pytest.mark.parametrize(("stiffness", "slack"), [(15.0, 1.0), (4.0, -2.0), (200.0, 2.5)])
-def test_four_bar_with_a_torsion_spring(stiffness: float, slack: float, tmp_path: Path) -> None:
-    """Virtual work along the crank's angle by triangle geometry: gravity's and the spring's cancel."""
+@pytest.mark.parametrize(("stiffness", "reference"), [(15.0, 1.0), (4.0, -2.0), (200.0, 2.5)])
+def test_four_bar_with_a_torsion_spring(stiffness: float, reference: float, tmp_path: Path) -> None:
+    """Virtual work along the crank angle by triangle geometry: the torques of gravity and spring cancel."""
     source = four_bar(1.1)
-    source["joints"]["D"] |= {"stiffness": stiffness, "spring_reference": slack}
+    source["joints"]["D"] |= {"stiffness": stiffness, "spring_reference": reference}
     found = equilibrium(source, tmp_path)
     phi = Jet(found.values["A.phi"], 1.0)
     psi = BARS.angles(phi)[1]
     gravity = reduced(BARS.geometry()(phi), 1)[2]
-    assert abs(gravity) > 1  # N m: the spring carries something
-    assert abs(gravity - stiffness * (psi.x - slack) * psi.d) < 1e-10  # N m, as promised
+    assert abs(gravity) > 1  # N m: the spring carries a load
+    assert abs(gravity - stiffness * (psi.x - reference) * psi.d) < 1e-10  # N m, as documented
 
 
 # --- a chain ---
@@ -109,7 +109,7 @@ def chain(ends: tuple[float, float], angles: np.ndarray, length: float = 0.1) ->
 
 
 def arc(ends: tuple[float, float], n: int, length: float = 0.1) -> np.ndarray:
-    """Angles of rods along a circle between the ends, hanging."""
+    """Absolute angles of rods that hang along a circular arc between the ends."""
     middle = np.arange(n) - (n - 1) / 2
     chord = math.hypot(*ends)
     turn = brentq(lambda k: length * abs(np.exp(1j * k * middle).sum()) - chord, 1e-6, 2 * math.pi / n)
@@ -123,16 +123,17 @@ def two_straight_lines(ends: tuple[float, float], n: int, length: float = 0.1) -
 
 
 def discrete_catenary(ends: tuple[float, float], n: int, length: float = 0.1) -> np.ndarray:
-    """Absolute angles. The horizontal force is the same in all rods, the vertical one grows by a rod's weight
-    from middle to middle: tan(angle) = c i + d, with c and d such that the ends are where they are.
+    """Absolute angles of the rods. The horizontal force is the same in all rods, and the vertical force
+    increases by the weight of a rod from midpoint to midpoint: tan(angle) = c i + d, where c and d follow
+    from the positions of the ends.
     """
 
-    def off(x: np.ndarray) -> np.ndarray:
+    def closure_error(x: np.ndarray) -> np.ndarray:
         angle = np.arctan(x[0] * np.arange(n) + x[1])
         return length * np.array([np.cos(angle).sum(), np.sin(angle).sum()]) - ends
 
-    solution = root(off, [4 / n, -2.0], tol=1e-15)
-    assert np.abs(off(solution.x)).max() < 1e-14  # m
+    solution = root(closure_error, [4 / n, -2.0], tol=1e-15)
+    assert np.abs(closure_error(solution.x)).max() < 1e-14  # m
     out: np.ndarray = np.arctan(solution.x[0] * np.arange(n) + solution.x[1])
     return out
 
@@ -144,7 +145,7 @@ def test_chain_of_32_links_hangs_in_the_discrete_catenary(
 ) -> None:
     found = equilibrium(chain(ends, shape(ends, 32)), tmp_path)
     angles = np.cumsum([found.values[f"J{i}.phi"] for i in range(32)])
-    # 1e-9 is promised; found below 1e-13.
+    # 1e-9 is documented; measured below 1e-13.
     assert np.abs(angles - discrete_catenary(ends, 32)).max() < 1e-11
 
 
@@ -152,23 +153,23 @@ def test_chain_of_32_links_hangs_in_the_discrete_catenary(
 
 
 def test_cart_pole_upright(tmp_path: Path) -> None:
-    """Found from the scene's 0.05 rad; held where its track slopes: m g sin of the slope."""
+    """Found from the scene's 0.05 rad; on an inclined track, the force m g sin(slope) holds the cart."""
     source = mechanisms.shipped("cart_pole")
     upright = equilibrium(source, tmp_path)
     assert_values(upright.values, {"hinge.phi": 0.0, "track.s": 0.0})
     model = linear_model(source, at=upright.at)
-    assert np.linalg.eigvals(model.A).real.max() == pytest.approx(5.24, abs=0.005)  # unstable all the same
+    assert np.linalg.eigvals(model.A).real.max() == pytest.approx(5.24, abs=0.005)  # an unstable equilibrium
     slope = 0.2
     source["gravity"] = [-GRAVITY * math.sin(slope), 0, -GRAVITY * math.cos(slope)]
     held = equilibrium(source, tmp_path, hold={"track.s": 0.3}, solve_for=["drive.f"])
-    # The pole stands against gravity: it leans by the slope from the track's normal.
+    # The pole is vertical: relative to the normal of the track it leans by the slope.
     assert_values(held.values, {"track.s": 0.3, "hinge.phi": slope})
     assert_values(held.inputs, {"drive.f": 1.2 * GRAVITY * math.sin(slope)})
 
 
 @pytest.mark.parametrize("phi", [0.7, -1.2, 2.0])
 def test_slider_crank_held_by_its_motor(phi: float, tmp_path: Path) -> None:
-    """Virtual work: gear tau + s' gas = dV/dphi, V = 0.45 g sin phi; the piston slides level."""
+    """Virtual work: gear tau + s' gas = dV/dphi, V = 0.45 g sin phi; the piston slides horizontally."""
     gas = -40.0
     found = equilibrium(
         mechanisms.shipped("slider_crank"), tmp_path, hold={"main.phi": phi}, solve_for=["starter.tau"],
@@ -180,15 +181,15 @@ def test_slider_crank_held_by_its_motor(phi: float, tmp_path: Path) -> None:
 
 
 def slider_crank_work(phi: float) -> tuple[float, float]:
-    """By the crank's angle: of weight, and of a unit force on the piston."""
+    """Virtual work per crank angle of the weight, and of a unit force on the piston."""
     r, length = 0.3, 0.9
     drop = math.sqrt(length**2 - (r * math.sin(phi)) ** 2)
     return 0.45 * GRAVITY * math.cos(phi), -r * math.sin(phi) - r**2 * math.sin(phi) * math.cos(phi) / drop
 
 
-def test_of_more_inputs_than_are_needed_the_least_are_taken(tmp_path: Path) -> None:
-    """Along the line a tau + b f = w the point next to the origin."""
-    s = 1.1  # m, of the piston, which is held: by the law of cosines the crank is at
+def test_redundant_inputs_are_found_with_the_smallest_norm(tmp_path: Path) -> None:
+    """The point of the line a tau + b f = w that is closest to the origin."""
+    s = 1.1  # m, position of the piston, which is held; the crank angle follows from the law of cosines
     phi = math.acos((0.3**2 + s**2 - 0.9**2) / (2 * 0.3 * s))
     found = equilibrium(
         mechanisms.shipped("slider_crank"), tmp_path, hold={"cylinder.s": s},
@@ -201,19 +202,19 @@ def test_of_more_inputs_than_are_needed_the_least_are_taken(tmp_path: Path) -> N
 
 
 def five_bar_potential(left: complex, right: complex) -> complex:
-    """Of shipped five_bar stood upright [J]; its hand by two circles, the elbows outwards."""
+    """Potential energy [J] of five_bar in a vertical plane; its tool by two circles, elbows outward."""
     elbows = [(side * 0.15 + 0.25 * np.cos(x), 0.25 * np.sin(x)) for side, x in ((-1, left), (1, right))]
     (xl, yl), (xr, yr) = elbows
     dx, dy = xr - xl, yr - yl
     half = dx * dx + dy * dy
     rise = np.sqrt(0.35**2 / half - 0.25)
-    hand = (yl + yr) / 2 + rise * dx
-    return complex(GRAVITY * (0.8 * (yl + yr) / 2 + 0.6 * ((yl + hand) / 2 + (yr + hand) / 2)))
+    tool = (yl + yr) / 2 + rise * dx
+    return complex(GRAVITY * (0.8 * (yl + yr) / 2 + 0.6 * ((yl + tool) / 2 + (yr + tool) / 2)))
 
 
 @pytest.mark.parametrize("names", [("left.phi", "right.phi"), ("elbow_left.phi", "tool.phi")])
 def test_five_bar_held_by_two_motors(names: tuple[str, str], tmp_path: Path) -> None:
-    """50 tau = dV/dphi, exact to rounding by complex steps; whichever joints the pose is told by."""
+    """50 tau = dV/dphi, exact to rounding by complex steps; any two joints may determine the pose."""
     source = mechanisms.shipped("five_bar")
     source["gravity"] = [0, -GRAVITY, 0]
     start = gelenk.equilibrium(
@@ -223,7 +224,7 @@ def test_five_bar_held_by_two_motors(names: tuple[str, str], tmp_path: Path) -> 
         source, tmp_path, hold={name: start.values[name] for name in names},
         solve_for=["motor_right.tau", "motor_left.tau"],
     )  # fmt: skip
-    assert_values(found.values, {"left.phi": 2.0, "right.phi": 0.8}, 1e-11)  # by other joints, so to 10 ulp
+    assert_values(found.values, {"left.phi": 2.0, "right.phi": 0.8}, 1e-11)  # other joints: 10 ulp
     h = 1e-20
     assert_values(
         found.inputs,
@@ -235,8 +236,8 @@ def test_five_bar_held_by_two_motors(names: tuple[str, str], tmp_path: Path) -> 
     )
 
 
-def test_body_on_a_ball_under_a_torque(tmp_path: Path) -> None:
-    """Quaternions: it tilts by asin(tau / m g l); a turn about the vertical is left as it is."""
+def test_body_on_a_spherical_joint_under_a_torque(tmp_path: Path) -> None:
+    """With quaternions: it tilts by asin(tau / m g l); its rotation about the vertical remains unchanged."""
     source = plants.top(3.0, upright=False)
     source["joints"]["S"]["start"]["Q"] = [0.1, -0.2, 0.0, math.sqrt(0.95)]
     tau = 0.3
@@ -244,14 +245,14 @@ def test_body_on_a_ball_under_a_torque(tmp_path: Path) -> None:
     x, y, z, w = (found.values[f"S.Q[{i}]"] for i in (1, 2, 3, 4))
     down = 1 - 2 * (x * x + y * y)  # cosine of the tilt
     assert down == pytest.approx(math.sqrt(1 - (tau / TOP_WEIGHT) ** 2), rel=1e-12)
-    # Gravity's torque has no part along y: the body's y axis stays level.
+    # The torque of gravity has no component along y: the body's y axis remains horizontal.
     assert 2 * (y * z + w * x) == pytest.approx(tau / TOP_WEIGHT, rel=1e-12)
     assert 2 * (x * z - w * y) == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize("turn", [0.2, -0.07])
-def test_one_coordinate_of_several_is_held(turn: float, tmp_path: Path) -> None:
-    """The coupler's absolute angle, by a planar joint to the ground that leaves it free."""
+def test_one_coordinate_of_a_planar_joint_is_held(turn: float, tmp_path: Path) -> None:
+    """The coupler's absolute angle is held, as a coordinate of a planar joint that does not constrain it."""
     theta = BARS.angles(Jet(1.1, 1.0))[0].x + turn
     source = four_bar(1.1)
     source["joints"]["P"] = joint("planar", frame("ground"), frame("coupler"))
@@ -262,20 +263,20 @@ def test_one_coordinate_of_several_is_held(turn: float, tmp_path: Path) -> None:
     assert found.inputs["drive.tau"] == pytest.approx(-reduced(BARS.geometry()(phi), 1)[2], rel=1e-11)
 
 
-def test_an_angle_that_is_never_attained_is_refused() -> None:
-    """The coupler leans by 0.5235 rad at least."""
+def test_unattainable_angle_to_hold_is_rejected() -> None:
+    """The angle of the coupler is at least 0.5235 rad."""
     least = min(BARS.angles(Jet(x, 1.0))[0].x for x in np.linspace(0, 2 * math.pi, 400))
     source = four_bar(1.1)
     source["joints"]["P"] = joint("planar", frame("ground"), frame("coupler"))
-    with pytest.raises(gelenk.EquilibriumError) as told:
+    with pytest.raises(gelenk.EquilibriumError) as error:
         gelenk.equilibrium(source, hold={"P.phi": least - 0.01}, solve_for=["drive.tau"])
-    assert str(told.value) == "P.phi: the mechanism cannot be brought to the pose to hold"
+    assert str(error.value) == "P.phi: the mechanism cannot be brought to the pose to hold"
 
 
 @pytest.mark.parametrize(
     "name",
     ["spatial four-bar", "crank-rocker in space", "Bricard's ring", "rod between balls", "ball on its stop"],
 )
-def test_mechanisms_in_space_come_to_rest(name: str, tmp_path: Path) -> None:
+def test_spatial_mechanisms_have_an_equilibrium(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     equilibrium(case.make(), tmp_path, input_values=case.inputs)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linear models against closed forms, to rounding."""
+"""Linear models, compared with closed forms to rounding."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from gelenk.chart import mechanisms
 from gelenk.linear import LinearModel, linear_model
 from physics.derivatives.test_derivatives import double_pendulum_accelerations
 
-BOUND = 1e-12  # 1e-9 is promised; nothing but rounding, found below 1e-13
+BOUND = 1e-12  # 1e-9 is documented; the difference is only rounding, measured below 1e-13
 
 
 def assert_model(found: LinearModel, A: Any, B: Any = None) -> None:
@@ -34,7 +34,7 @@ def assert_model(found: LinearModel, A: Any, B: Any = None) -> None:
 
 @pytest.mark.parametrize("angle", [0.0, math.pi, 0.7])
 def test_pendulum(angle: float) -> None:
-    """I phi'' = m g l sin phi - d w + tau, phi from the upward vertical; also where it is no equilibrium."""
+    """I phi'' = m g l sin phi - d w + tau, phi from the upward vertical; also away from an equilibrium."""
     m, length, moment, d = 0.8, 0.3, 0.05, 0.2
     source = scene(
         {"bob": body(m, (0, length, 0), (moment, 0, moment))},
@@ -66,25 +66,25 @@ def test_cart_pole(angle: float, up: int) -> None:
     assert not hidden_modes(found, "C")
 
 
-def test_double_pendulum_hanging() -> None:
-    """By complex step on Lagrange's equations, exact to rounding."""
+def test_hanging_double_pendulum_matches_lagrange_equations() -> None:
+    """Lagrange's equations are differentiated by complex steps, exact to rounding."""
     found = linear_model(
         mechanisms.shipped("double_pendulum"), at={"shoulder.phi": -math.pi / 2, "elbow.phi": 0}
     )
-    assert_model(found, double_pendulum_slopes(np.array([-math.pi / 2, 0, 0, 0])))
+    assert_model(found, double_pendulum_jacobian(np.array([-math.pi / 2, 0, 0, 0])))
     assert np.abs(found.rates).max() < 1e-12  # rounding of pi / 2, times g / l
     poles = np.linalg.eigvals(found.A)
     assert np.abs(poles.real).max() < 1e-9  # no damping: purely imaginary
     assert (np.abs(poles.imag) > 1).all()
 
 
-def test_double_pendulum_in_motion() -> None:
+def test_moving_double_pendulum_matches_lagrange_equations() -> None:
     found = linear_model(mechanisms.shipped("double_pendulum"), at=0.4)
     assert np.abs(found.x0[2:]).min() > 0.1  # rad/s: it moves
-    assert_model(found, double_pendulum_slopes(found.x0))
+    assert_model(found, double_pendulum_jacobian(found.x0))
 
 
-def double_pendulum_slopes(x: np.ndarray) -> np.ndarray:
+def double_pendulum_jacobian(x: np.ndarray) -> np.ndarray:
     columns = [double_pendulum_accelerations(x + 1j * 1e-20 * e).imag / 1e-20 for e in np.eye(4)]
     return np.vstack([np.hstack([np.zeros((2, 2)), np.eye(2)]), np.array(columns).T])
 
@@ -109,27 +109,27 @@ def test_furuta_pendulum(angle: float, up: int) -> None:
     assert not hidden_modes(found, "C")
 
 
-# --- loops, reduced to one freedom by their geometry: I(phi) phi'' + 1/2 I' w^2 = Q ---
+# --- loops, reduced to one degree of freedom by their geometry: I(phi) phi'' + 1/2 I' w^2 = Q ---
 
 BARS = FourBar(uniform(2, 0.5), uniform(2, 1.75), uniform(2, 1.5), 2.0)
 
 
 def reduced(bodies: Any, gravity: int) -> tuple[float, float, float, float]:
-    """I, dI/dphi, the force of gravity along phi and its slope; gravity along the axis of this number."""
-    inertia = slope = force = stiffness = 0.0
+    """I, dI/dphi, the generalized force of gravity and its derivative; `gravity` is the index of its axis."""
+    inertia = inertia_gradient = force = stiffness = 0.0
     for moving in bodies:
         more, dmore = moving.reduced()
-        inertia, slope = inertia + more, slope + dmore
+        inertia, inertia_gradient = inertia + more, inertia_gradient + dmore
         force -= moving.mass * GRAVITY * moving.com[gravity].d
         stiffness -= moving.mass * GRAVITY * moving.com[gravity].dd
-    return inertia, slope, force, stiffness
+    return inertia, inertia_gradient, force, stiffness
 
 
 def four_bar_at_rest(phi: float, torque: float) -> np.ndarray:
-    """A and, behind it, B. At rest phi'' = Q / I, so its slope is (dQ - dI phi'') / I."""
-    inertia, slope, force, stiffness = reduced(BARS.geometry()(Jet(phi, 1.0)), 1)
+    """A and B side by side. At rest phi'' = Q / I, so its derivative is (dQ - dI phi'') / I."""
+    inertia, inertia_gradient, force, stiffness = reduced(BARS.geometry()(Jet(phi, 1.0)), 1)
     a = (force + torque) / inertia
-    return np.array([[0, 1, 0], [(stiffness - slope * a) / inertia, -0.1 / inertia, 1 / inertia]])
+    return np.array([[0, 1, 0], [(stiffness - inertia_gradient * a) / inertia, -0.1 / inertia, 1 / inertia]])
 
 
 def test_crank_driven_four_bar_at_its_equilibrium() -> None:
@@ -144,7 +144,7 @@ def test_crank_driven_four_bar_at_its_equilibrium() -> None:
 
 
 @pytest.mark.parametrize(("phi", "torque"), [(1.1, 0.0), (2.7, 20.0), (5.0, -3.0)])
-def test_four_bar_held_by_nothing(phi: float, torque: float) -> None:
+def test_four_bar_at_rest_away_from_equilibrium(phi: float, torque: float) -> None:
     found = linear_model(four_bar(phi), input_values={"drive.tau": torque})
     assert_relative("A, B", np.hstack([found.A, found.B]), four_bar_at_rest(phi, torque), BOUND)
     theta, psi = BARS.angles(Jet(phi, 1.0))
@@ -153,15 +153,16 @@ def test_four_bar_held_by_nothing(phi: float, torque: float) -> None:
         assert_relative(name, np.array(row), np.array([[angle, 0], [0, angle]]), BOUND)
 
 
-def test_four_bar_by_its_rocker() -> None:
-    """The states psi, psi' instead: A' = T A T^-1 + dT/dt T^-1, at rest where T' = psi'' phi' = 0."""
+def test_four_bar_with_the_rocker_angle_as_state() -> None:
+    """With states psi, psi': A' = T A T^-1 + dT/dt T^-1, at rest, where T' = psi'' phi' = 0."""
     phi, torque = 1.1, 7.0
     found = linear_model(four_bar(phi), input_values={"drive.tau": torque}, states=["D.phi"])
     assert found.states == ("D.phi", "D.w")
     by_crank = four_bar_at_rest(phi, torque)
     inertia, _, force, _ = reduced(BARS.geometry()(Jet(phi, 1.0)), 1)
     psi = BARS.angles(Jet(phi, 1.0))[1]
-    # psi'' = psi_phi phi'' + psi_phiphi phi'^2; by phi, at rest: psi_phiphi phi'' + psi_phi dphi''/dphi.
+    # psi'' = psi_phi phi'' + psi_phiphi phi'^2. Derivative by phi, at rest:
+    # psi_phiphi phi'' + psi_phi dphi''/dphi.
     stiffness = psi.dd * (force + torque) / inertia / psi.d + by_crank[1, 0]
     assert_relative("A", found.A, np.array([[0, 1], [stiffness, by_crank[1, 1]]]), BOUND)
     assert_relative("B", found.B, np.array([[0], [psi.d * by_crank[1, 2]]]), BOUND)
@@ -169,14 +170,14 @@ def test_four_bar_by_its_rocker() -> None:
 
 @pytest.mark.parametrize("phi", [0.7, -1.2, 2.0])
 def test_crank_driven_slider_crank(phi: float) -> None:
-    """The ready one: motor through a gear of 5, gas force and dampers at crank and piston."""
+    """The shipped scene: a motor with a gear ratio of 5, gas force, dampers at crank and piston."""
     r, rod = 0.3, 0.9
     gear, rotor, damping, slide_damping = 5.0, 2e-4, 0.05, 2.0
     x = Jet(phi, 1.0)
     drop = sqrt(rod**2 - r * r * sin(x) * sin(x))  # from crank pin to piston, along the slide
     lean = jet(0)
     lean.x = -math.asin(r * math.sin(phi) / rod)
-    lean.d = -r * math.cos(phi) / drop.x  # of sin(lean) = -r sin(phi) / rod
+    lean.d = -r * math.cos(phi) / drop.x  # from sin(lean) = -r sin(phi) / rod
     lean.dd = r * math.sin(phi) / drop.x + r * math.cos(phi) * drop.d / drop.x**2
     s = r * cos(x) + drop
     zero = jet(0)
@@ -185,11 +186,11 @@ def test_crank_driven_slider_crank(phi: float) -> None:
         Moving(2.0, (r * cos(x) + 0.5 * drop, 0.5 * r * sin(x), zero), lean, 0.135),
         Moving(1.5, (s, zero, zero), zero, 0.003),
     ]
-    inertia, slope, force, stiffness = reduced(bodies, 1)
+    inertia, inertia_gradient, force, stiffness = reduced(bodies, 1)
     inertia += gear**2 * rotor
     torque, gas = 0.8, -40.0
     a = (force + gear * torque + s.d * gas) / inertia
-    by_phi = (stiffness + s.dd * gas - slope * a) / inertia
+    by_phi = (stiffness + s.dd * gas - inertia_gradient * a) / inertia
     by_w = -(damping + slide_damping * s.d**2) / inertia
     found = linear_model(
         mechanisms.shipped("slider_crank"), at={"main.phi": phi},
@@ -210,7 +211,7 @@ def test_crank_driven_slider_crank(phi: float) -> None:
 
 
 def top_slopes(spin: float, up: int) -> tuple[np.ndarray, np.ndarray]:
-    """Euler's equations along the body's axes about the vertical: A, B of the three torques."""
+    """A and B of Euler's equations in body axes about the vertical position; inputs are three torques."""
     weight = up * TOP_WEIGHT / plants.ACROSS
     gyro = (1 - plants.ALONG / plants.ACROSS) * spin
     carried = np.array([[0, spin, 0], [-spin, 0, 0], [0, 0, 0]])  # -w x theta
@@ -222,11 +223,11 @@ def top_slopes(spin: float, up: int) -> tuple[np.ndarray, np.ndarray]:
 
 TOP_WEIGHT = plants.TOP_MASS * GRAVITY * plants.TOP_REACH
 TORQUES = ["push.t[1]", "push.t[2]", "push.t[3]"]
-SPEED_LIMIT = 2 * math.sqrt(TOP_WEIGHT * plants.ACROSS) / plants.ALONG  # rad/s, of the sleeping top
+CRITICAL_SPIN = 2 * math.sqrt(TOP_WEIGHT * plants.ACROSS) / plants.ALONG  # rad/s, of a sleeping top
 
 
-def test_body_on_a_ball_has_six_states() -> None:
-    """Hanging: two pendulums and a free turn about the vertical, no fourth coordinate of a quaternion."""
+def test_body_on_a_spherical_joint_has_six_states() -> None:
+    """Hanging: two pendulum motions and a free rotation about the vertical; the quaternion adds no state."""
     found = linear_model(plants.top(0.0, upright=False), inputs=TORQUES, outputs=["S.Q[1]", "S.w[1]"])
     assert found.states == (*(f"S.theta[{i}]" for i in (1, 2, 3)), *(f"S.w[{i}]" for i in (1, 2, 3)))
     assert found.residual_rates == ""
@@ -234,20 +235,20 @@ def test_body_on_a_ball_has_six_states() -> None:
     assert_relative("C", found.C, np.array([[0.5, 0, 0, 0, 0, 0], [0, 0, 0, 1, 0, 0]]), BOUND)
     assert not hidden_modes(found, "B")
     sideways = linear_model(plants.top(0.0, upright=False), inputs=TORQUES[:2])
-    assert hidden_modes(sideways, "B") == [0, 0]  # what looks for hidden modes finds the turn about z
+    assert hidden_modes(sideways, "B") == [0, 0]  # hidden_modes() does find the rotation about z
     everything = linear_model(plants.top(0.0, upright=False))
     assert not hidden_modes(everything, "C")
 
 
-@pytest.mark.parametrize("share", [0.0, 0.98, 1.02, 3.0])
-def test_sleeping_top(share: float) -> None:
-    """Steady: stable from w I3 > 2 sqrt(m g l I1) on (Klein & Sommerfeld 1910), unstable below."""
-    spin = share * SPEED_LIMIT
+@pytest.mark.parametrize("spin_ratio", [0.0, 0.98, 1.02, 3.0])
+def test_sleeping_top(spin_ratio: float) -> None:
+    """Its steady rotation is stable if w I3 > 2 sqrt(m g l I1) (Klein & Sommerfeld 1910), unstable below."""
+    spin = spin_ratio * CRITICAL_SPIN
     found = linear_model(plants.top(spin), inputs=TORQUES)
     assert_model(found, *top_slopes(spin, 1))
     growth = np.linalg.eigvals(found.A).real.max()
-    if share > 1:
-        assert growth < 1e-6 * spin  # marginal: rounding of double eigenvalues 0, its root
+    if spin_ratio > 1:
+        assert growth < 1e-6 * spin  # marginal: square root of rounding, for the double eigenvalues 0
     else:
         assert growth > 1.0
     if spin:
@@ -256,8 +257,8 @@ def test_sleeping_top(share: float) -> None:
         )
 
 
-def test_a_turned_body_has_the_same_modes() -> None:
-    """Whatever the quaternion at the point: axes of the body, turned with it."""
+def test_linear_model_does_not_depend_on_the_heading_of_the_body() -> None:
+    """The states are rotations and velocities in body axes, so the quaternion has no influence."""
     expected = linear_model(plants.top(0.0, upright=False), inputs=TORQUES)
     Q = [0, 0, math.sin(0.4), math.cos(0.4)]  # about the vertical
     source = plants.top(0.0, upright=False)
@@ -267,8 +268,8 @@ def test_a_turned_body_has_the_same_modes() -> None:
     assert found.C[found.outputs.index("S.Q[3]"), 2] == pytest.approx(0.5 * math.cos(0.4), abs=1e-14)
 
 
-def test_free_body_by_a_wrench() -> None:
-    """Newton and Euler: m r'' = f in the world; I w' = R' t - w x I w, at rest."""
+def test_free_body_under_a_wrench() -> None:
+    """Newton-Euler equations at rest: m r'' = f in world axes; I w' = R' t - w x I w in body axes."""
     m, moments = 2.0, np.array([0.3, 0.5, 0.4])
     source = scene(
         {"box": body(m, (0, 0, 0), moments)},
@@ -280,7 +281,7 @@ def test_free_body_by_a_wrench() -> None:
     assert list(found.states) == names
     A = np.zeros((12, 12))
     A[:6, 6:] = np.eye(6)
-    R = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])  # of this Q: 120 degrees about the diagonal
+    R = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])  # for this Q: 120 degrees about the diagonal
     B = np.zeros((12, 6))
     B[6:9, :3] = np.eye(3) / m
     B[9:, 3:] = R.T / moments[:, None]
@@ -293,8 +294,10 @@ def test_free_body_by_a_wrench() -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_states_are_twice_the_freedoms_and_numbers_the_fmus(name: str, tmp_path: Path) -> None:
-    """Through fmpy alone: the same to rounding, 1e-12, at the start and after some steps."""
+def test_models_of_scene_and_fmu_have_two_states_per_degree_of_freedom_and_agree(
+    name: str, tmp_path: Path
+) -> None:
+    """The FMU is called through fmpy; both agree to rounding, 1e-12, at the start and after some steps."""
     case = CASES[name]
     source = case.make()
     fmu = gelenk.export_fmu(source, tmp_path / "x.fmu")
@@ -311,16 +314,16 @@ def test_states_are_twice_the_freedoms_and_numbers_the_fmus(name: str, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["cart_pole", "five_bar", "stewart"])
-def test_no_pole_cancels_a_zero(name: str) -> None:
-    """All modes of driven mechanisms are reached and shown."""
+def test_shipped_mechanisms_have_no_pole_zero_cancellation(name: str) -> None:
+    """All modes of driven mechanisms are controllable and observable."""
     model = linear_model(mechanisms.shipped(name))
     assert not hidden_modes(model, "C")
     assert not hidden_modes(model, "B") if model.inputs else name == "stewart"
 
 
-@pytest.mark.filterwarnings("ignore:Badly conditioned:scipy.signal.BadCoefficients")  # its zeros lead
-def test_minreal_of_a_transfer_function_leaves_its_order() -> None:
-    """The cart's position by the motor's force: four poles, two zeros."""
+@pytest.mark.filterwarnings("ignore:Badly conditioned:scipy.signal.BadCoefficients")  # leading zeros
+def test_minreal_keeps_the_order_of_the_transfer_function() -> None:
+    """From the force of the motor to the position of the cart: four poles, two zeros."""
     linear = gelenk.linearize(plants.still_cart_pole(), outputs=["track.s"])
     transfer = control.tf(linear)
     assert len(control.minreal(transfer, tol=1e-6, verbose=False).poles()) == 4
@@ -328,8 +331,8 @@ def test_minreal_of_a_transfer_function_leaves_its_order() -> None:
 
 
 @pytest.mark.parametrize(("torque", "told"), [(0.9e-8, False), (1.1e-8, True), (1e-5, True)])
-def test_what_moves_no_faster_than_rounding_stands(torque: float, told: bool) -> None:
-    """A hanging pendulum of 1 kg m2, whose scales are metre, kilogram and second: beyond 1e-8 it moves."""
+def test_residual_rates_of_the_size_of_rounding_count_as_equilibrium(torque: float, told: bool) -> None:
+    """A hanging pendulum of 1 kg m2 with scales m, kg and s: above 1e-8 it is not at equilibrium."""
     hanging = body(1.0, (0, 0, -0.5), (0.75, 0.75, 0.1))
     pin = joint("revolute", frame("ground"), frame("bob"), axis=[0, 1, 0], damping=0.5)
     source = scene({"bob": hanging}, {"A": pin}, gravity=[0, 0, -GRAVITY])

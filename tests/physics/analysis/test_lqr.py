@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Controllers designed on linear models hold the non-linear FMU, run by fmpy, after a real disturbance."""
+"""LQR controllers designed on linear models stabilize the nonlinear FMU, run by fmpy, after disturbances."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SAMPLE = 1e-3  # s
 
 @contextmanager
 def instance(fmu: Path, start: Mapping[str, float], folder: Path) -> Iterator[tuple[Any, dict[str, int]]]:
-    """An initialised slave of fmpy and its value references."""
+    """An initialized slave of fmpy and its value references by name."""
     description = fmpy.read_model_description(str(fmu))
     unpacked = fmpy.extract(str(fmu), str(folder / "unpacked"))
     slave = FMU2Slave(
@@ -51,15 +51,15 @@ def instance(fmu: Path, start: Mapping[str, float], folder: Path) -> Iterator[tu
 @dataclass(frozen=True)
 class Control:
     make: Callable[[], Scene]
-    at: Mapping[str, float]  # the point it is designed at
-    disturbed: Mapping[str, float]  # what it starts from
-    weights: tuple[list[float], list[float]]  # of states, of inputs
+    at: Mapping[str, float]  # operating point of the design
+    disturbed: Mapping[str, float]  # disturbed initial state
+    weights: tuple[list[float], list[float]]  # of states and of inputs
     stop: float  # s
-    late: float  # s, from where on the slowest mode alone is left
-    limit: float  # how far the first coordinate named in `disturbed` may go
+    late: float  # s, time after which only the slowest mode is left
+    limit: float  # bound on the first coordinate named in `disturbed`
 
 
-# Weights are chosen so that one real pole is three times slower at least than the next, to be seen alone.
+# With these weights one real pole is at least three times slower than the next: its decay can be measured.
 CASES = {
     "cart-pole": Control(
         still_cart_pole, {"hinge.phi": 0.0}, {"hinge.phi": 0.35, "track.s": 0.2},
@@ -91,8 +91,8 @@ def closed_loop(case: Control, fmu: Path, K: Array, states: list[str], x0: Array
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_lqr_swings_out_a_real_disturbance(name: str, tmp_path: Path) -> None:
-    """The decay at last is the slowest pole's, within 5 %; the FMU's linear model is all that is known."""
+def test_lqr_damps_a_large_disturbance(name: str, tmp_path: Path) -> None:
+    """The final decay rate is that of the slowest pole within 5 %; only the FMU's linear model is used."""
     case = CASES[name]
     fmu = gelenk.export_fmu(case.make(), tmp_path / "plant.fmu")
     linear = gelenk.linearize(fmu, at=case.at, outputs=[])
@@ -104,7 +104,7 @@ def test_lqr_swings_out_a_real_disturbance(name: str, tmp_path: Path) -> None:
     )
     x0 = np.array([start[n][0] for n in states])
     x = closed_loop(case, fmu, K, states, x0, tmp_path)
-    assert np.abs(x[0]).max() > 0.1  # rad or m: a disturbance that is one
+    assert np.abs(x[0]).max() > 0.1  # rad or m: the disturbance is not small
     assert np.abs(x + x0)[:, states.index(next(iter(case.disturbed)))].max() < case.limit
     slow = np.sort(np.abs(poles.real))
     slowest = poles[np.argmin(np.abs(poles.real))]
@@ -112,13 +112,13 @@ def test_lqr_swings_out_a_real_disturbance(name: str, tmp_path: Path) -> None:
     assert slow[1] > 3 * slow[0]
     late = round(case.late / SAMPLE)
     size = np.linalg.norm(x[late:], axis=1)
-    assert 1e-9 < size.min() < size.max() < 1e-2  # linear by then, and above the integrator's errors
+    assert 1e-9 < size.min() < size.max() < 1e-2  # in the linear range, and above the integration errors
     decay = -np.polyfit(SAMPLE * np.arange(len(size)), np.log(size), 1)[0]
     assert decay == pytest.approx(slow[0], rel=0.05)
 
 
 def test_without_control_the_pole_falls(tmp_path: Path) -> None:
-    """What the above holds up: the same disturbance, no force."""
+    """The disturbance of the test above, without a control force."""
     case = CASES["cart-pole"]
     fmu = gelenk.export_fmu(case.make(), tmp_path / "plant.fmu")
     linear = gelenk.linearize(fmu, at=case.at, outputs=[])

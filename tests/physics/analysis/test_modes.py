@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes against closed forms: frequencies, damping, shapes, and what becomes of what."""
+"""Modes, compared with closed forms: frequencies, damping ratios, shapes, kinds and stability."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gelenk.linear import linear_model
 from gelenk.modal.analysis import found_in
 from physics.analysis.test_linear_models import BARS, TOP_WEIGHT
 
-CLOSE = 1e-11  # relative: a hundred roundings of a matrix whose entries are sums of a few terms; found 1e-13
+CLOSE = 1e-11  # relative: 100 rounding errors of a matrix whose entries sum a few terms; measured 1e-13
 
 
 def test_damped_oscillator() -> None:
@@ -54,7 +54,7 @@ def oscillator(m: float, d: float, k: float) -> Scene:
         (0.0, 0.0, "marginal", [("drifting", 2)]),
     ],
 )
-def test_what_becomes_of_one_mass(d: float, k: float, stability: str, kinds: Any) -> None:
+def test_kinds_of_modes_and_stability_of_one_mass(d: float, k: float, stability: str, kinds: Any) -> None:
     found = gelenk.modes(oscillator(2.0, d, k))
     assert found.stability == stability
     assert [mode.kind for mode in found.modes] == [kind for kind, _ in kinds]
@@ -62,19 +62,19 @@ def test_what_becomes_of_one_mass(d: float, k: float, stability: str, kinds: Any
     assert [mode.chain_length for mode in found.modes] == lengths
 
 
-def test_a_negative_spring_falls_away() -> None:
+def test_upright_top_at_rest_is_unstable() -> None:
     found = gelenk.modes(plants.top(0.0))
     assert found.stability == "unstable"
     growth = math.sqrt(TOP_WEIGHT / plants.ACROSS)
     grows = [mode for mode in found.modes if mode.kind == "unstable"]
     assert [mode.eigenvalue for mode in grows] == pytest.approx([growth] * 2, rel=CLOSE)
     assert [mode.multiplicity for mode in grows] == [2, 2]
-    assert [mode.names for mode in grows] == [["S.theta[1]"], ["S.theta[2]"]]  # told apart
+    assert [mode.names for mode in grows] == [["S.theta[1]"], ["S.theta[2]"]]  # distinct shapes
     assert found.decided_by in grows
 
 
 def two_pendulums(k: float, height: float, lengths: tuple[float, float] = (0.5, 0.5)) -> Scene:
-    """Point masses of 1.3 kg, coupled by a spring between points so far below their pivots [m]."""
+    """Point masses of 1.3 kg, coupled by a spring between points at `height` [m] below their pivots."""
     about_y = {"axis": [0, 1, 0]}
     return scene(
         {f"p{i}": body(1.3, (0, 0, -lengths[i])) for i in (0, 1)},
@@ -87,7 +87,7 @@ def two_pendulums(k: float, height: float, lengths: tuple[float, float] = (0.5, 
 
 
 def test_two_pendulums_coupled_by_a_spring() -> None:
-    """sqrt(g / l) in step, sqrt(g / l + 2 k a^2 / m l^2) against each other."""
+    """sqrt(g / l) in phase, sqrt(g / l + 2 k a^2 / m l^2) in antiphase."""
     k, a, length = 3.0, 0.2, 0.5
     found = gelenk.modes(two_pendulums(k, a))
     assert found.stability == "marginal"
@@ -98,13 +98,13 @@ def test_two_pendulums_coupled_by_a_spring() -> None:
     )
     for mode, sign in ((together, 1), (apart, -1)):
         assert mode.shape["J0.phi"] == pytest.approx(sign * mode.shape["J1.phi"], rel=CLOSE)
-        # By bodies: a turn about y moves what hangs below along -x; the frames are in the pivots.
+        # The bodies rotate about y; their frames are at the pivots and do not translate.
         assert mode.bodies["p1"].rotation == pytest.approx(np.array([0, mode.shape["J1.phi"], 0]), abs=CLOSE)
         assert mode.bodies["p1"].translation == pytest.approx(np.zeros(3), abs=CLOSE)
 
 
-def test_equal_pendulums_are_no_threat() -> None:
-    """A double pair with two shapes: they swing on, each for itself, and nothing grows as t."""
+def test_double_eigenvalues_with_two_shapes_are_marginally_stable() -> None:
+    """Two equal pendulums oscillate independently: the modes are undamped, and none grows as t."""
     found = gelenk.modes(two_pendulums(0.0, 0.2))
     assert found.stability == "marginal"
     assert [(m.multiplicity, m.chain_length, m.kind) for m in found.modes] == [(2, 1, "undamped")] * 2
@@ -113,7 +113,7 @@ def test_equal_pendulums_are_no_threat() -> None:
 
 
 def test_spherical_pendulum() -> None:
-    """Two equal swings, and a turn about the vertical that goes on."""
+    """Two equal oscillations, and a rotation about the vertical that drifts."""
     drift, *swings = gelenk.modes(plants.top(0.0, upright=False)).modes
     assert (drift.kind, drift.names, drift.chain_length) == ("drifting", ["S.theta[3]"], 2)
     frequency = math.sqrt(TOP_WEIGHT / plants.ACROSS)
@@ -123,7 +123,7 @@ def test_spherical_pendulum() -> None:
 
 @pytest.mark.parametrize("n", [1, 5, 24])
 def test_chain_of_equal_masses_and_springs(n: int) -> None:
-    """Between two walls: 2 sqrt(k / m) sin(j pi / 2 (n + 1)), shapes sin(i j pi / (n + 1))."""
+    """Between two walls: frequencies 2 sqrt(k / m) sin(j pi / 2 (n + 1)), shapes sin(i j pi / (n + 1))."""
     m, k, d = 0.7, 130.0, 0.1
     ends = [frame("ground"), *(frame(f"m{i}") for i in range(n)), frame("ground", (d * (n + 1), 0, 0))]
     source = scene(
@@ -140,14 +140,14 @@ def test_chain_of_equal_masses_and_springs(n: int) -> None:
         assert mode.natural_frequency == pytest.approx(2 * math.sqrt(k / m) * math.sin(arc / 2), rel=CLOSE)
         shape = np.array([mode.shape[f"J{i}.s"] for i in range(n)])
         expected = np.sin(arc * np.arange(1, n + 1))
-        first = int(np.abs(shape - 1).argmin())  # the largest, one of two alike
-        # Neighbouring frequencies lie 1/n^2 apart, which rounding is divided by.
+        first = int(np.abs(shape - 1).argmin())  # the largest component, one of two equal ones
+        # Neighboring frequencies differ by 1/n^2; rounding errors of shapes are divided by that.
         assert shape == pytest.approx(expected / expected[first], abs=1e-9)
     assert len(found.modes) == n
 
 
-def test_free_body_at_rest_drifts_in_six_ways() -> None:
-    """Twelve zeros with six shapes."""
+def test_free_body_at_rest_has_six_drifting_modes() -> None:
+    """Twelve eigenvalues zero with six shapes."""
     at = {f"flight.w[{i}]": 0.0 for i in (1, 2, 3)}
     found = gelenk.modes(mechanisms.shipped("free_body"), at=at)
     assert found.stability == "marginal"
@@ -169,10 +169,10 @@ def critical_spin() -> float:
 
 @pytest.mark.parametrize("share", [1.0001, 1.3, 4.0])
 def test_sleeping_top_precesses_and_nutates(share: float) -> None:
-    """At (I3 w -+ sqrt(I3^2 w^2 - 4 I1 m g l)) / 2 I1 in space, less w in the top (Klein & Sommerfeld)."""
+    """At (I3 w -+ sqrt(I3^2 w^2 - 4 I1 m g l)) / 2 I1 in space, less w in body axes (Klein & Sommerfeld)."""
     w = share * critical_spin()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", gelenk.OperatingPointWarning)  # the angle about the axis goes on
+        warnings.simplefilter("ignore", gelenk.OperatingPointWarning)  # the angle about the axis increases
         found = gelenk.modes(plants.top(w))
     spin = plants.ALONG * w
     root = math.sqrt(spin**2 - 4 * plants.ACROSS * TOP_WEIGHT)
@@ -184,8 +184,8 @@ def test_sleeping_top_precesses_and_nutates(share: float) -> None:
     assert [m.kind for m in found.modes] == ["drifting", "undamped", "undamped"]
 
 
-def test_top_at_the_critical_spin_falls_slowly() -> None:
-    """Both frequencies are one, with one shape: what swings grows as t."""
+def test_top_at_the_critical_spin_is_unstable() -> None:
+    """Both frequencies are equal, with one shape: the oscillation grows as t."""
     w = critical_spin()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gelenk.OperatingPointWarning)
@@ -204,11 +204,11 @@ def test_top_at_the_critical_spin_falls_slowly() -> None:
 
 # --- circulatory forces ---
 
-ZIEGLER = 3.5 - math.sqrt(2)  # P l / k (Ziegler 1952): masses 2 m and m, both springs k
+ZIEGLER = 3.5 - math.sqrt(2)  # critical P l / k (Ziegler 1952): masses 2 m and m, both springs k
 
 
 def ziegler(load: float) -> Scene:
-    """Ziegler's double pendulum: massless rods of 1 m, springs of 1 N m/rad, a force along the second rod."""
+    """Ziegler's double pendulum: massless rods of 1 m, springs of 1 N m/rad, a follower force at the end."""
     about_z = {"axis": [0, 0, 1], "stiffness": 1.0}
     return scene(
         {"first": body(2.0, (1, 0, 0)), "second": body(1.0, (1, 0, 0))},
@@ -223,7 +223,9 @@ def ziegler(load: float) -> Scene:
     ("share", "stability", "lengths"),
     [(0.9999, "marginal", [1, 1]), (1.0, "unstable", [2]), (1.0001, "unstable", [1, 1])],
 )
-def test_ziegler_flutters_from_his_load_on(share: float, stability: str, lengths: list[int]) -> None:
+def test_ziegler_pendulum_flutters_at_and_above_the_critical_load(
+    share: float, stability: str, lengths: list[int]
+) -> None:
     found = gelenk.modes(ziegler(share * ZIEGLER))
     assert found.stability == stability
     assert [mode.chain_length for mode in found.modes] == lengths
@@ -232,8 +234,8 @@ def test_ziegler_flutters_from_his_load_on(share: float, stability: str, lengths
         assert found.why.startswith("mode 1 grows as t, oscillating at 0.8409 rad/s")
 
 
-def test_a_ball_on_a_loose_beam_runs_away() -> None:
-    """With x'' = c a, a'' = 0: four zeros, one shape. Not a drift: it grows faster than time."""
+def test_ball_on_a_free_beam_is_unstable() -> None:
+    """With x'' = c a, a'' = 0: four eigenvalues zero, one shape. It is no drift: it grows faster than t."""
     A = np.zeros((4, 4))
     A[0, 2] = A[1, 3] = 1
     A[2, 1] = 7.0
@@ -247,17 +249,17 @@ def test_a_ball_on_a_loose_beam_runs_away() -> None:
 # --- loops ---
 
 
-def test_dependent_joints_and_bodies_move_as_the_loop_lets_them() -> None:
-    """Four-bar: slopes of its angles by triangle geometry, the coupler's end with the crank's."""
+def test_mode_shapes_of_dependent_joints_and_bodies_satisfy_the_loop() -> None:
+    """Four-bar: derivatives of its angles by triangle geometry; the coupler's end moves with the crank's."""
     source = four_bar(1.1)
     source["joints"]["D"] |= {"stiffness": 900.0, "spring_reference": BARS.angles(Jet(1.1, 1.0))[1].x}
     held = gelenk.equilibrium(source)
     (mode,) = gelenk.modes(source, at=held.at).modes
     phi = held.values["A.phi"]
     theta, psi = BARS.angles(Jet(phi, 1.0))
-    slopes = {"A.phi": 1.0, "B.phi": theta.d - 1, "C.phi": psi.d - theta.d, "D.phi": psi.d}
+    derivatives = {"A.phi": 1.0, "B.phi": theta.d - 1, "C.phi": psi.d - theta.d, "D.phi": psi.d}
     a = mode.shape["A.phi"]
-    assert {n: x / a for n, x in mode.shape.items()} == pytest.approx(slopes, rel=1e-10)
+    assert {n: x / a for n, x in mode.shape.items()} == pytest.approx(derivatives, rel=1e-10)
     assert mode.bodies["coupler"].rotation / a == pytest.approx(np.array([0, 0, theta.d]), rel=1e-10)
     tip = 0.5 * np.array([-math.sin(phi), math.cos(phi), 0])
     assert mode.bodies["coupler"].translation / a == pytest.approx(tip, abs=1e-10)
@@ -267,7 +269,7 @@ def test_dependent_joints_and_bodies_move_as_the_loop_lets_them() -> None:
 @pytest.mark.parametrize("name", list(CASES))
 @pytest.mark.filterwarnings("ignore::gelenk.OperatingPointWarning")
 def test_every_mode_solves_the_eigenvalue_problem(name: str, tmp_path: Path) -> None:
-    """As many as there are states, chains counted; the FMU's the same."""
+    """Modes account for all states, with the lengths of their chains; those of the FMU are the same."""
     case = CASES[name]
     source = case.make()
     found = gelenk.modes(source, input_values=case.inputs)
@@ -286,8 +288,8 @@ def test_every_mode_solves_the_eigenvalue_problem(name: str, tmp_path: Path) -> 
     assert list(by_fmu.modes[0].shape) == list(found.modes[0].shape)
 
 
-def test_rods_without_mass_are_left_alone() -> None:
-    """They carry no sensor, which would make bodies of them."""
+def test_massless_rods_are_not_among_the_moving_bodies() -> None:
+    """The analysis puts no sensors on them, which would make them bodies."""
     source = four_bar(1.1)
     source["bodies"]["coupler"] = {"mass": 0.0}
     source["joints"]["D"] |= {"stiffness": 50.0}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Motions in which speeds stay constant, against closed forms; and the linear models about them."""
+"""Steady motions, in which velocities remain constant, and linear models about them, against closed forms."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ import gelenk
 from gelenk.chart.mechanisms import governor
 from gelenk.linear import linear_model
 
-CLOSE = 1e-11  # Newton's method has converged; of sums of a few terms
+CLOSE = 1e-11  # Newton's method has converged; rounding of sums of a few terms
 
 
 def steady(source: Scene, tmp_path: Path | None = None, **arguments: Any) -> gelenk.Equilibrium:
-    """Of the scene, and of its FMU the same; linearised there without a warning, and staying so for 2 s."""
+    """The steady motion of the scene; its FMU must have the same, and a run must continue it for 0.5 s."""
     found = gelenk.equilibrium(source, **arguments)
     assert found.residual < 1e-8
     if tmp_path is not None:
@@ -34,10 +34,10 @@ def steady(source: Scene, tmp_path: Path | None = None, **arguments: Any) -> gel
         gelenk.modes(source, at=found.at)
     run = gelenk.simulate(source, stop=0.5, tolerance=1e-10, inputs=found.inputs, parameters=start(found))
     for name, value in found.values.items():
-        going = found.advancing.get(name, 0.0) if "Q" not in name else None
-        if going is not None and name in run.names:
-            # 1e-10 per step, over half a second of growth by what is unstable.
-            assert run[name][-1] == pytest.approx(value + 0.5 * going, rel=1e-5, abs=1e-6), name
+        rate = found.advancing.get(name, 0.0) if "Q" not in name else None
+        if rate is not None and name in run.names:
+            # 1e-10 per step, over half a second in which unstable modes grow.
+            assert run[name][-1] == pytest.approx(value + 0.5 * rate, rel=1e-5, abs=1e-6), name
     return found
 
 
@@ -45,13 +45,13 @@ def start(found: gelenk.Equilibrium) -> dict[str, Any]:
     return {name: value for name, value in found.at.items() if name not in found.inputs}
 
 
-# --- a bead on a hoop, a conical pendulum: the same on a hinge ---
+# --- a conical pendulum on a hinge, equivalent to a bead on a rotating hoop ---
 
 MASS, LENGTH, SHAFT = 1.3, 0.7, 0.2  # kg, m, kg m2
 
 
 def conical(damping: float = 0.0) -> Scene:
-    """A point on a hinge that a vertical shaft turns."""
+    """A point mass on a hinge that rotates with a vertical shaft."""
     return scene(
         {"shaft": body(0.1, (0, 0, 0), (0.1, 0.1, SHAFT)), "bob": body(MASS, (0, 0, -LENGTH))},
         {"S": joint("revolute", frame("ground"), frame("shaft"), axis=[0, 0, 1], damping=damping),
@@ -62,7 +62,7 @@ def conical(damping: float = 0.0) -> Scene:
 
 @pytest.mark.parametrize(("spin", "first"), [(3.9, 0.6), (5.0, 0.6), (-20.0, 1.2)])
 def test_conical_pendulum(spin: float, first: float, tmp_path: Path) -> None:
-    """At cos(tilt) = g / l w^2; small swings about it by the moment of momentum that the shaft keeps."""
+    """cos(tilt) = g / l w^2; small oscillations about it conserve the angular momentum of the shaft."""
     source = conical()
     found = steady(source, tmp_path, steady={"S.w": spin}, at={"H.phi": first})
     tilt = found.values["H.phi"]
@@ -79,14 +79,14 @@ def test_conical_pendulum(spin: float, first: float, tmp_path: Path) -> None:
     assert (drift.kind, drift.names) == ("drifting", ["S.phi"])
 
 
-def test_too_slow_a_spin_leaves_it_hanging() -> None:
+def test_below_the_critical_spin_the_pendulum_hangs_down() -> None:
     """Below sqrt(g / l) only tilt 0 is steady."""
     found = steady(conical(), steady={"S.w": 3.0})
     assert found.values["H.phi"] == pytest.approx(0, abs=1e-9)
 
 
 def test_the_spin_that_holds_a_tilt_is_found(tmp_path: Path) -> None:
-    """Of two, w and -w, the one next to the first."""
+    """Of the two solutions, w and -w, the one closer to the initial guess is found."""
     for sign in (1, -1):
         found = steady(conical(), tmp_path, steady=["S.w"], hold={"H.phi": 0.8}, at={"S.w": 3.0 * sign})
         spin = sign * math.sqrt(GRAVITY / (LENGTH * math.cos(0.8)))
@@ -94,14 +94,14 @@ def test_the_spin_that_holds_a_tilt_is_found(tmp_path: Path) -> None:
         assert found.values["H.phi"] == 0.8
 
 
-def test_a_motor_keeps_a_damped_shaft_going(tmp_path: Path) -> None:
+def test_motor_torque_balances_the_damping_of_the_shaft(tmp_path: Path) -> None:
     found = steady(conical(0.3), tmp_path, steady={"S.w": 5.0}, solve_for=["drive.tau"])
     assert found.inputs["drive.tau"] == pytest.approx(0.3 * 5.0, rel=CLOSE)
     assert math.cos(found.values["H.phi"]) == pytest.approx(GRAVITY / (LENGTH * 25), rel=CLOSE)
 
 
-def test_a_body_on_a_ball_turns_about_the_vertical() -> None:
-    """If (I1 - I3) w^2 cos(tilt) = m g l for its speeds, which are along its own axes; else it is refused."""
+def test_body_on_a_spherical_joint_rotates_about_the_vertical() -> None:
+    """Velocities in body axes are steady if (I1 - I3) w^2 cos(tilt) = m g l; others are rejected."""
     tilt = 0.7
     weight = plants.TOP_MASS * GRAVITY * plants.TOP_REACH
     spin = math.sqrt(weight / ((plants.ACROSS - plants.ALONG) * math.cos(tilt)))
@@ -111,7 +111,7 @@ def test_a_body_on_a_ball_turns_about_the_vertical() -> None:
     source["joints"]["S"]["start"]["Q"] = [0.3, 0, 0, math.sqrt(0.91)]
     found = steady(source, steady=dict(zip(names, map(float, w), strict=True)))
     x, y, z, s = (found.values[f"S.Q[{i}]"] for i in (1, 2, 3, 4))
-    up = np.array([2 * (x * z - y * s), 2 * (y * z + x * s), 1 - 2 * (x * x + y * y)])  # along its own axes
+    up = np.array([2 * (x * z - y * s), 2 * (y * z + x * s), 1 - 2 * (x * x + y * y)])  # in body axes
     assert up == pytest.approx(w / spin, abs=1e-10)
     assert {*found.advancing} == {"S.theta[2]", "S.theta[3]"}
     said = refusal(source, steady=dict(zip(names, map(float, 1.1 * w), strict=True)))
@@ -122,11 +122,11 @@ def test_a_body_on_a_ball_turns_about_the_vertical() -> None:
 
 
 def gimballed_top() -> Scene:
-    """Rings without inertia: precession about the vertical, nutation, spin about the top's own axis."""
+    """Rings of negligible inertia: precession about the vertical, nutation, spin about the top's axis."""
     across = plants.ACROSS - plants.TOP_MASS * plants.TOP_REACH**2
-    nearly_none = body(1e-30, (0, 0, 0), (1e-30,) * 3)  # kg, kg m2
+    nearly_massless = body(1e-30, (0, 0, 0), (1e-30,) * 3)  # kg, kg m2
     return scene(
-        {"outer": nearly_none, "inner": nearly_none,
+        {"outer": nearly_massless, "inner": nearly_massless,
          "top": body(plants.TOP_MASS, (0, 0, plants.TOP_REACH), (across, across, plants.ALONG))},
         {"precession": joint("revolute", frame("ground"), frame("outer"), axis=[0, 0, 1]),
          "nutation": joint("revolute", frame("outer"), frame("inner"), axis=[1, 0, 0], start={"phi": 0.5}),
@@ -137,7 +137,7 @@ def gimballed_top() -> Scene:
 
 @pytest.mark.parametrize("fast", [False, True])
 @pytest.mark.parametrize("tilt", [0.4, 1.9])
-def test_heavy_top_precesses_slowly_or_fast(tilt: float, fast: bool) -> None:
+def test_heavy_top_has_a_slow_and_a_fast_precession(tilt: float, fast: bool) -> None:
     """(I1 - I3) cos(tilt) p^2 - I3 s p + m g l = 0, s the speed of the spin joint (Goldstein 1980, 5-76)."""
     s = 250.0
     weight = plants.TOP_MASS * GRAVITY * plants.TOP_REACH
@@ -161,19 +161,19 @@ def test_a_sleeping_top_is_steady() -> None:
 
 
 def test_stiff_governor_at_speed(tmp_path: Path) -> None:
-    """Forces on arm and collar by hand, from the scene's numbers; both arms alike."""
+    """Balance of the forces on arm and collar, from the scene's numbers; both arms have the same angle."""
     spin = 6.0
     found = steady(governor(), tmp_path, steady={"S.w": spin})
     assert found.values["L.phi"] == pytest.approx(found.values["R.phi"], rel=1e-9)
     s, phi = found.values["P.s"], found.values["L.phi"]
-    arm = np.array([math.cos(phi), -math.sin(phi)])  # outwards, up: phi is below the level
+    arm = np.array([math.cos(phi), -math.sin(phi)])  # outward, up: phi points down from the horizontal
     middle, collar = np.array([0.05, 1.0]) + 0.5 * arm, np.array([0.05, s])
     length = float(np.linalg.norm(middle - collar))
     pull = 8e5 * (length - 0.5) * (collar - middle) / length
-    # Collar: two springs carry 3 kg. 8e5 N/m at rounding of 1 m: 1e-9 N.
+    # Collar: two springs carry 3 kg. 8e5 N/m times the rounding of 1 m: 1e-9 N.
     assert -2 * pull[1] == pytest.approx(3 * GRAVITY, rel=1e-7)
-    # Arm about its pivot: ball and rod (uniform, thin but for 1e-4 / 12 of its own, along all axes alike
-    # but one) in weight and centrifugal force.
+    # Moments of weight and centrifugal force about the pivot of the arm, a ball and a uniform rod; `thin` is
+    # the difference of the rod's transverse and axial moments of inertia.
     m_ball, m_rod = 5.0, 0.3
     r_out = lambda share: 0.05 + share * math.cos(phi)  # noqa: E731
     weight = (m_ball + 0.5 * m_rod) * GRAVITY * math.cos(phi)
@@ -185,7 +185,7 @@ def test_stiff_governor_at_speed(tmp_path: Path) -> None:
 
 
 def porter(arm: float, ball: float, collar: float) -> Scene:
-    """Two loops: balls on arms from the shaft's axis, links without mass of the same length to the collar."""
+    """Two loops: balls on arms from the shaft's axis, massless links of the same length to the collar."""
     tilt = 0.7
     bodies: dict[str, Any] = {"shaft": body(0.5, (0, 0, 0), (0.1, 0.1, 0.1)), "collar": body(collar)}
     joints: dict[str, Any] = {
@@ -195,7 +195,7 @@ def porter(arm: float, ball: float, collar: float) -> Scene:
     }  # fmt: skip
     about_y = {"axis": [0, 1, 0]}
     for name, side in (("left", 1), ("right", -1)):
-        bodies[name] = body(ball, (0, 0, -arm), (1e-3,) * 3)  # alike about all axes: of no effect
+        bodies[name] = body(ball, (0, 0, -arm), (1e-3,) * 3)  # isotropic: no effect
         bodies[f"{name}_link"] = body(0.0)
         joints[f"{name}_top"] = joint(
             "revolute", frame("shaft"), frame(name), **about_y, start={"phi": -side * tilt}
@@ -213,7 +213,7 @@ def porter(arm: float, ball: float, collar: float) -> Scene:
 
 @pytest.mark.parametrize("spin", [8.0, 12.0])
 def test_height_of_porters_governor(spin: float, tmp_path: Path) -> None:
-    """At h = (m + M) / m g / w^2 below the pivots, with balls of m and a collar of M; loops closed."""
+    """The height is (m + M) / m g / w^2 for balls of mass m and a collar of mass M; with closed loops."""
     arm, ball, collar = 0.4, 1.5, 2.0
     found = steady(porter(arm, ball, collar), tmp_path, steady={"S.w": spin})
     height = (ball + collar) / ball * GRAVITY / spin**2
@@ -222,11 +222,11 @@ def test_height_of_porters_governor(spin: float, tmp_path: Path) -> None:
     assert gelenk.modes(porter(arm, ball, collar), at=found.at).stability == "marginal"
 
 
-# --- given motions ---
+# --- prescribed motions ---
 
 
 def driven(motion: dict[str, Any], lean: float = 0.0) -> Scene:
-    """The shaft turns as it is told; gravity leans."""
+    """The shaft follows a prescribed motion; gravity is inclined by `lean`."""
     source = conical()
     del source["motors"]
     source["gravity"] = [GRAVITY * math.sin(lean), 0, -GRAVITY * math.cos(lean)]
@@ -236,8 +236,8 @@ def driven(motion: dict[str, Any], lean: float = 0.0) -> Scene:
 
 @pytest.mark.parametrize("motion", [{"polynomial": [0.0, 5.0]}, {"speed": 5.0}])
 @pytest.mark.parametrize("speeds", [None, {"S.w": 5.0}, ["S.w"]])
-def test_a_shaft_that_is_driven_carries_its_pendulum(motion: Any, speeds: Any, tmp_path: Path) -> None:
-    """It swings by m l^2 sin^2 w^2 now: the shaft does not slow."""
+def test_pendulum_on_a_shaft_with_a_prescribed_motion(motion: Any, speeds: Any, tmp_path: Path) -> None:
+    """The stiffness of its oscillations is m l^2 sin^2 w^2, since the shaft does not slow down."""
     found = gelenk.equilibrium(driven(motion), steady=speeds)
     by_fmu = gelenk.equilibrium(gelenk.export_fmu(driven(motion), tmp_path / "x.fmu"), steady=speeds)
     tilt = math.acos(GRAVITY / (LENGTH * 25))
@@ -265,24 +265,26 @@ def test_a_given_motion_decides_its_speed() -> None:
         ),
     ],
 )
-def test_what_a_given_motion_carries_away_is_refused(motion: Any, lean: float, sentence: str) -> None:
+def test_prescribed_motions_without_a_steady_motion_are_rejected(
+    motion: Any, lean: float, sentence: str
+) -> None:
     """In gravity that leans, ever faster, to and fro: there is a pose without acceleration, for a moment."""
     assert re.fullmatch(
         f"no steady motion: a prescribed motion causes {sentence}", refusal(driven(motion, lean))
     )
 
 
-# --- what is none ---
+# --- motions that are not steady ---
 
 
 def refusal(source: Scene, **arguments: Any) -> str:
-    with pytest.raises(gelenk.EquilibriumError) as told:
+    with pytest.raises(gelenk.EquilibriumError) as error:
         gelenk.equilibrium(source, **arguments)
-    return str(told.value)
+    return str(error.value)
 
 
-def test_what_is_steady_for_a_moment_only_is_refused() -> None:
-    """A pendulum through its lowest point: -g / l cos(0) w."""
+def test_motion_that_does_not_remain_steady_is_rejected() -> None:
+    """A pendulum at its lowest point has no acceleration, but its rate of change is -g / l cos(0) w."""
     said = refusal(conical(), steady={"H.w": 3.0})
     assert (
         said
@@ -290,19 +292,19 @@ def test_what_is_steady_for_a_moment_only_is_refused() -> None:
     )
 
 
-def test_a_damped_shaft_without_a_motor_is_refused() -> None:
-    """Told with the deceleration that remains: -c w / I at some tilt."""
+def test_damped_shaft_without_a_motor_is_rejected() -> None:
+    """The message states the residual deceleration, -c w / I at some tilt."""
     said = refusal(conical(0.3), steady={"S.w": 5.0})
     assert said.startswith("no steady motion")
     assert "S.a = -" in said
 
 
-def test_a_spin_that_gravity_can_hold_at_no_tilt_beyond_the_level_is_refused() -> None:
+def test_tilt_above_the_horizontal_is_rejected() -> None:
     said = refusal(conical(), steady={"S.w": 5.0}, hold={"H.phi": 1.7}, solve_for="drive.tau")
     assert said.startswith("drive.tau cannot hold this motion; the largest residual acceleration is H.a = ")
 
 
-def test_wrong_speeds_are_told() -> None:
+def test_invalid_velocities_are_rejected() -> None:
     for speeds, sentence in (
         ({"S.v": 3.0}, r"S\.v: no such velocity; did you mean S\.w"),
         ({"S.phi": 3.0}, r"S\.phi: no such velocity; there are S\.w, H\.w"),
@@ -314,6 +316,6 @@ def test_wrong_speeds_are_told() -> None:
         gelenk.equilibrium(porter(0.4, 1.5, 2.0), steady={"left_top.w": 0.0, "P.v": 0.0})
 
 
-def test_states_of_the_linear_model_keep_their_number() -> None:
+def test_linear_model_about_a_steady_motion_has_all_states() -> None:
     found = gelenk.equilibrium(conical(), steady={"S.w": 5.0})
     assert linear_model(conical(), at=found.at).rates.tolist() == pytest.approx([5, 0, 0, 0], abs=1e-8)
