@@ -278,7 +278,7 @@ MECHANISMS: dict[str, Callable[[], list[Placed]]] = {
     "trihedral_bricard": trihedral_bricard,
     "line_symmetric_bricard": line_symmetric_bricard,
 }
-FREEDOMS = dict.fromkeys(MECHANISMS, 1) | {"double_parallelogram": 2, "stewart": 6}
+DEGREES_OF_FREEDOM = dict.fromkeys(MECHANISMS, 1) | {"double_parallelogram": 2, "stewart": 6}
 
 
 def rounded(x: float, digits: int | None) -> float:

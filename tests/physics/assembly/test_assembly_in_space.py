@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Wishes that contradict, in space and with quaternions: least squares over a platform's pose alone."""
+"""Inconsistent initial guesses in space, also for quaternions, against least squares over the pose."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Stewart:
         frames = [joints[f"base{k}"]["parent"]["rotation"]["matrix"] for k in LEGS]
         self.frame = Rotation.from_matrix(np.array(frames))
         self.reference = np.array([0.0, 0.0, 1.1, 0.0, 0.0, 0.0])
-        # The balls in the legs' frames: not on their axes, as the file's numbers have four digits.
+        # The balls in the frames of the legs: not on their axes, since the file's numbers have four digits.
         self.tip = self.frame.inv().apply(self.ball + self.reference[:3] - self.base)
 
     def at(self, pose: Array) -> tuple[Array, Array, Array, Rotation]:
@@ -46,28 +46,28 @@ class Stewart:
 
 
 @pytest.mark.parametrize("seed", [None, 1, 2])
-def test_wishes_of_all_kinds_of_joints_are_met_by_least_squares(seed: int | None) -> None:
-    """Thirty-six wishes for six freedoms, some of them at quaternions, wherever the loops are cut."""
+def test_guesses_of_all_types_of_joints_are_met_by_least_squares(seed: int | None) -> None:
+    """36 guesses, some of them for quaternions, for six degrees of freedom; several choices of cut joints."""
     source = shipped.shipped("stewart")
     stewart = Stewart(source)
     rng = np.random.default_rng(8)
     s, phi_a, phi_b = rng.uniform(-0.1, 0.1, (3, 6))
-    wished = Rotation.from_rotvec(rng.uniform(-0.2, 0.2, (6, 3)))
-    of_s, of_base, of_ball = rng.uniform(0.3, 3, (3, 6))
+    guessed = Rotation.from_rotvec(rng.uniform(-0.2, 0.2, (6, 3)))
+    weight_s, weight_base, weight_ball = rng.uniform(0.3, 3, (3, 6))
     for i, k in enumerate(LEGS):
         joints = source["joints"]
-        joints[f"leg{k}"]["start"] = {"s": s[i], "weight": of_s[i]}
-        joints[f"base{k}"]["start"] = {"phi_a": phi_a[i], "phi_b": phi_b[i], "weight": of_base[i]}
-        joints[f"ball{k}"]["start"] = {"Q": wished[i].as_quat(), "weight": {"Q": of_ball[i]}}
+        joints[f"leg{k}"]["start"] = {"s": s[i], "weight": weight_s[i]}
+        joints[f"base{k}"]["start"] = {"phi_a": phi_a[i], "phi_b": phi_b[i], "weight": weight_base[i]}
+        joints[f"ball{k}"]["start"] = {"Q": guessed[i].as_quat(), "weight": {"Q": weight_ball[i]}}
 
-    def off(pose: Array) -> Array:
+    def residuals(pose: Array) -> Array:
         at_s, at_a, at_b, ball = stewart.at(pose)
-        turns = np.sqrt(of_ball)[:, None] * (wished.inv() * ball).as_rotvec()
-        bases = np.sqrt(of_base) * np.array([at_a - phi_a, at_b - phi_b])
-        return np.concatenate([np.sqrt(of_s) * (at_s - s), bases.ravel(), turns.ravel()])
+        turns = np.sqrt(weight_ball)[:, None] * (guessed.inv() * ball).as_rotvec()
+        bases = np.sqrt(weight_base) * np.array([at_a - phi_a, at_b - phi_b])
+        return np.concatenate([np.sqrt(weight_s) * (at_s - s), bases.ravel(), turns.ravel()])
 
-    truth = least_squares(off, stewart.reference, jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15).x
-    assert np.abs(off(truth)).max() > 0.1
+    truth = least_squares(residuals, stewart.reference, jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+    assert np.abs(residuals(truth)).max() > 0.1
     if seed is not None:
         source = reordered(source, seed) | {"solver": {"reductions": {"cut_choice": False}}}
     plant = gelenk.Simulation(source)

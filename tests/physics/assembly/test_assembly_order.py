@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the loops close is a matter of the start values, not of the order of the file."""
+"""The assembly that is found depends on the start values, not on the order of the scene file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ORDERS = range(12)
 
 
 def angles(source: Scene) -> dict[str, float]:
-    """Of all hinges, within a turn."""
+    """Angles of all hinges, modulo one revolution."""
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize(0.0)
     names = sorted(s.name for s in plant.outputs if s.name.endswith(".phi"))
@@ -38,11 +38,11 @@ def squeezer() -> Scene:
 
 @pytest.mark.parametrize("make", [five_bar, squeezer])
 def test_guesses_far_from_all_assemblies_lead_to_the_nearest(make: Callable[[], Scene]) -> None:
-    """In every order of the file, though one cuts other joints than another, and begins elsewhere."""
+    """For every order of the file, although the cut joints and the first iterate depend on it."""
     expected = angles(make())
     for seed in ORDERS:
         found = angles(reordered(make(), seed))
-        for name, value in expected.items():  # closed to 1e-14, over levers of some hundredths
+        for name, value in expected.items():  # closed to 1e-14, over lever arms of some 0.01 m
             assert math.remainder(found[name] - value, 2 * math.pi) == pytest.approx(0, abs=1e-9), (
                 seed,
                 name,
@@ -50,8 +50,8 @@ def test_guesses_far_from_all_assemblies_lead_to_the_nearest(make: Callable[[], 
 
 
 def mirrored() -> Scene:
-    """Two cranks upright at a distance of 1 m, bars of 0.6 m guessed along the line between their tips: they
-    meet above or below it, equally far from the guesses.
+    """Two upright cranks at a distance of 1 m. The guesses place two bars of 0.6 m on the line between the
+    cranks' tips; the bars meet above or below it, equally far from the guesses.
     """
     about_z = {"axis": [0, 0, 1]}
     bodies = {name: rod(0.3, length) for name, length in (("a", 0.4), ("b", 0.4), ("c", 0.6), ("d", 0.6))}
@@ -68,8 +68,8 @@ def mirrored() -> Scene:
     return scene(bodies, joints, name="Mirrored")
 
 
-def test_two_assemblies_that_are_equally_near_are_warned_of() -> None:
-    """At cos = 0.5 / 0.6 from the line in both; a nearer guess says which one is meant."""
+def test_two_equally_close_assemblies_raise_a_warning() -> None:
+    """In both, cos = 0.5 / 0.6 of the angle to the line; a closer guess selects one of them."""
     for source in [mirrored(), *(reordered(mirrored(), seed) for seed in ORDERS)]:
         with pytest.warns(
             gelenk.StartWarning, match="two positions that are equally close to the start values: with"

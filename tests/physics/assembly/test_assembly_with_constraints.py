@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start values where motions and gears hold coordinates besides the loops."""
+"""Assembly with prescribed motions and gears, which constrain coordinates in addition to loops."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from mechanisms import Scene, frame, joint, rod
 
 import gelenk
-from physics.assembly.test_assembly import ROUNDED, angles, assembled, bare, rates
+from physics.assembly.test_assembly import ROUNDING, angles, assembled, bare, rates
 from physics.assembly.test_fixed_starts import refusal
 
 RATIO = 3.0
@@ -35,24 +35,24 @@ def started(source: Scene, *names: str) -> list[float]:
     return [plant.output(name) for name in names]
 
 
-def test_turns_of_a_gear_count() -> None:
-    """More than a turn away from where it stands without a guess."""
+def test_gears_count_revolutions() -> None:
+    """The start is more than one revolution away from the assembly without a guess."""
     source = geared(a={"phi": 31.0, "w": 6.0, "fixed": True})
     a, b, w = started(source, "a.phi", "b.phi", "b.w")
     assert a == 31.0
-    assert b == pytest.approx(31.0 / RATIO, abs=ROUNDED)
-    assert w == pytest.approx(2.0, abs=ROUNDED)
+    assert b == pytest.approx(31.0 / RATIO, abs=ROUNDING)
+    assert w == pytest.approx(2.0, abs=ROUNDING)
 
 
-def test_guesses_at_both_ends_of_a_gear_are_met_by_least_squares() -> None:
+def test_guesses_on_both_sides_of_a_gear_are_met_by_least_squares() -> None:
     """On the line a = 3 b: b = (3 u A + v B) / (9 u + v) with weights u, v."""
     source = geared(a={"phi": 7.0, "weight": 2}, b={"phi": 2.0, "weight": 5})
     a, b = started(source, "a.phi", "b.phi")
-    assert b == pytest.approx((RATIO * 2 * 7.0 + 5 * 2.0) / (RATIO**2 * 2 + 5), abs=ROUNDED * 10)
-    assert a == pytest.approx(RATIO * b, abs=ROUNDED * 10)
+    assert b == pytest.approx((RATIO * 2 * 7.0 + 5 * 2.0) / (RATIO**2 * 2 + 5), abs=ROUNDING * 10)
+    assert a == pytest.approx(RATIO * b, abs=ROUNDING * 10)
 
 
-def test_fixed_angles_that_a_gear_forbids_are_named() -> None:
+def test_fixed_angles_that_contradict_a_gear_are_named() -> None:
     text = refusal(geared(a={"phi": 7.0, "fixed": True}, b={"phi": 2.0, "fixed": True}))
     assert "constraints.mesh cannot be satisfied at the start: smallest error 1 rad" in text.replace(
         "0 m and ", ""
@@ -61,28 +61,28 @@ def test_fixed_angles_that_a_gear_forbids_are_named() -> None:
     assert "b.phi, for instance, would then be 2.33333 rad instead of 2 rad." in text
 
 
-def test_loop_is_closed_where_a_motion_begins() -> None:
-    """A motion that sets out beyond a turn: the crank stands there, and moves with it."""
+def test_loop_is_closed_at_the_start_of_a_prescribed_motion() -> None:
+    """The motion starts beyond one revolution: the crank is at that angle and has the motion's velocity."""
     source = bare()
     source["constraints"] = {"shaft": {"type": "motion", "joint": "A", "polynomial": [10.0, 2.0]}}
     source["joints"]["C"]["start"] = {"phi": 1.0}
     found = assembled(source)
     apart = np.remainder(found - angles(10.0) + np.pi, 2 * np.pi) - np.pi
-    assert found[0] == pytest.approx(10.0, abs=ROUNDED * 10)
-    assert np.abs(apart).max() < ROUNDED * 10
-    assert np.abs(assembled(source, "w") - 2.0 * rates(10.0)).max() < ROUNDED * 10
+    assert found[0] == pytest.approx(10.0, abs=ROUNDING * 10)
+    assert np.abs(apart).max() < ROUNDING * 10
+    assert np.abs(assembled(source, "w") - 2.0 * rates(10.0)).max() < ROUNDING * 10
     both = gelenk.assemblies(source)
     assert len(both) == 2
     assert [branch.degrees_of_freedom for branch in both] == [0, 0]
 
 
-def test_fixed_speed_that_a_motion_forbids_is_named() -> None:
+def test_fixed_velocity_that_contradicts_a_motion_is_named() -> None:
     source = bare()
     source["constraints"] = {"shaft": {"type": "motion", "joint": "A", "polynomial": [1.1, 2.0]}}
     source["joints"]["D"]["start"] = {"w": 5.0, "fixed": ["w"]}
     source["joints"]["C"]["start"] = {"phi": 1.0}
     text = refusal(source)
     assert "the fixed start velocities of D contradict the loops" in text
-    told = re.search(r"it would then be ([-0-9.]+) rad/s instead of 5 rad/s", text)
-    assert told, text
-    assert float(told[1]) == pytest.approx(2.0 * rates(1.1)[3], abs=1e-5)  # six digits are printed
+    printed = re.search(r"it would then be ([-0-9.]+) rad/s instead of 5 rad/s", text)
+    assert printed, text
+    assert float(printed[1]) == pytest.approx(2.0 * rates(1.1)[3], abs=1e-5)  # six digits are printed

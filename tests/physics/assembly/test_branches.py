@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ways in which a mechanism can be put together: all are found, once; start values lead back there."""
+"""All assemblies of a mechanism are found, each of them once, and can be reproduced from start values."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from scipy.spatial.transform import Rotation
 
 import gelenk
 from gelenk.chart import mechanisms as shipped
-from physics.assembly.test_assembly import JOINTS, LINKS, angles, bare, wishing
+from physics.assembly.test_assembly import JOINTS, LINKS, angles, bare, with_starts
 from physics.assembly.test_fixed_starts import held
 
 TURN = 2 * math.pi
 
 
 def led_back(branch: gelenk.Branch, source: Any) -> float:
-    """How far from a branch the scene is assembled with it as guesses, and as parameters."""
+    """The distance from a branch at which the scene is assembled with it as guesses, and as parameters."""
     farthest = 0.0
     for scene in (branch.apply_to(source), gelenk.load(source).with_parameters(branch.parameters)):
         plant = gelenk.Simulation(scene)
@@ -36,13 +36,13 @@ def led_back(branch: gelenk.Branch, source: Any) -> float:
     return farthest
 
 
-def apart(a: Any, b: Any) -> float:
-    """Largest difference of angles modulo a turn."""
+def angle_difference(a: Any, b: Any) -> float:
+    """Largest difference between angles modulo one revolution."""
     return float(np.abs(np.remainder(np.asarray(a) - np.asarray(b) + math.pi, TURN) - math.pi).max())
 
 
 @pytest.mark.parametrize("seed", [None, 3, 4])
-def test_four_bar_with_its_crank_fixed_has_two(seed: int | None) -> None:
+def test_four_bar_with_a_fixed_crank_has_two_assemblies(seed: int | None) -> None:
     source = held({"A": 1.1})
     if seed is not None:
         source = reordered(source, seed)
@@ -51,14 +51,14 @@ def test_four_bar_with_its_crank_fixed_has_two(seed: int | None) -> None:
     assert found.settled == (True,)
     assert [branch.degrees_of_freedom for branch in found] == [0, 0]
     for truth in (angles(1.1), angles(1.1, open_branch=False)):
-        at = [apart([branch.values[f"{j}.phi"] for j in JOINTS], truth) for branch in found]
+        at = [angle_difference([branch.values[f"{j}.phi"] for j in JOINTS], truth) for branch in found]
         assert min(at) < 1e-12  # closed to some tens of roundings
         assert led_back(found[at.index(min(at))], source) < 1e-12
     assert sum(branch.is_default for branch in found) == 1
 
 
-def test_what_was_free_stays_free_where_a_branch_is_put() -> None:
-    """Its angles are guesses but for the crank's, which was fixed: another crank's angle can be asked for."""
+def test_applied_branch_leaves_free_coordinates_free() -> None:
+    """Its angles become guesses, except for the fixed crank angle, for which another value can be set."""
     source = held({"A": 1.1}, B={"phi": -0.2}, D={"phi": 1.5, "weight": 3})
     branch = gelenk.assemblies(source)[0]
     data = branch.apply_to(source).to_dict()
@@ -71,19 +71,22 @@ def test_what_was_free_stays_free_where_a_branch_is_put() -> None:
     plant = gelenk.Simulation(data)
     plant.initialize()
     found = [plant.output(f"{name}.phi") for name in JOINTS]
-    assert min(apart(found, angles(1.2)), apart(found, angles(1.2, open_branch=False))) < 1e-12
+    assert (
+        min(angle_difference(found, angles(1.2)), angle_difference(found, angles(1.2, open_branch=False)))
+        < 1e-12
+    )
 
 
-def test_branches_that_meet_at_a_dead_centre_are_one() -> None:
-    """Crank and coupler in line: a rocker 1e-12 rad inside the limit leaves 1e-6 rad to either side."""
+def test_branches_that_meet_at_a_dead_center_count_as_one() -> None:
+    """Crank and coupler in line: 1e-12 rad inside the rocker's limit, the branches differ by 1e-6 rad."""
     crank, coupler, rocker, ground = LINKS
     limit = math.pi - math.acos((rocker**2 + ground**2 - (crank + coupler) ** 2) / (2 * rocker * ground))
     assert len(gelenk.assemblies(held({"D": limit + 1e-12}))) == 1
     assert len(gelenk.assemblies(held({"D": limit + 1e-4}))) == 2
 
 
-def test_slider_crank_and_five_bar_have_two_each() -> None:
-    """The pin lies where two circles meet, or a circle and a line."""
+def test_slider_crank_and_five_bar_have_two_assemblies_each() -> None:
+    """The pin is at an intersection of two circles, or of a circle and a line."""
     for name in ("slider_crank", "five_bar"):
         source = shipped.shipped(name)
         found = gelenk.assemblies(source)
@@ -98,14 +101,14 @@ def test_slider_crank_and_five_bar_have_two_each() -> None:
 
 
 def five_bar_tip(branch: gelenk.Branch) -> complex:
-    """In the plane of the five-bar, along its left arm."""
+    """Position of the tip in the plane of the five-bar, along its left arm."""
     left = branch.values["left.phi"]
     lower = left + branch.values["elbow_left.phi"]
     return complex(-0.15 + 0.25 * np.exp(1j * left) + 0.35 * np.exp(1j * lower))
 
 
 def two_arms() -> Scene:
-    """Two arms of two links, their tips pinned to one point of the ground each: elbows up or down."""
+    """Two arms of two links each, whose tips are pinned to two points of the ground: elbows up or down."""
     bodies: dict[str, Any] = {}
     joints: dict[str, Any] = {}
     for side, x in (("l", -1.0), ("r", 1.0)):
@@ -119,7 +122,7 @@ def two_arms() -> Scene:
     return {"gelenk": 1, "bodies": bodies, "joints": joints}
 
 
-def test_parts_that_move_apart_are_listed_apart() -> None:
+def test_branches_of_independent_islands_are_listed_separately() -> None:
     source = two_arms()
     found = gelenk.assemblies(source)
     assert [branch.island for branch in found] == [0, 0, 1, 1]
@@ -136,33 +139,33 @@ def test_parts_that_move_apart_are_listed_apart() -> None:
     )
 
 
-WISHES = np.array([1.3, -0.1, 1.0, 2.1])
+GUESSES = np.array([1.3, -0.1, 1.0, 2.1])
 
 
-def valleys(wishes: Any) -> list[float]:
-    """All least distances from wishes of angles [rad] that a four-bar passes in its two circuits."""
+def minimum_distances(guesses: Any) -> list[float]:
+    """All local minima of the distance of a four-bar from guessed angles [rad], in both circuits."""
     found = []
     for open_branch in (True, False):
 
         def squared(phi: float, branch: bool = open_branch) -> float:
-            off = np.remainder(angles(phi, branch) - wishes + math.pi, TURN) - math.pi
+            off = np.remainder(angles(phi, branch) - guesses + math.pi, TURN) - math.pi
             return float(off @ off)
 
-        def slope(phi: float, of: Any = squared) -> float:
+        def gradient(phi: float, of: Any = squared) -> float:
             return float(of(phi + 1e-6) - of(phi - 1e-6))
 
         grid = np.linspace(0, TURN, 721)
         for a, b in itertools.pairwise(grid):
-            if slope(a) < 0 < slope(b):
-                found.append(math.sqrt(squared(brentq(slope, a, b, xtol=1e-12))))
+            if gradient(a) < 0 < gradient(b):
+                found.append(math.sqrt(squared(brentq(gradient, a, b, xtol=1e-12))))
     return sorted(found)
 
 
-def test_with_a_freedom_left_the_valleys_of_the_distance_are_listed() -> None:
-    """Truth: both circuits of the closed form, scanned. Distances are level at a bottom: 1e-9 is generous."""
-    source = wishing(bare(), **{j: {"phi": WISHES[i]} for i, j in enumerate(JOINTS)})
+def test_local_minima_of_the_distance_are_listed_if_a_degree_of_freedom_is_left() -> None:
+    """Against scans of both circuits of the closed form. Distances are stationary there: 1e-9 is ample."""
+    source = with_starts(bare(), **{j: {"phi": GUESSES[i]} for i, j in enumerate(JOINTS)})
     found = gelenk.assemblies(source)
-    truth = valleys(WISHES)
+    truth = minimum_distances(GUESSES)
     assert len(truth) == 3
     assert [branch.distance for branch in found] == pytest.approx(truth, abs=1e-9)
     assert {branch.degrees_of_freedom for branch in found} == {1}
@@ -171,8 +174,8 @@ def test_with_a_freedom_left_the_valleys_of_the_distance_are_listed() -> None:
     assert "fixed values leave 1 degree of freedom: local minima of the distance" in str(found)
 
 
-def test_of_a_continuum_one_is_listed_and_said_to_be_one_of_many() -> None:
-    source = wishing(bare(), **{j: {"phi": WISHES[i], "weight": 0} for i, j in enumerate(JOINTS)})
+def test_one_of_a_continuum_of_assemblies_is_listed_and_marked_as_such() -> None:
+    source = with_starts(bare(), **{j: {"phi": GUESSES[i], "weight": 0} for i, j in enumerate(JOINTS)})
     (only,) = gelenk.assemblies(source)
     assert only.is_not_isolated
     assert only.distance == 0
@@ -180,7 +183,7 @@ def test_of_a_continuum_one_is_listed_and_said_to_be_one_of_many() -> None:
 
 
 def platform_poses(source: Scene, rng: np.random.Generator) -> list[np.ndarray[Any, np.dtype[np.float64]]]:
-    """Poses (x, y, z, rotation vector) of the Stewart platform by its lengths alone, from random starts."""
+    """Poses (x, y, z, rotation vector) of the Stewart platform from its leg lengths, by random starts."""
     joints = source["joints"]
     base = np.array([joints[f"base{k}"]["parent"]["position"] for k in range(1, 7)])
     ball = np.array([joints[f"ball{k}"]["child"]["position"] for k in range(1, 7)])
@@ -208,7 +211,7 @@ def pose_distance(a: Any, b: Any) -> float:
     return float(np.linalg.norm(np.asarray(a[:3]) - b[:3]) + turn.magnitude())
 
 
-def test_stewart_platform_has_the_poses_that_its_lengths_alone_allow() -> None:
+def test_stewart_platform_has_all_poses_that_its_leg_lengths_permit() -> None:
     rng = np.random.default_rng(5)
     source = shipped.shipped("stewart")
     for k in range(1, 7):
@@ -216,21 +219,21 @@ def test_stewart_platform_has_the_poses_that_its_lengths_alone_allow() -> None:
     truth = platform_poses(source, rng)
     found = gelenk.assemblies(source, bodies=["platform"])
     assert len(found) == len(truth) == 8
-    unmet = list(range(len(truth)))
+    unmatched = list(range(len(truth)))
     for branch in found:
         assert led_back(branch, source) < 1e-12
         plant = gelenk.Simulation(branch.apply_to(source))
         plant.initialize()
         pose = [plant.output(f"pose.r[{i}]") for i in (1, 2, 3)]
         turn = Rotation.from_quat([plant.output(f"pose.Q[{i}]") for i in (1, 2, 3, 4)]).as_rotvec()
-        near = min(unmet, key=lambda i: pose_distance(truth[i], [*pose, *turn]))
-        assert pose_distance(truth[near], [*pose, *turn]) < 1e-8  # fsolve's tolerance by the conditioning
-        unmet.remove(near)
-    assert unmet == []
+        near = min(unmatched, key=lambda i: pose_distance(truth[i], [*pose, *turn]))
+        assert pose_distance(truth[near], [*pose, *turn]) < 1e-8  # fsolve's tolerance times the condition
+        unmatched.remove(near)
+    assert unmatched == []
 
 
-def test_bricards_ring_with_a_hinge_fixed_has_two() -> None:
-    """Overconstrained: its rows repeat each other, and still the fixed hinge leaves no freedom."""
+def test_bricard_linkage_with_a_fixed_hinge_has_two_assemblies() -> None:
+    """Overconstrained: it has redundant constraints, and a fixed hinge leaves no degree of freedom."""
     source = shipped.bricard()
     source["joints"][next(iter(source["joints"]))]["start"] = {"phi": 0.5, "fixed": True}
     found = gelenk.assemblies(source)
@@ -238,20 +241,20 @@ def test_bricards_ring_with_a_hinge_fixed_has_two() -> None:
     assert max(led_back(branch, source) for branch in found) < 1e-12
 
 
-def test_the_same_call_gives_the_same_and_other_seeds_the_same_branches() -> None:
+def test_results_are_reproducible_and_other_seeds_find_the_same_branches() -> None:
     source = shipped.shipped("andrews")
     one, again, other = (gelenk.assemblies(source, seed=seed) for seed in (1, 1, 2))
     assert one == again
     assert [branch.distance for branch in other] == pytest.approx([b.distance for b in one], abs=1e-9)
 
 
-def test_without_loops_there_is_nothing_to_list() -> None:
+def test_mechanism_without_loops_has_no_branches() -> None:
     found = gelenk.assemblies(shipped.shipped("double_pendulum"))
     assert len(found) == 0
     assert str(found) == "DoublePendulum has no closed loops: its start values are used as they are"
 
 
-def test_what_cannot_be_listed_is_told() -> None:
+def test_invalid_calls_are_rejected_with_the_reason() -> None:
     with pytest.raises(gelenk.AssemblyError, match=r"The fixed values of A\.phi, D\.phi contradict"):
         gelenk.assemblies(held({"A": 1.1, "D": angles(1.1)[3] + 0.1}))
     with pytest.raises(gelenk.UsageError, match="wheel: no such body"):
@@ -260,14 +263,14 @@ def test_what_cannot_be_listed_is_told() -> None:
         gelenk.assemblies(held({"A": 1.1}), starts=-1)
 
 
-def test_too_few_searches_are_said_to_be_few() -> None:
+def test_too_few_searches_are_reported() -> None:
     found = gelenk.assemblies(held({"A": 1.1}), starts=3)
     assert found.starts == (3,)
     assert found.settled == (False,)
     assert "there may be more" in str(found)
 
 
-def test_fixed_values_stay_fixed_and_others_guesses_where_a_branch_is_put() -> None:
+def test_applied_branch_keeps_fixed_values_and_weights() -> None:
     source = held({"A": 1.1}, B={"phi": 0.2, "w": 3.0, "weight": {"phi": 7, "w": 2}})
     changed = gelenk.assemblies(source)[1].apply_to(source).to_dict()["joints"]
     assert changed["A"]["start"] == {"phi": 1.1, "fixed": True}
@@ -276,7 +279,7 @@ def test_fixed_values_stay_fixed_and_others_guesses_where_a_branch_is_put() -> N
     assert "fixed" not in changed["C"]["start"]
 
 
-def test_command_lists_and_takes_branches(tmp_path: Path) -> None:
+def test_command_lists_and_writes_branches(tmp_path: Path) -> None:
     source = copy.deepcopy(held({"A": 1.1}))
     file = tmp_path / "scene.json"
     file.write_text(json.dumps(source))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What constraints ask of the start: written and read again, met, or refused in words."""
+"""Constraints at the start: written and read again, satisfied by assembly, or rejected with the reason."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ def test_constraints_are_written_as_they_are_read() -> None:
     again = gelenk.load(json.loads(json.dumps(written)))
     assert again.to_dict() == written
     for name, given in of_all_kinds()["constraints"].items():
-        told = written["constraints"][name]
+        entry = written["constraints"][name]
         for key in given.keys() - {"on", "position"}:  # frames are written in full, or not at all
-            assert told[key] == given[key], (name, key)
+            assert entry[key] == given[key], (name, key)
     first, second = (gelenk.Simulation(s) for s in (source, again))
     for plant in (first, second):
         plant.initialize()
@@ -84,36 +84,36 @@ def starting(source: Scene, joint_name: str, **start: Any) -> Scene:
     return source
 
 
-def test_a_fixed_angle_that_is_not_the_motions_is_named_with_what_it_would_be() -> None:
-    said = refusal(starting(driven(polynomial=[1.1, 2]), "A", phi=0.5, fixed=True))
-    assert "constraints.drive cannot be satisfied at the start" in said
-    assert "0.6 rad" in said
-    assert "A.phi" in said
-    assert "1.1 rad instead of 0.5 rad" in said
+def test_fixed_angle_that_contradicts_a_motion_is_named_with_a_consistent_value() -> None:
+    message = refusal(starting(driven(polynomial=[1.1, 2]), "A", phi=0.5, fixed=True))
+    assert "constraints.drive cannot be satisfied at the start" in message
+    assert "0.6 rad" in message
+    assert "A.phi" in message
+    assert "1.1 rad instead of 0.5 rad" in message
 
 
-def test_a_fixed_speed_that_is_not_the_motions_is_named_with_what_it_would_be() -> None:
-    said = refusal(starting(driven(polynomial=[1.1, 2]), "A", phi=1.1, w=0.0, fixed=True))
-    assert "fixed start velocities of A" in said
-    assert "2 rad/s instead of 0 rad/s" in said
+def test_fixed_velocity_that_contradicts_a_motion_is_named_with_a_consistent_value() -> None:
+    message = refusal(starting(driven(polynomial=[1.1, 2]), "A", phi=1.1, w=0.0, fixed=True))
+    assert "fixed start velocities of A" in message
+    assert "2 rad/s instead of 0 rad/s" in message
 
 
-def test_a_fixed_angle_elsewhere_in_the_loop_is_named() -> None:
-    said = refusal(starting(driven(polynomial=[1.1, 2]), "D", phi=2.9, fixed=True))
-    would = re.search(r"D\.phi .* would then be ([0-9.]+) rad instead of 2\.9 rad", said)
-    assert would, said
+def test_fixed_angle_elsewhere_in_the_loop_is_named() -> None:
+    message = refusal(starting(driven(polynomial=[1.1, 2]), "D", phi=2.9, fixed=True))
+    advice = re.search(r"D\.phi .* would then be ([0-9.]+) rad instead of 2\.9 rad", message)
+    assert advice, message
 
 
-def test_two_angles_against_a_gear_are_named() -> None:
+def test_two_fixed_angles_that_contradict_a_gear_are_named() -> None:
     source = starting(starting(shafts(-2.0), "A", phi=1.0, fixed=True), "B", phi=1.0, fixed=True)
-    said = refusal(source)
-    assert "constraints.mesh cannot be satisfied at the start" in said
-    assert "A.phi, B.phi contradict each other" in said
-    assert "-0.5 rad instead of 1 rad" in said
+    message = refusal(source)
+    assert "constraints.mesh cannot be satisfied at the start" in message
+    assert "A.phi, B.phi contradict each other" in message
+    assert "-0.5 rad instead of 1 rad" in message
 
 
-def test_a_motion_that_the_loop_cannot_follow_is_refused() -> None:
-    """The rocker cannot lie down: the coupler is too short by 1.03 m."""
+def test_motion_that_the_loop_cannot_follow_is_rejected() -> None:
+    """The rocker cannot reach this angle: the coupler is too short by 1.03 m."""
     for source, inputs in (
         (driven("D", polynomial=[0.1]), {}),
         (driven("D", input="position"), {"drive__phi_ref": 0.1}),
@@ -121,7 +121,7 @@ def test_a_motion_that_the_loop_cannot_follow_is_refused() -> None:
         assert re.search(r"cannot be closed: smallest closure error [0-9.]+ m", refusal(source, **inputs))
 
 
-def test_motions_that_a_gear_sets_against_each_other_are_refused() -> None:
+def test_motions_that_contradict_each_other_through_a_gear_are_rejected() -> None:
     for first, second in (({"polynomial": [1.0]}, {"polynomial": [1.0]}), ({"speed": 1.0}, {"speed": 1.0})):
         source = shafts(-2.0)
         source["constraints"] |= {
@@ -131,7 +131,7 @@ def test_motions_that_a_gear_sets_against_each_other_are_refused() -> None:
         assert re.search(r"cannot be satisfied|have no consistent start velocities", refusal(source))
 
 
-def test_motions_that_agree_through_a_gear_are_taken() -> None:
+def test_motions_that_agree_through_a_gear_are_accepted() -> None:
     source = shafts(-2.0)
     source["constraints"] |= {
         "x": {"type": "motion", "joint": "A", "polynomial": [0, 2]},
@@ -143,12 +143,12 @@ def test_motions_that_agree_through_a_gear_are_taken() -> None:
     assert plant.values(["A.phi", "B.phi"]) == pytest.approx([2.0, -1.0], abs=1e-12)
 
 
-def test_a_ring_of_gears_that_locks_stands_where_it_can() -> None:
-    said = refusal(starting(three_shafts(1 / 3), "A", phi=1.0, fixed=True))
-    assert "would then be 0 rad instead of 1 rad" in said
+def test_locked_ring_of_gears_has_a_single_position() -> None:
+    message = refusal(starting(three_shafts(1 / 3), "A", phi=1.0, fixed=True))
+    assert "would then be 0 rad instead of 1 rad" in message
 
 
-def test_a_loop_in_which_every_joint_is_constrained_is_refused() -> None:
+def test_loop_in_which_every_joint_is_constrained_is_rejected() -> None:
     source = driven(speed=1.0)
     for name in "BCD":
         source["constraints"][name] = {"type": "motion", "joint": name, "speed": 0.0}
@@ -156,7 +156,7 @@ def test_a_loop_in_which_every_joint_is_constrained_is_refused() -> None:
         gelenk.Simulation(gelenk.load(source))
 
 
-def test_a_wheel_that_is_not_on_its_carrier_is_refused() -> None:
+def test_wheel_that_is_not_on_its_carrier_is_rejected() -> None:
     source = planetary()
     source["bodies"]["far"] = disc(1.0, 0.1)
     source["joints"]["X"] = joint("revolute", frame("planet", (0, 0, 0.1)), frame("far"), axis=[0, 0, 1])
@@ -165,7 +165,7 @@ def test_a_wheel_that_is_not_on_its_carrier_is_refused() -> None:
         gelenk.Simulation(gelenk.load(source))
 
 
-def test_an_input_that_cannot_be_followed_refuses_the_step_and_leaves_the_plant() -> None:
+def test_input_that_cannot_be_followed_fails_the_step_and_leaves_the_state_unchanged() -> None:
     plant = gelenk.Simulation(gelenk.load(driven("D", input="position")))
     plant.initialize()
     before = plant.values().tolist()
@@ -177,7 +177,7 @@ def test_an_input_that_cannot_be_followed_refuses_the_step_and_leaves_the_plant(
     plant.step_to(0.01)
 
 
-def test_a_wheel_welded_to_what_it_rolls_on_is_refused() -> None:
+def test_wheel_welded_to_its_plane_is_rejected() -> None:
     source = scene(
         {"wheel": body(1.0, (0, 0, 0), (0.1, 0.2, 0.1))},
         {"W": joint("weld", frame("ground"), frame("wheel"))},

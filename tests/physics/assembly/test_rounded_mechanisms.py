@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`assembly.tolerance`: overconstrained mechanisms whose numbers are printed with four to eight digits."""
+"""`assembly.tolerance`: overconstrained mechanisms whose numbers are rounded to four to eight digits."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mechanisms import Array, Scene
 from models.rounded import (
-    FREEDOMS,
+    DEGREES_OF_FREEDOM,
     MECHANISMS,
     Placed,
     bennett,
@@ -26,8 +26,8 @@ from models.rounded import (
 
 import gelenk
 
-# A number from 1 to 10 is off by 0.5 * 10^(1 - digits) at most; positions and angles here are no larger
-# than pi, and three of them make a rotation. Twice that is room enough.
+# The rounding error of a number from 1 to 10 is at most 0.5 * 10^(1 - digits); positions and angles here are
+# no larger than pi, and a rotation has three of them. Twice that is sufficient.
 DIGITS = (4, 5, 6, 8)
 
 
@@ -35,15 +35,15 @@ def tolerance(digits: int) -> float:
     return 10.0 ** (1 - digits)
 
 
-# rad, m: of all rows, at every output; the sizes here are about 1 m.
+# rad, m: closure error of all constraint equations, at every output; lengths are about 1 m.
 CLOSED = 1e-13
-# Of joint coordinates, in units of 10^-digits: some 50 numbers are off by up to 5 each, at random, which adds
-# up to 20; transmissions of angles between joints multiply that by a few. Measured: 40 at most.
-OFF = 100
+# Error of joint coordinates in units of 10^-digits: some 50 numbers have random errors of up to 5 each, which
+# add up to 20; transmission ratios between joints multiply that by a few. Measured: 40 at most.
+MAX_ERROR = 100
 
 
 def started(name: str, digits: int | None = None, **sections: Any) -> Scene:
-    """The mechanism, its first joint turning where that alone is one freedom."""
+    """The mechanism; its first joint has a start velocity, except in the Stewart platform."""
     joints = MECHANISMS[name]()
     fields = {} if name == "stewart" else {joints[0][0]: {"start": {"w": 1.0}}}
     return scene(joints, digits, fields=fields, **sections)
@@ -64,12 +64,12 @@ def initialized(data: Scene | gelenk.Scene) -> gelenk.Simulation:
 @pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize("without", [[], ["all"]], ids=["reduced", "literal"])
 @pytest.mark.parametrize("name", MECHANISMS)
-def test_rounded_mechanism_moves_as_many_ways_and_stays_closed(
+def test_rounded_mechanism_keeps_its_degrees_of_freedom_and_stays_closed(
     name: str, digits: int, without: list[str]
 ) -> None:
-    """Literally all rows of the loops are there, in space: none of them may gape."""
+    """Without reductions, the loops have all their spatial constraint equations: all must be satisfied."""
     plant = initialized(gelenk.load(rounded_scene(name, digits)).without(without))
-    assert plant.size.degrees_of_freedom == FREEDOMS[name]
+    assert plant.size.degrees_of_freedom == DEGREES_OF_FREEDOM[name]
     for t in np.linspace(0.05, 1, 20):
         plant.step_to(float(t))
         assert plant.diagnostics["constraints.position"] < CLOSED
@@ -78,8 +78,8 @@ def test_rounded_mechanism_moves_as_many_ways_and_stays_closed(
 
 
 @pytest.mark.parametrize("digits", DIGITS)
-def test_mechanism_without_redundant_constraints_is_left_as_it_is(digits: int) -> None:
-    """A Stewart platform's numbers may be rounded as they like."""
+def test_mechanism_without_redundant_constraints_is_not_modified(digits: int) -> None:
+    """A Stewart platform can be assembled with any rounding of its numbers."""
     with_tolerance = initialized(rounded_scene("stewart", digits))
     as_given = initialized(started("stewart", digits))
     assert not with_tolerance._core.moved_frames()
@@ -89,14 +89,14 @@ def test_mechanism_without_redundant_constraints_is_left_as_it_is(digits: int) -
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
-def test_exact_mechanism_is_left_as_it_is(name: str) -> None:
-    """To the bit, with the widest tolerance that there is."""
+def test_exact_mechanism_is_not_modified(name: str) -> None:
+    """No frame moves, even with the largest tolerance that is permitted."""
     plant = initialized(started(name, assembly={"tolerance": 1e-2}))
     assert not plant._core.moved_frames()
 
 
 def coordinates(data: Scene, drives: list[str]) -> Array:
-    """All scalar coordinates while these joints turn by 0.8 rad/s."""
+    """All scalar coordinates while these joints rotate at 0.8 rad/s."""
     constraints = {
         f"drive_{joint}": {"type": "motion", "joint": joint, "polynomial": [0, 0.8]} for joint in drives
     }
@@ -111,17 +111,17 @@ def coordinates(data: Scene, drives: list[str]) -> Array:
 
 @pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
-def test_rounded_mechanism_goes_where_the_exact_one_goes(name: str, digits: int) -> None:
+def test_rounded_mechanism_follows_the_exact_one(name: str, digits: int) -> None:
     drives = {"double_parallelogram": ["A0", "E0"], "three_cranks": ["A0"]}.get(name, ["A"])
     exact = coordinates(scene(MECHANISMS[name]()), drives)
     data = scene(MECHANISMS[name](), digits, assembly={"tolerance": tolerance(digits)})
-    off = np.abs(coordinates(data, drives) - exact).max()
-    assert off < OFF * 10.0**-digits, f"off by {off:.3g}"
+    error = np.abs(coordinates(data, drives) - exact).max()
+    assert error < MAX_ERROR * 10.0**-digits, f"off by {error:.3g}"
 
 
 @pytest.mark.parametrize("digits", DIGITS)
 def test_rounded_four_bar_follows_the_closed_form(digits: int) -> None:
-    """The rocker's angle where the circles of coupler and rocker meet."""
+    """The rocker's angle, from the intersection of the circles of coupler and rocker."""
     data = scene(tilted(four_bar(phi=1.1)), digits, assembly={"tolerance": tolerance(digits)})
     found = coordinates(data, ["A"])[:, 3]
     D = np.array([0.6, 0.0])
@@ -131,19 +131,19 @@ def test_rounded_four_bar_follows_the_closed_form(digits: int) -> None:
         return math.atan2(C[1] - D[1], C[0] - D[0])
 
     exact = [rocker(1.1 + 0.8 * t) - rocker(1.1) for t in np.linspace(0.1, 0.5, 5)]
-    assert np.abs(found - exact).max() < OFF * 10.0**-digits
+    assert np.abs(found - exact).max() < MAX_ERROR * 10.0**-digits
 
 
 @pytest.mark.parametrize("digits", DIGITS)
-def test_rounded_bennett_linkage_keeps_its_law(digits: int) -> None:
-    """tan(t1/2) tan(t2/2) = sin((beta + alpha)/2) / sin((beta - alpha)/2) (Bennett 1914), t1 and t2 the
-    angles between sides that follow each other; the start tells the sense, and which of the twists is alpha.
+def test_rounded_bennett_linkage_satisfies_its_closure_equation(digits: int) -> None:
+    """tan(t1/2) tan(t2/2) = sin((beta + alpha)/2) / sin((beta - alpha)/2) (Bennett 1914), with t1 and t2 the
+    angles between consecutive sides; the start determines the sign, and which of the twists is alpha.
     """
     joints = bennett()
     points, axes = [p for *_, p, _ in joints], [a for *_, a in joints]
 
     def angle(i: int) -> float:
-        """Of the side that leaves joint i against the one that arrives."""
+        """The angle from the side that arrives at joint i to the side that leaves it."""
         after = np.array(points[(i + 1) % 4]) - points[i]
         before = np.array(points[i]) - points[i - 1]
         return math.atan2(float(np.dot(axes[i], np.cross(before, after))), float(before @ after))
@@ -154,24 +154,24 @@ def test_rounded_bennett_linkage_keeps_its_law(digits: int) -> None:
     # A turns the side that arrives (its child), B the side that leaves.
     product = np.tan((angle(0) - found[:, 0]) / 2) * np.tan((angle(1) + found[:, 1]) / 2)
     exact = product[0] / abs(product[0]) * min((law, 1 / law), key=lambda x: abs(x - abs(product[0])))
-    # tan has a slope of 1/2 to 5 at these angles
-    assert np.abs(product - exact).max() < 5 * OFF * 10.0**-digits
+    # the derivative of tan is 1/2 to 5 at these angles
+    assert np.abs(product - exact).max() < 5 * MAX_ERROR * 10.0**-digits
 
 
 @pytest.mark.parametrize("name", [name for name in MECHANISMS if name != "stewart"])
 @pytest.mark.parametrize("digits", DIGITS)
-def test_rounded_mechanism_without_tolerance_is_refused_with_one_that_does(name: str, digits: int) -> None:
+def test_rejection_without_tolerance_states_a_sufficient_tolerance(name: str, digits: int) -> None:
     data = started(name, digits)
     with pytest.raises(gelenk.AssemblyError, match=r"assembly: \{tolerance: ") as refusal:
         initialized(data)
-    enough = float(str(refusal.value).split("{tolerance: ")[1].split("}")[0])
-    assert enough <= tolerance(digits)
-    plant = initialized({**data, "assembly": {"tolerance": enough}})
-    assert plant.size.degrees_of_freedom == FREEDOMS[name]
+    sufficient = float(str(refusal.value).split("{tolerance: ")[1].split("}")[0])
+    assert sufficient <= tolerance(digits)
+    plant = initialized({**data, "assembly": {"tolerance": sufficient}})
+    assert plant.size.degrees_of_freedom == DEGREES_OF_FREEDOM[name]
 
 
 def disturbed(name: str, size: float) -> Scene:
-    """All numbers of the frames off by up to `size`, rad or m."""
+    """The mechanism with all numbers of its frames changed by up to `size`, rad or m."""
     rng = np.random.default_rng(4)
     data = copy.deepcopy(started(name))
     for joint in data["joints"].values():
@@ -183,9 +183,11 @@ def disturbed(name: str, size: float) -> Scene:
 
 @pytest.mark.parametrize("exponent", range(-14, -3))
 @pytest.mark.parametrize("name", MECHANISMS)
-def test_what_assembles_runs(name: str, exponent: int) -> None:
-    """Either side of 1e-12, from which gaps are taken for contradictions, of 1e-9, up to which these are
-    taken away without being asked, and in between and beyond: it moves, with all its freedoms, or is refused.
+def test_disturbed_mechanism_runs_with_all_degrees_of_freedom_or_is_rejected(
+    name: str, exponent: int
+) -> None:
+    """Disturbances below and above 1e-12, from which closure errors count as contradictions, and 1e-9, up to
+    which these are removed without a tolerance in the scene.
     """
     refusal = ""
     try:
@@ -193,20 +195,20 @@ def test_what_assembles_runs(name: str, exponent: int) -> None:
     except gelenk.AssemblyError as e:
         refusal = str(e)
     if refusal:
-        assert exponent > -10, "what loops may gape by is no reason to refuse"
+        assert exponent > -10, "a permitted closure error is no reason for rejection"
         assert "assembly: {tolerance: " in refusal
         return
-    assert plant.size.degrees_of_freedom == FREEDOMS[name]
+    assert plant.size.degrees_of_freedom == DEGREES_OF_FREEDOM[name]
     plant.step_to(1.0)
-    # What is left as it is gapes by its own misfit: up to 1e-12 and what it grows to elsewhere.
+    # A mechanism that is not modified keeps its misfit: up to 1e-12 here, more at other positions.
     assert plant.diagnostics["constraints.position"] < 1e-11
 
 
 @pytest.mark.parametrize("which", "ABCD")
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0.6, 0.8, 0)])
 @pytest.mark.parametrize("exponent", np.arange(-13, -4.5, 0.5))
-def test_four_bar_with_a_tilted_axis_runs_or_is_refused(which: str, axis: Any, exponent: float) -> None:
-    """The plane is found up to tilts of 1e-11; refusals begin beyond 1e-9, what frames move by unasked."""
+def test_four_bar_with_a_tilted_axis_runs_or_is_rejected(which: str, axis: Any, exponent: float) -> None:
+    """The plane is found for tilts up to 1e-11; rejection begins above 1e-9, up to which frames may move."""
     data = scene(four_bar(), fields={"A": {"start": {"w": 1.0}}})
     parent = data["joints"][which]["parent"]
     rpy = np.array(parent["rotation"]["rpy"])
@@ -224,7 +226,7 @@ def test_four_bar_with_a_tilted_axis_runs_or_is_refused(which: str, axis: Any, e
 
 
 def change_point() -> list[Placed]:
-    """A parallelogram with all hinges in line."""
+    """The hinges of a parallelogram with all links in line."""
     places = zip(four_bar(), ((0, 0), (0.2, 0.03), (0.7, -0.02), (0.5, 0.05)), strict=True)
     return [(n, t, a, b, np.array([x, 0.0, z]), axis) for (n, t, a, b, _, axis), (x, z) in places]
 
@@ -235,7 +237,7 @@ def change_point() -> list[Placed]:
     [four_bar(phi=0.0), four_bar(phi=math.pi), change_point()],
     ids=["crank outwards", "crank inwards", "change point"],
 )
-def test_rounded_mechanism_starts_in_line(joints: list[Placed], digits: int) -> None:
+def test_rounded_four_bar_starts_with_its_links_in_line(joints: list[Placed], digits: int) -> None:
     fields = {"A": {"start": {"w": 1.0}}}
     plant = initialized(
         scene(tilted(joints), digits, fields=fields, assembly={"tolerance": tolerance(digits)})
@@ -245,8 +247,8 @@ def test_rounded_mechanism_starts_in_line(joints: list[Placed], digits: int) -> 
     assert plant.diagnostics["constraints.position"] < CLOSED
 
 
-def test_tolerance_on_either_side_of_what_it_takes() -> None:
-    """The frames of a linkage of Bennett disturbed by 1e-6 have to move by nearly that much."""
+def test_tolerance_slightly_above_the_required_one_suffices_and_below_it_does_not() -> None:
+    """The frames of a Bennett linkage disturbed by 1e-6 must move by nearly that much."""
     data = disturbed("bennett", 1e-6)
     plant = initialized({**data, "assembly": {"tolerance": 1e-2}})
     needed = max(max(m.turn, m.shift) for m in plant._core.moved_frames())
@@ -256,7 +258,7 @@ def test_tolerance_on_either_side_of_what_it_takes() -> None:
         initialized({**data, "assembly": {"tolerance": 0.999 * needed}})
 
 
-def test_moved_frames_are_told() -> None:
+def test_moved_frames_are_reported() -> None:
     data = rounded_scene("sarrus", 6)
     with pytest.warns(gelenk.StartWarning, match=r"assembly.tolerance = 1e-05: 12 joint frames were moved"):
         gelenk.Simulation(gelenk.load(data)).initialize()
@@ -272,8 +274,8 @@ def test_moved_frames_are_told() -> None:
     assert report.degrees_of_freedom == 1
 
 
-def test_tolerance_goes_into_the_fmu(tmp_path: Path) -> None:
-    """And is a parameter there: without it the same FMU is refused."""
+def test_tolerance_is_a_parameter_of_the_fmu(tmp_path: Path) -> None:
+    """Its value in the scene is the default; with zero instead, the same FMU rejects the start."""
     data = rounded_scene("bennett", 6)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", gelenk.StartWarning)
@@ -286,7 +288,7 @@ def test_tolerance_goes_into_the_fmu(tmp_path: Path) -> None:
         gelenk.simulate(fmu, stop=0.2, parameters={"assembly.tolerance": 0.0})
 
 
-def test_tolerance_is_kept_by_the_writer_and_set_by_keyword() -> None:
+def test_tolerance_is_written_to_scenes_and_set_by_keyword() -> None:
     data = rounded_scene("bennett", 6)
     assert gelenk.load(gelenk.load(data).to_dict()).to_dict()["assembly"] == {"tolerance": 1e-5}
     del data["assembly"]
@@ -296,7 +298,7 @@ def test_tolerance_is_kept_by_the_writer_and_set_by_keyword() -> None:
 
 
 @pytest.mark.parametrize("value", [-1e-6, 0.0100001, math.inf])
-def test_tolerance_out_of_range_is_refused(value: float) -> None:
+def test_tolerance_out_of_range_is_rejected(value: float) -> None:
     data = started("bennett", assembly={"tolerance": value})
     with pytest.raises(gelenk.SceneError, match=r"assembly\.tolerance"):
         gelenk.load(data)
@@ -304,12 +306,10 @@ def test_tolerance_out_of_range_is_refused(value: float) -> None:
 
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("angle", [0.0, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5])
-def test_three_cranks_beside_their_change_point_are_warned_of_whatever_is_found(
-    angle: float, turned: bool
-) -> None:
-    """One angle is fixed, the others are guesses: beside the change point loops close to rounding on any
-    mixture of branches, on some of which nothing can move. That passed for a mechanism without degrees of
-    freedom, in silence.
+def test_three_cranks_close_to_their_change_point_raise_a_warning(angle: float, turned: bool) -> None:
+    """One angle is fixed, the others are guesses: close to the change point, loops close to rounding on any
+    mixture of branches, on some of which nothing can move. This used to be reported as a mechanism without
+    degrees of freedom, without a warning.
     """
     placed = three_cranks_in_line()
     data = scene(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs that begin at rest (solver.start), against gelenk.equilibrium, closed forms and the FMU."""
+"""Runs that start at equilibrium (solver.start), against gelenk.equilibrium, closed forms and the FMU."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, scene
 
 import gelenk
 
-REST = 1e-9  # rad/s2, m/s2: the search ends there
-# Of the angles: an acceleration of REST over the least stiffness here, 1 1/s2.
+RESIDUAL = 1e-9  # rad/s2, m/s2: residual acceleration at which the search ends
+# rad: error of angles, an acceleration of RESIDUAL over the smallest stiffness here, 1 1/s2
 POSITION = 1e-9
 
 
@@ -42,24 +42,24 @@ def sprung_pendulum(phi: float) -> Scene:
                        spring_reference=1.2, start={"phi": phi, "w": 0.7})
         },
         gravity=[0, -GRAVITY, 0], motors={"drive": {"joint": "A"}},
-        experiment={"tolerance": 1e-11},  # so that a run stays there within POSITION
+        experiment={"tolerance": 1e-11},  # so that a run remains there within POSITION
     )  # fmt: skip
 
 
-def test_pendulum_with_a_spring_begins_where_the_torques_balance() -> None:
+def test_pendulum_with_a_spring_starts_at_the_balance_of_torques() -> None:
     plant = started(at_rest(sprung_pendulum(0.9)))
     phi = values(plant)["A.phi"]
-    assert GRAVITY * math.sin(phi) == pytest.approx(3.0 * (1.2 - phi), abs=2 * REST)  # 1 kg m2
+    assert GRAVITY * math.sin(phi) == pytest.approx(3.0 * (1.2 - phi), abs=2 * RESIDUAL)  # 1 kg m2
     plant.step_to(5.0)
     assert values(plant)["A.phi"] == pytest.approx(phi, abs=POSITION)
 
 
-def test_four_bar_begins_where_equilibrium_finds_it() -> None:
+def test_four_bar_starts_at_the_equilibrium_that_gelenk_equilibrium_finds() -> None:
     source = four_bar(1.0)
     source["joints"]["A"] |= {"stiffness": 4.0, "spring_reference": 0.4}
     found = gelenk.equilibrium(source)
-    begun = values(started(at_rest(source)))
-    assert begun == pytest.approx(found.values, abs=10 * POSITION)
+    initial = values(started(at_rest(source)))
+    assert initial == pytest.approx(found.values, abs=10 * POSITION)
 
 
 def test_chain_of_ball_joints_hangs_straight() -> None:
@@ -73,11 +73,11 @@ def test_chain_of_ball_joints_hangs_straight() -> None:
     source = scene(bodies, joints, gravity=[0, 0, -GRAVITY])
     source["sensors"] = {"tip": {"type": "frame", "body": f"link{links - 1}", "position": [0, 0, -0.2]}}
     tip = values(started(at_rest(source)))
-    # Sideways as the accelerations over g / length; the height by the square of that.
+    # Sideways errors are accelerations over g / length; that of the height is their square.
     assert [tip[f"tip.r[{i}]"] for i in (1, 2, 3)] == pytest.approx([0, 0, -0.8], abs=10 * POSITION)
 
 
-def test_fmu_begins_at_rest_under_the_inputs_of_the_start(tmp_path: Path) -> None:
+def test_fmu_starts_at_equilibrium_under_its_initial_inputs(tmp_path: Path) -> None:
     fmu = gelenk.export_fmu(sprung_pendulum(0.9), tmp_path / "x.fmu")
     torque = 0.8
     run = fmpy.simulate_fmu(
@@ -85,7 +85,7 @@ def test_fmu_begins_at_rest_under_the_inputs_of_the_start(tmp_path: Path) -> Non
         start_values={"solver.start": 2, "drive.tau": torque},
     )  # fmt: skip
     phi = run["A.phi"][0]
-    assert GRAVITY * math.sin(phi) == pytest.approx(3.0 * (1.2 - phi) + torque, abs=2 * REST)
+    assert GRAVITY * math.sin(phi) == pytest.approx(3.0 * (1.2 - phi) + torque, abs=2 * RESIDUAL)
     assert np.ptp(run["A.phi"]) < POSITION
     assert abs(run["A.w"]).max() < 10 * POSITION
 
@@ -105,13 +105,13 @@ def test_fmu_begins_at_rest_under_the_inputs_of_the_start(tmp_path: Path) -> Non
         ),
     ],
 )  # fmt: skip
-def test_without_a_rest_the_reason_is_told(source: Scene, sentence: str) -> None:
+def test_missing_equilibrium_is_reported_with_the_reason(source: Scene, sentence: str) -> None:
     with pytest.raises(gelenk.AssemblyError, match=sentence):
         started(at_rest(source))
 
 
-def test_a_held_motion_holds_the_rest() -> None:
-    """The second of two hinges hangs down from the first, which is held askew."""
+def test_equilibrium_with_a_joint_held_by_a_prescribed_motion() -> None:
+    """The second of two pendulums hangs vertically from the first, which is held at an angle."""
     source = scene(
         {"a": body(1.0, (0, -0.5, 0), (0.1, 0, 0.1)), "b": body(1.0, (0, -0.5, 0), (0.1, 0, 0.1))},
         {
