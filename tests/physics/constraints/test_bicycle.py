@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The benchmark bicycle: published eigenvalues, accelerations of the non-linear equations, and runs.
+"""The benchmark bicycle: published eigenvalues, accelerations of the nonlinear equations, and runs.
 
 Eigenvalues, critical speeds: Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007) 1955-1982.
 Accelerations, steady turn: Basu-Mandal, Chatterjee & Papadopoulos, Proc. R. Soc. A 463 (2007) 1983-2003,
@@ -24,7 +24,7 @@ from scipy.linalg import expm
 import gelenk
 from gelenk.linear import LinearModel
 
-STANDING = [-5.53094371765393, -3.13164324790656, 3.13164324790656, 5.53094371765393]  # 1/s
+AT_REST = [-5.53094371765393, -3.13164324790656, 3.13164324790656, 5.53094371765393]  # 1/s
 WEAVE_CAPSIZE_CASTERING = {  # by speed [m/s]: complex pair, two real ones [1/s]
     1: (3.5269617099007 + 0.8077402751993j, -3.13423125066578, -7.11008014637442),
     2: (2.68234517512745 + 1.68066296590675j, -3.07158645641514, -8.67387984831735),
@@ -37,7 +37,7 @@ WEAVE_CAPSIZE_CASTERING = {  # by speed [m/s]: complex pair, two real ones [1/s]
     9: (-3.21675402252485 + 9.69377351531791j, 0.15790184030917, -22.43788559040858),
     10: (-3.72016840437287 + 10.90681139476287j, 0.16105338653172, -24.62459635017404),
 }
-PUBLISHED: dict[int, Sequence[complex]] = {0: STANDING} | {
+PUBLISHED: dict[int, Sequence[complex]] = {0: AT_REST} | {
     v: [weave, weave.conjugate(), *real] for v, (weave, *real) in WEAVE_CAPSIZE_CASTERING.items()
 }
 DOUBLE_ROOT, WEAVE, CAPSIZE = 0.68428307889246, 4.29238253634111, 6.02426201538837  # m/s
@@ -46,7 +46,7 @@ LEAN_AND_STEER = ["lean.phi", "steer.phi", "lean.w", "steer.w"]
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """It stands; how fast it rides is a start value."""
+    """The FMU of a bicycle at rest; the forward speed is a start value."""
     return gelenk.export_fmu(bicycle(), tmp_path_factory.mktemp("bicycle") / "Bicycle.fmu")
 
 
@@ -55,7 +55,7 @@ def riding(v: float) -> dict[str, float]:
 
 
 def apart(A: Array, expected: Sequence[complex]) -> float:
-    """The largest distance between eigenvalues, each published one with its nearest."""
+    """The largest distance of a published eigenvalue to the closest computed one, each used once."""
     found = list(np.linalg.eigvals(A))
     out = 0.0
     for value in expected:
@@ -65,7 +65,7 @@ def apart(A: Array, expected: Sequence[complex]) -> float:
 
 
 def lean_and_steer(model: LinearModel) -> Array:
-    """Their part of A. They depend on nothing else, as the benchmark's equations say."""
+    """The block of A for lean and steer, which depend on no other state, as in the benchmark's equations."""
     k = [model.states.index(name) for name in LEAN_AND_STEER]
     assert_close("other columns", np.delete(model.A[k], k, axis=1), 0, 1e-11, "round-off of 10^3 1/s^2")
     return model.A[np.ix_(k, k)]
@@ -73,7 +73,7 @@ def lean_and_steer(model: LinearModel) -> Array:
 
 @pytest.mark.parametrize("v", PUBLISHED)
 def test_eigenvalues_of_the_scene(v: int) -> None:
-    """Ten states: seven coordinates, since each wheel holds one, and three speeds."""
+    """Ten states: seven coordinates, since each wheel constrains one, and three velocities."""
     model = gelenk.linear.linear_model(bicycle(v))
     assert (len([s for s in model.states if ".w" in s]), len(model.states)) == (3, 10)
     assert apart(lean_and_steer(model), PUBLISHED[v]) < 1e-11  # 14 published digits
@@ -91,7 +91,7 @@ def test_eigenvalues_of_the_fmu_alone(v: int, fmu: Path) -> None:
 
 
 @pytest.mark.parametrize("v", [0.5, 3.3, 7.7])
-def test_linear_model_is_that_of_the_benchmarks_matrices(v: float) -> None:
+def test_linear_model_matches_the_matrices_of_the_benchmark(v: float) -> None:
     """Lean to the right is positive in both; here y is to the left, and z up: steer to the left."""
     signs = np.array([1, -1, 1, -1])
     expected = linear_theory(v) * np.outer(signs, signs)
@@ -100,7 +100,7 @@ def test_linear_model_is_that_of_the_benchmarks_matrices(v: float) -> None:
 
 
 def test_critical_speeds() -> None:
-    """Weave begins as a double root, becomes stable, and capsize turns unstable."""
+    """Weave begins as a double root and becomes stable; then capsize becomes unstable."""
     at = {v: lean_and_steer(gelenk.linear.linear_model(bicycle(v))) for v in (DOUBLE_ROOT, WEAVE, CAPSIZE)}
     pair = sorted(np.linalg.eigvals(at[DOUBLE_ROOT]), key=lambda s: s.real)[2:]
     assert_close("mean", np.mean(pair).real, 3.7829040512932, 1e-12, "14 digits")
@@ -110,8 +110,8 @@ def test_critical_speeds() -> None:
     assert abs(np.linalg.eigvals(at[CAPSIZE])).min() < 1e-12
 
 
-def test_normal_forces_of_the_standing_and_the_riding_bicycle() -> None:
-    """From the same data by statics; riding straight changes nothing."""
+def test_normal_forces_at_rest_and_at_constant_speed() -> None:
+    """Computed from the same data by statics; riding straight ahead does not change them."""
     for v in (0.0, 6.0):
         found = run(bicycle(v), [0.0])
         assert_close("rear", found["rear_tyre.f_n"], 612.836470588236, 1e-11, "15 digits")
@@ -120,7 +120,8 @@ def test_normal_forces_of_the_standing_and_the_riding_bicycle() -> None:
             assert_close(name, found[name], 0, 1e-10, "round-off of 600 N")
 
 
-# Basu-Mandal et al., table 1: the bicycle heads along -x; lean from the ground, pi/2 upright; pitch pi level.
+# Basu-Mandal et al., table 1: the heading is -x; lean is measured from the ground, pi/2 if upright; the pitch
+# is pi if level.
 Q = {"lean": 0.9501292851472, "pitch": 3.1257073014894, "steer": 0.2311385135743}
 SPEEDS = {
     "base.v_x": 2.8069345714545,
@@ -147,7 +148,7 @@ ACCELERATIONS = {
 
 
 def posed(lean: float, steer: float, lean_speed: float, steer_speed: float, wheel: float) -> Recording:
-    """At this moment; the other coordinates and speeds are found by the program."""
+    """The bicycle with these coordinates and velocities at the start; assembly computes the others."""
     starts: dict[str, dict[str, Any]] = {
         "lean": {"phi": lean, "w": lean_speed, "fixed": True},
         "steer": {"phi": steer, "w": steer_speed, "fixed": True},
@@ -157,7 +158,7 @@ def posed(lean: float, steer: float, lean_speed: float, steer_speed: float, whee
 
 
 def test_accelerations_of_the_nonlinear_equations() -> None:
-    """Given lean, steer and the rear wheel. Pitch and six speeds follow, and are the published ones."""
+    """From lean, steer and the rear wheel, pitch and six velocities follow and have the published values."""
     found = posed(np.pi / 2 - Q["lean"], Q["steer"], *(SPEEDS[n] for n in ("lean.w", "steer.w", "hub.w")))
     assert_close("pitch", found["pitch.phi"], Q["pitch"] - np.pi, 2e-13, "13 decimals")
     assert_close("height", found["height.s"], 0.2440472102925, 1e-13, "13 decimals")
@@ -170,31 +171,31 @@ def test_accelerations_of_the_nonlinear_equations() -> None:
 
 
 def test_steady_turn() -> None:
-    """Table 2: speeds stay; the rear hub goes round a circle of the published radius."""
+    """Table 2: velocities are constant; the rear hub moves on a circle of the published radius."""
     found = posed(np.pi / 2 - 1.9178291654, 0.4049333918, 0.0, 0.0, 10.3899258905)
     speed = np.hypot(found["base.v_x"], found["base.v_y"])
     assert_close("radius", speed / found["base.w"], 2.2588798195, 1e-9, "10 decimals of the angles")
     assert_close(
-        "towards the centre", found["base.a_y"], speed * found["base.w"], 3e-9, "10 decimals, 13 1/s2"
+        "toward the center", found["base.a_y"], speed * found["base.w"], 3e-9, "10 decimals, 13 1/s2"
     )
     for name in ("lean.a", "steer.a", "pitch.a", "hub.a", "front_hub.a", "base.wd", "height.a", "base.a_x"):
         assert_close(name, found[name], 0, 2e-9, "10 decimals of angles, times some 10 1/s2")
 
 
 @pytest.mark.parametrize(("v", "roll"), [(4.0, 0.05), (4.6, 0.5), (8.0, 0.05)])
-def test_manoeuvres_keep_their_energy(v: float, roll: float) -> None:
-    """20 s after a roll rate [rad/s]. The benchmark asks for 1e-3 percent."""
+def test_maneuvers_conserve_energy(v: float, roll: float) -> None:
+    """20 s after an initial roll rate [rad/s]. The benchmark requires 1e-3 percent."""
     found = run(bicycle(v, {"lean": {"phi": 0.0, "w": roll, "fixed": True}}), np.linspace(0, 20, 201))
     energy = found["energy.total"]
     assert np.ptp(energy) / energy[0] < 1e-10  # the tolerance of the run
     for wheel in ("rear", "front"):
         assert_close(f"{wheel} contact", found[f"{wheel}_tyre.r[3]"], 0, 1e-11, "projected")
     assert found["constraints.velocity"].max() < 1e-11  # slip [m/s]
-    assert abs(found["lean.phi"]).max() > 0.05  # rad: it did something
+    assert abs(found["lean.phi"]).max() > 0.05  # rad: a motion that is not small
 
 
-def test_stable_bicycle_turns_its_weave_into_speed() -> None:
-    """At 4.6 m/s the weave dies out; its energy is in straight riding then, (94 + sum of J/r^2) v^2 / 2."""
+def test_energy_of_the_weave_goes_into_forward_speed() -> None:
+    """At 4.6 m/s the weave decays; its energy then is in straight riding, (94 + sum of J/r^2) v^2 / 2."""
     v, roll = 4.6, 0.5
     found = run(bicycle(v, {"lean": {"phi": 0.0, "w": roll, "fixed": True}}), np.linspace(0, 60, 61))
     mass = 94 + 0.12 / REAR_RADIUS**2 + 0.28 / FRONT_RADIUS**2
@@ -207,8 +208,8 @@ def test_stable_bicycle_turns_its_weave_into_speed() -> None:
 
 
 @pytest.mark.parametrize("v", [4.0, 4.6, 8.0])
-def test_small_motions_are_those_of_the_linear_theory(v: float) -> None:
-    """From the benchmark's matrices: 2 s of weave and capsize after a roll rate of 1e-4 rad/s."""
+def test_small_motions_follow_the_linear_theory(v: float) -> None:
+    """2 s of weave and capsize after a roll rate of 1e-4 rad/s, against the benchmark's matrices."""
     small = 1e-4
     starts = {"lean": {"phi": 0.0, "w": small, "fixed": True}}
     found = run(bicycle(v, starts), np.linspace(0, 2, 21), tolerance=1e-12)
@@ -217,8 +218,8 @@ def test_small_motions_are_those_of_the_linear_theory(v: float) -> None:
     assert_close("motion", ours, expected, 1e-6, "terms of second order and the run's 1e-12, of 1e-4")
 
 
-def test_steady_turn_is_found() -> None:
-    """From its lean alone: steer and speed of the rear wheel that hold it, in the published digits."""
+def test_steady_turn_is_found_from_its_lean() -> None:
+    """Steer and speed of the rear wheel that hold the lean have the published digits."""
     turning = {
         "lean": {"phi": -0.3, "w": 0.0, "fixed": True},
         "steer": {"phi": 0.4, "w": 0.0, "fixed": True},
@@ -230,19 +231,19 @@ def test_steady_turn_is_found() -> None:
     assert_close(
         "rear wheel", found.values["hub.w"], 10.3899258905, 5e-9, "10 decimals of the lean, times 20 1/s"
     )
-    radius = found.values["base.v_x"] / found.values["base.w"]  # it heads along x at that moment
+    radius = found.values["base.v_x"] / found.values["base.w"]  # the heading is x at that moment
     assert_close("radius", radius, 2.2588798195, 2e-9, "10 decimals of the lean")
 
 
-def test_ready_scene_is_the_benchmark() -> None:
+def test_shipped_scene_is_the_benchmark() -> None:
     ready = gelenk.load(Path(__file__).parents[3] / "scenes" / "bicycle.yaml")
     assert ready.to_dict()["joints"].keys() == bicycle()["joints"].keys()
     model = gelenk.linear.linear_model(ready, at={"lean.w": 0.0})
     assert apart(lean_and_steer(model), PUBLISHED[5]) < 1e-11  # 14 published digits
 
 
-def test_controller_at_the_handlebar_keeps_the_slow_bicycle_up(tmp_path: Path) -> None:
-    """At 3 m/s it falls by itself. An LQR on lean and steer alone, on the non-linear FMU, after a knock."""
+def test_lqr_at_the_handlebar_stabilizes_the_slow_bicycle(tmp_path: Path) -> None:
+    """At 3 m/s it is unstable. An LQR of lean and steer stabilizes the nonlinear FMU after a roll rate."""
     ready = Path(__file__).parents[3] / "scenes" / "bicycle.yaml"
     fmu = gelenk.export_fmu(ready, tmp_path / "Bicycle.fmu")
     speed, step = 3.0 / REAR_RADIUS, 0.005
@@ -264,12 +265,12 @@ def test_controller_at_the_handlebar_keeps_the_slow_bicycle_up(tmp_path: Path) -
         start_values={"hub.w_start": speed, "lean.w_start": 0.2},
     )  # fmt: skip
     x = np.array([found[name] for name in LEAN_AND_STEER]).T
-    assert abs(x[-1]).max() < 1e-6  # exp(-2.86 * 6) of 0.4, and the wobble
-    # The slowest mode alone: how its own coordinate goes from step to step.
+    assert abs(x[-1]).max() < 1e-6  # 0.4 exp(-2.86 * 6), and the oscillation
+    # The slowest mode only: the ratio of its modal coordinate between steps.
     values, shapes = np.linalg.eig(sampled.A - sampled.B @ K)
     slowest = np.argmax(abs(values))
     late = (found["time"] > 1.5) & (found["time"] < 3.5)
     own = (x @ np.linalg.inv(shapes)[slowest])[late]
     seen = np.log(np.vdot(own[:-1], own[1:]) / np.vdot(own[:-1], own[:-1])) / step
-    # A mode read off two points of a decay.
+    # The mode is determined from successive points of a decay.
     assert abs(seen - np.log(values[slowest]) / step) < 0.05 * abs(seen)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers of constraints as parameters: the same run as of a scene written with them."""
+"""Numbers of constraints as parameters: runs are the same as those of a scene with these numbers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import gelenk
 
 
 def shafts(**constraints: Any) -> Scene:
-    """Two hinges and a slide, each with a heavy body; the first hinge's hangs down."""
+    """Two hinges and a slide, each with a body under gravity."""
     return scene(
         {name: body(1.0, (0.1, 0, 0), (0.02, 0.03, 0.03)) for name in "abc"},
         {
@@ -47,17 +47,17 @@ RACK = {"type": "rack", "rack": "C", "pinion": "B", "radius": 0.1}
         (RACK, RACK | {"radius": 0.2, "offset": 0.05}, {"x.radius": 0.2, "x.offset": 0.05}),
     ],
 )  # fmt: skip
-def test_a_parameter_is_the_number_in_the_scene(
+def test_parameter_has_the_effect_of_the_number_in_the_scene(
     constraint: dict[str, Any], other: dict[str, Any], parameters: dict[str, float], tmp_path: Path
 ) -> None:
     written = gelenk.simulate(shafts(x=other))
     for source in (shafts(x=constraint), gelenk.export_fmu(shafts(x=constraint), tmp_path / "x.fmu")):
         found = gelenk.simulate(source, parameters=parameters)
         for name in written.names:
-            assert found[name].tolist() == written[name].tolist(), name  # the same calls, the same bits
+            assert found[name].tolist() == written[name].tolist(), name  # the same calls: bitwise identical
 
 
-def test_a_wheel_of_no_radius_is_refused(tmp_path: Path) -> None:
+def test_wheel_of_radius_zero_is_rejected(tmp_path: Path) -> None:
     upright = {"r": [0, 0, 0.3], "Q": [0, 0, 0, 1], "fixed": ["Q"]}
     source = scene(
         {"wheel": body(1.0, (0, 0, 0), (0.01, 0.02, 0.01))},

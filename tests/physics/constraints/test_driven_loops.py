@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Loops whose joints follow given motions: a crank-driven four-bar, the car axis of the Test Set for IVPs."""
+"""Loops with prescribed motions: a crank-driven four-bar, the car axis of the Test Set for IVP Solvers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def driven(name: str = "A", **motion: Any) -> Scene:
 
 
 def kinematics(phi: float, w: float, a: float) -> dict[str, float]:
-    """Angles, speeds, accelerations of the joints, by the triangle's geometry and its derivatives."""
+    """Angles, velocities and accelerations of the joints, by triangle geometry and its derivatives."""
     theta, psi = LINKS.angles(Jet(phi, 1.0))
     relative = {"A": Jet(phi, 1.0), "B": theta - Jet(phi, 1.0), "C": psi - theta, "D": psi}
     out: dict[str, float] = {}
@@ -46,7 +46,7 @@ def kinematics(phi: float, w: float, a: float) -> dict[str, float]:
 
 
 def torque(phi: float, w: float, a: float) -> float:
-    """By virtual work: what phi's equation of motion lacks."""
+    """The drive torque by virtual work: the residual of the equation of motion of phi."""
     inertia = sum(moving.reduced()[0] for moving in MOTION.geometry(Jet(phi, 1.0)))
     return inertia * (a - MOTION.acceleration(0, phi, w)) + DAMPING * w
 
@@ -63,15 +63,15 @@ def check(found: dict[str, Array], law: Law, bound: float) -> None:
 
 
 @pytest.mark.parametrize("integrator", ["erk", "rk4"])
-def test_crank_at_constant_speed(integrator: str) -> None:
-    """Nothing is left to integrate: steps of any method end on the closed form."""
+def test_crank_at_constant_speed_follows_the_closed_form(integrator: str) -> None:
+    """No degree of freedom is left to integrate: steps of any method end at the closed form."""
     source = driven(speed=7.0)
     source["joints"]["A"]["start"] = {"phi": START, "fixed": ["phi"]}
     source["solver"] = {"integrator": integrator, **({"step": 0.01} if integrator == "rk4" else {})}
     check(run(source, TIMES, 1e-8), polynomial([START, 7.0]), 1e-10)
 
 
-def test_crank_that_is_slowed_and_shaken() -> None:
+def test_crank_with_deceleration_and_oscillation_follows_the_closed_form() -> None:
     motion: dict[str, Any] = {"polynomial": [START, 5.0, -1.0], "sine": {"amplitude": 0.2, "frequency": 1.5}}
 
     def law(t: float) -> list[float]:
@@ -86,10 +86,10 @@ def by_crank(name: str) -> Callable[[float], float]:
 
 
 @pytest.mark.parametrize("name", ["B", "C", "D"])
-def test_driven_at_another_joint_the_crank_does_what_that_asks(name: str) -> None:
-    """The rocker, or a relative angle, is driven so that all moves as if the crank were: the torque is other.
+def test_motion_can_be_prescribed_at_any_joint_of_the_loop(name: str) -> None:
+    """The rocker's angle or a relative angle is prescribed: the mechanism moves as if the crank were driven.
 
-    The power is the same then: tau w of the one is tau w of the other.
+    The torque differs, the power does not: tau w of that joint is tau w of the crank.
     """
     mean = by_crank(name)(START)
     rate = {"B": 0.6, "C": -0.4, "D": 0.5}[name]
@@ -106,8 +106,8 @@ def test_driven_at_another_joint_the_crank_does_what_that_asks(name: str) -> Non
         assert_close(f"power at {t}", power, torque(phi, w, a) * w, 1e-9, "of 20 W")
 
 
-def test_reactions_carry_what_gravity_and_motion_ask() -> None:
-    """All forces on the linkage from the ground: sum m (r'' - g), by the centres' paths."""
+def test_reactions_balance_weight_and_inertia() -> None:
+    """The ground's forces on the linkage add up to sum m (r'' - g), with the paths of the centers of mass."""
     source = driven(speed=7.0)
     source["joints"]["A"]["start"] = {"phi": START, "fixed": ["phi"]}
     found = run(source, TIMES, 1e-8)
@@ -118,15 +118,15 @@ def test_reactions_carry_what_gravity_and_motion_ask() -> None:
             needed[1] += moving.mass * GRAVITY
         seen = [found[f"in_A.f[{k}]"][i] + found[f"in_D.f[{k}]"][i] for k in (1, 2)]
         assert_close(f"forces at {t}", seen, needed, 1e-9, "of 100 N")
-        # The sensor tells all that acts between the bodies along the axis: drive and damper.
+        # The sensor measures all torques between the bodies about the axis: drive and damper.
         assert_close(
             "torque", found["in_A.t[3]"][i], found["drive.tau"][i] - DAMPING * 7.0, 1e-10, "of 50 N m"
         )
 
 
-# The car axis (Test Set for IVP Solvers, release 2.4): a massless bar of length 1 between two points of mass
-# eps^2 M / 2 on springs; at the left below is a hinge, the right end of the base rises by r sin(omega t).
-POINT, LENGTH, SLACK, RISE, OMEGA = 0.01**2 * 10 / 2, 1.0, 0.5, 0.1, 10.0
+# The car axis (Test Set for IVP Solvers, release 2.4): a massless bar of length 1 between two point masses
+# eps^2 M / 2 on springs; the base has a hinge at its left end, and its right end rises by r sin(omega t).
+POINT, LENGTH, UNSTRETCHED, RISE, OMEGA = 0.01**2 * 10 / 2, 1.0, 0.5, 0.1, 10.0
 AT_3 = [
     0.04934557842754028, 0.49698946023017115, 1.0417425248854215, 0.37391102726536124,
     -0.07705836840409723, 0.007446866587237785, 0.017556815753723223, 0.7703410437792519,
@@ -135,11 +135,11 @@ ALONG_BASE, ALONG_BAR = -0.004736886590848933, -0.0011046803312573436  # multipl
 
 
 def car_axis() -> Scene:
-    """The base is a bar, hinged at the left, whose right end a cross slide moves up and down."""
+    """The car axis; its base is a bar, hinged at the left, whose right end is moved by a cross slide."""
     about_z: dict[str, Any] = {"axis": [0, 0, 1]}
 
     def spring(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-        return {"type": "spring_damper", "from": below, "to": above, "stiffness": 1.0, "length": SLACK}
+        return {"type": "spring_damper", "from": below, "to": above, "stiffness": 1.0, "length": UNSTRETCHED}
 
     return scene(
         {
@@ -166,7 +166,7 @@ def car_axis() -> Scene:
                 frame("left"),
                 frame("right"),
                 **about_z,
-                start={"phi": 0.0, "w": -1.0, "fixed": True},  # it does not turn: the base does, by 1 rad/s
+                start={"phi": 0.0, "w": -1.0, "fixed": True},  # at rest, on a base that rotates at 1 rad/s
             ),
         },
         name="CarAxis",
@@ -191,7 +191,7 @@ def car_axis() -> Scene:
     )
 
 
-def test_car_axis_ends_where_its_reference_does() -> None:
+def test_car_axis_ends_at_the_published_reference() -> None:
     found = run(car_axis(), [0.0, 3.0], 1e-12)
     names = [f"{s}.{q}[{i}]" for q in "rv" for s in "lr" for i in (1, 2)]
     assert [found[name][0] for name in names] == pytest.approx([0, 0.5, 1, 0.5, -0.5, 0, -0.5, 0], abs=1e-12)
@@ -203,8 +203,8 @@ def test_car_axis_ends_where_its_reference_does() -> None:
     assert_close("bar", force, 2 * abs(ALONG_BAR) * LENGTH, 1e-9, "as above")
 
 
-# A loop in space: hinge, slide, ball and cross, Modelica's Fourbar1. By coordinate: its Jet of the crank's
-# angle, its speed's and acceleration's name.
+# A spatial loop with revolute, prismatic, spherical and universal joints, Modelica's Fourbar1. For each
+# coordinate: its function of the crank angle, the names of its velocity and its acceleration.
 FOURBAR1 = ModelicaFourbar1()
 IN_SPACE: dict[str, tuple[Callable[[Jet], Jet], str, str]] = {
     "j1.phi": (lambda phi: phi, "w", "a"),
@@ -215,8 +215,8 @@ IN_SPACE: dict[str, tuple[Callable[[Jet], Jet], str, str]] = {
 
 
 @pytest.mark.parametrize("driven_at", list(IN_SPACE))
-def test_loop_in_space_driven_at_each_of_its_coordinates(driven_at: str) -> None:
-    """As the crank then moves so does all else; the drive's power is that of a torque at the crank."""
+def test_spatial_loop_driven_at_each_of_its_coordinates(driven_at: str) -> None:
+    """All coordinates follow the crank; the power of the drive equals that of a torque at the crank."""
     source = fourbar1()
     name, _, coordinate = driven_at.partition(".")
     law, speed, _ = IN_SPACE[driven_at]
@@ -231,7 +231,7 @@ def test_loop_in_space_driven_at_each_of_its_coordinates(driven_at: str) -> None
             "polynomial": [begin.x, 1.5 * begin.d, 0.4 * begin.d],
         }
     }
-    times = np.linspace(0, 0.35, 8)  # the cross comes to a dead centre at 0.38 s
+    times = np.linspace(0, 0.35, 8)  # the cross reaches a dead center at 0.38 s
     found = run(source, times, 1e-8)
     motion = OneFreedom(FOURBAR1.geometry, (0.0, -G_N, 0.0))
     for i, t in enumerate(times):
@@ -250,8 +250,8 @@ def test_loop_in_space_driven_at_each_of_its_coordinates(driven_at: str) -> None
 
 
 @pytest.mark.parametrize("integrator", ["auto", "cvode", "rk4"])
-def test_a_motion_beyond_a_dead_centre_is_refused_there(integrator: str) -> None:
-    """The cross turns to 0.423 rad and back while the crank goes round: no motion leads further."""
+def test_motion_beyond_a_dead_center_is_rejected_there(integrator: str) -> None:
+    """The cross rotates to 0.423 rad and back during a crank revolution: it cannot rotate further."""
     source = fourbar1()
     source["joints"]["j1"]["start"] = {"phi": 0.3}
     begin = IN_SPACE["cross.phi_a"][0](Jet(0.3, 1.0)).x

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gears and racks against the Lagrangians of shafts, planetary gears, differentials, racks, linkages."""
+"""Gears and racks in shafts, planetary gears, differentials and linkages, against Lagrange's equations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from models.running import assert_close, started
 from scipy.integrate import solve_ivp
 
 ABOUT_Z: dict[str, Any] = {"axis": [0, 0, 1]}
-EXACT = 1e-12  # of accelerations in closed form: rounding
+EXACT = 1e-12  # rounding of accelerations in closed form
 
 
 def disc(mass: float, moment: float) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def disc(mass: float, moment: float) -> dict[str, Any]:
 
 
 def shafts(ratio: float, offset: float = 0.0, **fields: Any) -> Scene:
-    """Two wheels in bearings on the ground, 0.5 and 0.2 kg m2; motors on both."""
+    """Two geared wheels of 0.5 and 0.2 kg m2 in bearings on the ground, with a motor each."""
     return scene(
         {"a": disc(3.0, 0.5), "b": disc(2.0, 0.2)},
         {
@@ -38,15 +38,15 @@ def shafts(ratio: float, offset: float = 0.0, **fields: Any) -> Scene:
 
 
 @pytest.mark.parametrize("ratio", [-2.5, 0.4, 1.0, -1.0, 40.0])
-def test_two_shafts_move_as_one_of_the_effective_inertia(ratio: float) -> None:
-    """(I_b + n^2 I_a) b'' = tau_b + n tau_a; the mesh gives what the first shaft lacks."""
+def test_two_shafts_move_as_one_with_the_effective_inertia(ratio: float) -> None:
+    """(I_b + n^2 I_a) b'' = tau_b + n tau_a; the mesh torque follows from the balance of the first shaft."""
     plant = started(shafts(ratio), left__tau=0.7, right__tau=-0.3)
     b = (-0.3 + ratio * 0.7) / (0.2 + ratio**2 * 0.5)
     assert_close("B.a", plant.output("B.a"), b, EXACT, "closed form")
     assert_close("A.a", plant.output("A.a"), ratio * b, EXACT, "closed form")
     mesh = 0.5 * ratio * b - 0.7
     assert_close("mesh", plant.output("mesh.tau"), mesh, EXACT, "closed form")
-    # Reaction sensors tell all that acts in the joint, mesh and motor included.
+    # Reaction sensors measure all torques in the joint, including those of mesh and motor.
     assert_close("at A", plant.output("at_A.t[3]"), mesh + 0.7, EXACT, "all that turns a")
     assert_close("at B", plant.output("at_B.t[3]"), 0.2 * b, EXACT, "all that turns b")
     plant.step_to(2.0)
@@ -55,7 +55,7 @@ def test_two_shafts_move_as_one_of_the_effective_inertia(ratio: float) -> None:
         assert_close(name, plant.output(f"A.{name}"), ratio * plant.output(f"B.{name}"), 1e-12, "rounding")
 
 
-def test_offset_is_the_first_angle_where_the_other_is_at_zero() -> None:
+def test_offset_is_the_first_angle_when_the_second_is_zero() -> None:
     source = shafts(-3.0, 0.6)
     source["joints"]["B"]["start"] = {"phi": 0.25, "w": 1.5, "fixed": True}
     plant = started(source)
@@ -63,7 +63,7 @@ def test_offset_is_the_first_angle_where_the_other_is_at_zero() -> None:
     assert plant.output("A.w") == pytest.approx(-4.5, abs=1e-13)
 
 
-def test_a_gear_keeps_energy_and_counts_turns() -> None:
+def test_gear_conserves_energy_and_counts_revolutions() -> None:
     source = shafts(-7.0)
     source["joints"]["B"] |= {"stiffness": 12.0, "start": {"phi": 4.0, "fixed": True}}
     found = run(source, np.linspace(0, 20, 201), 1e-10)
@@ -72,13 +72,13 @@ def test_a_gear_keeps_energy_and_counts_turns() -> None:
     assert_close("energy", found["meter.total"], 12.0 * 16 / 2, 1e-6, "of 96 J, tolerance 1e-10 over 20 s")
 
 
-# A planetary gear: teeth of sun, planet and ring; moments of sun, carrier with planets' masses, planet.
+# A planetary gear: numbers of teeth; moments of inertia; mass of the planet and its distance from the axis.
 SUN, PLANET, RING = 24, 18, 60
 I_SUN, I_ARM, I_RING, I_PLANET, M_PLANET, ARM = 0.02, 0.05, 0.3, 0.004, 0.6, 0.21
 
 
 def planetary(ring: bool = True) -> Scene:
-    """All on the ground but the planet, which sits on the arm: Willis' equations of both meshes.
+    """A planetary gear whose planet is on the arm and all other wheels on the ground, with Willis' equations:
 
     (sun - arm) Z_S = -planet Z_P and (ring - arm) Z_R = planet Z_P, the planet's angle against the arm.
     """
@@ -107,14 +107,14 @@ def planetary(ring: bool = True) -> Scene:
 
 
 def inertias(rows: Array) -> Array:
-    """M over (sun, arm), of speeds of sun, arm, ring and of the planet's spin in space by rows."""
+    """M for the velocities of sun and arm; `rows` gives those of sun, arm, ring and planet (absolute)."""
     moments = np.diag([I_SUN, I_ARM + M_PLANET * ARM**2, I_RING, I_PLANET])
     out: Array = rows.T @ moments @ rows
     return out
 
 
-def test_planetary_gear_follows_willis_and_its_lagrangian() -> None:
-    """Two freedoms, sun and arm. Planet in space: arm - (sun - arm) Z_S / Z_P."""
+def test_planetary_gear_follows_willis_and_lagrange_equations() -> None:
+    """Two degrees of freedom, sun and arm. Absolute velocity of the planet: arm - (sun - arm) Z_S / Z_P."""
     n, m = SUN / PLANET, SUN / RING
     rows = np.array([[1, 0], [0, 1], [-m, 1 + m], [-n, 1 + n]])
     forces = np.array([0.8, -0.5]) + np.array([-m, 1 + m]) * 0.3
@@ -123,7 +123,7 @@ def test_planetary_gear_follows_willis_and_its_lagrangian() -> None:
     expected = {"S.a": sun, "C.a": arm, "R.a": rows[2] @ [sun, arm], "P.a": rows[3] @ [sun, arm] - arm}
     for name, value in expected.items():
         assert_close(name, plant.output(name), value, 1e-11, "of 30, rounding")
-    # What the meshes give: the ring and the sun have nothing else.
+    # Torques of the meshes, from the balance of ring and sun.
     ring = I_RING * expected["R.a"] - 0.3
     assert_close("inner", plant.output("inner.tau"), ring, 1e-11, "the ring's balance")
     assert_close("outer", plant.output("outer.tau"), I_SUN * sun - 0.8, 1e-11, "the sun's balance")
@@ -133,8 +133,8 @@ def test_planetary_gear_follows_willis_and_its_lagrangian() -> None:
     assert w["S"] - w["C"] == pytest.approx(-(RING / SUN) * (w["R"] - w["C"]), abs=1e-12)
 
 
-def test_with_its_ring_held_it_is_a_reduction_of_one_freedom() -> None:
-    """The classical 1 + Z_R / Z_S."""
+def test_planetary_gear_with_held_ring_has_the_classical_ratio() -> None:
+    """One degree of freedom is left, with the ratio 1 + Z_R / Z_S."""
     n, total = SUN / PLANET, 1 + RING / SUN
     rows = np.array([[1], [1 / total], [0], [1 / total - n * (1 - 1 / total)]])
     plant = started(planetary(ring=False), at_sun__tau=0.8, at_arm__tau=-0.5)
@@ -144,8 +144,8 @@ def test_with_its_ring_held_it_is_a_reduction_of_one_freedom() -> None:
     assert plant.output("R.phi") == pytest.approx(0.3, abs=1e-13)
 
 
-def test_wheels_on_the_ground_with_a_carrier_are_meant_against_it() -> None:
-    """Sun and ring alone, as an ideal planetary: (sun - arm) = -Z_R / Z_S (ring - arm)."""
+def test_angles_of_wheels_on_the_ground_are_relative_to_the_carrier() -> None:
+    """Sun and ring without a planet, as an ideal planetary gear: (sun - arm) = -Z_R / Z_S (ring - arm)."""
     source = planetary()
     del source["bodies"]["planet"], source["joints"]["P"]
     source["constraints"] = {
@@ -160,8 +160,8 @@ def test_wheels_on_the_ground_with_a_carrier_are_meant_against_it() -> None:
     assert_close("C.a", plant.output("C.a"), arm, 1e-11, "of 10, rounding")
 
 
-def test_gear_between_two_wheels_on_an_arm_that_swings() -> None:
-    """A balance arm that carries two geared wheels: their spins in space are arm + wheel."""
+def test_gear_between_two_wheels_on_a_swinging_arm() -> None:
+    """A pendulum arm that carries two geared wheels: their absolute velocities are arm + wheel."""
     arm_moment, wheel, other, ratio = 0.4, 0.03, 0.01, -3.0
     source = scene(
         {
@@ -191,7 +191,7 @@ def test_gear_between_two_wheels_on_an_arm_that_swings() -> None:
 
 
 def test_differential_shares_torque_evenly() -> None:
-    """An axle's differential: 2 cage = left + right, as a gear with the cage for carrier and ratio -1."""
+    """2 cage = left + right: the differential of an axle is a gear of ratio -1 with the cage as carrier."""
     source = scene(
         {"cage": disc(1.0, 0.02), "left": disc(4.0, 0.5), "right": disc(4.0, 0.8)},
         {
@@ -216,8 +216,8 @@ def test_differential_shares_torque_evenly() -> None:
 
 
 @pytest.mark.parametrize("radius", [0.05, -0.05])
-def test_rack_that_falls_turns_its_pinion(radius: float) -> None:
-    """At g / (1 + I / (m r^2)), as in ADAMS' RackPinion; the teeth carry what is left of its weight."""
+def test_falling_rack_rotates_its_pinion(radius: float) -> None:
+    """It falls at g / (1 + I / (m r^2)), as in ADAMS' RackPinion; the teeth carry the rest of its weight."""
     mass, moment = 0.8, 3e-3
     source = scene(
         {"rack": body(mass), "wheel": disc(1.0, moment)},
@@ -242,7 +242,7 @@ def test_rack_that_falls_turns_its_pinion(radius: float) -> None:
 
 
 def test_pinion_on_a_carriage_that_is_driven_along_its_rack() -> None:
-    """A wheel that rolls on a rack: the rack stands, the carriage of the pinion moves. r phi = -s."""
+    """A wheel rolls on a rack that is at rest, while the carriage of the pinion moves: r phi = -s."""
     mass, moment, radius = 1.2, 2e-3, 0.04
     source = scene(
         {"cart": body(mass), "wheel": disc(0.3, moment)},
@@ -261,7 +261,7 @@ def test_pinion_on_a_carriage_that_is_driven_along_its_rack() -> None:
 
 
 @pytest.mark.parametrize(("ratio", "offset"), [(-1.0, math.pi), (-2.0, 2.0), (1.0, 0.3)])
-def test_geared_five_bar_moves_as_its_geometry_asks(ratio: float, offset: float) -> None:
+def test_geared_five_bar_matches_its_reduced_equation_of_motion(ratio: float, offset: float) -> None:
     times = np.linspace(0, 2, 41)
     phi, w = OneFreedom(five_bar_bodies(ratio, offset), (0, -GRAVITY, 0)).motion(1.9, 0.0, times)
     found = run(five_bar(1.9, ratio, offset), times, 1e-11)
@@ -271,7 +271,7 @@ def test_geared_five_bar_moves_as_its_geometry_asks(ratio: float, offset: float)
 
 
 def three_shafts(last: float) -> Scene:
-    """A with B, B with C, C with A: a ring of gears. last: the ratio that closes it."""
+    """Gears between A and B, B and C, C and A: a ring, which is closed by the ratio `last`."""
     out = shafts(-2.0)
     out["bodies"]["c"] = disc(1.0, 0.1)
     out["joints"]["C"] = joint("revolute", frame("ground", (0.8, 0, 0)), frame("c"), **ABOUT_Z)
@@ -282,13 +282,13 @@ def three_shafts(last: float) -> Scene:
     return out
 
 
-def test_ring_of_gears_that_agree_turns() -> None:
-    """A = -2 B, B = 1.5 C, so C = -A / 3: the third row repeats the others; forces are shared."""
+def test_consistent_ring_of_gears_rotates() -> None:
+    """A = -2 B, B = 1.5 C, hence C = -A / 3: the third constraint is redundant; meshes share the torque."""
     plant = started(three_shafts(-1 / 3), left__tau=0.7)
     moment = 0.5 + 0.2 / 4 + 0.1 / 9
     assert_close("A.a", plant.output("A.a"), 0.7 / moment, EXACT, "closed form")
     assert plant.independent_speeds == ("A.w",) or len(plant.independent_speeds) == 1
-    # However they are shared, each wheel has what it needs: C from two meshes.
+    # However the torque is shared, the balance of each wheel holds: that of C with two meshes.
     on_c = plant.output("last.tau") - 1.5 * plant.output("next.tau")
     assert_close("C", 0.1 * plant.output("C.a"), on_c, 1e-12, "the wheel's balance")
     plant.step_to(3.0)
@@ -296,8 +296,8 @@ def test_ring_of_gears_that_agree_turns() -> None:
     assert plant.diagnostics["constraints.position"] < 1e-12
 
 
-def test_ring_of_gears_that_differ_locks() -> None:
-    """No speed but 0 is possible: the motor's torque ends in the teeth."""
+def test_inconsistent_ring_of_gears_locks() -> None:
+    """Only zero velocity is possible: the teeth bear the torque of the motor."""
     plant = started(three_shafts(1 / 3), left__tau=0.7)
     assert plant.size.degrees_of_freedom == 0
     for name in "ABC":
@@ -308,8 +308,8 @@ def test_ring_of_gears_that_differ_locks() -> None:
     assert plant.output("A.phi") == pytest.approx(0, abs=1e-12)
 
 
-def test_gear_and_given_motion_together_drive_the_other_shaft() -> None:
-    """The motion's torque moves both: (I_a + I_b / n^2) a'' - tau_b / n."""
+def test_gear_and_prescribed_motion_drive_the_other_shaft() -> None:
+    """The torque of the motion accelerates both: (I_a + I_b / n^2) a'' - tau_b / n."""
     source = shafts(-2.5)
     source["constraints"]["turn"] = {
         "type": "motion",
@@ -326,7 +326,7 @@ def test_gear_and_given_motion_together_drive_the_other_shaft() -> None:
 
 
 def test_pendulum_that_drives_a_flywheel_through_gears() -> None:
-    """A long run against scipy: (I + m l^2 + n^2 J) phi'' = -m g l sin phi - d phi'."""
+    """A long run, compared with SciPy: (I + m l^2 + n^2 J) phi'' = -m g l sin phi - d phi'."""
     moment, mass, reach, wheel, ratio = 0.02, 1.0, 0.4, 0.004, 6.0
     source = scene(
         {"rod": body(mass, (0, -reach, 0), (moment, 0, moment)), "wheel": disc(0.5, wheel)},

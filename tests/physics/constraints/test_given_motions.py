@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A coordinate follows a given motion: of every kind, on every joint, against Pinocchio's dynamics."""
+"""Prescribed motions of every kind, on every joint coordinate, against Pinocchio's dynamics."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TIMES: Array = np.linspace(0, 1, 51)
 TOLERANCE = 1e-11
 COEFFICIENTS = [0.1, 0.2, -0.3, 0.15]
 SINE = {"amplitude": 0.3, "frequency": 0.9, "phase": 0.4}
-# What of coordinates, speeds, accelerations and forces of up to 20 remains at the tolerance: 3e-10 at most.
+# Error of coordinates, velocities, accelerations and forces of up to 20 at this tolerance; measured: 3e-10.
 BOUND = 1e-9
 
 
@@ -46,7 +46,7 @@ CASES = [
 
 
 def rest(chain: Chain) -> dict[str, Any] | None:
-    """Start values of the joint's other coordinates and speeds."""
+    """Start values of the joint's other coordinates and velocities: zero."""
     names = [name for k, s in enumerate(chain.steps) for name in s[:2] if k != chain.driven]
     return {**dict.fromkeys(names, 0.0), "fixed": names} if names else None
 
@@ -57,7 +57,7 @@ def compare(found: dict[str, Array], truth: dict[str, Array], bound: float, why:
 
 
 @pytest.mark.parametrize(("kind", "coordinate", "backwards"), CASES)
-def test_each_coordinate_of_each_joint_follows_and_tells_its_force(
+def test_each_coordinate_of_each_joint_follows_its_motion_and_outputs_its_force(
     kind: str, coordinate: str, backwards: bool
 ) -> None:
     chain = Chain(kind, coordinate, backwards)
@@ -73,7 +73,7 @@ def test_each_kind_of_motion(name: str) -> None:
     compare(run(chain.scene(motion), TIMES, TOLERANCE), chain.motion(law, TIMES), BOUND, "see above")
 
 
-def test_constant_speed_from_wherever_the_coordinate_starts() -> None:
+def test_constant_speed_begins_at_the_start_value_of_the_coordinate() -> None:
     chain = Chain("revolute", "phi")
     start: dict[str, Any] = {"phi": 0.35, "fixed": ["phi"]}
     found = run(chain.scene({"speed": -1.4}, start), TIMES, TOLERANCE)
@@ -81,7 +81,7 @@ def test_constant_speed_from_wherever_the_coordinate_starts() -> None:
 
 
 def test_two_coordinates_of_a_joint_at_once() -> None:
-    """A slider that is also driven round is a screw of the pitch given."""
+    """A slider that is also rotated at constant speed moves like a screw."""
     chain = Chain("cylindrical", "s")
     scene = chain.scene({"polynomial": [0.0, 0.05]}, {"phi": 0.0, "fixed": False})
     scene["constraints"]["turn"] = {"type": "motion", "joint": "J", "coordinate": "phi", "speed": 2.0}
@@ -92,8 +92,8 @@ def test_two_coordinates_of_a_joint_at_once() -> None:
 
 
 @pytest.mark.parametrize(("kind", "coordinate"), [("revolute", "phi"), ("cylindrical", "s")])
-def test_what_the_drive_does_is_the_energys_change(kind: str, coordinate: str) -> None:
-    """By Simpson's rule over steps of 1 ms. Springs are stores, dampers losses."""
+def test_work_of_the_drive_is_the_change_of_energy(kind: str, coordinate: str) -> None:
+    """By Simpson's rule over steps of 1 ms. Springs store energy; the losses of dampers are subtracted."""
     chain = Chain(kind, coordinate)
     times = np.linspace(0, 1, 1001)
     found = run(chain.scene(LAWS["both"][0], rest(chain)), times, TOLERANCE)
@@ -111,7 +111,7 @@ HEIGHTS: Array = np.array([0.2, 0.31, 0.12, -0.1, 0.05, 0.15, 0.02])
 
 
 def natural() -> Law:
-    """SciPy's spline; beyond its ends it goes on straight."""
+    """SciPy's natural spline, continued by straight lines."""
     spline = CubicSpline(KNOTS, HEIGHTS, bc_type="natural")
 
     def law(t: float) -> list[float]:
@@ -133,8 +133,8 @@ def periodic() -> Law:
 
 
 @pytest.mark.parametrize("repeats", [False, True])
-def test_tables_are_splines_through_their_points(repeats: bool) -> None:
-    """Natural and periodic ones; the run begins before the table and ends long after it."""
+def test_tables_are_interpolated_by_splines(repeats: bool) -> None:
+    """Natural and periodic splines; the run begins before the table and ends long after it."""
     chain = Chain("revolute", "phi")
     values = [*HEIGHTS[:-1], HEIGHTS[0]] if repeats else HEIGHTS
     table = {"time": KNOTS.tolist(), "value": [float(x) for x in values], "periodic": repeats}
@@ -155,7 +155,7 @@ def test_a_table_of_two_points_is_a_straight_line() -> None:
 
 @pytest.mark.parametrize("kind", ["position", "speed"])
 def test_inputs_of_five_derivatives_are_polynomials_of_order_five(kind: str) -> None:
-    """Such a motion is given exactly, however long the steps."""
+    """Such a motion is exact for steps of any length."""
     chain = Chain("revolute", "phi")
     coefficients = [0.1, 0.2, -0.3, 0.15, 0.4, -0.25]
     derived = 0 if kind == "position" else 1
@@ -170,8 +170,8 @@ def test_inputs_of_five_derivatives_are_polynomials_of_order_five(kind: str) -> 
 
 @pytest.mark.parametrize("kind", ["position", "speed"])
 @pytest.mark.parametrize("orders", [2, 3, 4, 5])
-def test_with_fewer_derivatives_the_error_falls_with_their_power_of_the_step(kind: str, orders: int) -> None:
-    """Between the points given the speed errs by the step's power `orders`, of speeds by one more."""
+def test_order_of_the_error_follows_from_the_number_of_input_derivatives(kind: str, orders: int) -> None:
+    """Errors of velocities are of order `orders` in the step, one order higher if speeds are prescribed."""
     chain = Chain("revolute", "phi")
     derived = 0 if kind == "position" else 1
     name = "drive.phi_ref" if kind == "position" else "drive.w_ref"
@@ -182,12 +182,12 @@ def test_with_fewer_derivatives_the_error_falls_with_their_power_of_the_step(kin
         laws = {name: sine(0.3, 1.5, 0.4, derived)}
         found = follow(chain.scene({"input": kind}, start), laws, steps, 1 / steps, 1e-12, orders)
         errors.append(math.hypot(*(found[x][-1] - truth[x][-1] for x in ("H.phi", "H.w"))))
-    # Powers of opposite signs, as leading ones are here, feign up to 0.6 less.
+    # The two leading terms have opposite signs here, which reduces the observed order by up to 0.6.
     assert math.log2(errors[0] / errors[1]) / 3 > orders + derived - 0.7, errors
 
 
-def test_the_start_is_what_inputs_say_then() -> None:
-    """Set before initialisation, with derivatives; what is not given is 0."""
+def test_start_follows_from_the_initial_inputs() -> None:
+    """Inputs and their derivatives are set before initialization; those that are not set are 0."""
     chain = Chain("revolute", "phi")
     plant = gelenk.Simulation(gelenk.load(chain.scene({"input": "position"})))
     plant.set_input("drive.phi_ref", 0.8)

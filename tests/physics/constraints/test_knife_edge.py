@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A blade that does not slide sideways: closed forms, energy, momentum, and blades on what moves."""
+"""Knife-edge constraints against closed forms, energy and momentum, also on a moving table."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TIMES = np.linspace(0, 4, 81)
 
 
 def along(found: Recording, phi: str = "floor.phi") -> tuple[np.ndarray, np.ndarray]:
-    """Speeds of the blade along and across it, in the plane of its joint."""
+    """Velocities of the blade along and across it, in the plane of its joint."""
     c, s = np.cos(found[phi]), np.sin(found[phi])
     vx, vy = found["floor.v_x"], found["floor.v_y"]
     return c * vx + s * vy, c * vy - s * vx
@@ -32,7 +32,7 @@ def along(found: Recording, phi: str = "floor.phi") -> tuple[np.ndarray, np.ndar
 
 @pytest.mark.parametrize(("u", "w"), [(-1.0, 0.4), (0.8, 3.0), (-2.0, -0.05)])
 def test_chaplygins_sleigh(u: float, w: float) -> None:
-    """Going backwards it turns over, and ends ahead: the closed form, force of the blade and energy."""
+    """A sleigh that starts backward turns around and ends forward: closed form, blade force, energy."""
     found = run(chaplygin_sleigh(u, w), TIMES, tolerance=1e-11)
     expected = sleigh_truth(u, w, TIMES)
     ahead, aside = along(found)
@@ -45,7 +45,7 @@ def test_chaplygins_sleigh(u: float, w: float) -> None:
 
 @pytest.mark.parametrize(("slope", "w"), [(0.3, 2.0), (1.2, -5.0)])
 def test_skate_on_a_slope_draws_a_cycloid(slope: float, w: float) -> None:
-    """It goes along the slope, not down: Neimark & Fufaev 1972, ch. 2. u = g sin(slope) sin(w t) / w."""
+    """It drifts across the slope, not down: Neimark & Fufaev 1972, ch. 2. u = g sin(slope) sin(w t) / w."""
     found = run(skate(slope, w), TIMES, tolerance=1e-11)
     pull = GRAVITY * np.sin(slope)
     angle = w * TIMES
@@ -56,30 +56,30 @@ def test_skate_on_a_slope_draws_a_cycloid(slope: float, w: float) -> None:
     assert np.ptp(found["energy.total"]) < 1e-9  # J, of 40
 
 
-def test_skate_on_a_turning_table() -> None:
-    """Seen from the table: centrifugal force along the blade, Coriolis's across it, which the blade takes."""
+def test_skate_on_a_rotating_table() -> None:
+    """In the frame of the table: centrifugal force along the blade, Coriolis force across it on the blade."""
     turning = 0.7
     found = run(on_a_turntable(turning, driven=True), TIMES, tolerance=1e-11)
 
-    def slope(_t: float, y: np.ndarray) -> list[float]:
+    def rates(_t: float, y: np.ndarray) -> list[float]:
         x, z, phi, u = y
         c, s = np.cos(phi), np.sin(phi)
         return [u * c, u * s, 1.5, turning**2 * (x * c + z * s)]
 
-    y = solve_ivp(slope, (0, 4), [0.4, -0.1, 0.3, 0.5], "DOP853", TIMES, rtol=1e-12, atol=1e-13).y
+    y = solve_ivp(rates, (0, 4), [0.4, -0.1, 0.3, 0.5], "DOP853", TIMES, rtol=1e-12, atol=1e-13).y
     for name, value in zip(("floor.s_x", "floor.s_y", "floor.phi"), y[:3], strict=True):
         assert_close(name, found[name], value, 1e-9, "100 rtol")
     ahead, aside = along(found)
     assert_close("u", ahead, y[3], 1e-9, "100 rtol")
     assert_close("aside", aside, 0, 1e-12, "projected")
-    # Across: u (w + 2 turning) less the centrifugal part.
+    # Across the blade: u (w + 2 turning) minus the centrifugal part.
     x, z, phi, u = y
     centrifugal = turning**2 * (z * np.cos(phi) - x * np.sin(phi))
     force = MASS * (u * (1.5 + 2 * turning) - centrifugal)
     assert_close("force", found["blade.f"], force, 1e-8, "1000 rtol, of 6 N")
 
 
-def test_skate_and_a_table_that_is_free_keep_their_momentum() -> None:
+def test_skate_and_free_table_conserve_their_angular_momentum() -> None:
     found = run(on_a_turntable(0.7, driven=False), TIMES, tolerance=1e-11)
     r, v = found.vector("blade_at.r"), found.vector("blade_at.v")
     spin = found.vector("blade_at.w")[:, 2]
@@ -91,11 +91,11 @@ def test_skate_and_a_table_that_is_free_keep_their_momentum() -> None:
 
 
 def test_states_of_the_sleigh() -> None:
-    """Three coordinates, two speeds; straight ahead it is stable, backwards not: dw/dt = -m a u w / J."""
+    """Three coordinates, two velocities; stable forward, unstable backward: dw/dt = -m a u w / J."""
     J = MOMENT + MASS * 0.25**2
     for u in (1.0, -1.0):
         model = gelenk.linear.linear_model(chaplygin_sleigh(u, 0.0))
         assert len(model.states) == 5
         poles = sorted(np.linalg.eigvals(model.A), key=abs)
-        assert abs(np.array(poles[:4])).max() < 1e-7  # zeros, among them a block: root of round-off
+        assert abs(np.array(poles[:4])).max() < 1e-7  # zeros, among them a Jordan block: root of round-off
         assert_close("pole", poles[4].real, -MASS * 0.25 * u / J, 1e-11, "round-off")

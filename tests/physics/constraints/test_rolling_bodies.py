@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Wheels that are no symmetric discs: laws of Newton and Euler, scale, and how they are put on the ground."""
+"""Rolling wheels that are not symmetric discs: Newton-Euler equations, scaling, assembly on the ground."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STEP = 1e-3  # s
 
 
 def lump_on_a_wheel() -> Scene:
-    """The hub off the body's frame, the axis off its axes, the centre of mass off both; thrown spinning."""
+    """A spinning wheel whose hub, axis and center of mass are not at the body frame's origin and axes."""
     level = rotation(np.cross(AXIS, [0, 1, 0]), float(np.arccos(AXIS[1])))
     R = rotation([1, 0, 0], 0.2) @ level
     start = {
@@ -66,7 +66,7 @@ def turns(found: Recording) -> Rotation:
 
 
 def contact_force(found: Recording) -> Array:
-    """In the world, from its parts along the normal, the heading and across it."""
+    """The contact force in the world frame, from its normal, longitudinal and lateral components."""
     heading = np.cross(turns(found).apply(AXIS), UP)
     heading /= np.linalg.norm(heading, axis=1)[:, None]
     parts = {"f_n": UP, "f_long": heading, "f_lat": np.cross(UP, heading)}
@@ -74,26 +74,26 @@ def contact_force(found: Recording) -> Array:
     return out
 
 
-def added_up(rates: Array) -> Array:
-    """Over each two steps, by Simpson's rule."""
+def integrated(rates: Array) -> Array:
+    """The integral over each two steps, by Simpson's rule."""
     out: Array = (rates[:-2:2] + 4 * rates[1::2] + rates[2::2]) * STEP / 3
     return out
 
 
-def test_contact_force_moves_the_centre_of_mass(found: Recording) -> None:
+def test_contact_force_accelerates_the_center_of_mass(found: Recording) -> None:
     change = np.diff(2.0 * found.vector("com.v")[::2], axis=0)
     force = contact_force(found) - 2.0 * GRAVITY * UP
-    # h^5 / 90 of fourth derivatives, 10 N (20 rad/s)^4 or so: 2e-11; rates of 100 N/s at turns more.
-    assert_close("momentum", change, added_up(force), 1e-9, "Simpson's rule")
+    # h^5 / 90 times fourth derivatives, about 10 N (20 rad/s)^4: 2e-11; more where forces change by 100 N/s.
+    assert_close("momentum", change, integrated(force), 1e-9, "Simpson's rule")
 
 
-def test_contact_force_turns_it_about_the_centre_of_mass(found: Recording) -> None:
+def test_contact_moment_changes_the_angular_momentum_about_the_center_of_mass(found: Recording) -> None:
     spin = turns(found).apply(found.vector("hub.w") @ inertia_matrix(LUMP))
     moment = np.cross(found.vector("tyre.r") - found.vector("com.r"), contact_force(found))
-    assert_close("spin", np.diff(spin[::2], axis=0), added_up(moment), 1e-9, "Simpson's rule")
+    assert_close("spin", np.diff(spin[::2], axis=0), integrated(moment), 1e-9, "Simpson's rule")
 
 
-def test_it_rolls_on_its_rim_and_keeps_its_energy(found: Recording) -> None:
+def test_wheel_rolls_on_its_rim_and_conserves_energy(found: Recording) -> None:
     arm = found.vector("tyre.r") - found.vector("hub.r")
     slip = found.vector("hub.v") + np.cross(turns(found).apply(found.vector("hub.w")), arm)
     assert_close("slip", slip, 0, 1e-11, "projected")
@@ -104,8 +104,8 @@ def test_it_rolls_on_its_rim_and_keeps_its_energy(found: Recording) -> None:
 
 
 @pytest.mark.parametrize("scale", [1e-3, 0.1, 100.0])
-def test_size_is_no_matter(scale: float) -> None:
-    """Lengths by `scale`, times by its root, masses by its cube: the same motion, from 0.3 mm to 30 m."""
+def test_motion_is_invariant_under_scaling(scale: float) -> None:
+    """Lengths times `scale`, durations times its root, masses times its cube: the same motion from 0.3 mm to 30 m."""
     source = disc()
     source["bodies"]["wheel"] = body(
         MASS * scale**3, (0, 0, 0), [scale**5 * moment for moment in (ACROSS, AXIAL, ACROSS)]
@@ -121,8 +121,8 @@ def test_size_is_no_matter(scale: float) -> None:
         assert_close(name, found[name] / unit, expected[name], 1e-9, "100 rtol")
 
 
-def test_what_is_not_given_is_found() -> None:
-    """A height that is kept leaves the lean to be found; one out of reach is told."""
+def test_lean_is_found_from_a_fixed_height() -> None:
+    """A height that cannot be reached is rejected."""
     source = disc()
     source["joints"]["height"]["start"] = {"s": 0.25, "fixed": True}
     source["joints"]["lean"]["start"] = {"phi": 0.3, "w": 0.3}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A disc rolling on a plane: against its reduced equations, closed forms of steady turning, Newton's law."""
+"""A disc rolling on a plane, against reduced equations, closed forms of steady turning and Newton's law."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ def turns(found: Recording) -> Rotation:
 
 
 @pytest.mark.parametrize("make", [disc, flying_disc])
-def test_motion_and_contact_forces_are_those_of_the_reduced_equations(make: Callable[[], Scene]) -> None:
+def test_motion_and_contact_forces_match_the_reduced_equations(make: Callable[[], Scene]) -> None:
     found = run(make(), TIMES, tolerance=1e-11)
     for name, expected in truth(WOBBLING, TIMES).items():
         if name in found.values:
             assert_close(name, found[name], expected, 1e-9, "100 rtol")
 
 
-def test_plane_may_lie_askew() -> None:
-    """All turned and moved together, and seen from the plane."""
+def test_plane_may_have_any_pose() -> None:
+    """Disc, plane and gravity are rotated and displaced together; coordinates are relative to the plane."""
     found = run(disc(R=ASKEW, p=AWAY), TIMES, tolerance=1e-11)
     expected = truth(WOBBLING, TIMES)
     for name in ("lean.phi", "base.s_x", "spin.phi", "tyre.f_n", "tyre.f_lat", "tyre.f_long"):
@@ -55,7 +55,7 @@ def test_plane_may_lie_askew() -> None:
 
 @pytest.mark.parametrize("make", [disc, flying_disc])
 def test_contact_obeys_newtons_law_and_does_not_slip(make: Callable[[], Scene]) -> None:
-    """Momentum from the sensor at the hub: over a time, its change is what forces and weight add up to."""
+    """The change of momentum, by the sensor at the hub, is the time integral of contact force and weight."""
     times = np.linspace(0, 1, 1001)
     found = run(make(), times, tolerance=1e-11)
     axis = turns(found).apply([0, 1, 0])
@@ -68,7 +68,7 @@ def test_contact_obeys_newtons_law_and_does_not_slip(make: Callable[[], Scene]) 
         + found["tyre.f_lat"][:, None] * np.cross(normal, heading)
     )
     total = force - [0, 0, MASS * GRAVITY]
-    # Simpson's rule for each two steps of 1 ms: h^4 / 90 of fourth derivatives, 2 N (10 rad/s)^4 or so.
+    # Simpson's rule over each two steps of 1 ms: h^4 / 90 times fourth derivatives, about 2 N (10 rad/s)^4.
     added = (total[:-2:2] + 4 * total[1::2] + total[2::2]) * 1e-3 / 3
     momentum = MASS * found.vector("hub.v")
     assert_close("momentum", np.diff(momentum[::2], axis=0), added, 1e-11, "Simpson's rule")
@@ -82,8 +82,8 @@ def test_contact_obeys_newtons_law_and_does_not_slip(make: Callable[[], Scene]) 
 
 
 @pytest.mark.parametrize("make", [disc, flying_disc])
-def test_ten_minutes(make: Callable[[], Scene]) -> None:
-    """Rolling forces do no work; the constraints do not drift."""
+def test_energy_and_constraints_do_not_drift_in_ten_minutes(make: Callable[[], Scene]) -> None:
+    """The forces of rolling do no work; the errors of the constraints do not grow."""
     found = run(make(), np.linspace(0, 600, 61), tolerance=1e-10)
     energy = found["energy.total"]
     assert np.ptp(energy) / energy[0] < 1e-9  # 10 rtol; 4000 wobbles
@@ -97,7 +97,7 @@ SPEEDS = ["base.w", "lean.w", "spin.w"]
 
 @pytest.mark.parametrize("circle", CIRCLES)
 def test_steady_turning(circle: Rolling) -> None:
-    """The closed form is an equilibrium of the three speeds, and goes on for ten seconds round a circle."""
+    """The closed form is an equilibrium of the three velocities and continues for ten seconds on a circle."""
     found = run(disc(circle), np.linspace(0, 10, 51), tolerance=1e-11)
     for name in ("lean.a", "base.wd", "spin.a"):
         assert_close(name, found[name][0], 0, 1e-12, "round-off of 10^2 rad/s2")
@@ -121,18 +121,18 @@ def test_steady_turning_is_found_from_spin_and_lean(circle: Rolling) -> None:
 
 @pytest.mark.parametrize("circle", CIRCLES)
 def test_steady_turning_is_marginal_with_the_frequency_of_the_closed_form(circle: Rolling) -> None:
-    """Five coordinates, three speeds. At 0: coordinates on which nothing depends, families of circles."""
+    """Five coordinates, three velocities. Zero eigenvalues: cyclic coordinates, and families of circles."""
     model = gelenk.linear.linear_model(disc(circle))
     assert len(model.states) == 8
-    assert set(model.states[5:]) == set(SPEEDS)  # the ones that stay constant
+    assert set(model.states[5:]) == set(SPEEDS)  # the ones that are constant
     poles = sorted(np.linalg.eigvals(model.A), key=lambda s: s.imag)
     assert_close("frequency", poles[-1].imag, np.sqrt(frequency_squared(circle)), 1e-11, "round-off")
     assert_close("growth", [s.real for s in (poles[0], poles[-1])], 0, 1e-12, "round-off")
-    assert abs(np.array(poles[1:-1])).max() < 1e-6  # zeros in a block of two: root of round-off
+    assert abs(np.array(poles[1:-1])).max() < 1e-6  # zeros in a Jordan block of two: root of round-off
 
 
-def test_upright_disc_needs_its_speed() -> None:
-    """Straight on: w^2 > m g R A / (C (C + m R^2)), Neimark & Fufaev 1972; below, it falls over."""
+def test_upright_disc_is_unstable_below_the_critical_speed() -> None:
+    """Stable straight ahead for w^2 > m g R A / (C (C + m R^2)) (Neimark & Fufaev 1972)."""
     critical = np.sqrt(MASS * GRAVITY * RADIUS * ACROSS / (AXIAL * ROLLED_AXIAL))
     for factor, grows in ((0.999, True), (1.001, False)):
         model = gelenk.linear.linear_model(disc(steady(0.0, factor * critical)))
@@ -147,42 +147,44 @@ def named_in(warning: str) -> set[str]:
     return {part.split()[0] for part in warning.partition("equilibrium: ")[2].split(", ")}
 
 
-def test_coordinates_that_change_are_told() -> None:
-    """In the default ones place, heading and turned angle change; their speeds are constant."""
-    with pytest.warns(gelenk.OperatingPointWarning) as told:
+def test_coordinates_that_change_are_reported() -> None:
+    """Of the default states, position, heading and spin angle change; the velocities are constant."""
+    with pytest.warns(gelenk.OperatingPointWarning) as warned:
         gelenk.linearize(disc(steady(0.2, 6.0)))
-    assert named_in(str(told[0].message)) == {"base.s_x", "base.phi", "spin.phi"}  # it sets out along x
+    assert named_in(str(warned[0].message)) == {"base.s_x", "base.phi", "spin.phi"}  # the heading is x
 
 
 @pytest.mark.parametrize(
     ("speeds", "changing"),
     [(["base.v_x", "base.v_y", "base.w"], "base.v_y"), (["base.v_x", "base.v_y", "spin.w"], "base.v_y")],
 )
-def test_speeds_that_change_make_a_stable_circle_look_otherwise(speeds: list[str], changing: str) -> None:
-    """Seen in vx and vy, which turn with the heading, poles are no longer those of the wobble; it is told."""
+def test_velocities_that_change_distort_the_poles_of_a_stable_circle(
+    speeds: list[str], changing: str
+) -> None:
+    """Poles with states vx and vy, which change with the heading, are not those of the wobble: a warning."""
     circle = steady(0.2, 6.0)
     states = ["base.s_x", "base.s_y", "base.phi", "lean.phi", "spin.phi", *speeds]
-    with pytest.warns(gelenk.OperatingPointWarning) as told:
+    with pytest.warns(gelenk.OperatingPointWarning) as warned:
         plant = gelenk.linearize(disc(circle), states=states)
-    assert changing in named_in(str(told[0].message))
+    assert changing in named_in(str(warned[0].message))
     assert abs(plant.poles().imag.max() - np.sqrt(frequency_squared(circle))) > 0.01
     if "base.w" in speeds:
         assert plant.poles().real.max() > 0.3  # the disc that looked unstable
 
 
-def test_speeds_along_a_spinning_bodys_axes_change_too() -> None:
-    with pytest.warns(gelenk.OperatingPointWarning) as told:
+def test_velocities_in_the_axes_of_a_spinning_body_change_too() -> None:
+    with pytest.warns(gelenk.OperatingPointWarning) as warned:
         plant = gelenk.linearize(flying_disc(steady(0.2, 6.0)))
-    assert "free.w[1]" in named_in(str(told[0].message))
+    assert "free.w[1]" in named_in(str(warned[0].message))
     assert plant.poles().real.max() > 1
 
 
-# Largest errors of angles, speeds and forces together at 1e-10 or steps of 1 ms.
+# Bounds of errors of angles, velocities and forces, at a tolerance of 1e-10 or with steps of 1 ms.
 ADAPTIVE = ("ida", "erk", "cvode", "cvode-adams", "dirk")
 SECOND_ORDER = ("generalized-alpha", "hht", "newmark")
 BOUNDS = dict.fromkeys(ADAPTIVE, 1e-8) | {"rk4": 1e-7, "euler": 1.0} | dict.fromkeys(SECOND_ORDER, 3e-3)
 INDEX1 = ("projection", "baumgarte", "udwadia-kalaba", "augmented-lagrangian", "penalty")
-PENALTY = 3e-6  # what its forces need: lambda / (a Omega^2), docs/scene-format.md
+PENALTY = 3e-6  # the constraint error that causes its forces: lambda / (a Omega^2), docs/scene-format.md
 COMPARED = ["lean.phi", "spin.phi", "base.s_x", *SPEEDS, "tyre.f_n", "tyre.f_lat", "tyre.f_long"]
 
 
@@ -209,7 +211,7 @@ def errors(formulation: str, integrator: str, step: float = 1e-3, stop: float = 
 
 @pytest.mark.parametrize("integrator", BOUNDS)
 @pytest.mark.parametrize("formulation", INDEX1)
-def test_every_formulation_rolls(formulation: str, integrator: str) -> None:
+def test_every_formulation_matches_the_reduced_equations(formulation: str, integrator: str) -> None:
     bound = max(BOUNDS[integrator], PENALTY if formulation == "penalty" else 0.0)
     assert errors(formulation, integrator) < bound
 
@@ -218,24 +220,26 @@ def test_every_formulation_rolls(formulation: str, integrator: str) -> None:
     ("formulation", "bound"),
     [("index3", 1e-6), ("stabilized-index2", 1e-8)],  # index 3: see test_dae_forms
 )
-def test_forms_with_multipliers_as_unknowns_roll(formulation: str, bound: float) -> None:
+def test_formulations_with_multipliers_as_unknowns_match_the_reduced_equations(
+    formulation: str, bound: float
+) -> None:
     assert errors(formulation, "ida") < bound
 
 
 @pytest.mark.parametrize("integrator", SECOND_ORDER)
-def test_index3_rolls_in_fixed_steps(integrator: str) -> None:
+def test_index3_with_fixed_steps_matches_the_reduced_equations(integrator: str) -> None:
     assert errors("index3", integrator) < BOUNDS[integrator]
 
 
 @pytest.mark.parametrize(("integrator", "order"), [("rk4", 4), ("euler", 1), *((n, 2) for n in SECOND_ORDER)])
 def test_order_of_fixed_steps(integrator: str, order: int) -> None:
-    """Half the step, 2^order less error; in 1 ms rk4 is at round-off soon."""
+    """Halving the step divides the error by 2^order; rk4 uses larger steps, since 1 ms leads to round-off."""
     step = 1e-2 if integrator == "rk4" else 2e-3
     ratio = errors("projection", integrator, step) / errors("projection", integrator, step / 2)
     assert abs(np.log2(ratio) - order) < 0.35
 
 
-def test_independent_coordinates_are_refused() -> None:
+def test_formulation_in_independent_coordinates_is_rejected() -> None:
     source = disc() | {"solver": {"formulation": "independent"}}
     with pytest.raises(gelenk.SceneError) as error:
         gelenk.Simulation(gelenk.load(source)).initialize()
@@ -246,7 +250,7 @@ def test_independent_coordinates_are_refused() -> None:
 
 
 def fallen(source: Scene, tolerance: float) -> tuple[gelenk.Simulation, str]:
-    """The plant after a second that it does not survive, and why."""
+    """The plant after a step within one second has failed, and the error message."""
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize(0.0, tolerance)
 
@@ -263,13 +267,13 @@ FALLING = Rolling(0.3, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-11])
-def test_wheel_that_falls_flat_is_refused_where_it_does(tolerance: float) -> None:
-    """From rest. The plant stays where the last step ended and can still be read."""
+def test_step_fails_when_the_wheel_falls_flat(tolerance: float) -> None:
+    """From rest. The plant keeps the state at the end of the last step, and its outputs can be read."""
     plant, why = fallen(disc(FALLING), tolerance)
     # Energy gives the rate; the fall takes the integral of its inverse.
     lean = np.linspace(0.3, np.pi / 2, 200001)[1:]
     work = 2 * MASS * GRAVITY * RADIUS * (np.cos(0.3) - np.cos(lean)) / (ACROSS + MASS * RADIUS**2)
-    u = np.sqrt(lean - 0.3)  # d lean = 2 u du takes the pole away at the start
+    u = np.sqrt(lean - 0.3)  # d lean = 2 u du removes the singularity at the start
     flat_at = np.trapezoid(2 * u / np.sqrt(work), u)
     assert flat_at - 0.011 < plant.time < flat_at
     assert np.isfinite(plant.values()).all()
@@ -279,17 +283,17 @@ def test_wheel_that_falls_flat_is_refused_where_it_does(tolerance: float) -> Non
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-11])
 @pytest.mark.parametrize("make", [disc, flying_disc])
-def test_wheel_that_has_come_to_lie_flat_is_told(make: Callable[[Rolling], Scene], tolerance: float) -> None:
+def test_wheel_that_lies_flat_is_reported(make: Callable[[Rolling], Scene], tolerance: float) -> None:
     _, why = fallen(make(FALLING), tolerance)
     assert "the wheel of wheel lies flat on its plane, where it has no contact point" in why
 
 
-def test_wheel_that_lies_flat_at_the_start_is_told() -> None:
+def test_wheel_that_lies_flat_at_the_start_is_rejected() -> None:
     with pytest.raises(gelenk.AssemblyError, match=r"constraints\.tyre: found the wheel flat on its plane"):
         gelenk.Simulation(gelenk.load(flying_disc(Rolling(np.pi / 2, 0.0, 0.0, 0.0)))).initialize()
 
 
-def test_discs_apart_are_islands_and_roll_as_alone() -> None:
+def test_uncoupled_discs_are_islands_and_roll_independently() -> None:
     one, other = disc(), flying_disc(steady(0.5, 4.5))
     other["bodies"] = {"coin": other["bodies"]["wheel"]}
     other["joints"]["free"]["child"]["body"] = "coin"
@@ -307,7 +311,7 @@ def test_discs_apart_are_islands_and_roll_as_alone() -> None:
             assert_close(name, found[name.replace("tyre", "edge")], expected, 1e-8, "1000 rtol: 10 rad/s")
 
 
-def test_plane_on_a_body_that_stands_is_the_ground() -> None:
+def test_plane_on_a_body_welded_to_the_ground() -> None:
     source = disc()
     source["bodies"]["slab"] = {"mass": 4.0, "com": [0, 0, -0.1]}
     source["joints"]["bolt"] = {
@@ -320,8 +324,8 @@ def test_plane_on_a_body_that_stands_is_the_ground() -> None:
 
 
 @pytest.mark.parametrize("corrections", [1, 2])
-def test_steps_of_equal_cost_stay_on_the_ground(corrections: int) -> None:
-    """rk4 and a fixed count of corrections: one leaves the square of what a step drifts."""
+def test_fixed_number_of_corrections_keeps_the_constraints(corrections: int) -> None:
+    """With rk4 and steps of equal cost: one correction leaves the square of the drift of a step."""
     source = disc() | {"solver": {"integrator": "rk4", "step": 1e-3, "corrections": corrections}}
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize()

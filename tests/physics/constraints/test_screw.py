@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A nut on a screw: closed forms, in the tree and where it closes a loop, over many turns."""
+"""A nut on a screw against closed forms, as tree joint and as loop-closing joint, over many revolutions."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 import gelenk
 
 MASS, MOMENT, PITCH = 2.0, 0.003, 0.02  # kg, kg m2, m/rad
-TIMES = 2.0  # s: thirty turns and more
+TIMES = 2.0  # s: thirty revolutions and more
 
 
 def nut(pitch: float = PITCH, **more: object) -> Scene:
-    """A nut that weighs on a vertical screw; a motor turns it."""
+    """A nut under gravity on a vertical screw; a motor drives it."""
     return scene(
         {"nut": body(MASS, (0, 0, 0), (MOMENT, MOMENT, MOMENT))},
         {"S": joint("screw", frame("ground"), frame("nut"), axis=[0, 0, 1], pitch=pitch, **more)},
@@ -26,7 +26,7 @@ def nut(pitch: float = PITCH, **more: object) -> Scene:
 
 
 def press(pitch: float = PITCH) -> Scene:
-    """A spindle turns about, and a ram slides along, the vertical: the screw between them closes a loop."""
+    """A spindle rotates about, and a ram slides along, the vertical: the screw between them closes a loop."""
     return scene(
         {
             "spindle": body(1.0, (0, 0, 0), (MOMENT, MOMENT, MOMENT)),
@@ -45,7 +45,7 @@ def press(pitch: float = PITCH) -> Scene:
 
 @pytest.mark.parametrize("pitch", [PITCH, -PITCH, 1.5, 1e-3])
 @pytest.mark.parametrize("torque", [0.0, 0.3])
-def test_nut_runs_down_as_its_inertia_and_weight_say(pitch: float, torque: float) -> None:
+def test_nut_accelerates_by_torque_and_weight(pitch: float, torque: float) -> None:
     """(I + m p^2) phi'' = tau - m g p."""
     plant = gelenk.simulate(nut(pitch), inputs={"drive.tau": torque})
     rate = (torque - MASS * GRAVITY * pitch) / (MOMENT + MASS * pitch**2)
@@ -57,8 +57,8 @@ def test_nut_runs_down_as_its_inertia_and_weight_say(pitch: float, torque: float
 
 @pytest.mark.parametrize("pitch", [PITCH, -PITCH, 0.5])
 @pytest.mark.parametrize("reduced", [True, False])
-def test_screw_that_closes_a_loop_counts_turns(pitch: float, reduced: bool) -> None:
-    """The ram sinks by p for each radian: s = -p phi_R, (I + m p^2) phi'' = tau + m g p, over many turns."""
+def test_loop_closing_screw_counts_revolutions(pitch: float, reduced: bool) -> None:
+    """The ram descends by p per radian: s = -p phi_R, (I + m p^2) phi'' = tau + m g p."""
     source = press(pitch)
     if not reduced:
         source["solver"] = {"reductions": {"all": False}}
@@ -71,7 +71,7 @@ def test_screw_that_closes_a_loop_counts_turns(pitch: float, reduced: bool) -> N
     np.testing.assert_allclose(plant["S.phi"], phi, atol=1e-9 * scale * max(1.0, 1 / abs(pitch)) * PITCH)
 
 
-def test_reaction_along_the_axis_is_what_the_nut_lacks_of_free_fall() -> None:
+def test_reaction_of_the_screw_balances_weight_and_inertia() -> None:
     """f_z = m (g + z''), t_z = I phi''."""
     plant = gelenk.Simulation(nut())
     plant.initialize()
@@ -80,7 +80,7 @@ def test_reaction_along_the_axis_is_what_the_nut_lacks_of_free_fall() -> None:
     assert plant.output("bearing.t[3]") == pytest.approx(MOMENT * rate, rel=1e-12)
 
 
-def test_spring_and_damper_of_a_screw_are_of_its_angle() -> None:
+def test_spring_and_damper_of_a_screw_act_on_its_angle() -> None:
     """I phi'' + c phi' + k phi = 0 without gravity: a damped oscillation."""
     k, c, phi_0 = 0.8, 0.02, 0.7
     source = nut(stiffness=k, damping=c, start={"phi": phi_0, "fixed": True})

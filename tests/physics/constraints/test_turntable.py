@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A disc that rolls on a table which turns: driven, or free and turned by what rolls on it."""
+"""A disc that rolls on a rotating table, which is either driven or free and driven by the disc."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def on_the_table(moment: float | None) -> Scene:
 
 
 def driven_truth(times: Array) -> dict[str, Array]:
-    """Newton and Euler in the world; no slip, v + w x rho = Omega x (r + rho), differentiated.
+    """Newton-Euler equations in the world frame; no slip, v + w x rho = Omega x (r + rho), is differentiated.
 
-    With F = m (dv/dt + g) the moment rho x F turns the disc: linear in dw/dt.
+    With F = m (dv/dt + g), the moment of the contact force is rho x F: linear in dw/dt.
     """
     omega = TURNING * UP
 
@@ -45,13 +45,13 @@ def driven_truth(times: Array) -> dict[str, Array]:
         d_rho = RADIUS * (d_down / size - down * (down @ d_down) / size**3)
         return R, w, rho, d_rho
 
-    def centre_speed(r: Array, w: Array, rho: Array) -> Array:
+    def center_velocity(r: Array, w: Array, rho: Array) -> Array:
         out: Array = np.cross(omega, r + rho) - np.cross(w, rho)
         return out
 
     def rates(_t: float, y: Array) -> Array:
         R, w, rho, d_rho = geometry(y[3:7], y[7:])
-        v = centre_speed(y[:3], w, rho)
+        v = center_velocity(y[:3], w, rho)
         J = R @ MOMENTS @ R.T
         rest = np.cross(omega, v + d_rho) - np.cross(w, d_rho)  # dv/dt without dw/dt
         K = np.array([[0, -rho[2], rho[1]], [rho[2], 0, -rho[0]], [-rho[1], rho[0], 0]])
@@ -64,7 +64,7 @@ def driven_truth(times: Array) -> dict[str, Array]:
     return {"free.r": y[:3].T, "free.Q": y[3:7].T, "free.w": y[7:].T}
 
 
-def test_disc_on_a_driven_table_moves_as_newton_and_euler_say() -> None:
+def test_disc_on_a_driven_table_follows_the_newton_euler_equations() -> None:
     found = run(on_the_table(None), TIMES, tolerance=1e-11)
     expected = driven_truth(TIMES)
     for name in ("free.r", "free.w"):
@@ -74,8 +74,8 @@ def test_disc_on_a_driven_table_moves_as_newton_and_euler_say() -> None:
     assert_close("table", found["table.phi"], TURNING * TIMES, 1e-12, "held")
 
 
-def contact_speeds(found: Recording) -> tuple[Array, Array]:
-    """Of the disc's and the table's points where they touch."""
+def contact_velocities(found: Recording) -> tuple[Array, Array]:
+    """Velocities of the points of disc and table in contact."""
     at = found.vector("tyre.r")
     w = Rotation.from_quat(found.vector("free.Q")).apply(found.vector("free.w"))
     disc = found.vector("hub.v") + np.cross(w, at - found.vector("hub.r"))
@@ -83,13 +83,13 @@ def contact_speeds(found: Recording) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("moment", [None, MOMENT])
-def test_it_does_not_slip_against_the_table(moment: float | None) -> None:
-    disc, table = contact_speeds(run(on_the_table(moment), TIMES, tolerance=1e-11))
+def test_disc_does_not_slip_on_the_table(moment: float | None) -> None:
+    disc, table = contact_velocities(run(on_the_table(moment), TIMES, tolerance=1e-11))
     assert_close("slip", disc, table, 1e-11, "projected; 3 m/s")
 
 
-def test_work_of_the_engine_is_in_the_energy() -> None:
-    """Simpson's rule over steps of 1 ms: h^4 / 180 of fourth derivatives, 10 W (10 rad/s)^4 or so."""
+def test_work_of_the_drive_is_the_change_of_energy() -> None:
+    """By Simpson's rule over steps of 1 ms: h^4 / 180 times fourth derivatives, about 10 W (10 rad/s)^4."""
     times = np.linspace(0, 1, 1001)
     found = run(on_the_table(None), times, tolerance=1e-11)
     power = found["engine.tau"] * TURNING
@@ -99,7 +99,7 @@ def test_work_of_the_engine_is_in_the_energy() -> None:
     assert_close("work", work, gained, 1e-9, "Simpson's rule")
 
 
-def test_free_table_is_turned_and_keeps_momentum_and_energy() -> None:
+def test_free_table_is_driven_by_the_disc_and_momentum_and_energy_are_conserved() -> None:
     found = run(on_the_table(MOMENT), TIMES, tolerance=1e-11)
     R = Rotation.from_quat(found.vector("free.Q"))
     spin = R.apply(found.vector("free.w") @ MOMENTS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Carts, a trailer and a balancing robot: closed forms, reduced equations, and how wheels share a load."""
+"""Carts, a trailer and a balancing robot against closed forms and reduced equations; loads on wheels."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ TIMES = np.linspace(0, 4, 81)
 
 @pytest.mark.parametrize(("u", "w", "left", "right"), [(0.5, 2.0, 0.0, 0.0), (0.0, 0.0, 0.4, 0.55)])
 def test_two_wheeled_cart(u: float, w: float, left: float, right: float) -> None:
-    """With and without torques, against the equations of its two speeds."""
+    """With and without torques, against the equations of its two velocities."""
     inputs = {"left_motor.tau": left, "right_motor.tau": right}
     found = run(two_wheeled_cart(u, w), TIMES, tolerance=1e-11, inputs=inputs)
 
-    def slope(_t: float, y: np.ndarray) -> list[float]:
+    def rates(_t: float, y: np.ndarray) -> list[float]:
         u, w, _x, _y, phi = y
         return [*two_wheeled_rates(u, w, left, right), u * np.cos(phi), u * np.sin(phi), w]
 
-    y = solve_ivp(slope, (0, 4), [u, w, 0, 0, 0], "DOP853", TIMES, rtol=1e-12, atol=1e-13).y
+    y = solve_ivp(rates, (0, 4), [u, w, 0, 0, 0], "DOP853", TIMES, rtol=1e-12, atol=1e-13).y
     for name, value in zip(("castors.w", "castors.s_x", "castors.s_y", "castors.phi"), y[1:], strict=True):
         assert_close(name, found[name], value, 1e-8, "1000 rtol, up to 10 m and rad")
     for side, sign in (("left", -1), ("right", 1)):
@@ -52,18 +52,18 @@ def test_two_wheeled_cart(u: float, w: float, left: float, right: float) -> None
         assert np.ptp(found["energy.total"]) < 1e-8 * abs(found["energy.total"][0])
 
 
-def shares(slope: float) -> dict[str, float]:
-    """Loads of the four wheels that hold the cart while it rolls down, the set of the least sum of squares.
+def wheel_loads(slope: float) -> dict[str, float]:
+    """Loads of the four wheels of the cart while it rolls down: those with the smallest sum of squares.
 
-    The deck and its wheels go down at one acceleration, with moments about y (positive: the front is pressed
-    down) of gravity, of inertia and of the friction, which turns the wheels: J a / r^2 each.
+    Deck and wheels have the same acceleration; moments about y (positive: more load in front) are those of
+    gravity, of inertia and of friction, which accelerates the wheels: J a / r^2 each.
     """
     total = DECK + 4 * WHEEL
     effective = total + 4 * ROLLING / RADIUS**2
     a = total * GRAVITY * np.sin(slope) / effective
     weight, pull = GRAVITY * np.cos(slope), GRAVITY * np.sin(slope)
     x, y, z = DECK_COM
-    # Moments about the point of the ground under the middle of the wheels; forces of inertia at the centres.
+    # Moments about the point on the ground below the middle of the wheels; inertial forces at the centers.
     height = z + RADIUS
     about_y = (
         DECK * (weight * x + (pull - a) * height) + 4 * WHEEL * (pull - a) * RADIUS - 4 * ROLLING * a / RADIUS
@@ -77,14 +77,14 @@ def shares(slope: float) -> dict[str, float]:
 
 @pytest.mark.parametrize("slope", [0.0, 0.25])
 def test_four_wheels_share_the_load(slope: float) -> None:
-    """Twelve rows where six are needed. It rolls down straight at a constant acceleration."""
+    """Twelve constraint equations of rank six. The cart rolls straight down at a constant acceleration."""
     R = rotation([0, 0, 1], 0.6) @ rotation([0, 1, 0], slope)
     p = np.array([0.3, 0.2, 1.0])
     found = run(four_wheeled_cart(R, p), np.linspace(0, 2, 21), tolerance=1e-10)
-    expected = shares(slope)
+    expected = wheel_loads(slope)
     for name, place in CORNERS.items():
         assert_close(name, found[f"{name}_tyre.f_n"], expected[name], 1e-8, "rtol of 100 N")
-        # What pulls at the deck's centre of mass, aside of the middle, would turn it.
+        # The force at the deck's center of mass, which is not on the center line, has a yaw moment.
         aside = np.sign(place[0]) * expected["turning"] / (4 * abs(place[0]))
         assert_close(name, found[f"{name}_tyre.f_lat"], aside, 1e-8, "rtol of 100 N")
         friction = -ROLLING * expected["acceleration"] / RADIUS**2
@@ -98,8 +98,8 @@ def test_four_wheels_share_the_load(slope: float) -> None:
 
 @pytest.mark.parametrize("wheels", [False, True])
 @pytest.mark.parametrize("angle", [0.5, -2.8])
-def test_trailer_falls_in_line(angle: float, wheels: bool) -> None:
-    """d(angle)/dt = -v/L sin(angle): tan(angle/2) dies out as exp(-v t/L). Pushed, it turns round."""
+def test_trailer_aligns_with_the_tractor(angle: float, wheels: bool) -> None:
+    """d(angle)/dt = -v/L sin(angle): tan(angle/2) decays as exp(-v t/L). A pushed trailer turns around."""
     times = np.linspace(0, 6, 61)
     found = run(trailer(angle, wheels), times, tolerance=1e-11)
     expected = 2 * np.arctan(np.tan(angle / 2) * np.exp(-SPEED * times / LENGTH))
@@ -112,8 +112,8 @@ LOADS = ["tyre_left.f_n", "tyre_right.f_n"]
 ROBOT_MASS = 8 + 2 * 0.6
 
 
-def test_normal_forces_carry_the_weight_of_the_robot() -> None:
-    """Half each, also where the joints between ground and robot are held still by the wheels alone."""
+def test_each_wheel_of_the_robot_carries_half_of_its_weight() -> None:
+    """The joints between ground and robot are constrained by the wheels only."""
     source = gelenk.load(READY / "balancing_robot.yaml").to_dict()
     found = run(source, [0.0])
     for name in LOADS:
@@ -121,14 +121,14 @@ def test_normal_forces_carry_the_weight_of_the_robot() -> None:
 
 
 def test_normal_forces_of_the_robot_in_a_turn() -> None:
-    """Upright at v on a circle: wheels hold the moments of m v w about the ground, and of their own spin."""
+    """Upright at v on a circle: wheels balance the moments of m v w about the ground and of their spin."""
     v, w = 1.0, 1.5
     source = gelenk.load(READY / "balancing_robot.yaml").to_dict()
     for name, sign in (("hub_left", -1), ("hub_right", 1)):
         source["joints"][name]["start"]["w"] = (v + sign * 0.2 * w) / 0.1
         source["joints"][name]["damping"] = 0.0
     found = run(source, [0.0])
-    # The left turn presses the right wheel: m v w h of chassis (0.4 m) and wheels (0.1 m), spins 2 J (v/r) w.
+    # A left turn loads the right wheel: m v w h of chassis (0.4 m) and wheels (0.1 m), spins 2 J (v/r) w.
     moment = 8 * v * w * 0.4 + 2 * 0.6 * v * w * 0.1 + 2 * 0.003 * (v / 0.1) * w
     half = (found["tyre_right.f_n"] - found["tyre_left.f_n"]) / 2
     assert_close("difference", half * 0.4, moment, 1e-10, "round-off of 10 N m")
@@ -139,17 +139,17 @@ def test_normal_forces_of_the_robot_in_a_turn() -> None:
     assert_close("shared", found["tyre_left.f_lat"], found["tyre_right.f_lat"], 1e-10, "least squares")
 
 
-def test_tricycle_goes_where_it_is_steered() -> None:
-    """Heading by v sin(steer)/L, ahead by v cos(steer), v that of the front wheel: no dynamics in that."""
+def test_tricycle_follows_the_kinematics_of_its_steering() -> None:
+    """Yaw rate v sin(steer)/L, forward speed v cos(steer), v of the front wheel, independent of forces."""
     times = np.linspace(0, 5, 51)
     found = run(tricycle(), times, tolerance=1e-10)
 
-    def slope(t: float, y: np.ndarray) -> list[float]:
+    def rates(t: float, y: np.ndarray) -> list[float]:
         steer = 0.5 * np.sin(2 * np.pi * 0.3 * t)
         v = 8.0 * RADIUS
         return [v * np.sin(steer) / BASE, v * np.cos(steer) * np.cos(y[0]), v * np.cos(steer) * np.sin(y[0])]
 
-    heading, x, y = solve_ivp(slope, (0, 5), [0, 0, 0], "DOP853", times, rtol=1e-12, atol=1e-13).y
+    heading, x, y = solve_ivp(rates, (0, 5), [0, 0, 0], "DOP853", times, rtol=1e-12, atol=1e-13).y
     r = found.vector("flight.r")
     assert_close("x", r[:, 0], x, 1e-8, "100 rtol")
     assert_close("y", r[:, 1], y, 1e-8, "100 rtol")
@@ -162,8 +162,8 @@ def test_tricycle_goes_where_it_is_steered() -> None:
     )
 
 
-def test_robot_stands_on_a_slope() -> None:
-    """Torque of the motors holds all of it, M g r sin(slope), and the chassis leans uphill to bear that."""
+def test_robot_is_in_equilibrium_on_a_slope() -> None:
+    """The motors hold it with a torque of M g r sin(slope), and the chassis leans uphill to balance that."""
     slope = 0.12
     source = gelenk.load(READY / "balancing_robot.yaml").to_dict()
     hill = {"axis": [0, 1, 0], "angle": slope}  # x points downhill
@@ -181,8 +181,8 @@ def test_robot_stands_on_a_slope() -> None:
         assert_close(name, found.values[name], ROBOT_MASS * GRAVITY * np.cos(slope) / 2, 1e-7, "residual")
 
 
-def test_speeds_of_wheels_are_inputs() -> None:
-    """A differential drive goes round the arcs that its wheels say; where a speed jumps it turns at once."""
+def test_wheel_speeds_as_inputs_move_a_differential_drive_on_arcs() -> None:
+    """At jumps of the wheel speeds, the velocity of the cart jumps."""
     source = two_wheeled_cart(0.0, 0.0)
     source["joints"]["castors"]["start"] = {"s_x": 0.0, "s_y": 0.0, "phi": 0.0, "fixed": True}
     del source["motors"]
@@ -204,7 +204,7 @@ def test_speeds_of_wheels_are_inputs() -> None:
             assert_close(name, plant.output(f"castors.{name}"), expected, 1e-8, "100 rtol")
 
 
-def test_wheels_that_a_gear_locks_together_cannot_turn_the_cart() -> None:
+def test_cart_with_wheels_locked_by_a_gear_does_not_turn() -> None:
     source = two_wheeled_cart(0.5, 0.0)
     source["constraints"]["lock"] = {"type": "gear", "joint": "left", "with": "right", "ratio": 1}
     found = run(source, np.linspace(0, 2, 21), inputs={"left_motor.tau": 0.3}, tolerance=1e-10)
@@ -217,8 +217,8 @@ def test_wheels_that_a_gear_locks_together_cannot_turn_the_cart() -> None:
 
 
 @pytest.mark.parametrize("formulation", ["index3", "stabilized-index2"])
-def test_forms_that_need_independent_rows_say_so(formulation: str) -> None:
-    """Both wheels of one axle hold it sideways."""
+def test_formulations_that_require_independent_constraints_report_redundant_ones(formulation: str) -> None:
+    """Both wheels of the axle constrain its lateral velocity."""
     source = two_wheeled_cart(0.5, 0.0) | {"solver": {"formulation": formulation}}
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Wheels that roll steadily: a disc round a circle, one held on a slope."""
+"""Wheels in steady rolling: a disc on a circle, and a wheel held on a slope."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
 import gelenk
 
-CLOSE = 1e-11  # Newton's method has converged; of sums of a few terms
+CLOSE = 1e-11  # Newton's method has converged; rounding of sums of a few terms
 
 RADIUS, HOOP = 0.3, 2.0  # m, kg
 
 
 def disc(tilt: float) -> Scene:
-    """A thin disc by joints one after another; what is between them weighs nothing in 16 digits."""
+    """A thin disc on a chain of joints; the bodies between them have masses below rounding."""
     axes = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1], "yaw": [0, 0, 1], "tilt": [1, 0, 0]}
     bodies: dict[str, Any] = {f"b_{name}": body(1e-30, (0, 0, 0), (1e-30,) * 3) for name in axes}
     across = HOOP * RADIUS**2 / 4
@@ -40,12 +40,12 @@ def disc(tilt: float) -> Scene:
 
 
 @pytest.mark.parametrize(("tilt", "spin"), [(0.2, 12.0), (0.5, -8.0), (-0.3, 5.0), (0.0, 4.0), (0.0, 2.0)])
-def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
-    """By Newton and Euler along tangent, axle and spoke, w = (tilt', spin + yaw' sin, yaw' cos), k = m r^2:
+def test_disc_rolls_on_a_circle(tilt: float, spin: float) -> None:
+    """Newton-Euler equations along tangent, axle, spoke, w = (tilt', spin + yaw' sin, yaw' cos), k = m r^2:
 
     (I + k) w1' = (J + k) w2 w3 - I w3^2 tan + m g r sin, (J + k) w2' = -k w1 w3,
     I w3' = w1 (I w3 tan - J w2).
-    The last two tell how w2 and w3 go with the tilt, and so the slope of the first, which is the frequency.
+    The last two give the dependence of w2 and w3 on the tilt, hence the stiffness of the first.
     """
     source = disc(tilt)
     found = gelenk.equilibrium(
@@ -75,14 +75,14 @@ def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
         assert kinds == [("drifting", 3), ("drifting", 2), ("rigid-body", 1)]
         assert zeros[0].grows_in_position_only
         assert zeros[0].names == ["y.s"]
-    else:  # too slow to stand
+    else:  # too slow to be stable
         assert modes.stability == "unstable"
         assert modes.decided_by is not None
         assert modes.decided_by.eigenvalue == pytest.approx(rate, rel=1e-10)
     # On its heading depends where x and y go; the wheel's own angle is nothing to warn of.
     named = [str(warning.message).partition("equilibrium: ")[2] for warning in caught]
     assert [name.split()[0] for name in named] == (["yaw.phi"] if tilt else [])
-    # Without the coordinates that nothing feels there is nothing to warn of, and nothing drifts.
+    # Without the cyclic coordinates there is no warning, and no mode drifts.
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         few = gelenk.modes(source, at=found.at, states=["tilt.phi", "tilt.w", "yaw.w", "spin.w"])
@@ -96,7 +96,7 @@ def test_disc_rolls_round_a_circle(tilt: float, spin: float) -> None:
 
 
 def unicycle(slope: float) -> Scene:
-    """A motor between wheel and hub, from which a bob hangs; downhill is along x."""
+    """A motor between a wheel and its hub, from which a bob hangs; downhill is along x."""
     return scene(
         {"hub": body(0.5), "wheel": body(2.0, (0, 0, 0), (0.05, 0.1, 0.05)), "bob": body(1.5, (0, 0, -0.2))},
         {"x": joint("prismatic", frame("ground", (0, 0, RADIUS)), frame("hub"), axis=[1, 0, 0]),
@@ -109,8 +109,8 @@ def unicycle(slope: float) -> Scene:
 
 
 @pytest.mark.parametrize("speed", [0.0, 2.0])
-def test_wheel_on_a_slope_is_held_by_the_torque_of_its_weight(speed: float, tmp_path: Path) -> None:
-    """At rest and at a steady speed alike, m g r sin(slope); the bob hangs plumb."""
+def test_motor_torque_holds_a_wheel_on_a_slope(speed: float, tmp_path: Path) -> None:
+    """The torque is m g r sin(slope), at rest and at constant speed; the bob hangs vertically."""
     source = unicycle(0.04)
     steady_speed = {"x.v": speed} if speed else None
     found = gelenk.equilibrium(source, steady=steady_speed, solve_for="drive.tau")
