@@ -105,7 +105,7 @@ def test_wheel_rolls_on_its_rim_and_conserves_energy(found: Recording) -> None:
 
 @pytest.mark.parametrize("scale", [1e-3, 0.1, 100.0])
 def test_motion_is_invariant_under_scaling(scale: float) -> None:
-    """Lengths times `scale`, durations times its root, masses times its cube: the same motion from 0.3 mm to 30 m."""
+    """Lengths times `scale`, durations times its root, masses times its cube, from 0.3 mm to 30 m."""
     source = disc()
     source["bodies"]["wheel"] = body(
         MASS * scale**3, (0, 0, 0), [scale**5 * moment for moment in (ACROSS, AXIAL, ACROSS)]

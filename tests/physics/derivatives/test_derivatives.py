@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exact derivatives of outputs and states, by states and inputs, against differences of plants that are
-assembled independently, and closed forms.
+"""Exact derivatives of outputs and of state derivatives by states and inputs, against finite differences of
+independently assembled plants, and against closed forms.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from gelenk.chart import mechanisms
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_slopes_are_those_of_plants_set_beside(name: str) -> None:
-    """1e-7 as promised; found: 7e-9 and better (differences of fourth order over 1 ms: h^4 f5 / 30)."""
+def test_derivatives_match_finite_differences_of_independently_assembled_plants(name: str) -> None:
+    """1e-7 as documented; measured: at most 7e-9 (differences of fourth order over 1 ms: h^4 f5 / 30)."""
     case = CASES[name]
     source = case.make()
     plant = started(case, source)
@@ -37,16 +37,16 @@ def test_slopes_are_those_of_plants_set_beside(name: str) -> None:
     for t in case.times:
         plant.step_to(t)
         found = linearized(plant)
-        beside = Assembler(source, plant)
-        assert_relative(f"values at {t} s", beside.outputs({}), plant.values(), 1e-9)
+        assembler = Assembler(source, plant)
+        assert_relative(f"values at {t} s", assembler.outputs({}), plant.values(), 1e-9)
         for matrix, names in ((found.C, found.states), (found.D, inputs)):
             for k, known in enumerate(names):
-                assert_relative(f"by {known} at {t} s", matrix[:, k], beside.column(known, 1e-3), 1e-7)
+                assert_relative(f"by {known} at {t} s", matrix[:, k], assembler.column(known, 1e-3), 1e-7)
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_rates_are_rows_of_the_outputs(name: str) -> None:
-    """Speeds and accelerations are outputs; the rates of a quaternion are 1/2 Q (w, 0), moved likewise."""
+def test_derivatives_of_state_derivatives_are_those_of_the_outputs(name: str) -> None:
+    """Velocities and accelerations are outputs; the rate of a quaternion, 1/2 Q (w, 0), is differentiated."""
     case = CASES[name]
     plant = started(case, case.make())
     plant.step_to(case.times[-1])
@@ -65,11 +65,11 @@ def test_rates_are_rows_of_the_outputs(name: str) -> None:
         state = np.array([plant.output(found.states[i]) for i in turn])
         component = turn.index(k)
         assert found.xdot[k] == pytest.approx(quaternion_rate(state)[component], abs=1e-14)
-        moved = found.C[[plant._output[found.states[i]] for i in turn]]  # what the seven do themselves
+        moved = found.C[[plant._output[found.states[i]] for i in turn]]  # derivatives of these seven
         for j in range(len(found.states)):
             step = 1e-20  # complex step: exact to rounding
-            slope = quaternion_rate(state + 1j * step * moved[:, j]).imag[component] / step
-            assert found.A[k, j] == pytest.approx(slope, abs=1e-13)
+            derivative = quaternion_rate(state + 1j * step * moved[:, j]).imag[component] / step
+            assert found.A[k, j] == pytest.approx(derivative, abs=1e-13)
         assert not found.B[k].any()
 
 
@@ -79,7 +79,7 @@ def quaternion_rate(state: Array) -> Array:
 
 
 @pytest.mark.parametrize("name", ["gyroscope", "Stewart platform", "five-bar"])
-def test_one_direction_is_a_combination_of_the_columns(name: str) -> None:
+def test_directional_derivative_is_the_combination_of_the_columns(name: str) -> None:
     case = CASES[name]
     plant = started(case, case.make())
     plant.step_to(case.times[-1])
@@ -91,8 +91,8 @@ def test_one_direction_is_a_combination_of_the_columns(name: str) -> None:
     assert_relative("rates", rates, found.A @ dx + found.B @ du, 1e-12)
 
 
-def test_a_quaternion_moves_as_if_it_were_normalised() -> None:
-    """Along itself not at all, across itself by what was asked."""
+def test_derivatives_by_a_quaternion_are_those_of_the_normalized_one() -> None:
+    """A change along the quaternion has no effect; a change perpendicular to it has its full effect."""
     case = CASES["gyroscope"]
     plant = started(case, case.make())
     plant.step_to(0.4)
@@ -104,10 +104,10 @@ def test_a_quaternion_moves_as_if_it_were_normalised() -> None:
     assert_relative("along Q", found.C[:, columns] @ Q, np.zeros(len(found.C)), 1e-12)
 
 
-def test_reductions_change_no_slope() -> None:
-    """Planar or spatial algebra, rows dropped or not: the crank stays the state."""
+def test_reductions_do_not_change_derivatives() -> None:
+    """With planar or spatial algebra, with or without redundant constraints, the crank remains the state."""
     source = with_sensors(four_bar(), f=frame_sensor("coupler", (0.1, 0.2, 0)), E=ENERGY)
-    matrices = []  # agree to the rounding of other sums
+    matrices = []  # they agree to rounding, as the sums differ
     for on in (True, False):
         made = copy.deepcopy(source)
         made["solver"] = {"reductions": dict.fromkeys(("planar", "redundant_rows"), on)}
@@ -122,7 +122,7 @@ def test_reductions_change_no_slope() -> None:
 # --- closed forms ---
 
 
-def test_pendulum_has_the_slopes_of_its_equation() -> None:
+def test_pendulum_matches_its_equation_of_motion() -> None:
     """I phi'' = -m g l sin phi - d w + tau, about the pin."""
     m, length, inertia, d = 0.8, 0.3, 0.05, 0.2
     plant = gelenk.Simulation(
@@ -161,7 +161,7 @@ def test_pendulum_has_the_slopes_of_its_equation() -> None:
     )
 
 
-def test_cart_pole_has_the_linearisation_of_the_textbook() -> None:
+def test_cart_pole_matches_the_textbook_linearization() -> None:
     """Upright, at rest: (M + m) s'' + m l phi'' = f - c s', m l s'' + (I + m l2) phi'' = m g l phi."""
     source = mechanisms.shipped("cart_pole")
     source["joints"]["hinge"]["start"]["phi"] = 0.0
@@ -177,8 +177,8 @@ def test_cart_pole_has_the_linearisation_of_the_textbook() -> None:
     assert_relative("B", found.B[:, 0], np.array([0, 0, *np.linalg.solve(mass, [1, 0])]), 1e-13)
 
 
-def test_double_pendulum_has_the_slopes_of_lagranges_equations() -> None:
-    """By complex step on the closed form, exact to rounding."""
+def test_double_pendulum_matches_lagrange_equations() -> None:
+    """The closed form is differentiated by complex steps, exact to rounding."""
     plant = gelenk.Simulation(mechanisms.shipped("double_pendulum"))
     plant.initialize(tolerance=1e-11)
     for t in (0.0, 0.4, 1.1):
@@ -192,7 +192,7 @@ def test_double_pendulum_has_the_slopes_of_lagranges_equations() -> None:
 
 
 def double_pendulum_accelerations(x: Array) -> Array:
-    """Of shoulder and elbow; angles from the horizontal, the elbow's against the upper rod."""
+    """Accelerations of shoulder and elbow; the angle of the elbow is relative to the upper rod."""
     m, l1, c, inertia = (1.0, 0.6), 0.7, (0.35, 0.25), (0.0408333333333333, 0.0125)
     a, b = x[0], x[0] + x[1]  # of the rods
     wa, wb = x[2], x[2] + x[3]

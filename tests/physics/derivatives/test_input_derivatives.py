@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inputs that move within a step by their time derivatives: u(t) = u0 + sum_k d_k (t - t0)^k / k!."""
+"""Inputs that vary within a step according to their derivatives: u(t) = u0 + sum_k d_k (t - t0)^k / k!."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def start(source: Mapping[str, Any], tolerance: float = TOLERANCE, **solver: Any
 def follow(
     simulation: gelenk.Simulation, name: str, signal: Signal, stop: float = 1.0, size: float = COMMUNICATION
 ) -> Array:
-    """The first joint coordinate after each step."""
+    """The first joint coordinate after each step of this size."""
     output = simulation.outputs[0].name
     rows = []
     for k in range(round(stop / size)):
@@ -64,8 +64,8 @@ def follow(
     return np.array(rows)
 
 
-# Fixed steps of h = 1 ms: the improved Euler method errs by some h/2 |f'| t^2 / m, at |f'| up to 10 N/s,
-# order 2 by h^2 / 12 |f''| t^2 / m, and of order 4 rounding is left.
+# Fixed steps of h = 1 ms: the error of the improved Euler method is about h/2 |f'| t^2 / m, with |f'| up to
+# 10 N/s, that of order 2 is h^2 / 12 |f''| t^2 / m, and that of order 4 is rounding.
 BOUNDS = {"euler": 2e-3, "rk4": 1e-11, "generalized-alpha": 1e-5, "hht": 1e-5, "newmark": 1e-5}
 
 
@@ -77,8 +77,8 @@ def test_polynomial_force_moves_a_mass_by_its_integral(integrator: str) -> None:
     assert_close(integrator, found, TAU.integ(2)(times) / 2.0, bound, "see above")
 
 
-# Steps of 0.5 ms. Errors of index 3 add up to some hundred times the tolerance (test_dae_forms.py); order 2
-# leaves some ten times h^2. With the torque held over 50 ms the crank is off by 1e-2 rad.
+# Steps of 0.5 ms. Errors of index 3 add up to some hundred times the tolerance (test_dae_forms.py), those of
+# order 2 to some ten times h^2. With a torque held constant over 50 ms, the error of the crank is 1e-2 rad.
 LOOP_BOUNDS = {"index3": 1e-5, "generalized-alpha": 2e-5}
 METHODS = [
     *((i, "projection") for i in (*ADAPTIVE, "rk4", "generalized-alpha")),
@@ -104,12 +104,12 @@ def test_polynomial_torque_drives_a_loop(integrator: str, formulation: str, trut
 
 
 def sine(orders: int) -> Signal:
-    """2 N m sin(9 t) with so many derivatives."""
+    """2 N m sin(9 t) with derivatives up to this order."""
     return lambda t: [2.0 * 9.0**k * math.sin(9.0 * t + k * math.pi / 2) for k in range(orders + 1)]
 
 
 @pytest.mark.parametrize("orders", [0, 1, 2, 3])
-def test_error_falls_with_the_power_of_the_step_that_derivatives_give(orders: int) -> None:
+def test_order_of_the_error_is_one_more_than_that_of_the_input_derivatives(orders: int) -> None:
     motion = OneFreedom(LINKS.geometry(), (0.0, -9.81, 0.0), lambda t, _p, w: sine(0)(t)[0] - 0.1 * w)
     phi, _ = motion.motion(1.1, 0.0, np.array([0.0, 1.0], float))
     errors = []
@@ -117,12 +117,12 @@ def test_error_falls_with_the_power_of_the_step_that_derivatives_give(orders: in
         plant = start(four_bar(1.1), 1e-12, integrator="erk")
         errors.append(abs(follow(plant, "drive.tau", sine(orders), size=size)[-1] - phi[-1]))
     for coarse, fine in pairwise(errors):
-        # The next power of the step, 9 H / 2 of this one, changes the order by up to 0.2 at these steps.
+        # The next term of the error, 9 H / 2 times this one, changes the observed order by up to 0.2.
         assert math.log2(coarse / fine) == pytest.approx(orders + 1, abs=0.2), errors
 
 
-def test_derivatives_hold_for_one_step_and_leave_the_value_reached() -> None:
-    """Between communication points u is the polynomial; after the step it stands where that has come to."""
+def test_input_derivatives_apply_to_one_step_and_the_final_value_remains() -> None:
+    """Between communication points, u is the polynomial; after the step it keeps the value at its end."""
     plant = start(sled())
     plant.set_input("push.f", 1.0)
     for order, d in ((1, 2.0), (2, -3.0), (5, 60.0)):
@@ -151,7 +151,7 @@ def test_value_and_derivatives_are_set_in_either_order_and_replaced_by_a_second_
     assert all(end == ends[0] for end in ends)
 
 
-def test_inputs_of_different_islands_move_at_once() -> None:
+def test_inputs_of_different_islands_vary_simultaneously() -> None:
     source = sled()
     source["bodies"]["other"] = body(3.0)
     source["joints"]["T"] = joint("prismatic", frame("ground"), frame("other"), axis=[0, 1, 0])
@@ -165,9 +165,9 @@ def test_inputs_of_different_islands_move_at_once() -> None:
     assert plant.output("T.s") == pytest.approx(12.0 * 0.5**4 / 24 / 3.0, rel=1e-7)
 
 
-def test_history_is_carried_over_communication_points_where_the_input_is_continuous() -> None:
-    """Adams' method begins anew at each jump: many short steps. A value within rounding of the one that its
-    predecessor has led to is none.
+def test_integrator_keeps_its_history_if_the_input_is_continuous() -> None:
+    """The Adams method restarts at each jump, with many short steps. An input is continuous if its value is
+    within rounding of the final value of the preceding polynomial.
     """
     evaluations = []
     for orders in (0, 5):
@@ -177,7 +177,7 @@ def test_history_is_carried_over_communication_points_where_the_input_is_continu
     assert evaluations[1] < 0.5 * evaluations[0], evaluations
 
 
-def test_a_refused_step_can_be_made_again_with_the_same_inputs() -> None:
+def test_failed_step_can_be_repeated_with_the_same_inputs() -> None:
     def drive(plant: gelenk.Simulation, refuse: bool) -> list[float]:
         plant.set_input("drive.tau", 2.0)
         plant.set_input_derivative("drive.tau", 1, 30.0)
@@ -195,7 +195,7 @@ def test_a_refused_step_can_be_made_again_with_the_same_inputs() -> None:
     assert again == usual
 
 
-def test_wrong_derivatives_are_refused_and_the_former_ones_stay() -> None:
+def test_invalid_derivatives_are_rejected_and_the_previous_ones_kept() -> None:
     plant = start(sled())
     plant.set_input_derivative("push.f", 2, 3.0)
     for order in (0, 6, -1):
@@ -219,8 +219,8 @@ def test_wrong_derivatives_are_refused_and_the_former_ones_stay() -> None:
     assert plant.time == 0.0
 
 
-def test_output_derivatives_take_part_in_the_inputs_motion() -> None:
-    """As it has arrived by its derivatives; from the next setting on, as it is to go on."""
+def test_output_derivatives_include_those_of_the_inputs() -> None:
+    """After a step, those with which the polynomial ended; after an input is set, those of the next step."""
     plant = start(sled())
 
     def jerk_and_more() -> list[float]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Derivatives by recursion against those by dual numbers, which carry each direction through all kernels."""
+"""Recursive Jacobians of the residuals, against forward-mode automatic differentiation with dual numbers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def any_frame(rng: np.random.Generator, name: str) -> Scene:
 
 
 def random_tree(seed: int) -> Scene:
-    """Bodies on joints of all kinds, either half outwards, with branches, springs and wrenches."""
+    """A branched tree with joints of all types, in both directions, and with springs and wrenches."""
     rng = np.random.default_rng(seed)
     bodies: Scene = {}
     joints: Scene = {}
@@ -95,15 +95,15 @@ OTHERS: dict[str, Callable[[], Scene]] = {
 }
 
 
-def slopes(plant: gelenk.Simulation, island: int, x: Array, by_duals: bool) -> list[Array]:
+def jacobians(plant: gelenk.Simulation, island: int, x: Array, by_duals: bool) -> list[Array]:
     return [np.array(part) for part in plant._core._residual_jacobians(island, x.tolist(), by_duals)]
 
 
 @pytest.mark.parametrize("name", [*CASES, *OTHERS])
 def test_recursion_and_dual_numbers_agree(name: str) -> None:
-    """At states that close no loop, quaternions of any length, any accelerations and multipliers.
+    """At states that do not satisfy the loops, for any norm of quaternions, accelerations and multipliers.
 
-    1e-12 of the largest entry: sums of some hundred terms, each exact to 1e-16; found 2e-14.
+    1e-12 of the largest entry: sums of some hundred terms, each exact to 1e-16; measured 2e-14.
     """
     plant = gelenk.Simulation(CASES[name].make() if name in CASES else OTHERS[name]())
     plant.initialize()
@@ -112,9 +112,11 @@ def test_recursion_and_dual_numbers_agree(name: str) -> None:
         plant.set_input(signal.name, rng.normal())
     for island in range(plant.size.islands):
         for _ in range(3):
-            x = rng.normal(size=300)  # as many as any has coordinates, speeds, accelerations and rows
-            found, expected = (slopes(plant, island, x, by_duals) for by_duals in (False, True))
+            x = rng.normal(
+                size=300
+            )  # as many as coordinates, velocities, accelerations, multipliers, or more
+            found, expected = (jacobians(plant, island, x, by_duals) for by_duals in (False, True))
             for matrix, truth in zip(found, expected, strict=True):
-                # Where forces cancel, what is left is their rounding.
+                # Where forces cancel, their rounding errors remain.
                 largest = max(1.0, np.abs(truth).max(initial=0.0))
                 assert np.abs(matrix - truth).max(initial=0.0) < 1e-12 * largest

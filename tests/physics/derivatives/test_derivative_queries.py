@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where there are no derivatives, by which states they are, and that asking for them changes no run."""
+"""Positions without derivatives, the choice of states, and runs unchanged by the computation of derivatives."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ import gelenk
 from gelenk.chart import mechanisms
 
 
-def test_singular_position_is_told() -> None:
-    """The flat parallelogram: its rows have lost rank, two branches meet."""
+def test_singular_configuration_is_reported() -> None:
+    """The flat parallelogram: its constraint Jacobian loses rank, and two branches meet."""
     plant = gelenk.Simulation(mechanisms.parallelogram(0.0, 1.0))
     plant.initialize()
     assert (
@@ -37,8 +37,8 @@ def test_singular_position_is_told() -> None:
             ask()
 
 
-def test_dead_centre_is_told_for_the_states_that_do_not_lead_over_it() -> None:
-    """Crank and coupler in one line: the rocker stands for a moment, so its angle cannot tell theirs."""
+def test_dead_center_is_reported_for_states_that_do_not_determine_the_other_coordinates() -> None:
+    """Crank and coupler in line: the rocker is at its limit, where its angle does not determine theirs."""
     crank, coupler, rocker, ground = 0.5, 1.75, 1.5, 2.0
     reach = crank + coupler
     phi = math.acos((ground**2 + reach**2 - rocker**2) / (2 * ground * reach))
@@ -50,12 +50,12 @@ def test_dead_centre_is_told_for_the_states_that_do_not_lead_over_it() -> None:
     plant._core._take_states([plant._output["D.phi"]], [plant._output["D.w"]])
     with pytest.raises(gelenk.UsageError, match=r"the states D\.phi do not determine the other coordinates"):
         plant._core._linearize()
-    assert np.isfinite(output_derivatives(plant)).all()  # the motion goes on all the same
+    assert np.isfinite(output_derivatives(plant)).all()  # the motion continues
     plant.step_to(0.3)
     linearized(plant)
 
 
-def test_other_states_give_the_inverse_slopes() -> None:
+def test_derivatives_by_other_states_follow_from_the_chain_rule() -> None:
     plant = started(CASES["four-bar in its plane"], four_bar())
     plant.step_to(0.4)
     rows = [plant._output["A.phi"], plant._output["D.phi"]]
@@ -65,12 +65,12 @@ def test_other_states_give_the_inverse_slopes() -> None:
     assert by_rocker.states == ["D.phi", "D.w"]
     assert by_crank.C[rows[1], 0] * by_rocker.C[rows[0], 0] == pytest.approx(1, abs=1e-13)
     assert_relative("D", by_rocker.D, by_crank.D, 1e-13)
-    # The chain rule: y by (D.phi, D.w) is y by (A.phi, A.w), times these by those.
+    # The derivatives of y by (D.phi, D.w) are those by (A.phi, A.w) times the derivatives of (A.phi, A.w).
     rows_A = [plant._output["A.phi"], plant._output["A.w"]]
     assert_relative("C", by_rocker.C, by_crank.C @ by_rocker.C[rows_A], 1e-11)
 
 
-def test_a_joint_that_closes_the_loop_is_no_state() -> None:
+def test_coordinate_of_the_loop_closing_joint_cannot_be_a_state() -> None:
     plant = started(CASES["four-bar in its plane"], four_bar())
     cut = next(j for j in "BC" if f"{j}.phi" not in tree_coordinates(plant))
     with pytest.raises(gelenk.UsageError, match=rf"{cut}\.phi is no state"):
@@ -90,9 +90,9 @@ def tree_coordinates(plant: gelenk.Simulation) -> list[str]:
 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "ida", "cvode", "generalized-alpha"])
 @pytest.mark.parametrize("formulation", ["projection", "independent", "baumgarte"])
-def test_asking_changes_no_bit(integrator: str, formulation: str) -> None:
+def test_computing_derivatives_does_not_change_a_run(integrator: str, formulation: str) -> None:
     runs = []
-    for asked in (True, False):
+    for compute in (True, False):
         source = with_sensors(four_bar(), E=ENERGY)
         source["solver"] = {"integrator": integrator, "formulation": formulation}
         plant = started(CASES["four-bar in its plane"], source, 1e-8)
@@ -101,7 +101,7 @@ def test_asking_changes_no_bit(integrator: str, formulation: str) -> None:
             plant.step_to(k * 0.02)
             if k % 3 == 0:
                 plant.set_input("drive.tau", math.sin(k))
-            if asked:
+            if compute:
                 linearized(plant)
                 output_derivatives(plant)
             if k % 5 == 0:
@@ -110,16 +110,16 @@ def test_asking_changes_no_bit(integrator: str, formulation: str) -> None:
     assert runs[0] == runs[1]
 
 
-def test_asking_near_singular_positions_changes_no_bit() -> None:
-    """The parallelogram passes its change point, where the accelerations are carried on."""
+def test_computing_derivatives_near_singular_configurations_does_not_change_a_run() -> None:
+    """The parallelogram crosses its change point, where the constraints do not determine the accelerations."""
     runs = []
-    for asked in (True, False):
+    for compute in (True, False):
         plant = gelenk.Simulation(mechanisms.parallelogram(1.0, -3.0))
         plant.initialize(tolerance=1e-9)
         rows = []
         for k in range(1, 101):
             plant.step_to(k * 0.01)
-            if asked:
+            if compute:
                 linearized(plant)
             rows.append(list(plant.values()))
         assert plant.diagnostic("solver.singular_positions") > 0
@@ -127,8 +127,8 @@ def test_asking_near_singular_positions_changes_no_bit() -> None:
     assert runs[0] == runs[1]
 
 
-def test_finite_numbers_come_out_everywhere() -> None:
-    """Sizes: nothing moves, nothing is an input, nothing is an output of a joint."""
+def test_mechanism_without_states_and_inputs_has_empty_matrices() -> None:
+    """Nothing moves, and there are neither inputs nor outputs of joints."""
     still = scene(
         {"box": body(1.0)}, {"W": joint("weld", frame("ground"), frame("box"))}, sensors={"E": ENERGY}
     )
@@ -138,4 +138,4 @@ def test_finite_numbers_come_out_everywhere() -> None:
     assert found.states == []
     assert found.C.shape == (3, 0)
     assert not output_derivatives(plant).any()
-    assert_close("energy", np.array([plant.output("E.kinetic")]), np.zeros(1), 1e-15, "it stands")
+    assert_close("energy", np.array([plant.output("E.kinetic")]), np.zeros(1), 1e-15, "it is at rest")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exact time derivatives of outputs along the motion, against differences of tight runs and closed forms."""
+"""Exact time derivatives of outputs, against finite differences of accurate runs and closed forms."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ import gelenk
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_time_derivatives_are_those_of_a_tight_run(name: str) -> None:
-    """Differences of eighth order at tolerance 1e-13: rounding over h2 and h^8 f10 / 3150, 1e-6."""
+def test_time_derivatives_match_finite_differences_of_accurate_runs(name: str) -> None:
+    """Eighth order at a tolerance of 1e-13: rounding over h^2 and truncation h^8 f10 / 3150 give 1e-6."""
     case = CASES[name]
     source = case.make()
     t = max(case.times[-1], 5 * case.step)
@@ -38,8 +38,8 @@ def test_time_derivatives_are_those_of_a_tight_run(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_first_time_derivatives_are_slopes_along_the_motion(name: str) -> None:
-    """dy/dt = C xdot + D udot: two ways through the equations, with the same sums: 1e-10 of them."""
+def test_first_time_derivatives_are_directional_derivatives_along_the_motion(name: str) -> None:
+    """dy/dt = C xdot + D udot: two evaluations of the same sums agree to 1e-10 of them."""
     case = CASES[name]
     plant = started(case, case.make())
     plant.step_to(case.times[-1])
@@ -47,13 +47,13 @@ def test_first_time_derivatives_are_slopes_along_the_motion(name: str) -> None:
     udot = np.linspace(-1, 2, len(plant.inputs))
     along = found.C @ found.xdot + found.D @ udot
     assert_relative("first", output_derivatives(plant, udot)[0], along, 1e-9)
-    # The second is affine in u'', with the same slopes.
+    # The second derivatives are affine in u'', with the same matrix D.
     uddot = np.linspace(3, -1, len(plant.inputs))
     second = [output_derivatives(plant, udot, x)[1] for x in (uddot, 0 * uddot)]
     assert_relative("second", second[0] - second[1], found.D @ uddot, 1e-9)
 
 
-def test_symmetric_top_has_the_time_derivatives_of_its_precession() -> None:
+def test_symmetric_top_has_the_time_derivatives_of_its_closed_form() -> None:
     """Without torques w1' = -k w2, w2' = k w1, w3' = 0 with k = (C - A) w3 / A (Euler's equations)."""
     A, C = 0.03, 0.05
     plant = gelenk.Simulation(
