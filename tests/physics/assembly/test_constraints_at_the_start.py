@@ -74,9 +74,9 @@ def refusal(source: Scene, **inputs: float) -> str:
     plant = gelenk.Simulation(gelenk.load(source))
     for name, value in inputs.items():
         plant.set_input(name.replace("__", "."), value)
-    with pytest.raises(gelenk.AssemblyError) as refused:
+    with pytest.raises(gelenk.AssemblyError) as error:
         plant.initialize()
-    return str(refused.value)
+    return str(error.value)
 
 
 def starting(source: Scene, joint_name: str, **start: Any) -> Scene:

@@ -28,7 +28,7 @@ from scipy.spatial.transform import Rotation
 import gelenk
 
 TIMES = np.linspace(0, 4, 81)
-ASKEW, AWAY = rotation([1, 2, -1], 0.9), np.array([0.3, -0.2, 0.5])
+PLANE_ROTATION, PLANE_POSITION = rotation([1, 2, -1], 0.9), np.array([0.3, -0.2, 0.5])
 
 
 def turns(found: Recording) -> Rotation:
@@ -45,12 +45,14 @@ def test_motion_and_contact_forces_match_the_reduced_equations(make: Callable[[]
 
 def test_plane_may_have_any_pose() -> None:
     """Disc, plane and gravity are rotated and displaced together; coordinates are relative to the plane."""
-    found = run(disc(R=ASKEW, p=AWAY), TIMES, tolerance=1e-11)
+    found = run(disc(R=PLANE_ROTATION, p=PLANE_POSITION), TIMES, tolerance=1e-11)
     expected = truth(WOBBLING, TIMES)
     for name in ("lean.phi", "base.s_x", "spin.phi", "tyre.f_n", "tyre.f_lat", "tyre.f_long"):
         assert_close(name, found[name], expected[name], 1e-9, "100 rtol")
     contact = np.array([expected[f"tyre.r[{i}]"] for i in (1, 2, 3)]).T
-    assert_close("contact", found.vector("tyre.r"), contact @ ASKEW.T + AWAY, 1e-9, "100 rtol")
+    assert_close(
+        "contact", found.vector("tyre.r"), contact @ PLANE_ROTATION.T + PLANE_POSITION, 1e-9, "100 rtol"
+    )
 
 
 @pytest.mark.parametrize("make", [disc, flying_disc])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Positions without derivatives, the choice of states, and runs unchanged by the computation of derivatives."""
+"""Positions without derivatives, the choice of states, and runs unchanged by computing derivatives."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_computing_derivatives_does_not_change_a_run(integrator: str, formulatio
 
 
 def test_computing_derivatives_near_singular_configurations_does_not_change_a_run() -> None:
-    """The parallelogram crosses its change point, where the constraints do not determine the accelerations."""
+    """The parallelogram crosses its change point, where constraints do not determine the accelerations."""
     runs = []
     for compute in (True, False):
         plant = gelenk.Simulation(mechanisms.parallelogram(1.0, -3.0))
