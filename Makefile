@@ -64,6 +64,7 @@ style: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	@echo "Checking format, lint and types (a minute)"
 	$(BIN)/clang-format --dry-run -Werror $(NATIVE)
 	$(BIN)/ruff format --check
+	$(BIN)/codespell
 	$(BIN)/ruff check
 	$(BIN)/mypy
 

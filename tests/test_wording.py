@@ -31,7 +31,9 @@ def avoided(text: str) -> Iterator[tuple[int, str, str]]:
 def files() -> list[Path]:
     command = ["git", "-C", str(ROOT), "ls-files", "--", *LOOKED_AT]
     listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-    return [ROOT / name for name in listed if not name.endswith((".png", LIST.name)) and (ROOT / name).is_file()]
+    return [
+        ROOT / name for name in listed if not name.endswith((".png", LIST.name)) and (ROOT / name).is_file()
+    ]
 
 
 def test_texts_avoid_the_words_of_the_list() -> None:
@@ -69,3 +71,19 @@ def test_every_exception_has_a_reason() -> None:
 )
 def test_the_list_sees_words_inside_identifiers(text: str, expected: list[str]) -> None:
     assert [found for _, found, _ in avoided(text)] == expected
+
+
+def test_words_of_the_glossary_exist() -> None:
+    """The second column quotes code and scene files: each word in it is found in one of them."""
+    code = "\n".join(
+        path.read_text(encoding="utf-8")
+        for path in files()
+        if path.suffix in (".h", ".cpp", ".py", ".yaml") or path.name == "scene-format.md"
+    )
+    rows = re.findall(
+        r"^\| ([^|]+) \| ([^|]+) \|", (ROOT / "docs" / "glossary.md").read_text("utf-8"), re.MULTILINE
+    )
+    quoted = {word for _, cell in rows[1:] for word in re.findall(r"`([^`]+)`", cell)}
+    assert len(quoted) > 60
+    names = {word.rstrip("()").removesuffix(".*").rpartition(".")[2] or word for word in quoted}
+    assert [name for name in sorted(names) if not re.search(rf"\b{re.escape(name)}\b", code)] == []
