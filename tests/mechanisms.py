@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 Scene = dict[str, Any]
 Numbers = Sequence[float] | Array
 
-GRAVITY = 9.81  # m/s2, where a test has no reason for another
+GRAVITY = 9.81  # m/s2, unless a test requires another value
 
-# What to say of the axes of joints that let a body turn about z; a universal joint's other axis is x.
+# Axis fields of joints that permit rotation about z; the other axis of a universal joint is x.
 HINGE_AXES: dict[str, dict[str, Any]] = {
     "revolute": {"axis": [0, 0, 1]},
     "cylindrical": {"axis": [0, 0, 1]},
@@ -31,12 +31,12 @@ def numbers(values: Numbers) -> list[float]:
 
 
 def matrix(R: Array) -> dict[str, Any]:
-    """A rotation of the scene format from a 3x3 matrix whose columns are the frame's axes."""
+    """A rotation in scene format from a 3x3 matrix whose columns are the axes of the frame."""
     return {"matrix": [numbers(row) for row in R]}
 
 
 def rotation(axis: Numbers, angle: float) -> Array:
-    """3x3 matrix of the turn by angle [rad] about axis."""
+    """3x3 matrix of the rotation by angle [rad] about axis."""
     n = np.asarray(axis, float) / np.linalg.norm(axis)
     K = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
     R: Array = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
@@ -44,7 +44,7 @@ def rotation(axis: Numbers, angle: float) -> Array:
 
 
 def frame(body: str, position: Numbers = (0, 0, 0), R: Array | None = None) -> dict[str, Any]:
-    """A frame fixed in a body: position [m] and, if not along the body's axes, rotation."""
+    """A frame fixed in a body: position [m] and, if not aligned with the body axes, rotation."""
     out: dict[str, Any] = {"body": body, "position": numbers(position)}
     if R is not None:
         out["rotation"] = matrix(R)
@@ -52,19 +52,19 @@ def frame(body: str, position: Numbers = (0, 0, 0), R: Array | None = None) -> d
 
 
 def body(mass: float, com: Numbers = (0, 0, 0), inertia: Numbers = (0, 0, 0)) -> dict[str, Any]:
-    """Mass [kg], centre of mass [m], inertia about it [kg m2]: 3 or 6 numbers xx yy zz (xy xz yz)."""
+    """Mass [kg], center of mass [m], inertia about it [kg m2]: 3 or 6 numbers xx yy zz (xy xz yz)."""
     moments = numbers(inertia)
     return {"mass": mass, "com": numbers(com), "inertia": moments + [0.0] * (6 - len(moments))}
 
 
 def rod(mass: float, length: float) -> dict[str, Any]:
-    """A slender uniform rod along x, its frame at one end."""
+    """A slender uniform rod along x, with its frame at one end."""
     transverse = mass * length**2 / 12
     return body(mass, (length / 2, 0, 0), (0, transverse, transverse))
 
 
 def box(end: Numbers, width: float, height: float, density: float = 7700.0) -> dict[str, Any]:
-    """A box between the frame's origin and `end` in the x-y plane; width in it, height along z."""
+    """A box between the frame origin and `end` in the x-y plane; width is in the plane, height along z."""
     r = np.asarray(end, float)
     length = float(np.linalg.norm(r))
     mass = density * length * width * height
@@ -74,7 +74,7 @@ def box(end: Numbers, width: float, height: float, density: float = 7700.0) -> d
 
 
 def cylinder(end: Numbers, diameter: float, density: float = 7700.0) -> dict[str, Any]:
-    """A full cylinder between the frame's origin and `end`."""
+    """A solid cylinder between the frame origin and `end`."""
     r = np.asarray(end, float)
     length = float(np.linalg.norm(r))
     mass = density * np.pi * diameter**2 / 4 * length
@@ -85,12 +85,12 @@ def cylinder(end: Numbers, diameter: float, density: float = 7700.0) -> dict[str
 
 
 def general_body(mass: float, com: Array, J: Array) -> dict[str, Any]:
-    """A body from its 3x3 inertia about the centre of mass."""
+    """A body from its 3x3 inertia about the center of mass."""
     return body(mass, com, [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]])
 
 
 def inertia_matrix(entry: Mapping[str, Any]) -> Array:
-    """3x3 inertia about the centre of mass of a body of the scene format."""
+    """3x3 inertia about the center of mass of a body in scene format."""
     xx, yy, zz, xy, xz, yz = entry["inertia"]
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
@@ -117,8 +117,8 @@ def four_bar(
 
     links: crank, coupler, rocker, ground [m]; line_density [kg/m]; damping of the crank [N m s/rad].
     Joints A (ground-crank), B (crank-coupler), C (coupler-rocker), D (ground-rocker), all about z; the
-    coupler lies above the line between the crank's tip and D. The motor `drive` turns A; with
-    `torque` [N m] given, a constant wrench on the crank does and there is no motor.
+    coupler is above the line between the tip of the crank and D. The motor `drive` turns A; if
+    `torque` [N m] is given, a constant wrench on the crank replaces the motor.
     """
     crank, coupler, rocker, ground = links
     theta, psi = four_bar_angles(phi, links)
@@ -166,7 +166,9 @@ def four_bar(
 
 
 def four_bar_angles(phi: float, links: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Absolute angles (coupler, rocker) [rad] at the crank angle phi, the open branch above the diagonal."""
+    """Absolute angles (coupler, rocker) [rad] at the crank angle phi,
+    on the open branch above the diagonal.
+    """
     crank, coupler, rocker, ground = links
     x, y = ground - crank * np.cos(phi), -crank * np.sin(phi)
     diagonal = np.hypot(x, y)
@@ -177,9 +179,9 @@ def four_bar_angles(phi: float, links: tuple[float, float, float, float]) -> tup
 
 
 def placed(source: Scene, R: Array, p: Numbers = (0, 0, 0)) -> Scene:
-    """The same scene turned by R and moved by p [m] as a whole: ground frames, gravity, world wrenches.
+    """The same scene rotated by R and moved by p [m] as a whole: ground frames, gravity, world wrenches.
 
-    Start values of joints to the ground stay as they are: they are told in the joint's frames.
+    Start values of joints on the ground do not change, because they are relative to the joint frames.
     """
     out = copy.deepcopy(source)
 
@@ -217,7 +219,7 @@ def reordered(source: Scene, seed: int) -> Scene:
 
 
 def with_sensors(source: Scene, **sensors: dict[str, Any]) -> Scene:
-    """The same scene with these sensors besides its own."""
+    """The same scene with these sensors added to its own."""
     out = copy.deepcopy(source)
     out.setdefault("sensors", {}).update(sensors)
     return out

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Touches that begin and end within a step: an oscillator that just meets a stop, against its closed form."""
+"""Contacts that begin and end within a step: an oscillator that grazes a stop,
+compared with its closed-form solution.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +41,12 @@ def oscillator(bound: float, **solver: Any) -> Scene:
 
 
 def times_of_contact(bound: float) -> list[float]:
-    """When contacts begin and end [s]: an arc of the swing is replaced by one of the stiffer oscillation."""
+    """Begin and end times of contact [s]: an arc of the oscillation is replaced by
+    one of the stiffer oscillation.
+    """
     touch = math.asin(bound / AMPLITUDE) / SLOW
     speed = SLOW * math.sqrt(AMPLITUDE**2 - bound**2)
-    rest = bound * STOP / (SPRING + STOP)  # of the oscillation in contact
+    rest = bound * STOP / (SPRING + STOP)  # equilibrium of the oscillation in contact
     duration = 2 / FAST * math.atan2(speed / FAST, bound - rest)
     period = 2 * touch + duration + math.pi / SLOW
     return [n * period + t for n in range(SWINGS) for t in (touch, touch + duration)]
@@ -50,7 +54,7 @@ def times_of_contact(bound: float) -> list[float]:
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
 @pytest.mark.parametrize(("depth", "tolerance"), [(1e-2, 1e-5), (1e-3, 1e-6), (1e-4, 1e-7), (1e-5, 1e-8)])
-def test_grazing_touches_are_found(integrator: str, depth: float, tolerance: float) -> None:
+def test_grazing_contacts_are_detected(integrator: str, depth: float, tolerance: float) -> None:
     bound = AMPLITUDE * (1 - depth)
     expected = times_of_contact(bound)
     found = gelenk.simulate(
@@ -60,13 +64,14 @@ def test_grazing_touches_are_found(integrator: str, depth: float, tolerance: flo
         tolerance=tolerance,
     )
     assert [text.split()[1] for _, text in found.events] == ["meets", "leaves"] * SWINGS
-    # s: it touches at sqrt(2 depth) of the highest speed, and errors of position shift it by as much more.
+    # s: contact occurs at sqrt(2 depth) of the maximum speed, and position errors shift its time by that much
+    # more.
     limit = 30 * tolerance / (SLOW * math.sqrt(2 * depth))
     assert np.abs(np.array([t for t, _ in found.events]) - expected).max() < limit
 
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
-def test_swings_that_stay_short_of_a_stop_meet_nothing(integrator: str) -> None:
+def test_oscillation_short_of_the_stop_has_no_events(integrator: str) -> None:
     bound = AMPLITUDE * (1 + 1e-4)
     found = gelenk.simulate(oscillator(bound, integrator=integrator), stop=10.0, step=10.0, tolerance=1e-7)
     assert not found.events

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One body on one joint as ADAMS/Solver was given it: the cases that Project Chrono tests its joints with.
+"""Single bodies on a joint as modeled in ADAMS/Solver: the cases with which Project Chrono tests its joints.
 
-Model data (decks of ADAMS; where they lack it, the constants of the tests) and curves: projectchrono/chrono,
+Model data (ADAMS decks; where they lack it, the constants of the tests) and curves: projectchrono/chrono,
 data/testing/joints and src/tests/unit_tests/joints, BSD-3-Clause, by Mike Taylor and Radu Serban. A body of
-1 kg, gravity along -z, at rest at first. The frames of bodies stand at the ground's origin then, in line with
-it, so that the place QP of a marker in its part is its place in the ground.
+1 kg, gravity along -z, initially at rest. Body frames initially coincide with the ground frame, so that
+the position QP of a marker in its part is its position in the ground.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from models.running import Recording
 G_N = 9.80665
 EXCERPTS = Path(__file__).parent / "published" / "adams"
 CURVES = Path(__file__).resolve().parents[3] / "shared" / "reference" / "adams"
-KINDS = {  # of what is told in the ground's axes: how the columns' names begin and end
+KINDS = {  # of quantities in ground axes: prefix and suffix of the column names
     "position": ("Pos", "Pos"),
     "velocity": ("Vel", "Vel"),
     "acceleration": ("Acc", "Acc"),
@@ -35,7 +35,7 @@ FIRST = {"RevSpherical_Case01": "_Body1", "LinActuator_Case01": "P"}  # of two r
 
 
 def published(name: str) -> tuple[Array, dict[str, Array]]:
-    """Times and the table of ADAMS by kind, or some rows of it where it is not at hand."""
+    """Return times and the ADAMS table by kind, or selected rows of it if the file is not available."""
     path = CURVES / f"{name}.csv"
     if not path.is_file():
         path = EXCERPTS / f"{name}.csv"
@@ -49,7 +49,9 @@ def published(name: str) -> tuple[Array, dict[str, Array]]:
 
 
 def shown(found: Recording, source: Scene) -> dict[str, Array]:
-    """The same of a run: along the ground's axes; force and torque that the joint exerts on the ground."""
+    """Return the same quantities of a run: in ground axes;
+    force and torque that the joint exerts on the ground.
+    """
     R = Rotation.from_quat(found.vector("CM.Q"))
     out = {
         "position": found.vector("CM.r"),
@@ -63,7 +65,7 @@ def shown(found: Recording, source: Scene) -> dict[str, Array]:
         F = np.array(source["joints"]["J"]["parent"].get("rotation", {"matrix": np.eye(3)})["matrix"])
         out["force"] = -found.vector("on_J.f") @ F.T
         out["torque"] = -found.vector("on_J.t") @ F.T
-    else:  # a spring, and its law: the motion is straight
+    else:  # a spring and its force law: the motion is straight
         law = source["forces"]["S"]
         out["force"] = law["stiffness"] * out["position"] + law["damping"] * out["velocity"]
         out["torque"] = 0 * out["force"]
@@ -71,7 +73,7 @@ def shown(found: Recording, source: Scene) -> dict[str, Array]:
 
 
 def euler(psi: float, theta: float, phi: float) -> Array:
-    """Axes of a marker by REULER [deg]: turns about its z, its x and its z again."""
+    """Axes of a marker by REULER [deg]: rotations about its z, its x and its z again."""
     z, x = [0, 0, 1], [1, 0, 0]
     a, b, c = np.radians([psi, theta, phi])
     return rotation(z, a) @ rotation(x, b) @ rotation(z, c)
@@ -89,10 +91,10 @@ def pendulum(
     inertia: tuple[float, float, float] = (0.04, 0.1, 0.1),
     **fields: Any,
 ) -> Scene:
-    """com, axes: place and axes of the marker CM, whose principal moments are `inertia` (IP).
+    """com, axes: position and axes of the marker CM, whose principal moments are `inertia` (IP).
 
-    Beside the joints that hold the body a free one from the ground to CM shows how it moves, its
-    accelerations too. A rod is without mass.
+    Besides the joints that hold the body, a free joint from the ground to CM outputs its motion, including
+    accelerations. A rod is massless.
     """
     J = axes @ np.diag(inertia) @ axes.T
     start = {"r": list(com), "rotation": matrix(axes)}
@@ -109,7 +111,9 @@ def pendulum(
 
 
 def hung(kind: str, com: tuple[float, float, float], R: Array = ALONG, **fields: Any) -> Scene:
-    """On the ground's origin by a joint between markers of the axes R; joint and CM marker likewise."""
+    """A body at the ground origin on a joint between markers with the axes R;
+    the CM marker has the same axes.
+    """
     own = {k: fields.pop(k) for k in ("axis", "axes", "stiffness", "damping", "start") if k in fields}
     J = joint(kind, frame("ground", R=R), frame("part", R=R), **own)
     return pendulum({"J": J}, com, axes=R, **fields)
@@ -122,21 +126,25 @@ def universal() -> Scene:
 
 
 def distance() -> Scene:
-    """GCON: the centre of mass stays 2 m away from the origin; here by a rod between two joints."""
+    """GCON: the center of mass remains 2 m away from the origin; here by a rod between two joints."""
     J = joint("universal", frame("ground"), frame("rod"), axes=[[1, 0, 0], [0, 0, 1]])
     K = joint("spherical", frame("rod", (0, 2, 0)), frame("part", (0, 2, 0)))
     return pendulum({"J": J, "K": K}, (0, 2, 0))
 
 
 def revolute_spherical() -> Scene:
-    """A rod of 2 m that turns about the vertical z carries the body, whose centre is 2 m aside, on a ball."""
+    """A rod of 2 m that rotates about the vertical z carries the body,
+    whose center is 2 m aside, on a ball joint.
+    """
     J = joint("revolute", frame("ground"), frame("rod"), axis=[0, 0, 1])
     K = joint("spherical", frame("rod", (2, 0, 0)), frame("part", (2, 0, 0)))
     return pendulum({"J": J, "K": K}, (2, 2, 0), inertia=(0.1, 0.04, 0.1))
 
 
-def springing() -> Scene:
-    """A spring and damper in line of no free length, from the origin to the centre that is there at first."""
+def on_a_spring() -> Scene:
+    """A translational spring-damper without free length,
+    from the origin to the initial position of the center of mass.
+    """
     ends = {"from": frame("ground"), "to": frame("part")}
     return pendulum(
         {},
@@ -146,7 +154,7 @@ def springing() -> Scene:
 
 
 def linear_actuator() -> Scene:
-    """A plate on a vertical slide, which moves at 1 m/s: an actuator imposes it."""
+    """A plate on a vertical prismatic joint that moves at 1 m/s, prescribed by an actuator."""
     return hung(
         "prismatic",
         (0, 0, 0),
@@ -163,10 +171,10 @@ SCENES: dict[str, Callable[[], Scene]] = {
     "Prismatic_Case01": lambda: hung("prismatic", (2, 0, 0), axis=[0, 0, 1]),
     "RevSpherical_Case01": revolute_spherical,
     "Revolute_Case01": lambda: hung("revolute", (2, 0, 0), Z_TO_Y),
-    # 200 N m/rad, 10 N m s/rad as in Chrono's test; a deck with others is stored beside the table.
+    # 200 N m/rad, 10 N m s/rad as in Chrono's test; a deck with other values is stored beside the table.
     "RotSpring_Case01": lambda: hung("revolute", (2, 0, 0), Z_TO_Y, stiffness=200.0, damping=10.0),
     "Spherical_Case01": lambda: hung("spherical", (2, 0, 0)),
-    "TranSpring_Case01": springing,  # 10 N/m, 0.5 N s/m: likewise
-    "TranSpringCB_Case01": springing,  # the same numbers in another of Chrono's links
+    "TranSpring_Case01": on_a_spring,  # 10 N/m, 0.5 N s/m, as in Chrono's test
+    "TranSpringCB_Case01": on_a_spring,  # the same numbers in another of Chrono's links
     "Universal_Case01": universal,
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plants whose derivatives are looked at, and how."""
+"""Scenes whose derivatives are tested, and how to start and compare them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Case:
     make: Callable[[], Scene]
     times: tuple[float, ...] = (0.0, 0.3, 0.7)  # s
     inputs: Mapping[str, float] = field(default_factory=dict)
-    step: float = 2e-3  # s, of the differences in time
+    step: float = 2e-3  # s, of the finite differences in time
 
 
 def shipped(name: str) -> Callable[[], Scene]:
@@ -43,7 +43,7 @@ def shipped(name: str) -> Callable[[], Scene]:
 
 
 def loaded_cut() -> Scene:
-    """A four-bar whose coupler joint, which closes the loop, has a spring, a damper and a motor."""
+    """A four-bar whose loop-closing joint, at the coupler, has a spring, a damper and a motor."""
     out = four_bar()
     out["joints"]["C"] |= {"stiffness": 20.0, "damping": 0.3, "spring_reference": 0.4}
     out["joints"]["A"]["damping"] = 0.0
@@ -55,7 +55,7 @@ def loaded_cut() -> Scene:
 
 
 def leaning() -> Scene:
-    """A ball against a stop, held by a spring between two points."""
+    """A ball in contact with a stop, held by a spring between two points."""
     return scene(
         {"ball": body(1.3)},
         {
@@ -125,6 +125,6 @@ def started(case: Case, source: Scene, tolerance: float = 1e-11) -> gelenk.Simul
 
 
 def assert_relative(what: str, found: Array, expected: Array, bound: float) -> None:
-    """Within `bound` of 1 and the size of each number."""
+    """Check that errors are within `bound` times the larger of 1 and the magnitude of each number."""
     error = np.abs(found - expected) / (1 + np.abs(expected))
     assert error.max(initial=0.0) < bound, f"{what}: {error.max():.2e} at {error.argmax()}"

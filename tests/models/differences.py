@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Derivatives by differences of plants that are assembled independently, one for each moved number."""
+"""Derivatives by finite differences between plants that are assembled
+independently for each perturbed number.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8
 
 @dataclass(frozen=True)
 class Linear:
-    """C, D by output, A, B by state: columns are the states, the inputs; and the states' derivatives."""
+    """C, D by output, A, B by state: columns are the states, the inputs; and the state derivatives."""
 
     states: list[str]
     A: Array
@@ -53,13 +55,13 @@ def linearized(plant: gelenk.Simulation) -> Linear:
 
 
 def output_derivatives(plant: gelenk.Simulation, udot: Any = (), uddot: Any = ()) -> Array:
-    """First, second time derivatives of all outputs: shape (2, outputs)."""
+    """First and second time derivatives of all outputs: shape (2, outputs)."""
     found: Array = plant._core._output_derivatives(list(udot), list(uddot)).reshape((2, -1))
     return found
 
 
 class Assembler:
-    """Puts plants of a scene together at states and inputs near those of a running one."""
+    """Assembles plants of a scene at states and inputs close to those of a running one."""
 
     def __init__(self, source: Scene, plant: gelenk.Simulation) -> None:
         self.source = source
@@ -69,7 +71,9 @@ class Assembler:
         self.inputs = {s.name: plant.input(s.name) for s in plant.inputs}
 
     def outputs(self, moved: Mapping[str, float]) -> Array:
-        """All outputs with these states and inputs moved by so much; quaternions normalised afterwards."""
+        """All outputs with these states and inputs changed by the given amounts;
+        quaternions are normalized afterwards.
+        """
         scene = copy.deepcopy(self.source)
         for name, entry in scene["joints"].items():
             entry["start"] = self._start(name, moved)
@@ -100,11 +104,11 @@ class Assembler:
         return start | vectors | ({"fixed": fixed} if fixed else {})
 
     def column(self, name: str, h: float) -> Array:
-        """Of the matrix d outputs / d states and inputs."""
+        """A column of the matrix d outputs / d states and inputs."""
         return sum((weight * self.outputs({name: k * h}) for k, weight in CENTRAL.items()), np.zeros(1)) / h
 
 
 def in_time(run_to: Callable[[float], Array], t: float, h: float) -> Array:
-    """First, second time derivatives by differences of outputs(t): shape (2, outputs)."""
+    """First and second time derivatives by finite differences of outputs(t): shape (2, outputs)."""
     rows = np.array([run_to(t + k * h) for k in range(-4, 5)])
     return np.array([FIRST @ rows / h, SECOND @ rows / h**2])

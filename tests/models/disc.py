@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A thin disc that rolls without slip, as scenes and as the equations of its three speeds.
+"""A thin disc that rolls without slip, as scenes and as equations of motion in three velocities.
 
-Along axes that do not spin with it, x heading, y its axis, z up in its plane, leant by q about x, the normal
-of the ground is n = (0, sin q, cos q). The disc turns with w = (p, w2, w3), the axes with (p, w3 tan q, w3),
-p = dq/dt. Its centre, R above the contact, moves with v = R (w2, -p, 0). Force F = m (dv/dt + g n) and moment
-(R F2, -R F1, 0) about the centre, with moments of inertia C along the axis and A across, give (Neimark &
-Fufaev, Dynamics of Nonholonomic Systems, 1972, ch. 2)
+In axes that do not spin with the disc, x heading, y its axis, z up in its plane, leaning by q about x, the
+normal of the ground is n = (0, sin q, cos q). The disc rotates with w = (p, w2, w3), the axes with (p, w3 tan
+q, w3), p = dq/dt. Its center, R above the contact, moves with v = R (w2, -p, 0). Force F = m (dv/dt + g n)
+and moment (R F2, -R F1, 0) about the center, with moments of inertia C about the axis and A about a diameter,
+give (Neimark & Fufaev, Dynamics of Nonholonomic Systems, 1972, ch. 2)
 
     (A + m R^2) dp/dt = (C + m R^2) w3 w2 - A w3^2 tan q + m g R sin q
     (C + m R^2) dw2/dt = -m R^2 p w3                A dw3/dt = p (A w3 tan q - C w2)
@@ -39,7 +39,7 @@ WHEEL = body(MASS, (0, 0, 0), (ACROSS, AXIAL, ACROSS))
 
 @dataclass(frozen=True)
 class Rolling:
-    """Lean [rad] and its rate, yaw rate and spin about the axis relative to what leans [rad/s]."""
+    """Lean [rad] and its rate, yaw rate, and spin about the axis relative to the leaning frame [rad/s]."""
 
     lean: float = 0.2
     lean_rate: float = 0.3
@@ -78,7 +78,7 @@ def disc(motion: Rolling = WOBBLING, R: Array | None = None, p: Numbers = (0, 0,
 
 
 def flying_disc(motion: Rolling = WOBBLING) -> Scene:
-    """The same on a joint of type `free`."""
+    """The same disc on a joint of type `free`."""
     q = motion.lean
     lean = np.array([[1, 0, 0], [0, np.cos(q), -np.sin(q)], [0, np.sin(q), np.cos(q)]])
     up = lean.T @ [0, 0, 1]
@@ -98,36 +98,38 @@ def flying_disc(motion: Rolling = WOBBLING) -> Scene:
 
 
 def speeds(motion: Rolling) -> tuple[float, float]:
-    """w2, w3."""
+    """Return w2, w3."""
     return motion.spin + motion.yaw_rate * np.sin(motion.lean), motion.yaw_rate * np.cos(motion.lean)
 
 
 def rates(q: Any, p: Any, w2: Any, w3: Any) -> tuple[Any, Any, Any]:
-    """dp/dt, dw2/dt, dw3/dt: of numbers or of their histories."""
+    """Return dp/dt, dw2/dt, dw3/dt, for numbers or arrays over time."""
     gravity = MASS * GRAVITY * RADIUS * np.sin(q)
     dp = (ROLLED_AXIAL * w3 * w2 - ACROSS * w3**2 * np.tan(q) + gravity) / ROLLED_ACROSS
     return dp, -MASS * RADIUS**2 * p * w3 / ROLLED_AXIAL, p * (w3 * np.tan(q) - AXIAL / ACROSS * w2)
 
 
 def truth(motion: Rolling, times: Array) -> dict[str, Array]:
-    """The reduced equations integrated on their own; the outputs of the scene as they follow from them."""
+    """Integrate the reduced equations independently;
+    return the scene outputs computed from their solution.
+    """
 
-    def slope(_t: float, y: Array) -> list[float]:
+    def derivative(_t: float, y: Array) -> list[float]:
         q, p, w2, w3, yaw = y[:5]
         yaw_rate = w3 / np.cos(q)
-        back = RADIUS * p * np.cos(q)  # of the centre, across the heading
+        back = RADIUS * p * np.cos(q)  # of the center, across the heading
         vx = RADIUS * w2 * np.cos(yaw) + back * np.sin(yaw)
         vy = RADIUS * w2 * np.sin(yaw) - back * np.cos(yaw)
         return [p, *rates(q, p, w2, w3), yaw_rate, w2 - yaw_rate * np.sin(q), vx, vy]
 
     first = [motion.lean, motion.lean_rate, *speeds(motion), 0, 0, 0, 0]
-    # Small numbers beside rtol: of angles and speeds around 1.
-    y = solve_ivp(slope, (times[0], times[-1]), first, "DOP853", times, rtol=1e-12, atol=1e-13).y
+    # Small compared with rtol: of angles and velocities around 1.
+    y = solve_ivp(derivative, (times[0], times[-1]), first, "DOP853", times, rtol=1e-12, atol=1e-13).y
     q, p, w2, w3, yaw, turned, x, y_ = y
     dp, dw2, _ = rates(q, p, w2, w3)
     heading = MASS * RADIUS * (dw2 + p * w3)
     across = MASS * (RADIUS * (-dp + w3 * w2) + GRAVITY * np.sin(q))  # along the axis
-    up = MASS * (-RADIUS * (p**2 + w3 * w2 * np.tan(q)) + GRAVITY * np.cos(q))  # in the disc's plane
+    up = MASS * (-RADIUS * (p**2 + w3 * w2 * np.tan(q)) + GRAVITY * np.cos(q))  # in the plane of the disc
     return {
         "lean.phi": q, "lean.w": p, "lean.a": dp,
         "base.phi": yaw, "base.w": w3 / np.cos(q), "base.s_x": x, "base.s_y": y_,
@@ -143,7 +145,9 @@ def truth(motion: Rolling, times: Array) -> dict[str, Array]:
 
 
 def steady(lean: float, spin: float) -> Rolling:
-    """In a circle at this lean and spin: dp/dt = 0 is a quadratic in the yaw rate; its slower solution."""
+    """Rolling in a circle at this lean and spin: dp/dt = 0 is quadratic in the yaw rate;
+    returns its slower solution.
+    """
     s, c = np.sin(lean), np.cos(lean)
     square, linear = (ROLLED_AXIAL - ACROSS) * s * c, ROLLED_AXIAL * c * spin
     constant = MASS * GRAVITY * RADIUS * s
@@ -152,18 +156,22 @@ def steady(lean: float, spin: float) -> Rolling:
 
 
 def frequency_squared(motion: Rolling) -> float:
-    """Of small wobbles [rad2/s2]: w2 and w3 are functions of the lean alone, dw/dq being their rate / p."""
+    """Squared frequency of small wobbles [rad2/s2]: w2 and w3 are functions of the lean alone,
+    dw/dq being their rate / p.
+    """
     q = motion.lean
     w2, w3 = speeds(motion)
     _, dw2, dw3 = rates(q, 1.0, w2, w3)
-    slope = ROLLED_AXIAL * (dw3 * w2 + w3 * dw2)
-    slope -= ACROSS * (2 * w3 * dw3 * np.tan(q) + w3**2 / np.cos(q) ** 2)
-    slope += MASS * GRAVITY * RADIUS * np.cos(q)
-    return float(-slope / ROLLED_ACROSS)
+    derivative = ROLLED_AXIAL * (dw3 * w2 + w3 * dw2)
+    derivative -= ACROSS * (2 * w3 * dw3 * np.tan(q) + w3**2 / np.cos(q) ** 2)
+    derivative += MASS * GRAVITY * RADIUS * np.cos(q)
+    return float(-derivative / ROLLED_ACROSS)
 
 
 def disc_on_a_table(turning: float, moment: float | None, start: dict[str, Any]) -> Scene:
-    """On a table about z: driven at so many rad/s, or, with a moment of inertia, let go at them."""
+    """The disc on a table rotating about z: driven at `turning` rad/s, or,
+    given a moment of inertia, released at it.
+    """
     out = flying_disc()
     out["bodies"]["table"] = body(5.0, (0, 0, -0.1), (1, 1, moment or 1.0))
     out["joints"]["free"]["start"] = start | {"fixed": ["Q", "w"]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Motions as functions of time with their derivatives, and plants whose inputs follow them."""
+"""Prescribed motions as functions of time with derivatives, and plants whose inputs follow them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 import gelenk
 
 Array = NDArray[np.float64]
-# The value and its derivatives in time at t [s].
+# The value and its time derivatives at t [s].
 Law = Callable[[float], Sequence[float]]
 
-ORDERS = 5  # the most derivatives that an input takes
+ORDERS = 5  # the maximum number of derivatives that an input accepts
 
 
 def sine(amplitude: float, frequency: float, phase: float = 0.0, derived: int = 0) -> Law:
-    """Of amplitude sin(2 pi frequency t + phase), or of its derivative of that order."""
+    """The function amplitude sin(2 pi frequency t + phase), or its derivative of the given order."""
     omega = 2 * math.pi * frequency
 
     def law(t: float) -> list[float]:
@@ -36,14 +36,14 @@ def sine(amplitude: float, frequency: float, phase: float = 0.0, derived: int = 
 
 
 def polynomial(coefficients: Sequence[float], derived: int = 0) -> Law:
-    """Of c0 + c1 t + c2 t^2 + ..., or of its derivative of that order."""
+    """The polynomial c0 + c1 t + c2 t^2 + ..., or its derivative of the given order."""
     p = np.polynomial.Polynomial(coefficients)
     derivatives = [p.deriv(k) if k else p for k in range(derived, derived + ORDERS + 1)]
     return lambda t: [float(d(t)) for d in derivatives]
 
 
 def run(source: Mapping[str, Any], times: Iterable[float], tolerance: float) -> dict[str, Array]:
-    """Every output at the times, the first of which is where the run begins."""
+    """Return every output at the times, of which the first is the start time."""
     plant = gelenk.Simulation(gelenk.load(dict(source)))
     rows = []
     for k, t in enumerate(times):
@@ -63,7 +63,9 @@ def follow(
     tolerance: float,
     orders: int = ORDERS,
 ) -> dict[str, Array]:
-    """Every output at the start and after each step of `size` [s], inputs given with so many derivatives."""
+    """Return every output at the start and after each step of `size` [s],
+    with inputs given with `orders` derivatives.
+    """
     plant = gelenk.Simulation(gelenk.load(dict(source)))
 
     def give(t: float) -> None:
@@ -84,7 +86,7 @@ def follow(
 
 
 class Slave:
-    """An FMU in fmpy."""
+    """An FMU instance in fmpy."""
 
     def __init__(self, fmu: Path, folder: Path) -> None:
         self.description = fmpy.read_model_description(str(fmu))
@@ -98,7 +100,7 @@ class Slave:
         self.fmi.instantiate()
 
     def start(self, tolerance: float, inputs: Mapping[str, Sequence[float]] | None = None) -> None:
-        """Inputs: value and derivatives by name."""
+        """Initialize; inputs are given as value and derivatives by name."""
         self.fmi.setupExperiment(tolerance=tolerance, startTime=0.0)
         self.fmi.enterInitializationMode()
         for name, law in (inputs or {}).items():
@@ -109,7 +111,7 @@ class Slave:
         self.fmi.setReal([self.reference[name]], [value])
 
     def give(self, name: str, law: Sequence[float]) -> None:
-        """An input and its derivatives."""
+        """Set an input and its derivatives."""
         value, *derivatives = law
         self.set(name, value)
         self.fmi.setRealInputDerivatives(

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A geared five-bar: two cranks, coupled by wheels, and two bars that meet; its scene and its geometry."""
+"""A geared five-bar (two cranks coupled by gears, and two bars joined at their ends):
+its scene and its geometry.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +10,14 @@ from typing import Any
 
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 
-from models.one_freedom import Geometry, Jet, Moving, acos, atan2, cos, jet, sin, sqrt
+from models.one_dof import Geometry, Jet, Moving, acos, atan2, cos, jet, sin, sqrt
 
 CRANK, BAR, BASE = 0.3, 0.8, 0.7
 CRANK_MASS, BAR_MASS = 1.1, 0.7
 
 
 def five_bar(phi: float, ratio: float, offset: float) -> Scene:
-    """Cranks A and E on the ground, bars B and D on them, which C joins; E = ratio A + offset."""
+    """Cranks A and E on the ground, bars B and D on them, connected at C; E = ratio A + offset."""
     about_z: dict[str, Any] = {"axis": [0, 0, 1]}
     rod = {"crank": (CRANK_MASS, CRANK), "bar": (BAR_MASS, BAR)}
 
@@ -45,7 +47,7 @@ def five_bar(phi: float, ratio: float, offset: float) -> Scene:
 
 
 def five_bar_jets(phi: Jet, ratio: float, offset: float) -> tuple[Jet, Jet]:
-    """Absolute angles of the bars: their ends meet above the line between the cranks' tips."""
+    """Absolute angles of the bars: their ends meet above the line between the tips of the cranks."""
     other = ratio * phi + offset
     x = BASE + CRANK * cos(other) - CRANK * cos(phi)
     y = CRANK * sin(other) - CRANK * sin(phi)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reference: open chains of which one coordinate follows a motion, by Pinocchio's equations and scipy.
+"""Reference: open chains with one coordinate prescribed, by Pinocchio's equations of motion and SciPy.
 
-With M v' + h = -damping v - stiffness q + e f and s = q[driven] known, the other rows tell the other
-accelerations, its own row the force f: hybrid dynamics (Featherstone 2008, section 9.2).
+With M v' + h = -damping v - stiffness q + e f and s = q[driven] known, the other equations determine the
+other accelerations, and the driven one the force f: hybrid dynamics (Featherstone 2008, section 9.2).
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from scipy.integrate import solve_ivp
 
 from models.driven import Array, Law
 
-# A joint's motion as turns and slides one after the other: the coordinate's, speed's and acceleration's
-# names, whether it turns, the axis.
+# The motion of a joint as a sequence of rotations and translations: names of coordinate, speed and
+# acceleration, whether it is a rotation, the axis.
 STEPS: dict[str, list[tuple[str, str, str, bool, Sequence[float]]]] = {
     "revolute": [("phi", "w", "a", True, (0, 0, 1))],
     "prismatic": [("s", "v", "a", False, (0, 0, 1))],
@@ -35,7 +35,8 @@ STEPS: dict[str, list[tuple[str, str, str, bool, Sequence[float]]]] = {
 GRAVITY = np.array([1.2, -8.1, -4.9])  # m/s2
 GROUND = (np.array([0.1, -0.2, 0.3]), rotation([1, 2, -1], 0.7))  # the first joint's frame there
 FIRST = (np.array([0.04, 0.07, -0.05]), rotation([-2, 1, 1], 0.4))  # and in the first body
-LINK = (np.array([0.31, -0.12, 0.22]), rotation([1, 1, 3], -0.9))  # the second joint's in the first body
+LINK = (np.array([0.31, -0.12, 0.22]), rotation([1, 1, 3], -0.9))  # the second joint's frame in the first
+# body
 TIP = (np.array([0.02, 0.11, 0.06]), rotation([0, 1, 1], 0.5))  # and in the second
 BODIES = {
     "first": general_body(
@@ -50,12 +51,12 @@ SECOND_DAMPING = 0.05
 
 @dataclass
 class Chain:
-    """A body on the joint under test, and a second that swings on a hinge on it."""
+    """A body on the joint under test, and a second body on a revolute joint on it."""
 
     kind: str
     coordinate: str
     reversed: bool = False  # the ground is the joint's child
-    angle: float = 0.4  # of the hinge at the start [rad]
+    angle: float = 0.4  # of the revolute joint at the start [rad]
 
     def __post_init__(self) -> None:
         steps = STEPS[self.kind]
@@ -133,9 +134,9 @@ class Chain:
         return vdot, float(M[self.driven] @ vdot + h[self.driven])
 
     def motion(self, law: Law, times: Array, kinks: Sequence[float] = ()) -> dict[str, Array]:
-        """Coordinates, speeds, accelerations and the force at the times, by their outputs' names.
+        """Coordinates, velocities, accelerations and the force at the times, by the names of their outputs.
 
-        kinks: times at which the law is not smooth; no step of the integration goes across one.
+        kinks: times at which the prescribed motion is not smooth; no integration step crosses one.
         """
         free = [k for k in range(self.n) if k != self.driven]
 

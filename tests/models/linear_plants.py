@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes whose linear models are known, and what linear models have to be."""
+"""Scenes with known linear models, and properties of linear models."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ ARM_DAMPING, ROD_DAMPING = 2e-3, 1e-4
 
 
 def furuta(rod_angle: float = 0.0) -> Scene:
-    """An arm that turns about z and carries at its tip a rod that turns about the arm's own axis, x."""
+    """An arm that rotates about z and carries at its tip a rod that rotates about
+    the longitudinal axis of the arm, x.
+    """
     return scene(
         {
             "arm": body(0.3, (0, 0, 0), (ARM_MOMENT / 2, ARM_MOMENT / 2, ARM_MOMENT)),
@@ -46,12 +48,12 @@ def furuta(rod_angle: float = 0.0) -> Scene:
     )
 
 
-# A top whose tip stands: kg, m, kg m2 about the tip, along and across its axis z.
+# A top with a fixed tip: kg, m, kg m2 about the tip, along and across its axis z.
 TOP_MASS, TOP_REACH, ALONG, ACROSS = 0.6, 0.09, 8e-4, 6.2e-3
 
 
 def top(spin: float, upright: bool = True) -> Scene:
-    """On a spherical joint, its axis z vertical, spinning at so many rad/s; torques on it are inputs."""
+    """A top on a spherical joint, its axis z vertical, with a spin in rad/s; torques on it are inputs."""
     across = ACROSS - TOP_MASS * TOP_REACH**2
     reach = TOP_REACH if upright else -TOP_REACH
     return scene(
@@ -77,11 +79,12 @@ def still_cart_pole(angle: float = 0.0) -> Scene:
 
 
 def hidden_modes(model: LinearModel, by: str) -> list[complex]:
-    """Eigenvalues that the inputs do not reach (by "B") or the outputs do not show (by "C").
+    """Eigenvalues that are uncontrollable (by "B") or unobservable (by "C").
 
-    Popov, Belevitch, Hautus: [A - s 1, B] has full rank at each eigenvalue s otherwise. Rates are scaled
-    by 1 / 10 s, so that speeds and coordinates are of a size; rank is lost where the least singular value
-    is below 1e-7 of the largest: modes that are there have 4e-3 and more in these tests.
+    Popov-Belevitch-Hautus test: otherwise [A - s 1, B] has full rank at each eigenvalue s. Rates are scaled
+    by 1 / 10 s, so that velocities and coordinates have similar magnitudes; rank is lost if the smallest
+    singular value is below 1e-7 of the largest: modes that are controllable have 4e-3 and more in these
+    tests.
     """
     n = len(model.states)
     scale = np.where(np.arange(n) < n // 2, 1.0, 10.0)
@@ -98,7 +101,7 @@ def hidden_modes(model: LinearModel, by: str) -> list[complex]:
 
 
 def mass_matrix_model(M: Array, K: Array, damping: Array, drive: Array) -> tuple[Array, Array]:
-    """(A, B) of M q'' = -K q - damping q' + drive u."""
+    """Return (A, B) of M q'' = -K q - damping q' + drive u."""
     n = len(M)
     zero, one = np.zeros((n, n)), np.eye(n)
     A = np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, damping)]])

@@ -19,7 +19,9 @@ ABOUT_Z = {"axis": [0, 0, 1]}
 
 
 def published(name: str) -> dict[str, np.ndarray]:
-    """The published curve, or seven rows of it where it is not at hand. Rows at events are dropped."""
+    """Return the published curve, or seven rows of it if the file is not available.
+    Rows at events are dropped.
+    """
     path = RESULTS / f"{name}.csv"
     if not path.is_file():
         path = EXCERPTS / f"{name}.csv"
@@ -48,7 +50,7 @@ def pendulum() -> Scene:
 
 
 def double_pendulum() -> Scene:
-    """Elementary.DoublePendulum: two boxes of 0.5 x 0.06 x 0.06 m, damper 0.1 at the first hinge."""
+    """Elementary.DoublePendulum: two boxes of 0.5 x 0.06 x 0.06 m, damper 0.1 at the first revolute joint."""
     return scene(
         {"boxBody1": box((0.5, 0, 0), 0.06, 0.06), "boxBody2": box((0.5, 0, 0), 0.06, 0.06)},
         {
@@ -61,7 +63,7 @@ def double_pendulum() -> Scene:
 
 def planar_four_bar() -> Scene:
     """Loops.PlanarFourbar: body1 from the origin, body2 on it, body4 from body3's end at (-0.15, 1) in the
-    world; boxes 0.05 m wide; all angles zero at the start.
+    world; boxes 0.05 m wide; all angles are zero at the start.
     """
     ends = {"body1": (0.4, 0, 0), "body2": (0.1, 1.1, 0), "body4": (0.65, 0.1, 0)}
     return scene(
@@ -88,7 +90,7 @@ def planar_four_bar() -> Scene:
 def fourbar1(chain: bool = False) -> Scene:
     """Loops.Fourbar1: see spatial_loops.ModelicaFourbar1.
 
-    chain: as in Modelica, with three and two revolute joints through massless parts for the spherical and
+    chain: as in Modelica, with three and two revolute joints through massless bodies for the spherical and
     the universal joint.
     """
     start = {"phi": 0.0, "w": 5.235987755982989, "fixed": True}  # 300 deg/s
@@ -127,19 +129,21 @@ PULL = {"type": "spring_damper", "from": frame("ground", (0.8, 0, 0.3)), "stiffn
 
 
 def sprung(joints: Scene, massless: tuple[str, ...] = ()) -> Scene:
-    """Constraints: 1 kg, 1 kg m2 about each axis, held at its frame, sprung at its end (no free length)."""
+    """Constraints: 1 kg, 1 kg m2 about each axis, held at its frame,
+    with a spring at its end (no free length).
+    """
     bodies = {"body": body(1.0, (0.2, 0, 0), (1, 1, 1))} | {name: body(0.0) for name in massless}
     spring = PULL | {"to": frame("body", (0.4, 0, 0))}
     return scene(bodies, joints, gravity=[0, -G_N, 0], forces={"spring": spring})
 
 
 def spherical_constraint() -> Scene:
-    """Constraints.SphericalConstraint, one of the two bodies: they move alike."""
+    """Constraints.SphericalConstraint, one of its two bodies, which move equally."""
     return sprung({"ball": joint("spherical", FOOT, frame("body"))})
 
 
 def prismatic_constraint() -> Scene:
-    """Constraints.PrismaticConstraint: two slides, and a free joint that shows the motion."""
+    """Constraints.PrismaticConstraint: two prismatic joints, and a free joint that outputs the motion."""
     joints = {
         "x": joint("prismatic", FOOT, frame("slide"), axis=[1, 0, 0]),
         "y": joint("prismatic", frame("slide"), frame("body"), axis=[0, 1, 0]),
@@ -150,7 +154,7 @@ def prismatic_constraint() -> Scene:
 
 
 def spring_damper_system() -> Scene:
-    """Elementary.SpringDamperSystem: a body that hangs from a spring and damper, and one on a slide."""
+    """Elementary.SpringDamperSystem: a body suspended from a spring-damper, and one on a prismatic joint."""
     spring = {"type": "spring_damper", "stiffness": 30.0, "length": 0.1}
     return scene(
         {
@@ -177,7 +181,7 @@ def spring_damper_system() -> Scene:
 
 
 def three_springs(node: float) -> Scene:
-    """Elementary.ThreeSprings: three springs meet in a node; node: its mass [kg], 0 in Modelica."""
+    """Elementary.ThreeSprings: three springs connected at a node; node: its mass [kg], 0 in Modelica."""
     spring = {"type": "spring_damper", "length": 0.1}
     at_node = {"to": frame("node"), "stiffness": 20.0}
     return scene(
@@ -233,7 +237,7 @@ def engine1a() -> Scene:
 
 
 def gyroscopic_effects() -> Scene:
-    """Rotational3DEffects.GyroscopicEffects: a rotor askew on an arm that hangs on a ball."""
+    """Rotational3DEffects.GyroscopicEffects: an oblique rotor on an arm suspended from a ball joint."""
     slant = frame("arm", (0.25, 0, 0), rotation([0, 1, 0], np.radians(45)))
     start = {"phi": 0.0, "w": 10.0, "fixed": True}
     return scene(
@@ -248,7 +252,7 @@ def gyroscopic_effects() -> Scene:
 
 
 def rolling_wheel() -> Scene:
-    """Elementary.RollingWheel: a thin wheel on the plane z = 0, its axis along y at first."""
+    """Elementary.RollingWheel: a thin wheel on the plane z = 0, its axis initially along y."""
     start = {"r": [0.2, 0.2, 0.3], "v": [1.5, -0.3, 0], "w": [1, 5, 0], "fixed": True}
     return scene(
         {"wheel": body(2.0, (0, 0, 0), (0.12, 0.06, 0.12))},

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Independent solutions of examples of the Modelica Standard Library: Newton and Euler by SciPy at 1e-12."""
+"""Independent solutions for examples of the Modelica Standard Library:
+Newton-Euler equations, SciPy at 1e-12.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
 from models.modelica import G_N, TURNED
-from models.one_freedom import Jet, Moving, OneFreedom, atan2, cos, jet, sin, sqrt
+from models.one_dof import Jet, Moving, OneDofMechanism, atan2, cos, jet, sin, sqrt
 
 DOWN = np.array([0, -G_N, 0])
 
@@ -27,7 +29,7 @@ def solved(rates: Callable[[float, Array], Array], y0: Array, times: Array, rtol
 
 
 def quaternion_rate(q: Array, w: Array) -> Array:
-    """Of x, y, z, w with w along the body's axes."""
+    """Derivative of the quaternion x, y, z, w, with w in body axes."""
     v, s = q[:3], q[3]
     return 0.5 * np.append(s * w + np.cross(v, w), -v @ w)
 
@@ -41,7 +43,7 @@ def hanging_body(
     times: Array,
     rtol: float,
 ) -> Array:
-    """A body of the same moment about each axis, pulled at its frame: rows r, v, Q, w (along its axes)."""
+    """A body with equal principal moments, loaded at its frame: rows r, v, Q, w (in body axes)."""
 
     def rates(_t: float, y: Array) -> Array:
         r, v, q, w = y[:3], y[3:6], y[6:10], y[10:]
@@ -55,7 +57,7 @@ def hanging_body(
 
 
 def spring(a: Array, b: Array, stiffness: float) -> Array:
-    """What a spring of 0.1 m pulls at its end b."""
+    """Force of a spring of 0.1 m on its end b."""
     length = float(np.linalg.norm(a - b))
     force: Array = stiffness * (length - 0.1) * (a - b) / length
     return force
@@ -80,7 +82,7 @@ def spring_damper_system(times: Array) -> dict[str, Array]:
 
 
 def node_at_rest(r: Array, guess: Array) -> Array:
-    """Where the three springs balance, body1's frame being at r."""
+    """Equilibrium of the node of the three springs, for body1's frame at r."""
     ends = ((np.array([0.3, 0, 0]), 20.0), (np.array([0, 0, 0.3]), 20.0), (r, 40.0))
     found = root(lambda n: sum(spring(end, n, c) for end, c in ends), guess, tol=1e-14)
     out: Array = found.x
@@ -88,7 +90,7 @@ def node_at_rest(r: Array, guess: Array) -> Array:
 
 
 def three_springs(times: Array) -> dict[str, Array]:
-    """To 1e-9: each rate has an equation of its own to solve."""
+    """Accurate to 1e-9: each evaluation of the rates solves an equation."""
     node = [np.array([0.3, -0.15, 0.1])]
 
     def pull(r: Array, _v: Array) -> Array:
@@ -108,7 +110,7 @@ FOOT, END, ANCHOR = np.array([0.2, -0.3, 0.2]), np.array([0.4, 0, 0]), np.array(
 
 
 def prismatic_constraint(times: Array) -> dict[str, Array]:
-    """Along each slide s'' = -20 (s - rest)."""
+    """Along each prismatic joint s'' = -20 (s - rest)."""
     R, rate = TURNED, np.sqrt(20)
     rest = (R.T @ (ANCHOR - FOOT + DOWN / 20) - END)[:2]
     s = np.outer(rest, 1 - np.cos(rate * times))
@@ -119,7 +121,7 @@ def prismatic_constraint(times: Array) -> dict[str, Array]:
 
 
 def spherical_constraint(times: Array) -> dict[str, Array]:
-    """Euler's equation about the ball, as a turn away from TURNED."""
+    """Euler's equation about the ball joint, as a rotation relative to TURNED."""
     J, com = np.diag([1, 1.04, 1.04]), END / 2
 
     def rates(_t: float, y: Array) -> Array:
@@ -134,16 +136,16 @@ def spherical_constraint(times: Array) -> dict[str, Array]:
 
 
 def gyroscopic_effects(times: Array) -> dict[str, Array]:
-    """A gyrostat: the rotor, alike about its axis n, keeps its speed of 10 rad/s about it."""
+    """A gyrostat: the rotor, symmetric about its axis n, keeps its spin of 10 rad/s about it."""
     arm, rotor = cylinder((0.25, 0, 0), 0.05), cylinder((0.2, 0, 0), 0.1)
     S = rotation([0, 1, 0], np.radians(45))
-    n, centre = S[:, 0], np.array([0.25, 0, 0])  # the rotor's centre is where the hinge is
+    n, center = S[:, 0], np.array([0.25, 0, 0])  # the rotor's center is at the joint
     J = inertia_matrix(arm) + S @ inertia_matrix(rotor) @ S.T
-    for part, c in ((arm, np.array(arm["com"])), (rotor, centre)):
+    for part, c in ((arm, np.array(arm["com"])), (rotor, center)):
         J += part["mass"] * (c @ c * np.eye(3) - np.outer(c, c))
     axial = rotor["inertia"][0]
     J -= axial * np.outer(n, n)
-    first = arm["mass"] * np.array(arm["com"]) + rotor["mass"] * centre
+    first = arm["mass"] * np.array(arm["com"]) + rotor["mass"] * center
 
     def rates(_t: float, y: Array) -> Array:
         q, w = y[:4], y[4:7]
@@ -154,7 +156,7 @@ def gyroscopic_effects(times: Array) -> dict[str, Array]:
 
     y = solved(rates, np.array([0, 0, 0, 1.0, 0, 0, 0, 0]), times)
     w, phi = y[4:7], y[7]
-    across = (S.T @ w)[1:]  # of the rotor, along axes that do not turn with it
+    across = (S.T @ w)[1:]  # of the rotor, in axes that do not spin with it
     turned = [
         np.cos(phi) * across[0] + np.sin(phi) * across[1],
         np.cos(phi) * across[1] - np.sin(phi) * across[0],
@@ -173,31 +175,31 @@ def engine1a(times: Array) -> dict[str, Array]:
     ]
     at = [height + part["com"][1] for part, height in pieces]
     mass = sum(part["mass"] for part, _ in pieces)
-    centre = sum(part["mass"] * y for (part, _), y in zip(pieces, at, strict=True)) / mass
+    center = sum(part["mass"] * y for (part, _), y in zip(pieces, at, strict=True)) / mass
     moment = 1 + sum(
-        p["inertia"][0] + p["mass"] * (y - centre) ** 2 for (p, _), y in zip(pieces, at, strict=True)
+        p["inertia"][0] + p["mass"] * (y - center) ** 2 for (p, _), y in zip(pieces, at, strict=True)
     )
     rod, piston = box((0, -0.2, 0), 0.02, 0.06), cylinder((0, -0.1, 0), 0.1)
 
     def bodies(phi: Jet) -> Iterator[Moving]:
         y, z = 0.1 * cos(phi), 0.1 * sin(phi)
         up = sqrt(0.04 - z * z)
-        yield Moving(mass, (centre * cos(phi), centre * sin(phi), jet(0)), phi, moment)
+        yield Moving(mass, (center * cos(phi), center * sin(phi), jet(0)), phi, moment)
         yield Moving(rod["mass"], (y + up / 2, z / 2, jet(0)), atan2(-z, up), rod["inertia"][0])
         yield Moving(piston["mass"], (y + up + 0.05, jet(0), jet(0)), jet(0), 1.0)
 
-    phi, w = OneFreedom(bodies, (-G_N, 0, 0)).motion(0.0, 10.0, times)
+    phi, w = OneDofMechanism(bodies, (-G_N, 0, 0)).motion(0.0, 10.0, times)
     return {"bearing.phi": phi, "bearing.w": w}
 
 
 def rolling_wheel(times: Array) -> dict[str, Array]:
-    """Angular momentum about the point of contact, at rho from the centre, which does not slip."""
+    """Angular momentum about the contact point, at rho from the center, which does not slip."""
     mass, radius, moments, z = 2.0, 0.3, np.diag([0.12, 0.06, 0.12]), np.array([0, 0, 1.0])
     weight = np.array([0, 0, -mass * G_N])
 
     def rates(_t: float, y: Array) -> Array:
         R = Rotation.from_quat(y[3:7]).as_matrix()
-        w, e = R @ y[7:], R[:, 1]  # in the world
+        w, e = R @ y[7:], R[:, 1]  # in world coordinates
         J, de = R @ moments @ R.T, np.cross(w, e)
         down = (z @ e) * e - z
         size = np.linalg.norm(down)

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.one_freedom import Geometry, Jet, Moving, acos, atan2, cos, jet, sin, sqrt
+from models.one_dof import Geometry, Jet, Moving, acos, atan2, cos, jet, sin, sqrt
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link from its first to its second pin: length [m], mass [kg], centre of mass along it and to its
-    left [m], moment of inertia about the centre of mass [kg m2].
+    """A link from its first to its second pin: length [m], mass [kg], center of mass along it and to its
+    left [m], moment of inertia about the center of mass [kg m2].
     """
 
     length: float
@@ -35,7 +35,8 @@ def uniform(line_density: float, length: float) -> Link:
 
 @dataclass(frozen=True)
 class FourBar:
-    """Crank from the origin, rocker from (ground, 0), coupler from the crank's to the rocker's tip.
+    """Crank from the origin, rocker from (ground, 0),
+    coupler from the tip of the crank to that of the rocker.
 
     branch: +1, the coupler turned to the left from the diagonal (crank tip to rocker pin); -1, right.
     """
@@ -47,7 +48,7 @@ class FourBar:
     branch: int = 1
 
     def angles(self, phi: Jet) -> tuple[Jet, Jet]:
-        """Absolute angles of coupler and rocker [rad], in (-pi, pi] or a little beyond.
+        """Absolute angles of coupler and rocker [rad], in (-pi, pi] or slightly outside.
 
         The triangle crank tip, rocker pin, rocker tip has the sides diagonal, rocker, coupler.
         """
@@ -67,7 +68,9 @@ class FourBar:
         return bodies
 
     def joint_states(self, phi: Array, w: Array) -> dict[str, Array]:
-        """Angles and speeds of the joints A, B, C, D of mechanisms.four_bar; C and D never turn round."""
+        """Angles and speeds of the joints A, B, C, D of mechanisms.four_bar;
+        C and D never make full turns.
+        """
         rows = []
         for x, rate in zip(phi, w, strict=True):
             theta, psi = self.angles(Jet(float(x), 1.0))

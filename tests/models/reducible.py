@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes that describe more than they need, or seem to, for the tests of the reductions."""
+"""Scenes that are larger than necessary, or seem to be, for the tests of the reductions."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ def joined(first: Scene, second: Scene) -> Scene:
 
 
 def tilted_four_bar(torque: float | None = 3.0) -> Scene:
-    """A planar four-bar whose plane lies askew in the world, gravity with it."""
+    """A planar four-bar in an oblique plane, with gravity rotated accordingly."""
     return placed(four_bar(1.1, torque=torque), TILT, (0.3, -0.2, 0.7))
 
 
 def ball_four_bar() -> Scene:
-    """Its hinge C is a ball joint: frames askew, and other ones in coupler and rocker, so that the dependent
-    row is a combination with constant factors of no special value.
+    """Revolute joint C is replaced by a ball joint with oblique frames that differ in coupler and rocker, so
+    that the redundant constraint is a combination of the equations with arbitrary constant factors.
     """
     out = tilted_four_bar()
     C = out["joints"]["C"]
@@ -63,15 +63,15 @@ def ball_four_bar() -> Scene:
         {**C["parent"], "rotation": matrix(rotation([1, 2, -1], 0.8))},
         {**C["child"], "rotation": matrix(rotation([-1, 0.3, 2], 2.1))},
     )
-    # The angle from F to M: the rocker's against the coupler's.
+    # The angle from F to M: the rocker relative to the coupler.
     R_FM = rotation([1, 2, -1], 0.8).T @ rotation([0, 0, 1], C["start"]["phi"]) @ rotation([-1, 0.3, 2], 2.1)
     out["joints"]["C"]["start"] = {"rotation": matrix(R_FM)}
     return out
 
 
 def triple_crank(coupler_is_parent: bool, rate: float = 9.0) -> Scene:
-    """One coupler on three parallel cranks of 0.4 m at x = 0, 0.5 and 1.2 m, turning round at about `rate`
-    [rad/s]: it only translates, and passes two change points a turn.
+    """One coupler on three parallel cranks of 0.4 m at x = 0, 0.5 and 1.2 m, making full turns at about
+    `rate` [rad/s]: it only translates, and crosses two change points per turn.
     """
     places = (0.0, 0.5, 1.2)
     bodies = {f"crank{i}": rod(0.5 + 0.1 * i, 0.4) for i in range(3)}
@@ -100,7 +100,7 @@ def triple_crank(coupler_is_parent: bool, rate: float = 9.0) -> Scene:
 
 
 def door() -> Scene:
-    """On two coaxial hinges, the axis leaning by 0.2 rad so that it swings."""
+    """A door on two coaxial revolute joints, with an axis inclined by 0.2 rad so that it swings."""
     R = rotation([1, 0, 0], 0.2)
     upper = R @ np.array([0, 0, 1.6])
     return scene(
@@ -128,7 +128,7 @@ def door() -> Scene:
 
 
 def guided() -> Scene:
-    """A carriage on two parallel rails, sloping, with a spring at one of them."""
+    """A carriage on two parallel inclined rails, with a spring at one of them."""
     along = [0.8, 0.0, 0.6]
     rails = {"left": (0.0, -0.2, 0.0), "right": (0.1, 0.2, 0.05)}
     joints = {}
@@ -140,7 +140,7 @@ def guided() -> Scene:
 
 
 def held_twice(kind: str, seed: int) -> Scene:
-    """A body on two hinges in line, or on two rails, along a random axis."""
+    """A body on two coaxial revolute joints, or on two rails, along a random axis."""
     rng = np.random.default_rng(seed)
     axis, place = rng.normal(size=3), rng.normal(size=3)
     along = axis / np.linalg.norm(axis)
@@ -160,7 +160,7 @@ def held_twice(kind: str, seed: int) -> Scene:
 
 
 def welded_chain(n: int = 12) -> Scene:
-    """A pendulum of n boxes welded end to end, each turned against the one before."""
+    """A pendulum of n boxes welded end to end, each rotated relative to the previous one."""
     R = rotation([0.2, 1, 0.4], 0.3)
     bodies = {f"piece{i}": body(0.2 + 0.01 * i, (0.05, 0.01, 0), (1e-4, 2e-4, 2.5e-4)) for i in range(n)}
     joints = {
@@ -179,8 +179,8 @@ def welded_chain(n: int = 12) -> Scene:
 
 
 def triangle(base: float = 1.2, left: float = 1.0, right: float = 0.8) -> Scene:
-    """Two rods pinned to the ground `base` [m] apart and to each other: a truss in the x-y plane. Springs on
-    its joints hold energy for good.
+    """Two rods pinned to the ground `base` [m] apart and to each other: a truss in the x-y plane.
+    Springs on its joints store constant energy.
     """
     c = (base**2 + left**2 - right**2) / (2 * base * left)
     phi_left = math.acos(c)
@@ -224,8 +224,8 @@ FEET = np.array([(0.0, 0.0, 0.0), (1.0, 0.1, 0.0), (0.2, 0.9, 0.1)])
 
 
 def tripod(foot: str) -> Scene:
-    """Three rods from the ground, joined by ball joints at their top. On universal joints it is rigid, on
-    ball joints each rod can spin about its own axis.
+    """Three rods from the ground, connected by ball joints at their top. On universal joints the tripod is
+    rigid, on ball joints each rod can spin about its own axis.
     """
     bodies, joints = {}, {}
     for i, start in enumerate(FEET):
@@ -236,7 +236,7 @@ def tripod(foot: str) -> Scene:
         y /= np.linalg.norm(y)
         R = np.column_stack([x, y, np.cross(x, y)])  # of the rod in the world
         bodies[f"rod{i}"] = body(1.0 + i, (length / 2, 0, 0), (0.002, 0.1 * (1 + i), 0.1 * (1 + i)))
-        # All frames lie along the rods' axes as they stand, so that all coordinates are zero.
+        # All frames are aligned with the rods in their position, so that all coordinates are zero.
         fields = {"axes": [[0, 1, 0], [0, 0, 1]]} if foot == "universal" else {}
         joints[f"foot{i}"] = joint(foot, frame("ground", start, R), frame(f"rod{i}"), **fields)
         if i > 0:
@@ -251,7 +251,7 @@ def tripod(foot: str) -> Scene:
 
 
 def pendulum_on(foot: dict[str, Any]) -> Scene:
-    """A double pendulum in space, hung at the frame `foot`."""
+    """A double pendulum in space, suspended at the frame `foot`."""
     return scene(
         {
             "upper": body(0.8, (0, 0, -0.2), (0.01, 0.012, 0.003)),
@@ -279,13 +279,14 @@ def pendulum_on(foot: dict[str, Any]) -> Scene:
 
 
 def two_mechanisms() -> Scene:
-    """A planar four-bar and a double pendulum in space beside it."""
+    """A planar four-bar and a separate double pendulum in space."""
     return joined(four_bar(1.1), pendulum_on(frame("ground", (5, 0, 1))))
 
 
 def platform_on_balls() -> Scene:
-    """Six legs of ball joint, slide and universal joint carry a platform, the ball joints on the ground and
-    listed first: cut where the file's order has it, there are six quaternions and 20 rows.
+    """Six legs with ball joint, prismatic joint and universal joint carry a platform, with the ball joints on
+    the ground and listed first: if cut in the order of the file, there are six quaternions and 20 constraint
+    equations.
     """
     bodies: dict[str, Any] = {"platform": body(20, (0, 0, 0.05), (1.3, 1.2, 2.5))}
     balls, slides, crosses = {}, {}, {}
@@ -316,7 +317,7 @@ def platform_on_balls() -> Scene:
 
 
 def in_line(n: int, places: Sequence[float] | Array) -> Scene:
-    """Pendulums by themselves, the i-th at x = places[i] [m]."""
+    """Separate pendulums, the i-th at x = places[i] [m]."""
     return scene(
         {f"rod{i}": rod(1, 0.5) for i in range(n)},
         {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms with rods that weigh nothing."""
+"""Mechanisms with massless rods."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LINKS = (0.5, 1.75, 1.5, 2.0)  # m, of the planar four-bar: crank, coupler, rock
 
 
 def sizes(source: Scene, **reductions: bool) -> tuple[int, int, int]:
-    """Speeds, rows and freedoms."""
+    """Numbers of velocities, constraint equations and degrees of freedom."""
     made = copy.deepcopy(source)
     made["solver"] = {"reductions": reductions}
     simulation = gelenk.Simulation(gelenk.load(made))
@@ -25,7 +25,7 @@ def sizes(source: Scene, **reductions: bool) -> tuple[int, int, int]:
 
 
 def planar_four_bar(**fields: Any) -> Scene:
-    """The four-bar of tests/mechanisms.py, at a moderate speed, with a coupler that weighs nothing."""
+    """The four-bar of tests/mechanisms.py, at a moderate speed, with a massless coupler."""
     out = four_bar(damping=0.0, gravity=(0, 0, 0), torque=0.0, **fields)
     del out["forces"]
     out["bodies"]["coupler"] = body(0)
@@ -39,7 +39,7 @@ def spatial_four_bar(
     axes: Numbers = (0.6, 0.8, 0.0),
     mass: float = 0.0,
 ) -> Scene:
-    """R-(U rod S)-R in space, all frames oblique; the crank turns round. axes: a, b being z x a.
+    """R-(U rod S)-R in space, all frames oblique; the crank makes full turns. axes: a, b being z x a.
 
     rod_is_child: of the universal (spherical) joint U, and of the spherical joint S.
     """
@@ -49,7 +49,7 @@ def spatial_four_bar(
     span = p_D + R_rocker @ rocker_tip - R_A @ crank_tip
     length = float(np.linalg.norm(span))
     e = R_A.T @ span / length
-    # On the crank, U's z axis points roughly along the rod; on the rod, it lies along it.
+    # On the crank, U's z axis points approximately along the rod; on the rod, it is along it.
     upright = rotation(np.cross([0, 0, 1], e), np.arccos(e[2])) @ rotation([1, 0.4, 0], 0.35)
     R_rod = rotation([0.2, 0.5, -0.4], 0.8)
     halves = {
@@ -98,7 +98,7 @@ def spatial_four_bar(
 def hung_platform(
     rods: int, start: dict[str, Any], ends: tuple[str, str] = ("universal", "spherical")
 ) -> Scene:
-    """A platform on equal upright rods of 1.3 m, at the corners of a regular polygon (two: of a line)."""
+    """A platform on equal vertical rods of 1.3 m, at the corners of a regular polygon (two: of a line)."""
     bodies: dict[str, Any] = {"platform": body(3.0, (0, 0, -0.2), (0.1, 0.1, 0.15))}
     joints: dict[str, Any] = {}
     for i in range(rods):
@@ -114,7 +114,7 @@ def hung_platform(
 
 
 def hung_plank(rods: int) -> Scene:
-    """A plank on equal rods of 1 m, hinged about z; it swings, but does not turn."""
+    """A plank on equal rods of 1 m with revolute joints about z; it translates without rotation."""
     about_z = {"axis": [0, 0, 1]}
     bodies: dict[str, Any] = {"plank": body(2.0, (0.5, -0.1, 0), (0.1, 0.1, 0.1))}
     joints: dict[str, Any] = {}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms with redundant constraints, from closed forms, their numbers rounded to significant digits.
+"""Mechanisms with redundant constraints, from closed forms, with numbers rounded to significant digits.
 
 Each is a list of joints in the world at a closed position: (name, type, parent, child, point, axis or axes).
-Bodies get frames at random, so that all positions and rotations of the scene are numbers without symmetry.
+Body frames are random, so that all positions and rotations of the scene are numbers without symmetry.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def _plane(*xy: float, z: float = 0.0) -> Array:
 
 
 def tilted(joints: Sequence[Placed]) -> list[Placed]:
-    """The mechanism turned and shifted, so that its plane is none of the world's."""
+    """The mechanism rotated and displaced, so that its plane is not aligned with the world axes."""
 
     def turned(axis: Any) -> Any:
         return tuple(TILT @ a for a in axis) if isinstance(axis, tuple) else TILT @ axis
@@ -36,7 +36,7 @@ def tilted(joints: Sequence[Placed]) -> list[Placed]:
 
 
 def circles(B: Array, r: float, D: Array, s: float, side: float = 1.0) -> Array:
-    """Where circles about B and D in the plane meet."""
+    """Intersection of circles about B and D in the plane."""
     d = D - B
     length = float(np.linalg.norm(d))
     a = (r**2 - s**2 + length**2) / (2 * length)
@@ -47,7 +47,7 @@ def circles(B: Array, r: float, D: Array, s: float, side: float = 1.0) -> Array:
 
 def four_bar(phi: float = 1.1, ground: float = 0.6, crank: float = 0.21, coupler: float = 0.53,
              rocker: float = 0.43) -> list[Placed]:  # fmt: skip
-    """Planar; its halves at different heights, as a drawing has them."""
+    """A planar four-bar; its joint frames have different heights, as in a CAD drawing."""
     B = crank * np.array([math.cos(phi), math.sin(phi)])
     C = circles(B, coupler, np.array([ground, 0.0]), rocker)
     return [
@@ -59,7 +59,7 @@ def four_bar(phi: float = 1.1, ground: float = 0.6, crank: float = 0.21, coupler
 
 
 def six_bar() -> list[Placed]:
-    """Watt's, the second kind: a four-bar whose rocker drives another one."""
+    """Watt's six-bar, the second type: a four-bar whose rocker drives another one."""
     joints = four_bar()
     C, D = joints[2][4][:2], joints[3][4][:2]
     E = C + 0.2 * (C - D) / np.linalg.norm(C - D) + np.array([0.07, 0.02])
@@ -73,7 +73,7 @@ def six_bar() -> list[Placed]:
 
 
 def slider_crank() -> list[Placed]:
-    """Three hinges and a slide, in the plane."""
+    """Three revolute joints and one prismatic joint, in the plane."""
     B = 0.2 * np.array([math.cos(0.8), math.sin(0.8)])
     s = B[0] + math.sqrt(0.5**2 - (B[1] - 0.05) ** 2)
     return [
@@ -85,7 +85,7 @@ def slider_crank() -> list[Placed]:
 
 
 def spherical_four_bar() -> list[Placed]:
-    """Four hinges whose axes meet in one point."""
+    """Four revolute joints whose axes meet in one point."""
     axes = [[0.1, 0.05, 1], [0.6, 0.3, 0.8], [0.2, 1.0, 0.5], [-0.7, 0.5, 0.9]]
     bodies = [("ground", "b1"), ("b1", "b2"), ("b2", "b3"), ("ground", "b3")]
     out: list[Placed] = []
@@ -96,7 +96,7 @@ def spherical_four_bar() -> list[Placed]:
 
 
 def three_cranks() -> list[Placed]:
-    """A parallelogram with a third crank: redundant in its plane, too."""
+    """A parallelogram with a third crank, which is redundant even in its plane."""
     r = 0.25 * np.array([math.cos(0.9), math.sin(0.9)])
     out: list[Placed] = []
     for i, b in enumerate(np.array([[0.0, 0.0], [0.4, 0.07], [0.9, -0.1]])):
@@ -106,7 +106,7 @@ def three_cranks() -> list[Placed]:
 
 
 def three_cranks_in_line() -> list[Placed]:
-    """The same with all pivots on one line, in the change point."""
+    """The same with all pivots on one line, at the change point."""
     r = np.array([0.25, 0.0])
     out: list[Placed] = []
     for i, b in enumerate(np.array([[0.0, 0.0], [0.4, 0.0], [0.9, 0.0]])):
@@ -132,7 +132,7 @@ def double_parallelogram() -> list[Placed]:
 
 
 def sarrus() -> list[Placed]:
-    """Two groups of three parallel hinges: the top goes straight up."""
+    """Two groups of three parallel revolute joints: the top moves vertically."""
     out: list[Placed] = []
     for names, bodies, angle in (("ABC", ("b1", "b2"), 0.0), ("DEF", ("b3", "b4"), 2.1)):
         outwards = np.array([math.cos(angle), math.sin(angle), 0])
@@ -148,7 +148,9 @@ def sarrus() -> list[Placed]:
 
 
 def double_cardan() -> list[Placed]:
-    """Two universal joints, the shaft between them at one angle to both others, yokes in one plane."""
+    """Two universal joints, with equal angles of the shaft between them to both
+    others, yokes in one plane.
+    """
     bend = 0.5
     u, v = (np.array([math.cos(k * bend), math.sin(k * bend), 0]) for k in (1, 2))
     across = np.cross(Z, u)
@@ -161,7 +163,7 @@ def double_cardan() -> list[Placed]:
 
 
 def stewart() -> list[Placed]:
-    """Six struts with a universal joint, a slide and a ball: no constraint is redundant."""
+    """Six legs with a universal joint, a prismatic joint and a ball joint: no constraint is redundant."""
     out: list[Placed] = []
     for i in range(6):
         foot = np.array([*(0.5 * np.array([math.cos(a := 1.05 * i + 0.12 * (-1) ** i), math.sin(a)])), 0.0])
@@ -182,9 +184,10 @@ def _transform(R: Array, p: Any) -> Array:
 
 
 def ring(a: Sequence[float], alpha: Sequence[float], s: Sequence[float], theta: Any) -> list[Placed]:
-    """Hinges in a ring by Denavit and Hartenberg's lengths, twists and offsets, closed near the angles theta.
+    """Revolute joints in a closed loop by Denavit-Hartenberg lengths, twists and offsets,
+    closed near the angles theta.
 
-    Raises ValueError where it does not close.
+    Raises ValueError if the loop does not close.
     """
     n = len(a)
     angles = np.array(theta, float)
@@ -202,7 +205,8 @@ def ring(a: Sequence[float], alpha: Sequence[float], s: Sequence[float], theta: 
         skew = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
         return np.concatenate([end[:3, 3], skew, 0.3 * (np.diag(R) - 1)])
 
-    h = 1e-6  # central differences: enough for Gauss-Newton steps, whose fixed point does not depend on it
+    h = 1e-6  # central differences: sufficient for Gauss-Newton steps, whose fixed point does not depend on
+    # it
     for _ in range(300):
         J = np.array([(gap(angles + h * e) - gap(angles - h * e)) / (2 * h) for e in np.eye(n)[1:]]).T
         step = np.linalg.lstsq(J, -gap(angles), rcond=1e-7)[0]
@@ -221,7 +225,7 @@ def ring(a: Sequence[float], alpha: Sequence[float], s: Sequence[float], theta: 
 
 def _closed_ring(a: Sequence[float], alpha: Sequence[float], s: Sequence[float], seed: int,
                  symmetric: bool = False) -> list[Placed]:  # fmt: skip
-    """From random angles, the same ones each time, to the first that closes."""
+    """Try random angles, the same ones each time, until the loop closes."""
     rng = np.random.default_rng(seed)
     while True:
         theta = rng.uniform(-2.5, 2.5, len(a) // 2 if symmetric else len(a))
@@ -233,7 +237,7 @@ def _closed_ring(a: Sequence[float], alpha: Sequence[float], s: Sequence[float],
 
 @functools.cache
 def bennett() -> list[Placed]:
-    """Bennett (1903): opposite sides alike, a / sin(alpha) the same for both."""
+    """Bennett (1903): opposite sides are equal, a / sin(alpha) is the same for both."""
     alpha, beta, a = 0.7, 1.3, 0.3
     b = a * math.sin(beta) / math.sin(alpha)
     return _closed_ring([a, b, a, b], [alpha, beta, alpha, beta], [0] * 4, seed=1)
@@ -241,7 +245,7 @@ def bennett() -> list[Placed]:
 
 @functools.cache
 def goldberg() -> list[Placed]:
-    """Goldberg's 5R (1943), the sum of two linkages of Bennett with a common side."""
+    """Goldberg's 5R (1943), the sum of two Bennett linkages with a common side."""
     alpha, beta, gamma, a = 0.7, 1.3, 0.5, 0.3
     b, c = (a * math.sin(x) / math.sin(alpha) for x in (beta, gamma))
     return _closed_ring([a, b, a, c, b + c], [alpha, beta, alpha, gamma, beta + gamma], [0] * 5, seed=2)
@@ -257,7 +261,7 @@ def trihedral_bricard() -> list[Placed]:
 
 @functools.cache
 def line_symmetric_bricard() -> list[Placed]:
-    """Bricard (1927): opposite sides, twists and offsets alike."""
+    """Bricard (1927): opposite sides, twists and offsets are equal."""
     return _closed_ring(
         [0.3, 0.45, 0.37] * 2, [0.8, 1.3, -0.9] * 2, [0.1, -0.15, 0.2] * 2, seed=5, symmetric=True
     )
@@ -282,7 +286,7 @@ DEGREES_OF_FREEDOM = dict.fromkeys(MECHANISMS, 1) | {"double_parallelogram": 2, 
 
 
 def rounded(x: float, digits: int | None) -> float:
-    """To so many significant digits; None: as it is."""
+    """Round to this number of significant digits; None: no rounding."""
     return float(x) if digits is None else float(f"{x:.{digits - 1}e}")
 
 
@@ -309,9 +313,9 @@ def scene(
     fields: Scene | None = None,
     **sections: Any,
 ) -> Scene:
-    """The scene with all its numbers rounded; joints at zero in the position given.
+    """The scene with all its numbers rounded; joints are at zero in the given position.
 
-    fields: more of the joints, by name; sections: more of the scene.
+    fields: additional fields of the joints, by name; sections: additional sections of the scene.
     """
     rng = np.random.default_rng(seed)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs scenes and compares: the one place of these tests that talks to gelenk."""
+"""Runs scenes and compares results: the only module of these tests that calls gelenk."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ INTEGRATORS = ("ida", "erk")  # the adaptive ones
 
 @dataclass(frozen=True)
 class Recording:
-    """Every output and diagnostic at every time asked for."""
+    """Every output and diagnostic at every requested time."""
 
     time: Array
     values: dict[str, Array]
@@ -38,7 +38,7 @@ class Recording:
         return np.array(columns).T
 
     def joint_states(self, source: Mapping[str, Any]) -> dict[str, Array]:
-        """Outputs that belong to joints, not to sensors or to the run's health."""
+        """Outputs that belong to joints, not to sensors or diagnostics."""
         names = set(source["joints"])
         return {name: value for name, value in self.values.items() if name.split(".")[0] in names}
 
@@ -53,7 +53,7 @@ def run(
     step: float = 0.0,
     reductions: Mapping[str, bool] | None = None,
 ) -> Recording:
-    """Runs from times[0] and records at each of the times [s]. step: of fixed-step methods [s]."""
+    """Run from times[0] and record at each of the times [s]. step: of fixed-step methods [s]."""
     scene = copy.deepcopy(dict(source))
     scene["solver"] = {"integrator": integrator, **({"step": step} if step else {})}
     if reductions:
@@ -66,7 +66,9 @@ def run(
 
 
 def started(source: Mapping[str, Any], **inputs: float) -> gelenk.Simulation:
-    """At the start, with the inputs set after it; `motor__tau` stands for motor.tau."""
+    """Return a plant after initialization, with the inputs set after it;
+    `motor__tau` stands for motor.tau.
+    """
     simulation = gelenk.Simulation(gelenk.load(dict(source)))
     simulation.initialize()
     for name, value in inputs.items():
@@ -75,7 +77,7 @@ def started(source: Mapping[str, Any], **inputs: float) -> gelenk.Simulation:
 
 
 def record(simulation: Any, times: Iterable[float]) -> Recording:
-    """Goes on from where the simulation stands."""
+    """Continue from the current time and record."""
     outputs = {signal.name: signal.unit for signal in simulation.outputs}
     rows = []
     health = []
@@ -90,7 +92,9 @@ def record(simulation: Any, times: Iterable[float]) -> Recording:
 
 
 def assert_close(what: str, found: Any, expected: Any, bound: float, why: str) -> None:
-    """The largest difference stays within the bound; else values, difference and bound are told."""
+    """Check that the largest difference is within the bound;
+    otherwise report values, difference and bound.
+    """
     a, b = np.broadcast_arrays(np.asarray(found, float), np.asarray(expected, float))
     difference = np.abs(a - b)
     worst = np.unravel_index(int(np.argmax(np.where(np.isnan(difference), np.inf, difference))), a.shape)
@@ -101,7 +105,7 @@ def assert_close(what: str, found: Any, expected: Any, bound: float, why: str) -
 
 
 def assert_same(first: Mapping[str, Array], second: Mapping[str, Array], bound: float, why: str) -> None:
-    """Both hold the same signals with the same values within the bound."""
+    """Check that both contain the same signals with the same values within the bound."""
     assert set(first) == set(second)
     for name, value in first.items():
         assert_close(name, value, second[name], bound, why)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same mechanism in other sizes: lengths times one factor, masses times another, times and angles as
-they are. What a number is multiplied by follows from its unit, which the registry tells.
+"""The same mechanism at other scales: lengths multiplied by one factor, masses by another,
+times and angles unchanged.
+
+The factor of each number follows from its unit in the registry.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ SECTIONS = {
 
 
 def size(unit: str, length: float, mass: float, angle: bool = True) -> float:
-    """What a quantity of this unit is multiplied by; angle: what a coordinate in it is."""
+    """Return the factor of a quantity with this unit; angle: whether a coordinate in it is an angle."""
     of_length, of_mass, _ = dimension(unit, angle)
     return float(length**of_length * mass**of_mass)
 
@@ -30,25 +32,27 @@ def multiplied(value: Any, factor: float) -> Any:
 
 
 def turns(joint: dict[str, Any]) -> list[bool]:
-    """Of each of the joint's speeds, whether it is one of an angle."""
+    """For each of the joint's velocities, whether it belongs to an angle."""
     return [unit.startswith("rad") for unit in JOINTS[joint["type"]]["v_units"]]
 
 
 @dataclass(frozen=True)
 class Factors:
-    """What lengths and masses are multiplied by; `times` and `times_fields` change an entry of a scene."""
+    """The factors of lengths and masses; `times` and `times_fields` modify an entry of a scene."""
 
     length: float
     mass: float
 
     def times(self, entry: Any, units: dict[str, str]) -> None:
-        """What is told by these names, in these units; an entry may be a word in place of a mapping."""
+        """Multiply the values with these names, in these units;
+        an entry may be a string instead of a mapping.
+        """
         if isinstance(entry, dict):
             for key in set(units) & set(entry):
                 entry[key] = multiplied(entry[key], size(units[key], self.length, self.mass))
 
     def times_fields(self, entry: dict[str, Any], fields: list[Kind], angle: bool) -> None:
-        """What the registry lists; angle: the coordinate that the entry is about is one."""
+        """Multiply the fields in the registry; angle: whether the coordinate of the entry is an angle."""
         for field in fields:
             if field["name"] not in entry:
                 continue
@@ -60,7 +64,9 @@ class Factors:
 
 
 def scaled(source: Scene, length: float, mass: float) -> Scene:
-    """The scene with all lengths times `length` and all masses times `mass`, gravity and loads to match."""
+    """The scene with all lengths times `length` and all masses times `mass`,
+    with matching gravity and loads.
+    """
     out = copy.deepcopy(source)
     by = Factors(length, mass)
     by.times(out, {"gravity": "m/s2"})
@@ -75,7 +81,7 @@ def scaled(source: Scene, length: float, mass: float) -> Scene:
 
 
 def scale_joint(joint: dict[str, Any], by: Factors) -> None:
-    """Its frames, its start, its own fields, and what it has along its coordinates."""
+    """Scale its frames, start values, own fields, and the fields along its coordinates."""
     facts = JOINTS[joint["type"]]
     for side in ("parent", "child"):
         by.times(joint[side], {"position": "m"})
@@ -94,7 +100,7 @@ def scale_joint(joint: dict[str, Any], by: Factors) -> None:
 
 
 def scale_element(element: dict[str, Any], kind: Kind, joints: dict[str, Any], by: Factors) -> None:
-    """Its fields, by the coordinate of the joint that it is at, and the points where it takes hold."""
+    """Scale its fields, according to the coordinate of its joint, and its points of application."""
     at = [element[p["name"]] for p in kind["ports"] if p["kind"] == "joint" and p["name"] in element]
     by.times_fields(element, kind["fields"], turns(joints[at[0]])[0] if at else True)
     for port in kind["ports"]:
@@ -103,7 +109,7 @@ def scale_element(element: dict[str, Any], kind: Kind, joints: dict[str, Any], b
 
 
 def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind]]:
-    """(mapping, field) of what the joint has along its coordinates."""
+    """Yield (mapping, field) of the fields of a joint along its coordinates."""
     for kind in KINDS["joints"]:
         entry = joint.get(kind["group"], {}) if kind["group"] else joint
         for field in kind["fields"]:

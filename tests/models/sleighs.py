@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bodies on a blade that does not slide aside: Chaplygin's sleigh, skates on a slope and on a turntable."""
+"""Bodies on a blade that does not slip sideways: Chaplygin's sleigh,
+skates on an incline and on a turntable.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ import numpy as np
 from mechanisms import GRAVITY, Array, Scene, body, frame, frame_sensor, joint, scene
 from mechanisms import rotation as turned
 
-MASS, MOMENT, AHEAD = 3.0, 0.4, 0.25  # kg, kg m2 about the centre of mass, m from the blade to it
+MASS, MOMENT, AHEAD = 3.0, 0.4, 0.25  # kg, kg m2 about the center of mass, m from the blade to it
 TABLE_MOMENT = 2.0  # kg m2
 
 
@@ -27,12 +29,14 @@ def on_a_plane(com: float, start: dict[str, float], **fields: Any) -> Scene:
 
 
 def chaplygin_sleigh(u: float, w: float) -> Scene:
-    """Gliding ahead at u [m/s], turning at w [rad/s], its centre of mass before the blade."""
+    """Gliding forward at u [m/s], turning at w [rad/s], with its center of mass in front of the blade."""
     return on_a_plane(AHEAD, {"s_x": 0.0, "s_y": 0.0, "phi": 0.0, "v_x": u, "w": w}, name="Sleigh")
 
 
 def skate(slope: float, w: float) -> Scene:
-    """Released at rest but for its spin w, heading down (x) a plane that leans by `slope` about y [rad]."""
+    """Released at rest except for its spin w, heading downhill (x)
+    on a plane inclined by `slope` about y [rad].
+    """
     down = turned([0, 1, 0], slope)
     out = on_a_plane(0.0, {"s_x": 0.0, "s_y": 0.0, "phi": 0.0, "v_x": 0.0, "w": w}, gravity=[0, 0, -GRAVITY])
     out["joints"]["floor"]["parent"] = frame("ground", (0.2, 0.1, 1.5), down)
@@ -40,7 +44,9 @@ def skate(slope: float, w: float) -> Scene:
 
 
 def on_a_turntable(turning: float, driven: bool) -> Scene:
-    """A skate on a table, which turns about z at constant speed, or has a moment of inertia and is let go."""
+    """A skate on a table that rotates about z at constant speed,
+    or has a moment of inertia and is released.
+    """
     out = on_a_plane(0.0, {"s_x": 0.4, "s_y": -0.1, "phi": 0.3, "v_x": 0.5 * np.cos(0.3), "w": 1.5})
     out["bodies"]["table"] = body(10.0, (0, 0, 0), (1.0, 1.0, TABLE_MOMENT))
     out["joints"]["table"] = joint(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reference: spatial crank-slider loops with one freedom, as functions of the crank angle."""
+"""Reference: spatial slider-crank loops with one degree of freedom, as functions of the crank angle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from mechanisms import cylinder, inertia_matrix
 
-from models.one_freedom import Jet, Moving, acos, atan2, cos, jet, sin, sqrt
+from models.one_dof import Jet, Moving, acos, atan2, cos, jet, sin, sqrt
 
 Triple = Sequence[Jet]
 Rows = Sequence[Sequence[Jet]]
@@ -47,7 +47,8 @@ def plus(a: Sequence[Jet | float], b: Sequence[Jet | float]) -> Triple:
 class ModelicaFourbar1:
     """MultiBody.Examples.Loops.Fourbar1: crank b1 about x at the origin with its tip at (0, 0.5, 0.1);
     slider b2 along x, its tip at (1.2 + s, 0.2, 0); rod b3 from there, universal (y then z) at the slider
-    and spherical at the crank, (-1, 0.3, 0.1) long. All cylinders of 50 mm; everything zero but s = -0.2.
+    and spherical at the crank, (-1, 0.3, 0.1) long. All cylinders of 50 mm; all coordinates zero except s =
+    -0.2.
     """
 
     b1 = cylinder((0, 0.5, 0.1), 0.05)
@@ -55,13 +56,13 @@ class ModelicaFourbar1:
     b3 = cylinder((-1, 0.3, 0.1), 0.05)
 
     def slider(self, phi: Jet) -> Jet:
-        """S [m] of the crank angle: the rod's length is sqrt(1.1) m."""
+        """S [m] as a function of the crank angle: the rod's length is sqrt(1.1) m."""
         tip = applied(turn_x(phi), (0.0, 0.5, 0.1))
         y, z = tip[1] - 0.2, tip[2]
         return sqrt(1.1 - y * y - z * z) - 1.2
 
     def rod(self, phi: Jet) -> tuple[Jet, Jet]:
-        """(alpha, beta): the rod's turns about y and then about z."""
+        """(alpha, beta): the rod's rotations about y and then about z."""
         tip = applied(turn_x(phi), (0.0, 0.5, 0.1))
         end = (self.slider(phi) + 1.2, jet(0.2), jet(0))
         d = [a - b for a, b in zip(tip, end, strict=True)]
@@ -90,7 +91,7 @@ class SliderCrank:
 
     place = (0.0, 0.1, 0.12)
     crank, length = 0.08, 0.3
-    rod_inertia = (0.0004, 0.004, 0.004)  # along the rod, along the cross axis, along the third
+    rod_inertia = (0.0004, 0.004, 0.004)  # along the rod, along the cross axis, along the third axis
 
     def tip(self, phi: Jet) -> Triple:
         return plus(self.place, applied(turn_x(phi), (0.0, 0.0, self.crank)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Vehicles on wheels: a cart with two driven wheels, a rigid cart on four, a tractor with its trailer."""
+"""Wheeled vehicles: a cart with two driven wheels, a rigid four-wheeled cart, a tractor with its trailer."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from mechanisms import (
 
 ABOUT_Y = {"axis": [0, 1, 0]}
 
-# A cart with two wheels: kg, kg m2 about the vertical, m from the axle to its centre of mass.
+# A cart with two wheels: kg, kg m2 about the vertical, m from the axle to its center of mass.
 CART, CART_MOMENT, AHEAD = 12.0, 0.5, 0.15
 WHEEL, ROLLING, DIAMETRAL = 0.8, 0.006, 0.0032  # kg, kg m2
 RADIUS, HALF_TRACK = 0.1, 0.25  # m
@@ -37,7 +37,7 @@ def tyre(name: str, **on: Any) -> dict[str, Any]:
 
 
 def two_wheeled_cart(u: float, w: float) -> Scene:
-    """Two motors; castors without mass, a planar joint, hold it level. Ahead at u, turning at w."""
+    """Two motors; massless casters (a planar joint) keep it level. Moves forward at u, turns at w."""
     places = {"left": (0, HALF_TRACK, 0), "right": (0, -HALF_TRACK, 0)}
     values = {"s_x": 0.0, "s_y": 0.0, "phi": 0.0, "v_x": u, "w": w}
     start = {**values, "fixed": list(values)}
@@ -67,13 +67,13 @@ def two_wheeled_rates(u: float, w: float, left: float, right: float) -> tuple[fl
     return du, dw
 
 
-# A rigid cart on four wheels: kg, kg m2, m; the wheels' places on it; its centre of mass off their middle.
+# A rigid cart on four wheels: kg, kg m2, m; positions of the wheels; its center of mass is off-center.
 DECK, DECK_COM = 20.0, (0.12, 0.05, 0.3)
 CORNERS = {"a": (0.4, 0.3, 0.0), "b": (0.4, -0.3, 0.0), "c": (-0.4, 0.3, 0.0), "d": (-0.4, -0.3, 0.0)}
 
 
 def four_wheeled_cart(R: Array, p: Numbers = (0, 0, 0), v: float = 0.0) -> Scene:
-    """Held by its wheels alone, which run on the plane z = 0 of the frame R at p, along its x at v."""
+    """Supported by its wheels alone, which roll on the plane z = 0 of the frame R at p, along its x at v."""
     at = np.asarray(p) + R @ [0, 0, RADIUS]
     start = {
         "r": numbers(at),
@@ -101,7 +101,7 @@ LENGTH, SPEED = 1.4, 0.8  # m from hitch to axle of the trailer, m/s of the trac
 
 
 def trailer(angle: float, wheels: bool) -> Scene:
-    """Drawn along x at constant speed, at first at `angle` to it; its axle is a blade, or two wheels."""
+    """Towed along x at constant speed, initially at `angle` to it; its axle is a blade, or two wheels."""
     out = scene(
         {"tractor": body(30.0), "trailer": body(8.0, (-0.9 * LENGTH, 0, 0), (0.4, 0.9, 0.9))},
         {
@@ -130,7 +130,7 @@ BASE = 1.1  # m, from the rear axle of the tricycle to its front wheel
 
 
 def tricycle() -> Scene:
-    """Its front wheel is turned at 8 rad/s and steered by a sine; wheels alone hold it up."""
+    """The front wheel is driven at 8 rad/s and steered by a sine; the wheels alone support the tricycle."""
     corners = {"left": (0, HALF_TRACK, 0), "right": (0, -HALF_TRACK, 0)}
     start = {"r": [0, 0, RADIUS], "Q": [0, 0, 0, 1], "fixed": True}
     return scene(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bicycle of the benchmark: four bodies, three hinges, two wheels that roll without slip.
+"""The benchmark bicycle: four bodies, three revolute joints, two wheels that roll without slip.
 
 Data and linear theory: Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007) 1955-1982,
 tables 1 and 2. There x points forward, y to the right, z down; here z points up, y to the left.
@@ -21,7 +21,7 @@ REAR_WHEEL, FRONT_WHEEL = (
 
 REAR_HUB, FRONT_HUB = np.array([0, 0, REAR_RADIUS]), np.array([WHEELBASE, 0, FRONT_RADIUS])
 STEER_AXIS = np.array([-np.sin(TILT), 0, np.cos(TILT)])
-HEAD = np.array([WHEELBASE + TRAIL, 0, 0]) + 0.9 * STEER_AXIS  # any point of the axis
+HEAD = np.array([WHEELBASE + TRAIL, 0, 0]) + 0.9 * STEER_AXIS  # an arbitrary point on the axis
 FRAME_COM, FORK_COM = np.array([0.3, 0, 0.9]), np.array([0.9, 0, 0.7])
 
 # M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 for q = (lean to the right, steer to the right): table 2.
@@ -32,16 +32,17 @@ K2 = np.array([[0, 76.59734589573222], [0, 2.65431523794604]])
 
 
 def linear_theory(v: float) -> Array:
-    """Of dx/dt = A x for x = (lean, steer and their rates), to the right both, at the speed v [m/s]."""
+    """A of dx/dt = A x for x = (lean, steer and their rates), both to the right, at the speed v [m/s]."""
     stiff, damped = -np.linalg.solve(M, GRAVITY * K0 + v**2 * K2), -np.linalg.solve(M, v * C1)
     return np.block([[np.zeros((2, 2)), np.eye(2)], [stiff, damped]])
 
 
 def bicycle(v: float = 0.0, starts: dict[str, dict[str, Any]] | None = None, **fields: Any) -> Scene:
-    """Rides along x at v [m/s], upright and straight unless joints start otherwise.
+    """The bicycle moves along x at v [m/s], upright and straight unless joints start otherwise.
 
-    The rear frame hangs on a chain of simple joints: yaw, the rear hub's height, lean and pitch.
-    Lean, steer and the speed of the rear wheel are what starts `fixed`; rolling determines the other speeds.
+    The rear frame is supported by a chain of simple joints: yaw, the rear hub's height, lean and pitch.
+    Lean, steer and the speed of the rear wheel have `fixed` start values; rolling determines the other
+    velocities.
     """
     start = {
         "base": {"v_x": v, "phi": 0.0, "fixed": ["phi"]},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many examples a property is tried with: the same ones each time, so that one fails for everybody."""
+"""Settings for property-based tests: each run uses the same examples, so that failures are reproducible."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from hypothesis import HealthCheck, settings
 
 
 def examples(count: int) -> settings:
-    """Drawn from the test's own text; nothing is kept between runs. Fixtures of these tests have no state."""
+    """Examples are derived from the test's own source; nothing is stored between runs.
+    Fixtures of these tests have no state.
+    """
     return settings(
         max_examples=count,
         derandomize=True,

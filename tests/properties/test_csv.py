@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tables of inputs and results: numbers come back to their last bit; what is none is refused by its line."""
+"""CSV tables of inputs and results: numbers are restored exactly,
+and invalid cells are reported with their line.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ def results(draw: st.DrawFn) -> Result:
 
 @examples(100)
 @given(result=results())
-def test_what_is_written_is_read_to_the_last_bit(result: Result, tmp_path: Path) -> None:
+def test_written_tables_are_read_exactly(result: Result, tmp_path: Path) -> None:
     result.to_csv(tmp_path / "x.csv")
     table = read_csv(tmp_path / "x.csv")
     assert table.dtype.names == ("time", *result.names)
@@ -47,7 +49,7 @@ def is_number(text: str) -> bool:
 
 @examples(100)
 @given(result=results(), data=st.data())
-def test_a_cell_that_is_no_number_is_refused_by_its_line(
+def test_non_numeric_cell_is_refused_with_its_line(
     result: Result, data: st.DataObject, tmp_path: Path
 ) -> None:
     lines = result.csv().splitlines()
@@ -69,7 +71,7 @@ def test_a_cell_that_is_no_number_is_refused_by_its_line(
 
 @examples(100)
 @given(result=results(), more=st.booleans(), data=st.data())
-def test_a_row_too_long_or_short_is_refused_by_its_line(
+def test_row_of_wrong_length_is_refused_with_its_line(
     result: Result, more: bool, data: st.DataObject, tmp_path: Path
 ) -> None:
     lines = result.csv().splitlines()
@@ -91,7 +93,7 @@ def test_a_row_too_long_or_short_is_refused_by_its_line(
 @example(content=b"time,\n1,2\n")
 @example(content=b"time,,f1\n1,2,3\n")
 @example(content=b'"time\n1')
-def test_any_bytes_are_a_table_or_refused(content: bytes, tmp_path: Path) -> None:
+def test_arbitrary_bytes_are_a_table_or_refused(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Trees of all the joints there are: written and read they stay what they were, in either language."""
+"""Random trees with all joint types are unchanged by writing and reading, in C++ and in Python."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def frames(draw: st.DrawFn, on: str) -> dict[str, Any]:
 
 @st.composite
 def bodies(draw: st.DrawFn) -> dict[str, Any]:
-    """Principal moments obey the triangle inequality, as each is a sum of two second moments."""
+    """Principal moments satisfy the triangle inequality, as each is a sum of two second moments."""
     a, b, c = (draw(MASS) for _ in range(3))
     return {
         "mass": draw(MASS),
@@ -43,7 +43,7 @@ def bodies(draw: st.DrawFn) -> dict[str, Any]:
 
 @st.composite
 def trees(draw: st.DrawFn) -> Scene:
-    """Up to six bodies, each on the ground or on one before it."""
+    """Up to six bodies, each on the ground or on a previous one."""
     count = draw(st.integers(1, 6))
     joints = {}
     for i in range(count):
@@ -56,7 +56,7 @@ def trees(draw: st.DrawFn) -> Scene:
 
 @examples(80)
 @given(source=trees())
-def test_a_tree_is_the_same_in_either_language(source: Scene, tmp_path: Path) -> None:
+def test_tree_is_the_same_in_cpp_and_python(source: Scene, tmp_path: Path) -> None:
     first = gelenk.load(source)
     expected = first.to_dict()
     assert gelenk.load(expected).to_dict() == expected
@@ -71,7 +71,7 @@ def test_a_tree_is_the_same_in_either_language(source: Scene, tmp_path: Path) ->
 
 @examples(40)
 @given(source=trees())
-def test_a_saved_tree_moves_to_the_bit_as_it_did(source: Scene, tmp_path: Path) -> None:
+def test_saved_tree_moves_bitwise_identically(source: Scene, tmp_path: Path) -> None:
     first = gelenk.load(source)
     first.save(tmp_path / "scene.yaml")
     plants = [gelenk.Simulation(s) for s in (first, gelenk.load(tmp_path / "scene.yaml"))]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Any change of a YAML text leaves what has not changed in its line, beside its comment."""
+"""Editing a YAML text preserves unchanged values in their lines, with their comments."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ type Path = tuple[str, ...]
 
 @st.composite
 def pairs(draw: st.DrawFn) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A tree, and what becomes of it: entries stay, go, or are others, and more are added."""
+    """A tree and a modified version: entries are kept, removed, changed or added."""
 
     def varied(tree: dict[str, Any]) -> dict[str, Any]:
         out = {}
@@ -58,7 +58,7 @@ def written(tree: dict[str, Any], braced: set[str], path: Path = (), inside: boo
 
 
 def kept(before: dict[str, Any], after: dict[str, Any], path: Path = ()) -> Iterator[tuple[Path, Any]]:
-    """The values that are in both, with where."""
+    """Values that are in both trees, with their paths."""
     for key in before.keys() & after.keys():
         values = before[key], after[key]
         if all(isinstance(value, dict) for value in values):
@@ -69,7 +69,7 @@ def kept(before: dict[str, Any], after: dict[str, Any], path: Path = ()) -> Iter
 
 @examples(400)
 @given(pair=pairs(), braced=st.sets(KEY, min_size=2))
-def test_what_has_not_changed_stays_in_its_line(
+def test_unchanged_values_stay_in_their_lines(
     pair: tuple[dict[str, Any], dict[str, Any]], braced: set[str]
 ) -> None:
     before, after = pair

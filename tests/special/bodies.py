@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A second opinion: every body by six coordinates, every joint by what it forbids. Nothing is reduced here.
+"""An independent model: each body has six coordinates, each joint imposes constraints.
 
-Twists are (w, v): angular velocity and velocity of the centre of mass, both along the world's axes.
+Twists are (w, v): angular velocity and velocity of the center of mass, both in world axes.
 
-    G V = 0        what joints forbid
-    q' = H V       the joints' speeds
+    G V = 0        constraints of the joints
+    q' = H V       the joint velocities
 
-Gelenk lends its normal form of a scene and the joints' coordinates at the point, from which poses follow.
+Nothing is reduced. Only the normalized scene and the joint coordinates are taken from Gelenk.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from mechanisms import Array, Scene, rotation
 
 import gelenk
 
-# Singular values below this part of the largest one count as none: assembly meets a singular position, where
-# the loops are flat, to the root of rounding.
-SAME_ROW = 1e-4
-Poses = dict[str, tuple[Array, Array]]  # rotation, centre of mass; the ground's is the identity
+# Singular values below this fraction of the largest count as zero: assembly finds a singular position, where
+# the loops are flat, to the square root of round-off.
+RANK_TOLERANCE = 1e-4
+Poses = dict[str, tuple[Array, Array]]  # rotation, center of mass; the ground's is the identity
 
 
 def from_quaternion(Q: Array) -> Array:
@@ -36,12 +36,12 @@ def from_quaternion(Q: Array) -> Array:
 
 
 class UnknownError(Exception):
-    """The scene has something of which this model knows nothing."""
+    """The scene contains an element that this model does not implement."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Frames in the bodies' own, with centres of mass as origins."""
+    """Frames relative to the centers of mass, in body axes."""
 
     name: str
     kind: str
@@ -51,8 +51,8 @@ class Joint:
     in_parent: Array
     R_C: Array
     in_child: Array
-    axes: list[Array]  # the first fixed in F; a universal joint's second one in M
-    across: Array  # columns at right angles to the first one, in F
+    axes: list[Array]  # the first is fixed in F; a universal joint's second one in M
+    across: Array  # columns perpendicular to the first axis, in F
     damping: list[float]
     stiffness: list[float]
     reference: list[float]
@@ -91,7 +91,7 @@ COORDINATES: dict[str, tuple[str, ...]] = {
 
 
 class Bodies:
-    """The equations of a scene by all its bodies."""
+    """The equations of a scene with all its bodies."""
 
     def __init__(self, source: Scene | gelenk.Scene) -> None:
         data = gelenk.load(source).to_dict()
@@ -139,10 +139,10 @@ class Bodies:
         return Joint(name, j["type"], parent, child, R_P, p_P, R_C, p_C, axes, _across(axes[0]),
                      listed("damping"), listed("stiffness"), listed("spring_reference"))  # fmt: skip
 
-    # --- where everything is ---
+    # --- positions ---
 
     def poses(self, values: Mapping[str, float]) -> Poses:
-        """From the joints' coordinates, along the first way that leads to each body."""
+        """Poses from the joint coordinates, along the first path that leads to each body."""
         out: Poses = {"ground": (np.eye(3), np.zeros(3))}
         left = list(self.joints)
         while left:
@@ -192,10 +192,10 @@ class Bodies:
             out[name] = ((rotation(w, angle) @ R if angle > 0 else R), p + v)
         return out
 
-    # --- what joints forbid and what they let through ---
+    # --- constraints and joint velocities ---
 
     def _relative(self, x: Poses, j: Joint) -> tuple[Array, Array, Array, Array, Array]:
-        """R_F, R_M, the way from F to M, and the rows that give w and v of M against F (at M)."""
+        """R_F, R_M, the vector from F to M, and the rows that give w and v of M relative to F (at M)."""
         R_P, p_P = x[j.parent]
         R_C, p_C = x[j.child]
         F, M = R_P @ j.in_parent, R_C @ j.in_child
@@ -210,44 +210,44 @@ class Bodies:
         return R_P @ j.R_P, R_C @ j.R_C, p_C + M - p_P - F, W, V
 
     def rows(self, x: Poses) -> Array:
-        """G, lengths in units of the mechanism's size."""
+        """G, with lengths in units of the mechanism's size."""
         return np.vstack(
             [np.zeros((0, self.size)), *(self._of(x, j)[0] for j in self.joints), *self._gears(x)]
         )
 
-    def gaps(self, x: Poses) -> Array:
+    def closure_errors(self, x: Poses) -> Array:
         return np.concatenate([np.zeros(0), *(self._of(x, j)[1] for j in self.joints)])
 
     def _of(self, x: Poses, j: Joint) -> tuple[Array, Array]:
-        R_F, R_M, way, W, V = self._relative(x, j)
-        V, way = V / self.length, way / self.length
+        R_F, R_M, offset, W, V = self._relative(x, j)
+        V, offset = V / self.length, offset / self.length
         turn = _turned(R_F, R_M)
         if j.kind == "free":
             return np.zeros((0, self.size)), np.zeros(0)
         if j.kind == "spherical":
-            return V, way
+            return V, offset
         if j.kind == "universal":
             a, b = R_F @ j.axes[0], R_M @ j.axes[1]
             n = cross(a) @ b
             angle = np.array([j.axes[0] @ j.axes[1] - a @ b])
-            return np.vstack([n @ W, V]), np.concatenate([angle, way])
+            return np.vstack([n @ W, V]), np.concatenate([angle, offset])
         if j.kind == "weld":
-            return np.vstack([W, V]), np.concatenate([turn, way])
+            return np.vstack([W, V]), np.concatenate([turn, offset])
         if j.kind == "prismatic":
             t = R_F @ j.across
-            return np.vstack([W, t.T @ V]), np.concatenate([turn, t.T @ way])
+            return np.vstack([W, t.T @ V]), np.concatenate([turn, t.T @ offset])
         a = j.axes[0]
         t = R_F @ j.across
         lean = t.T @ (cross(R_F @ a) @ (R_M @ a))
         if j.kind == "revolute":
-            return np.vstack([t.T @ W, V]), np.concatenate([lean, way])
+            return np.vstack([t.T @ W, V]), np.concatenate([lean, offset])
         if j.kind == "cylindrical":
-            return np.vstack([t.T @ W, t.T @ V]), np.concatenate([lean, t.T @ way])
+            return np.vstack([t.T @ W, t.T @ V]), np.concatenate([lean, t.T @ offset])
         n = R_F @ a  # planar
-        return np.vstack([t.T @ W, n @ V]), np.concatenate([lean, [n @ way]])
+        return np.vstack([t.T @ W, n @ V]), np.concatenate([lean, [n @ offset]])
 
     def rates(self, x: Poses) -> tuple[list[str], Array]:
-        """H, with the speeds' names."""
+        """H, with the names of the velocities."""
         names, blocks = [], [np.zeros((0, self.size))]
         for j in self.joints:
             names += [f"{j.name}.{s}" for s in SPEEDS[j.kind]]
@@ -289,12 +289,12 @@ class Bodies:
     # --- rank ---
 
     def rank(self, x: Poses) -> tuple[int, float]:
-        """Of G; and the least singular value that counts, as a part of the largest."""
+        """Rank of G, and the smallest nonzero singular value relative to the largest."""
         G = self.rows(x)
         if G.size == 0:
             return 0, 1.0
         s = np.linalg.svd(self._scaled(G), compute_uv=False)
-        r = int((s > SAME_ROW * s[0]).sum())
+        r = int((s > RANK_TOLERANCE * s[0]).sum())
         return r, float(s[r - 1] / s[0])
 
     def _scaled(self, G: Array) -> Array:
@@ -303,14 +303,14 @@ class Bodies:
             out[:, at + 3 : at + 6] *= self.length
         return out
 
-    def free(self, x: Poses, rank: int | None = None) -> Array:
-        """Columns span the twists that G lets through."""
+    def null_space(self, x: Poses, rank: int | None = None) -> Array:
+        """Columns span the null space of G."""
         G = self._scaled(self.rows(x))
         if G.shape[0] == 0:
             N = np.eye(self.size)
         else:
             _, s, Vt = np.linalg.svd(G)
-            N = Vt[int((s > SAME_ROW * s[0]).sum()) if rank is None else rank :].T.copy()
+            N = Vt[int((s > RANK_TOLERANCE * s[0]).sum()) if rank is None else rank :].T.copy()
         for at in self.place.values():
             N[at + 3 : at + 6] *= self.length
         return N
@@ -328,13 +328,13 @@ class Bodies:
             for at in self.place.values():
                 dx[at + 3 : at + 6] *= self.length
             x = self.moved(x, dx)
-        return x if np.abs(self.gaps(x)).max(initial=0) < 1e-11 else None
+        return x if np.abs(self.closure_errors(x)).max(initial=0) < 1e-11 else None
 
     def singular(self, x: Poses, seed: int = 0) -> bool:
-        """Whether the rank is larger near by, or not all motions that are free here lead to a position."""
+        """Whether the rank is larger nearby, or some motions in the null space lead to no position."""
         rng = np.random.default_rng(seed)
         here = self.rank(x)[0]
-        N = self.free(x)
+        N = self.null_space(x)
         if N.shape[1] == 0:
             return False
         taken = []
@@ -343,14 +343,14 @@ class Bodies:
             if beside is not None:
                 if self.rank(beside)[0] > here:
                     return True
-                taken.append(np.linalg.lstsq(N, self.way(x, beside), rcond=None)[0])
+                taken.append(np.linalg.lstsq(N, self.twist_between(x, beside), rcond=None)[0])
         if not taken:
             return True
         s = np.linalg.svd(np.array(taken), compute_uv=False)
         return len(s) < N.shape[1] or bool(s[-1] < 0.02 * s[0])
 
-    def way(self, x: Poses, y: Poses) -> Array:
-        """About the twist that leads from x to y."""
+    def twist_between(self, x: Poses, y: Poses) -> Array:
+        """The approximate twist that leads from x to y."""
         out = np.zeros(self.size)
         for name, at in self.place.items():
             out[at : at + 3] = _turned(x[name][0], y[name][0])
@@ -358,23 +358,23 @@ class Bodies:
         return out
 
     def beside(self, x: Poses, twist: Array) -> Poses | None:
-        """A tenth of a radian along this motion, loops closed there; None: it leads nowhere."""
+        """A tenth of a radian along this motion, with loops closed there; None: it leads nowhere."""
         turn = max(np.abs(twist[at : at + 3]).max() for at in self.place.values())
         shift = max(np.abs(twist[at + 3 : at + 6]).max() for at in self.place.values())
         out = self.closed(self.moved(x, 0.1 * twist / max(turn, shift / self.length)))
-        return None if out is None or self.apart(out, x) < 0.02 else out
+        return None if out is None or self.distance(out, x) < 0.02 else out
 
-    def apart(self, x: Poses, y: Poses) -> float:
-        """The farthest that a body is turned [rad] or moved, in units of the mechanism's size."""
+    def distance(self, x: Poses, y: Poses) -> float:
+        """The largest rotation [rad] or displacement of a body, in units of the mechanism's size."""
         turns = [float(np.abs(x[n][0] - y[n][0]).max()) for n in self.names]
         return max([*turns, *(float(np.abs(x[n][1] - y[n][1]).max()) / self.length for n in self.names)])
 
     def degrees_of_freedom(self, x: Poses, tries: int = 4) -> int:
-        """The least number of free motions found here and at positions near by."""
+        """The minimum number of free motions found here and at nearby positions."""
         rng = np.random.default_rng(0)
         best = self.rank(x)[0]
         for _ in range(tries):
-            N = self.free(x)
+            N = self.null_space(x)
             if N.shape[1] == 0:
                 break
             beside = self.beside(x, N @ rng.normal(size=N.shape[1]))
@@ -388,13 +388,13 @@ def cross(p: Array) -> Array:
 
 
 def _across(a: Array) -> Array:
-    """Two columns at right angles to a and each other."""
+    """Two columns perpendicular to a and each other."""
     x = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(a, x)])
 
 
 def _turned(R_F: Array, R_M: Array) -> Array:
-    """How far M is turned against F, for small turns, along the world's axes."""
+    """Rotation of M relative to F, for small rotations, in world axes."""
     K = R_M @ R_F.T
     return 0.5 * np.array([K[2, 1] - K[1, 2], K[0, 2] - K[2, 0], K[1, 0] - K[0, 1]])

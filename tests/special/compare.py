@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is the same however a mechanism is computed, compared; every difference is told."""
+"""Compares results that must not depend on the way a mechanism is computed, and reports every difference."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from . import plants
 from .bodies import Poses, UnknownError
 from .drawn import Case, at_rest, values_of
 from .moving_bodies import MovingBodies
-from .plants import STOP, TOLERANCE, Start, beside, missed, same_sign, start_of, whole_vectors, without
+from .plants import STOP, TOLERANCE, Start, beside, guess_error, same_sign, start_of, whole_vectors, without
 
-ROUNDING = 1e-9  # closures to 1e-14 of the size, through some divisions by pivots
-SOLVER = 1e-6  # 1e4 times the tolerance of 1e-10: what steps add up to where a motion magnifies errors
-QUOTIENT = 1e-5  # closures of 1e-14 over steps of 1e-4 twice, and the curvature that two steps do not show
+ROUNDING = 1e-9  # closures to 1e-14 of the size, after some divisions by pivots
+SOLVER = 1e-6  # 1e4 times the tolerance of 1e-10: accumulated error of steps where a motion amplifies errors
+QUOTIENT = 1e-5  # closures of 1e-14 over steps of 1e-4 twice, and the curvature that two steps do not resolve
 NEAREST = (
-    1e-3  # values that are not given count a ten-thousandth in the squares, or nothing where a loop is cut
+    1e-3  # values not given have a weight of a ten-thousandth in the squares, or none where a loop is cut
 )
-ALARM = 1e-3  # a warning is right where the smallest pivot is a ten-thousandth of what it is elsewhere
+ALARM = 1e-3  # a warning is justified if the smallest pivot is a ten-thousandth of its value elsewhere
 TIGHTER = 0.1
 STEP = 2e-4  # rad, m
 # Refusals at positions that need not be singular.
@@ -35,7 +35,7 @@ DOCUMENTED = ("not all rotations of a joint with a quaternion are free", "moves 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One comparison; study.py says what its kinds mean."""
+    """One comparison; study.py explains its kinds."""
 
     check: str
     kind: str
@@ -49,11 +49,12 @@ class Comparison:
         self.case = case
         self.seed = seed
         self.base = Start(case.source)
-        # How a rod without mass between balls turns about itself is open, and up to the order of the file.
+        # The rotation of a massless rod between ball joints about itself is arbitrary and depends on the
+        # order of the file.
         light = {n for n, b in case.source["bodies"].items() if b["mass"] == 0}
         self.open = self.beside(light)
 
-    # --- what the second opinion says of the position ---
+    # --- the independent model's view of the position ---
 
     @cached_property
     def model(self) -> MovingBodies | str:
@@ -64,7 +65,7 @@ class Comparison:
 
     @cached_property
     def poses(self) -> Poses | None:
-        """Where the bodies are; None where that is not known."""
+        """Poses of the bodies; None if unknown."""
         if isinstance(self.model, str):
             return None
         start = self.base if not isinstance(self.base.plant, str) else Start(at_rest(self.case.source))
@@ -73,36 +74,36 @@ class Comparison:
             x = self.model.poses(values)
         except KeyError:
             return None
-        return x if np.abs(self.model.gaps(x)).max(initial=0) < 1e-8 else self.model.closed(x)
+        return x if np.abs(self.model.closure_errors(x)).max(initial=0) < 1e-8 else self.model.closed(x)
 
     @cached_property
     def rank(self) -> tuple[int, float] | None:
-        """Of what the joints forbid here, and the least singular value that counts."""
+        """Rank of the joint constraints here, and the smallest nonzero singular value."""
         return None if isinstance(self.model, str) or self.poses is None else self.model.rank(self.poses)
 
     @cached_property
-    def slack(self) -> bool:
-        """Whether a spring has no length: its direction does not exist."""
+    def has_zero_length_spring(self) -> bool:
+        """Whether a spring has zero length, so that its direction is undefined."""
         if isinstance(self.model, str) or isinstance(self.base.plant, str):
             return False
-        return self.model.slack(self.model.poses(self.base.values))
+        return self.model.has_zero_length_spring(self.model.poses(self.base.values))
 
     @cached_property
     def singular(self) -> bool:
         if self.rank is None or isinstance(self.model, str) or self.poses is None:
-            return self.slack
-        return self.slack or self.model.singular(self.poses)
+            return self.has_zero_length_spring
+        return self.has_zero_length_spring or self.model.singular(self.poses)
 
     @property
     def share(self) -> float:
-        """By what the smallest pivot may magnify rounding."""
+        """Factor by which the smallest pivot may amplify round-off."""
         return 1.0 if self.rank is None else 1 / self.rank[1]
 
-    def ruled(self, check: str, words: str, other: Start | None = None) -> Verdict:
+    def verdict(self, check: str, words: str, other: Start | None = None) -> Verdict:
         if not self.singular:
             return Verdict(check, "DISAGREE", words)
-        told = self.base.warned or (other is not None and other.warned)  # the one that is wrong, at least
-        return Verdict(check, "warned" if told else "SINGULAR", words)
+        warned = self.base.warned or (other is not None and other.warned)  # at least the incorrect one
+        return Verdict(check, "warned" if warned else "SINGULAR", words)
 
     def refused(self, check: str, words: str) -> Verdict:
         if plants.CRASH in words:
@@ -118,11 +119,11 @@ class Comparison:
         plant = self.base.plant
         yield from self.compared_starts()
         if not isinstance(plant, str):
-            told = self.base.warned_of_singularity
-            if told and self.rank is not None and not self.singular and self.rank[1] > ALARM:
-                yield Verdict("warning", "ALARM", told)
+            warned = self.base.warned_of_singularity
+            if warned and self.rank is not None and not self.singular and self.rank[1] > ALARM:
+                yield Verdict("warning", "ALARM", warned)
             yield from self.assemblies()
-            yield from self.second_opinion()
+            yield from self.independent_model()
             yield from self.linear_models()
             yield from self.runs()
         spent = time.process_time() - began
@@ -131,7 +132,7 @@ class Comparison:
 
     @cached_property
     def pinned(self) -> Scene:
-        """The scene with all coordinates and speeds that the first start has found: what closes, stays."""
+        """The scene with all coordinates and velocities found by the first start, which must not change."""
         if isinstance(self.base.plant, str):
             return self.case.source
         out = copy.deepcopy(self.case.source)
@@ -167,16 +168,16 @@ class Comparison:
             check = f"start: {other.label}"
             there = other.plant
             if isinstance(plant, str) or isinstance(there, str):
-                told = [x for x in (plant, there) if isinstance(x, str)]
-                both = "both: " if len(told) == 2 else ("base: " if isinstance(plant, str) else "other: ")
-                yield self.refused(check, both + told[0])
+                refusals = [x for x in (plant, there) if isinstance(x, str)]
+                both = "both: " if len(refusals) == 2 else ("base: " if isinstance(plant, str) else "other: ")
+                yield self.refused(check, both + refusals[0])
                 continue
             if not self.base.values or not other.values:
                 yield self.refused(check, "values cannot be read")
                 continue
-            yield self.values_alike(check, other)
+            yield self.values_agree(check, other)
 
-    def values_alike(self, check: str, other: Start) -> Verdict:
+    def values_agree(self, check: str, other: Start) -> Verdict:
         mine, levels = self.base.values, self.base.levels
         size = dict.fromkeys((-1, 0, 1, 2), 1.0)
         for name, value in mine.items():
@@ -200,23 +201,23 @@ class Comparison:
         if not faults:
             return Verdict(check, "agree")
         faults.sort(key=lambda fault: -fault[0])
-        return self.ruled(
+        return self.verdict(
             check, "; ".join(words for _, words in faults[:4]) + f" ({len(faults)} differ)", other
         )
 
     def assemblies(self) -> Iterator[Verdict]:
-        """Guesses that cannot be met: another order of the file gets no nearer to them, and no farther."""
+        """Conflicting guesses: another order of the file finds a position equally close to them."""
         other = Start(reordered(self.case.source, 100 + self.seed), "reordered")
         if self.case.exact or isinstance(other.plant, str):
             return
-        mine, there = missed(self.case.source, self.base), missed(self.case.source, other)
+        mine, there = guess_error(self.case.source, self.base), guess_error(self.case.source, other)
         if abs(mine - there) <= NEAREST * (mine + there) + NEAREST**2:
             yield Verdict("assembly", "agree")
         else:
-            words = f"guesses are missed by {mine:.6g}, in another order of the file by {there:.6g}"
+            words = f"guesses deviate by {mine:.6g}, in another order of the file by {there:.6g}"
             yield Verdict("assembly", "ELSEWHERE", words)
 
-    def second_opinion(self) -> Iterator[Verdict]:
+    def independent_model(self) -> Iterator[Verdict]:
         if isinstance(self.model, str):
             return
         given, values = values_of(self.case.source), self.base.values
@@ -228,19 +229,21 @@ class Comparison:
             ]
             yield self.judged("start kept", faults)
         x = self.model.poses(values)
-        gap = float(np.abs(self.model.gaps(x)).max(initial=0))
+        gap = float(np.abs(self.model.closure_errors(x)).max(initial=0))
         if gap > 1e-9:
-            yield Verdict("closed", "DISAGREE", f"the loops gape by {gap:.3g}")
+            yield Verdict("closed", "DISAGREE", f"the closure error is {gap:.3g}")
             return
         plant = self.base.plant
-        if self.rank is None or self.slack:
+        if self.rank is None or self.has_zero_length_spring:
             return
         assert not isinstance(plant, str)
         degrees_of_freedom = self.model.size - self.rank[0]
         if not self.open and plant.size.degrees_of_freedom != degrees_of_freedom and not self.singular:
-            yield self.ruled("freedoms", f"{plant.size.degrees_of_freedom} / {degrees_of_freedom}")
+            yield self.verdict(
+                "degrees of freedom", f"{plant.size.degrees_of_freedom} / {degrees_of_freedom}"
+            )
         if self.rank[1] < 1e-3 and self.singular:
-            return  # this model is no truth here
+            return  # the independent model does not apply here
         V = self.model.twist(x, values)
         expected = self.model.accelerations(x, V, values)
         size = max([1.0, *(abs(a) for a in expected.values())])
@@ -251,8 +254,9 @@ class Comparison:
             if n in values and not self.is_open(n) and not abs(values[n] - a) <= bound
         ]
         if faults and self.singular and plant.size.degrees_of_freedom < degrees_of_freedom:
-            # It lets loops that are rigid at second order go where their equations of first order would.
-            yield Verdict("accelerations by all bodies", "skipped", "freedoms of the first order alone")
+            # For loops that are rigid to second order it permits motions that their first-order equations
+            # allow.
+            yield Verdict("accelerations by all bodies", "skipped", "degrees of freedom of first order only")
             return
         yield self.judged("accelerations by all bodies", faults)
 
@@ -277,20 +281,22 @@ class Comparison:
                 continue
             there = other.linear(model.states)
             if isinstance(there, str):
-                by_its_own = other.linear()  # a refusal that is about its states, not about these
+                by_its_own = other.linear()  # a refusal that concerns its states, not these
                 yield self.refused(check, f"other: {by_its_own if isinstance(by_its_own, str) else there}")
                 continue
             if set(there.outputs) != set(model.outputs):
-                yield self.ruled(check, f"{len(model.states)} states do not tell all outputs there", other)
+                yield self.verdict(
+                    check, f"{len(model.states)} states do not determine all outputs there", other
+                )
                 continue
             faults = []
             for part in "ABCD":
                 mine, found = getattr(model, part), getattr(there, part)
-                faults += self.unlike(part, mine, found, model, 1e3 * ROUNDING * self.share, there.outputs)
+                faults += self.mismatch(part, mine, found, model, 1e3 * ROUNDING * self.share, there.outputs)
             yield self.judged(check, faults, other)
-        yield self.quotients(model)
+        yield self.finite_differences(model)
 
-    def unlike(
+    def mismatch(
         self, part: str, mine: Array, found: Array, model: LinearModel, share: float, outputs: Sequence[str]
     ) -> list[tuple[float, str]]:
         rows = list(model.states) if part in "AB" else list(model.outputs)
@@ -308,12 +314,12 @@ class Comparison:
             out.append((float(abs(mine[i, j] - found[i, j]) / (share * size)), words))
         return out
 
-    def quotients(self, model: LinearModel) -> Verdict:
-        """C by central differences of plants that start beside this one."""
-        check = "linear: difference quotients"
+    def finite_differences(self, model: LinearModel) -> Verdict:
+        """C by central differences of plants that start at neighboring positions."""
+        check = "linear: finite differences"
         if not whole_vectors(model.states):
             return Verdict(check, "skipped", "part of a vector among the states")
-        slopes = {state: model.C[:, k] for k, state in enumerate(model.states)}
+        derivatives = {state: model.C[:, k] for k, state in enumerate(model.states)}
         if list(model.outputs) != list(self.base.values):
             return Verdict(check, "skipped", "other outputs")
         faults, rough = [], 0
@@ -322,7 +328,7 @@ class Comparison:
             for h in (STEP, 2 * STEP):
                 sides = []
                 for sign in (1, -1):
-                    side = Start(beside(self.base, model.states, {state: sign * h}, slopes))
+                    side = Start(beside(self.base, model.states, {state: sign * h}, derivatives))
                     if isinstance(side.plant, str):
                         return self.refused(check, f"at {state} {sign * h:+g}: {side.plant}")
                     if not side.values:
@@ -362,7 +368,7 @@ class Comparison:
                     check, f"other: {there}" if isinstance(there, str) else "only the base is refused"
                 )
                 continue
-            faults = self.apart(mine, there)
+            faults = self.deviations(mine, there)
             yield (
                 Verdict(check, "sensitive", faults[0][1])
                 if faults and self.sensitive
@@ -371,11 +377,11 @@ class Comparison:
 
     @cached_property
     def sensitive(self) -> bool:
-        """Whether a run at another tolerance ends elsewhere, too: the motion magnifies errors."""
+        """Whether a run at another tolerance also ends elsewhere: the motion amplifies errors."""
         mine, there = self.base.run, Start(self.case.source, tolerance=TIGHTER * TOLERANCE).run
-        return not isinstance(mine, str) and not isinstance(there, str) and bool(self.apart(mine, there))
+        return not isinstance(mine, str) and not isinstance(there, str) and bool(self.deviations(mine, there))
 
-    def apart(self, mine: Mapping[str, float], there: Mapping[str, float]) -> list[tuple[float, str]]:
+    def deviations(self, mine: Mapping[str, float], there: Mapping[str, float]) -> list[tuple[float, str]]:
         size = max([1.0, *(abs(x) for x in mine.values())])
         bound = SOLVER * size * min(self.share, 1e3)
         out = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Random mechanisms at special positions, each told by a seed."""
+"""Random mechanisms at special positions, each determined by a seed."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ SPEEDS = {"phi": "w", "s": "v", "phi_a": "w_a", "phi_b": "w_b", "s_x": "v_x", "s
 
 @dataclass(frozen=True)
 class Case:
-    """A mechanism and where it starts.
+    """A mechanism and its start.
 
-    exact: all coordinates are given, and close the loops as they are. reachable: there is such a position.
+    exact: all coordinates are given, and close the loops. reachable: there is such a position.
     """
 
     name: str
@@ -32,7 +32,7 @@ class Case:
 
 
 def drawn(seed: int) -> Case:
-    """The same case for the same seed."""
+    """Return the same case for the same seed."""
     rng = np.random.default_rng([15, seed])
     while True:
         planar = rng.random() < 0.65
@@ -55,7 +55,7 @@ def drawn(seed: int) -> Case:
 
 
 def values_of(source: Scene) -> dict[str, float]:
-    """Coordinates by name, from start values; what is not given is zero."""
+    """Coordinates by name, from start values; missing ones are zero."""
     out = {}
     for name, entry in source["joints"].items():
         start = entry.get("start", {})
@@ -68,14 +68,16 @@ def values_of(source: Scene) -> dict[str, float]:
 
 
 def _started(source: Scene, rng: np.random.Generator) -> tuple[Scene, str] | None:
-    """With drivers fixed and speeds that the loops allow. None: nothing moves, or too much for a test."""
+    """The scene with fixed drivers and velocities compatible with the loops. None:
+    nothing moves, or too much for a test.
+    """
     model = Bodies(source)
     x = model.poses(values_of(source))
     degrees_of_freedom = model.degrees_of_freedom(x)
     if not 0 < degrees_of_freedom <= 6:
         return None
     names, H = model.rates(x)
-    N = model.free(x)
+    N = model.null_space(x)
     speeds = np.zeros(len(names))
     if rng.random() < 0.5:
         V = N @ rng.normal(size=N.shape[1])
@@ -84,12 +86,12 @@ def _started(source: Scene, rng: np.random.Generator) -> tuple[Scene, str] | Non
         speeds[np.abs(speeds) < 1e-14] = 0.0
     drivers = _drivers(model, x, degrees_of_freedom, names, H @ N)
     style = str(rng.choice(["exact", "guesses", "one left out", "rounded"], p=[0.45, 0.1, 0.2, 0.25]))
-    _tell(source, dict(zip(names, speeds.tolist(), strict=True)), drivers, style, rng)
+    _set_start_values(source, dict(zip(names, speeds.tolist(), strict=True)), drivers, style, rng)
     return source, style
 
 
 def _drivers(model: Bodies, x: Poses, degrees_of_freedom: int, names: list[str], rates: Array) -> list[str]:
-    """As many speeds as there are freedoms, in the order of the file, that tell the motion well."""
+    """Select as many velocities as degrees of freedom, in file order, that determine the motion well."""
     del model, x
     chosen: list[str] = []
     basis = np.zeros((0, rates.shape[1]))
@@ -104,7 +106,7 @@ def _drivers(model: Bodies, x: Poses, degrees_of_freedom: int, names: list[str],
     return chosen
 
 
-def _tell(
+def _set_start_values(
     source: Scene, speeds: dict[str, float], drivers: list[str], style: str, rng: np.random.Generator
 ) -> None:
     moving = any(speeds.values())
@@ -136,7 +138,7 @@ def _tell(
 
 
 def _load(source: Scene, sketch: Sketch, rng: np.random.Generator, planar: bool) -> None:
-    """Gravity, motors, dampers, springs."""
+    """Add gravity, motors, dampers, springs."""
     style = rng.random()
     if style < 0.5:
         source["gravity"] = [0.0, -GRAVITY, 0.0] if planar else [0.0, 0.0, -GRAVITY]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""FMUs exported at one position and started at another, against scenes that start there, unreduced."""
+"""FMUs exported at one position and started at another, compared with unreduced scenes that start there."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .drawn import Case
 from .listed import choices, started
 from .plants import STEPS, STOP, TOLERANCE, Start, attempt, without
 
-# As `Comparison` has it for linear models: rounding through some divisions by pivots, twice.
+# As in `Comparison` for linear models: round-off through some divisions by pivots, twice.
 LINEAR = 1e3 * ROUNDING
 
 
@@ -52,14 +52,14 @@ def _compared(fmu: Path, source: Scene, angles: Mapping[str, float]) -> Iterator
     if not isinstance(found, str) and not isinstance(expected, LinearModel):
         yield rules.refused("FMU: linear", str(expected))
     if not isinstance(found, str) and isinstance(expected, LinearModel):
-        yield _alike(rules, found, expected)
+        yield _compare_linear_models(rules, found, expected)
     run = attempt(lambda: _run(fmu, settings))
     there = literal.run
     if isinstance(run, str) or isinstance(there, str):
         if isinstance(run, str) != isinstance(there, str):
             yield rules.refused("FMU: run", run if isinstance(run, str) else f"scene: {there}")
         return
-    faults = rules.apart(there, run)
+    faults = rules.deviations(there, run)
     kind = "sensitive" if faults and rules.sensitive else None
     yield Verdict("FMU: run", kind, faults[0][1]) if kind else rules.judged("FMU: run", faults)
 
@@ -72,9 +72,9 @@ def _run(fmu: Path, settings: Mapping[str, float]) -> dict[str, float]:
     return {name: float(run[name][-1]) for name in run.names}
 
 
-def _alike(rules: Comparison, found: LinearModel, expected: LinearModel) -> Verdict:
+def _compare_linear_models(rules: Comparison, found: LinearModel, expected: LinearModel) -> Verdict:
     if set(found.outputs) != set(expected.outputs):
-        return rules.ruled("FMU: linear", "other outputs are told by the states")
+        return rules.verdict("FMU: linear", "other outputs are determined by the states")
     faults = []
     for part in "ABCD":
         mine, there = getattr(found, part), getattr(expected, part)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shipped scenes, families and scenes of other tests, each started at special positions."""
+"""Shipped scenes, benchmark families and scenes of other tests, each started at special positions."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ def families() -> Iterator[tuple[str, Scene]]:
 
 
 def listed() -> list[Case]:
-    """All of them."""
+    """Return all of them."""
     return [case for name, source in families() for case in starts(name, source)]
 
 
 def starts(name: str, source: Scene) -> Iterator[Case]:
-    """As given; driven angles at right angles, alone and all; at rest, without gravity; tilted."""
+    """As given; driven angles at right angles, one at a time and all; at rest, without gravity; tilted."""
     yield Case(name, source)
     for choice in choices(source):
         words = ", ".join(f"{joint} at {math.degrees(x):.0f}°" for joint, x in choice.items())
@@ -82,7 +82,7 @@ def starts(name: str, source: Scene) -> Iterator[Case]:
 
 
 def choices(source: Scene) -> list[Mapping[str, float]]:
-    """Angles of what drives the mechanism: one after the other at right angles, and all of them."""
+    """Angles of the drivers of the mechanism: one after the other at right angles, and all of them."""
     drivers = [
         joint
         for joint, entry in source["joints"].items()
@@ -96,7 +96,7 @@ def choices(source: Scene) -> list[Mapping[str, float]]:
 
 
 def started(source: Scene, angles: Mapping[str, float]) -> Scene:
-    """With these angles kept exactly, other coordinates as guesses."""
+    """The scene with these angles fixed and other coordinates as guesses."""
     out = copy.deepcopy(source)
     for joint, x in angles.items():
         start: dict[str, Any] = out["joints"][joint].setdefault("start", {})

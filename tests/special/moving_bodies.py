@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Accelerations by all bodies: Newton's and Euler's equations on what joints let through.
+"""Accelerations from the Newton-Euler equations of all bodies with joint constraints.
 
     M V' = f - G' lambda,   G V' = -dG/dt V,   q'' = H V' + dH/dt V
 
-Rates of G and H are differences along the motion.
+Rates of G and H are finite differences along the motion.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from mechanisms import Array
 
-from .bodies import ACCELERATIONS, COORDINATES, SAME_ROW, SPEEDS, Bodies, Poses, UnknownError, cross
+from .bodies import ACCELERATIONS, COORDINATES, RANK_TOLERANCE, SPEEDS, Bodies, Poses, UnknownError, cross
 
 
 class MovingBodies(Bodies):
-    """The equations of motion of a scene by all its bodies."""
+    """The equations of motion of a scene with all its bodies."""
 
     def twist(self, x: Poses, values: Mapping[str, float]) -> Array:
-        """Of the bodies at these joints' speeds."""
+        """Twists of the bodies for these joint velocities."""
         names, H = self.rates(x)
         G = self.rows(x)
         wanted = np.concatenate([[values[n] for n in names], np.zeros(len(G))])
@@ -29,7 +29,7 @@ class MovingBodies(Bodies):
         return V
 
     def accelerations(self, x: Poses, V: Array, values: Mapping[str, float]) -> dict[str, float]:
-        """Of the joints' coordinates, without inputs."""
+        """Accelerations of the joint coordinates, without inputs."""
         names, H = self.rates(x)
         G = self.rows(x)
         h = 1e-4 / max(1.0, float(np.abs(V).max(initial=0)))
@@ -40,12 +40,12 @@ class MovingBodies(Bodies):
         f = f + self._loads(x, V, values, H)
         M = M + self._rotors(H, names)
         f = f - self._rotors_turning(H, names) @ Hdot_V
-        a0 = -np.linalg.lstsq(G, Gdot_V, rcond=SAME_ROW)[0] if len(G) else np.zeros(self.size)
-        N = self.free(x)
+        a0 = -np.linalg.lstsq(G, Gdot_V, rcond=RANK_TOLERANCE)[0] if len(G) else np.zeros(self.size)
+        N = self.null_space(x)
         y = np.linalg.lstsq(N.T @ M @ N, N.T @ (f - M @ a0), rcond=1e-13)[0]
         found = H @ (a0 + N @ y) + Hdot_V
-        told = [f"{j.name}.{a}" for j in self.joints for a in ACCELERATIONS[j.kind]]
-        return dict(zip(told, found.tolist(), strict=True))
+        accelerations = [f"{j.name}.{a}" for j in self.joints for a in ACCELERATIONS[j.kind]]
+        return dict(zip(accelerations, found.tolist(), strict=True))
 
     def _newton(self, x: Poses, V: Array) -> tuple[Array, Array]:
         M, f = np.zeros((self.size, self.size)), np.zeros(self.size)
@@ -89,23 +89,23 @@ class MovingBodies(Bodies):
         if load["type"] != "spring_damper":
             raise UnknownError(load["type"])
         ends = self._ends(x, load)
-        way, rows = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
-        length = float(np.linalg.norm(way))
-        n = way / length
+        offset, rows = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+        length = float(np.linalg.norm(offset))
+        n = offset / length
         pull = (
             load.get("stiffness", 0) * (length - load.get("length", 0))
             + load.get("damping", 0) * n @ rows @ V
         )
         return np.asarray(-pull * (n @ rows))
 
-    def slack(self, x: Poses) -> bool:
-        """Whether the ends of a spring are at one point."""
+    def has_zero_length_spring(self, x: Poses) -> bool:
+        """Whether the ends of a spring coincide."""
         springs = [f for f in self.data.get("forces", {}).values() if f["type"] == "spring_damper"]
-        ways = [np.subtract(*(place for place, _ in self._ends(x, f))) for f in springs]
-        return any(float(np.linalg.norm(way)) < 1e-9 * self.length for way in ways)
+        offsets = [np.subtract(*(place for place, _ in self._ends(x, f))) for f in springs]
+        return any(float(np.linalg.norm(offset)) < 1e-9 * self.length for offset in offsets)
 
     def _ends(self, x: Poses, load: Mapping[str, Any]) -> list[tuple[Array, Array]]:
-        """Of a spring: where they are, and what gives their velocities."""
+        """End points of a spring, and the matrices that give their velocities."""
         ends = []
         for key in ("from", "to"):
             body = load[key]["body"]
@@ -119,7 +119,7 @@ class MovingBodies(Bodies):
         return ends
 
     def _rotors_turning(self, H: Array, names: list[str]) -> Array:
-        """H' J of the motors' rotors, geared."""
+        """H' J of the motors' rotors, with gear ratios."""
         out = np.zeros((self.size, len(names)))
         for motor in self.data.get("motors", {}).values():
             J = motor.get("gear_ratio", 1.0) ** 2 * motor.get("rotor_inertia", 0.0)

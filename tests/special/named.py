@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linkages of one freedom, as scenes and as functions of the crank angle: the truth at special positions."""
+"""Linkages with one degree of freedom, as scenes and as functions of the crank angle:
+references at special positions.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mechanisms import GRAVITY, Array, Scene, body, four_bar, frame, joint, rod, scene
-from models.one_freedom import Geometry, Jet, Moving, OneFreedom, atan2, cos, jet, sin, sqrt
+from models.one_dof import Geometry, Jet, Moving, OneDofMechanism, atan2, cos, jet, sin, sqrt
 from models.planar_loops import FourBar, place, uniform
 
 Z = {"axis": [0, 0, 1]}
@@ -19,9 +21,9 @@ LEVELS = {"phi": ("phi", "w", "a"), "s": ("s", "v", "a")}
 
 @dataclass(frozen=True)
 class Linkage:
-    """The scene at a crank angle and speed; bodies and joints' coordinates as functions of that angle.
+    """The scene at a crank angle and speed; bodies and joint coordinates as functions of that angle.
 
-    The crank's joint is A; its motor is `drive`.
+    The crank joint is A; its motor is `drive`.
     """
 
     source: Callable[[float, float], Scene]
@@ -30,11 +32,11 @@ class Linkage:
     friction: float = 0.0  # N m s/rad at the crank
 
     def acceleration(self, phi: float, w: float) -> float:
-        motion = OneFreedom(self.geometry, DOWN, lambda _t, _phi, rate: -self.friction * rate)
+        motion = OneDofMechanism(self.geometry, DOWN, lambda _t, _phi, rate: -self.friction * rate)
         return motion.acceleration(0.0, phi, w)
 
     def outputs(self, phi: float, w: float) -> dict[str, float]:
-        """All coordinates, speeds and accelerations."""
+        """All coordinates, velocities and accelerations."""
         a = self.acceleration(phi, w)
         out: dict[str, float] = {}
         for name, x in self.coordinates(Jet(phi, 1.0)).items():
@@ -43,8 +45,8 @@ class Linkage:
             out |= {f"{joint_name}.{n}": v for n, v in zip(LEVELS[q], levels, strict=True)}
         return out
 
-    def slopes(self, phi: float, w: float) -> dict[str, Array]:
-        """What all outputs change by with phi and w: central differences of sixth order."""
+    def derivatives(self, phi: float, w: float) -> dict[str, Array]:
+        """Derivatives of all outputs with respect to phi and w: central differences of sixth order."""
 
         def along(dphi: float, dw: float) -> dict[str, float]:
             sides = {k: self.outputs(phi + k * dphi, w + k * dw) for k in (-3, -2, -1, 1, 2, 3)}
@@ -62,7 +64,7 @@ class Linkage:
 
 
 def _started(source: Scene, coordinates: Angles, phi: float, w: float) -> Scene:
-    """Coordinates and speeds of all joints as guesses, the crank's kept."""
+    """Coordinates and velocities of all joints as guesses, those of the crank fixed."""
     for name, x in coordinates(Jet(phi, 1.0)).items():
         joint_name, _, q = name.partition(".")
         start = {q: x.x, LEVELS[q][1]: x.d * w}
@@ -152,14 +154,14 @@ def scotch_yoke(r: float) -> Linkage:
 
 
 def turning_block(r: float, ground: float) -> Linkage:
-    """Inverted slider-crank: a rod of 3 m glides through a block that turns about (ground, 0)."""
+    """Inverted slider-crank: a rod of 3 m slides through a block that rotates about (ground, 0)."""
     crank, gliding = uniform(2, r), uniform(2, 3.0)
 
-    def way(phi: Jet) -> tuple[Jet, Jet]:
+    def rod_vector(phi: Jet) -> tuple[Jet, Jet]:
         return ground - r * cos(phi), -(r * sin(phi))
 
     def coordinates(phi: Jet) -> dict[str, Jet]:
-        x, y = way(phi)
+        x, y = rod_vector(phi)
         theta = atan2(y, x)
         return {"A.phi": phi, "B.phi": theta - phi, "D.phi": theta, "P.s": -sqrt(x * x + y * y)}
 

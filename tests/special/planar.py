@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Planar linkages drawn at special positions, of round sizes and symmetric ones on purpose."""
+"""Planar linkages generated at special positions, deliberately with round and symmetric dimensions."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def pick(rng: np.random.Generator, values: Sequence[float]) -> float:
 
 
 def angle(rng: np.random.Generator) -> float:
-    """Most often a special one."""
+    """An angle, in most cases a special one."""
     return pick(rng, SPECIAL) if rng.random() < 0.85 else float(rng.uniform(-3, 3))
 
 
 def sizes(rng: np.random.Generator, n: int) -> list[float]:
-    """Lengths [m]: round ones, or equal ones, or any."""
+    """Lengths [m]: round, equal, or arbitrary ones."""
     style = rng.integers(4)
     if style == 0:
         return [pick(rng, ROUND)] * n
@@ -46,7 +46,9 @@ def mass_of(rng: np.random.Generator) -> float:
 
 
 def chain_of(sketch: Sketch, rng: np.random.Generator, names: Sequence[str], points: Sequence[Array]) -> None:
-    """Bodies between one point and the next, hinged to each other and, at the first point, to the ground."""
+    """Bodies between consecutive points, connected to each other and, at the first point,
+    to the ground by revolute joints.
+    """
     before = "ground"
     for i, name in enumerate(names):
         sketch.body(name, points[i], points[i + 1], mass_of(rng))
@@ -58,7 +60,7 @@ def dyad(
     sketch: Sketch, rng: np.random.Generator, names: tuple[str, str], ends: tuple[str, str],
     points: tuple[Array, Array, Array],
 ) -> None:  # fmt: skip
-    """Two bars hinged to each other, from a point of one body to one of another."""
+    """Two bars connected by a revolute joint, from a point of one body to one of another."""
     first, second = names
     a, middle, b = points
     sketch.body(first, a, middle, mass_of(rng))
@@ -69,7 +71,7 @@ def dyad(
 
 
 def spot(rng: np.random.Generator, *others: Array) -> Array:
-    """A point of the grid that is none of the others."""
+    """A point of the grid that differs from the others."""
     while True:
         p = np.array([pick(rng, GRID), pick(rng, GRID)])
         if rng.random() < 0.1:
@@ -79,7 +81,9 @@ def spot(rng: np.random.Generator, *others: Array) -> Array:
 
 
 def four_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """Of all of Grashof's types; crank in line with the ground, dead centres and change points among them."""
+    """Four-bars of all Grashof types; with crank in line with the ground,
+    dead centers and change points among them.
+    """
     a, b, c, d = sizes(rng, 4)
     shape = rng.integers(8)
     if shape == 0:
@@ -93,7 +97,7 @@ def four_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
     P3 = at(ORIGIN, d, 0.0)
     branch = int(rng.choice([-1, 1]))
     reach = rng.integers(6)
-    if reach < 2:  # crank and coupler in line: the rocker's dead centres
+    if reach < 2:  # crank and coupler in line: the rocker's dead centers
         P2 = meeting(ORIGIN, a + b if reach == 0 else abs(b - a), P3, c, branch)
         if P2 is None or np.linalg.norm(P2) < 1e-6:
             return None
@@ -133,7 +137,7 @@ def five_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def ring_on_grid(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """Five or six bars in a ring, two or three freedoms."""
+    """Five or six bars in a loop, two or three degrees of freedom."""
     points = [ORIGIN]
     for _ in range(int(rng.integers(4, 6))):
         points.append(spot(rng, points[-1]))
@@ -154,7 +158,7 @@ def six_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def slider_crank(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """With and without offset; dead centres, rod at right angles to the slide, equal lengths."""
+    """With and without offset; dead centers, rod perpendicular to the slide, equal lengths."""
     r, length = sizes(rng, 2)
     if rng.random() < 0.3:
         r, length = 0.1, 0.4
@@ -184,7 +188,7 @@ def slider_on_grid(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def turning_block(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """Inverted slider-crank: the rod glides through a block that is hinged to the ground."""
+    """Inverted slider-crank: the rod slides through a block pivoted on the ground."""
     r, d = sizes(rng, 2)
     P1, P3 = at(ORIGIN, r, angle(rng)), at(ORIGIN, d, 0.0)
     way = P3 - P1
@@ -223,7 +227,7 @@ def trammel(rng: np.random.Generator, natural: bool) -> Sketch | None:
     across = pick(rng, (math.pi / 2, math.pi / 2, math.pi / 3))
     P, Q = np.array([length * math.cos(phi), 0.0]), np.array([0.0, length * math.sin(phi)])
     direction = np.array([0.0, 1.0])
-    if across != math.pi / 2:  # the second end on a line through the first one's place
+    if across != math.pi / 2:  # the second end on a line through the position of the first
         direction = np.array([math.cos(across), math.sin(across)])
     P, Q = snapped(P), snapped(Q)
     sketch = Sketch(natural)
@@ -238,7 +242,7 @@ def trammel(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def parallel_cranks(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A coupler on two or three equal cranks: rows repeat others, and bars get in line."""
+    """A coupler on two or three equal cranks: with redundant constraints, and bars in line."""
     r, phi = pick(rng, ROUND), angle(rng)
     gaps = sizes(rng, int(rng.integers(1, 3)))
     feet = [np.array([x, 0.0]) for x in np.cumsum([0.0, *gaps])]
@@ -254,7 +258,7 @@ def parallel_cranks(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def windows(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """N-four-bar: squares or parallelograms in a row."""
+    """N-four-bar: a chain of squares or parallelograms."""
     n, r, d, phi = int(rng.integers(2, 4)), pick(rng, ROUND), pick(rng, ROUND), angle(rng)
     sketch = Sketch(natural)
     feet = [np.array([i * d, 0.0]) for i in range(n + 1)]
@@ -270,7 +274,7 @@ def windows(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def on_a_truss(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A linkage on top of two bars that hold each other still, its foot among what stands."""
+    """A linkage on a truss of two bars, with its foot among the immobile bodies."""
     base, height = pick(rng, (1.0, 2.0)), pick(rng, (0.5, 1.0))
     apex = np.array([base / 2, height])
     sketch = Sketch(natural)
@@ -289,7 +293,9 @@ def on_a_truss(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def random_graph(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A random tree of bars on the grid, closed by hinges and slides where bodies happen to be."""
+    """A random tree of bars on the grid, with loops closed by revolute and
+    prismatic joints where bodies happen to be.
+    """
     sketch = Sketch(natural)
     n = int(rng.integers(3, 8))
     places: dict[str, list[Array]] = {"ground": [ORIGIN, spot(rng), spot(rng)]}
@@ -318,7 +324,7 @@ def random_graph(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def rack_and_pinion(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A slider-crank whose slider is a rack that drives a wheel, with a bar hung from it."""
+    """A slider-crank whose slider is a rack that drives a gear, with a bar attached to it."""
     sketch = slider_crank(rng, natural)
     if sketch is None:
         return None

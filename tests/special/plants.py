@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes started and asked: values, a short run, the linear model, or the words of a refusal."""
+"""Starts scenes and evaluates them: values, a short run, the linear model, or the message of a refusal."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from mechanisms import Array, Scene
 import gelenk
 from gelenk.linear import LinearModel, linear_model
 
-type Told = str  # a refusal's words
-CRASH = "crash: "  # before words that are not meant for users
+type Refusal = str  # message of a refusal
+CRASH = "crash: "  # before messages that are not meant for users
 TOLERANCE = 1e-10
 STOP, STEPS = 0.1, 4  # s: of the short run
 EVALUATIONS = 20000  # a step of the short run takes some hundreds
 
 
-def attempt[T](what: Callable[[], T]) -> T | Told:
-    """What it gives, or the words in which it is refused."""
+def attempt[T](what: Callable[[], T]) -> T | Refusal:
+    """Return the result, or the message of the refusal."""
     try:
         with warnings.catch_warnings(action="ignore", category=gelenk.StartWarning):
             return what()
@@ -36,14 +36,14 @@ def attempt[T](what: Callable[[], T]) -> T | Told:
 
 @dataclass
 class Start:
-    """A plant after its start."""
+    """A plant after initialization."""
 
     source: Scene
     label: str = ""
     tolerance: float = TOLERANCE
 
     @cached_property
-    def plant(self) -> gelenk.Simulation | Told:
+    def plant(self) -> gelenk.Simulation | Refusal:
         return attempt(self._started)
 
     def _started(self) -> gelenk.Simulation:
@@ -53,12 +53,12 @@ class Start:
 
     @cached_property
     def warned(self) -> str:
-        """What the start is warned of; empty if nothing."""
+        """Warnings of the start; empty if none."""
         return " ".join(self._warnings)
 
     @property
     def warned_of_singularity(self) -> str:
-        """Likewise, without words on loops that can be closed in two ways."""
+        """Warnings of the start, except those about loops that can be closed in two ways."""
         return " ".join(w for w in self._warnings if "equally close" not in w)
 
     @property
@@ -67,7 +67,7 @@ class Start:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """All outputs; of a plant that has started."""
+        """All outputs of a plant that has started."""
         plant = self.plant
         assert not isinstance(plant, str)
         found = attempt(plant.values)
@@ -77,14 +77,14 @@ class Start:
 
     @cached_property
     def levels(self) -> dict[str, int]:
-        """0: a coordinate, 1: a speed, 2: an acceleration; others are told by no level."""
+        """0: a coordinate, 1: a velocity, 2: an acceleration; other outputs have no level."""
         plant = self.plant
         assert not isinstance(plant, str)
         return {s.name: s.level for s in plant.outputs}
 
     @cached_property
-    def run(self) -> dict[str, float] | Told:
-        """Coordinates and speeds some time later."""
+    def run(self) -> dict[str, float] | Refusal:
+        """Coordinates and velocities at the end of the short run."""
         return attempt(self._run)
 
     def _run(self) -> dict[str, float]:
@@ -95,12 +95,12 @@ class Start:
         names = [s.name for s in plant.outputs if s.level in (0, 1)]
         return dict(zip(names, plant.values(names).tolist(), strict=True))
 
-    def linear(self, states: Sequence[str] | None = None) -> LinearModel | Told:
+    def linear(self, states: Sequence[str] | None = None) -> LinearModel | Refusal:
         return attempt(lambda: linear_model(self.source, states=states))
 
 
 def budgeted(source: Scene) -> Scene:
-    """The scene with a bound on what a step may cost."""
+    """The scene with a bound on the cost of a step."""
     out = copy.deepcopy(source)
     out.setdefault("solver", {})["max_evaluations"] = EVALUATIONS
     return out
@@ -112,28 +112,30 @@ def without(source: Scene, **reductions: bool) -> Scene:
     return out
 
 
-def beside(start: Start, states: Sequence[str], moves: dict[str, float], slopes: dict[str, Array]) -> Scene:
-    """The scene started with these states moved and kept, all others as guesses where they are led to.
+def beside(
+    start: Start, states: Sequence[str], moves: dict[str, float], derivatives: dict[str, Array]
+) -> Scene:
+    """The scene started with these states changed and fixed, all others as guesses extrapolated accordingly.
 
-    moves: by state, `J.theta[i]` turning joint J's frame M about its own axis i. slopes: what all outputs
-    change by, by state.
+    moves: by state, `J.theta[i]` rotating joint J's frame M about its own axis i. derivatives: of all
+    outputs, by state.
     """
     out = copy.deepcopy(start.source)
     names = list(start.values)
-    led = dict(start.values)
+    predicted = dict(start.values)
     for state, by in moves.items():
-        for name, slope in zip(names, slopes[state].tolist(), strict=True):
-            led[name] += by * slope
+        for name, derivative in zip(names, derivatives[state].tolist(), strict=True):
+            predicted[name] += by * derivative
     for state, by in moves.items():
         if ".theta[" not in state:
-            led[state] = start.values[state] + by
+            predicted[state] = start.values[state] + by
     for joint, entry in out["joints"].items():
-        entry["start"] = _start_of(start, joint, states, moves, led)
+        entry["start"] = _start_of(start, joint, states, moves, predicted)
     return out
 
 
 def _start_of(
-    start: Start, joint: str, states: Sequence[str], moves: dict[str, float], led: dict[str, float]
+    start: Start, joint: str, states: Sequence[str], moves: dict[str, float], predicted: dict[str, float]
 ) -> dict[str, object]:
     scalars: dict[str, object] = {}
     vectors: dict[str, list[float]] = {}
@@ -144,9 +146,9 @@ def _start_of(
             continue
         bare = quantity.partition("[")[0]
         if bare == quantity:
-            scalars[quantity] = led[name]
+            scalars[quantity] = predicted[name]
         else:
-            vectors.setdefault(bare, []).append(led[name])
+            vectors.setdefault(bare, []).append(predicted[name])
         state = name.replace(".Q[", ".theta[")
         if state in states and bare not in fixed:
             fixed.append(bare)
@@ -162,21 +164,21 @@ def _start_of(
 
 
 def start_of(start: Start, joint: str) -> dict[str, object]:
-    """All coordinates and speeds of a joint, as found."""
+    """All coordinates and velocities of a joint, as found."""
     out = _start_of(start, joint, (), {}, start.values)
     out.pop("fixed", None)
     return out
 
 
 def turned(Q: Array, axis: int, angle: float) -> Array:
-    """Q (x, y, z, scalar) times a turn about one of its own axes."""
+    """Q (x, y, z, scalar) times a rotation about one of its own axes."""
     v, s = Q[:3], Q[3]
     u, c = np.eye(3)[axis] * np.sin(angle / 2), np.cos(angle / 2)
     return np.append(s * u + c * v + np.cross(v, u), s * c - v @ u)
 
 
 def whole_vectors(states: Sequence[str]) -> bool:
-    """Whether vectors are among the states as a whole: only so can they be fixed."""
+    """Whether vectors are among the states as a whole, which is required to fix them."""
     for state in states:
         bare, bracket, _ = state.partition("[")
         if bracket and not all(f"{bare}[{i}]" in states for i in (1, 2, 3)):
@@ -185,7 +187,7 @@ def whole_vectors(states: Sequence[str]) -> bool:
 
 
 def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, float]:
-    """Q and -Q are the same turn: of both, the one that is nearer."""
+    """Q and -Q are the same rotation: return the closer one of the two."""
     out = dict(values)
     for name in values:
         if name.endswith(".Q[1]"):
@@ -195,13 +197,13 @@ def same_sign(values: dict[str, float], near: Mapping[str, float]) -> dict[str, 
     return out
 
 
-def missed(source: Scene, start: Start) -> float:
-    """The root of the sum of squares by which guesses of coordinates are missed; angles by turns."""
+def guess_error(source: Scene, start: Start) -> float:
+    """Root of the sum of squared deviations from the guesses of coordinates, angles modulo full turns."""
     total = 0.0
     for joint, entry in source["joints"].items():
-        for q, wish in entry.get("start", {}).items():
+        for q, guess in entry.get("start", {}).items():
             name = f"{joint}.{q}"
             if start.levels.get(name) == 0:
-                gap = start.values[name] - wish
+                gap = start.values[name] - guess
                 total += (math.remainder(gap, 2 * math.pi) if q.startswith("phi") else gap) ** 2
     return math.sqrt(total)

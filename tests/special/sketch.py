@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mechanisms told by where everything is in the world at one position: loops close there by construction."""
+"""Mechanisms defined by the world positions of all parts at one position,
+where loops are closed by construction.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +17,22 @@ Pose = tuple[Array, Array]  # rotation, position in the world
 
 
 def point(x: Numbers) -> Array:
-    """In space; two numbers lie in the x-y plane."""
+    """A point in space; two numbers are in the x-y plane."""
     out = np.zeros(3)
     out[: len(x)] = x
     return out
 
 
 def snapped(x: Array) -> Array:
-    """Numbers that miss a round one by rounding alone are that one: what a user would have typed."""
+    """Numbers that differ from a round one only by round-off are replaced by it:
+    what a user would have entered.
+    """
     near = np.round(x, 6)
     return np.where(np.abs(x - near) < 4e-15, near, x) + 0.0
 
 
 def quaternion(R: Array) -> Array:
-    """X, y, z and the scalar part, which is not negative."""
+    """X, y, z and the scalar part, which is nonnegative."""
     K = np.array(
         [
             [R[0, 0] - R[1, 1] - R[2, 2], 0, 0, 0],
@@ -72,10 +76,12 @@ COORDINATES: dict[str, tuple[str, ...]] = {
 
 @dataclass
 class Sketch:
-    """Bodies and joints at their places; `scene` tells it in the scene format with all coordinates as starts.
+    """Bodies and joints at their positions; `scene` converts them to the scene
+    format with all coordinates as start values.
 
-    natural: body frames lie along the links and joint frames along those, so that a planar joint's coordinate
-    is the angle between links; else bodies lie along the world and all coordinates are those asked for.
+    natural: body frames are aligned with the links and joint frames with those, so that a planar joint's
+    coordinate is the angle between links; otherwise bodies are aligned with the world and all coordinates are
+    as specified.
     """
 
     natural: bool = True
@@ -87,7 +93,9 @@ class Sketch:
     def body(
         self, name: str, at: Numbers, along: Numbers | None = None, mass: float = 1.0, thick: float = 0.1
     ) -> None:
-        """A body whose frame is at `at`; to `along` it is a rod with moments of a bar `thick` m across."""
+        """A body whose frame is at `at`; with `along` it is a rod to that point with
+        the moments of a bar `thick` m across.
+        """
         p = point(at)
         span = np.zeros(3) if along is None else point(along) - p
         length = float(np.linalg.norm(span))
@@ -122,10 +130,10 @@ class Sketch:
         q: Sequence[float] | None = None,
         **fields: Any,
     ) -> None:
-        """A joint whose frame M is at `at`, its axes told in the world as they are now.
+        """A joint whose frame M is at `at`, its axes given in the world in the present position.
 
-        q: its coordinates; None: the angle between the bodies where a hinge's axis is all that they differ
-        by, else zeros.
+        q: its coordinates; None: the angle between the bodies if they differ only by a rotation about the
+        joint axis, otherwise zeros.
         """
         R_P, p_P = self.poses[parent]
         R_C, p_C = self.poses[child]
@@ -134,7 +142,7 @@ class Sketch:
         R_F = R_P
         if kind == "planar":  # its normal is z of F
             x = np.cross([0.3, 0.5, 0.8], in_world[0])
-            if abs(in_world[0][2]) >= 0.999:  # most parents turn about the world's z
+            if abs(in_world[0][2]) >= 0.999:  # most parents rotate about the world's z
                 level = R_P - np.outer(in_world[0], in_world[0] @ R_P)
                 x = level[:, 0] if np.linalg.norm(level[:, 0]) > 0.1 else level[:, 1]
             x = x / np.linalg.norm(x)
@@ -163,7 +171,7 @@ class Sketch:
         self.joints[name] = joint(kind, halves[0], halves[1], **({"start": start} if start else {}), **fields)
 
     def hinge(self, name: str, parent: str, child: str, at: Numbers, **fields: Any) -> None:
-        """About z."""
+        """A revolute joint about z."""
         self.joint(name, "revolute", parent, child, at, **fields)
 
     def slide(self, name: str, parent: str, child: str, at: Numbers, along: Numbers, **fields: Any) -> None:
@@ -173,7 +181,7 @@ class Sketch:
         return scene(self.bodies, self.joints, **self.extra, **fields)
 
     def _between(self, R: Array, axis: Array) -> float:
-        """The angle of R, if it is a turn about the axis and this sketch is a natural one; else 0."""
+        """The angle of R, if it is a rotation about the axis and this sketch is a natural one; else 0."""
         if not self.natural or np.abs(R @ axis - axis).max() > 1e-12:
             return 0.0
         across = np.cross(axis, [0.3, 0.5, 0.8])
@@ -190,7 +198,9 @@ def _frame(body: str, p: Array, R: Array) -> dict[str, Any]:
 
 
 def meeting(a: Numbers, r: float, b: Numbers, s: float, branch: int = 1) -> Array | None:
-    """Where circles of radius r about a and s about b meet, left (1) or right (-1) of the way from a to b."""
+    """Intersection of circles of radius r about a and s about b, left (1)
+    or right (-1) of the line from a to b.
+    """
     A, B = np.asarray(a, float), np.asarray(b, float)
     d = float(np.linalg.norm(B - A))
     if d == 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Loops in space drawn at special positions: axes along the world's, right angles, equal bars."""
+"""Spatial loops generated at special positions: axes along the world axes, right angles, equal bars."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ O = np.zeros(3)  # noqa: E741
 
 
 def direction(rng: np.random.Generator) -> Array:
-    """One of the world's axes, or leaning between two of them, or any."""
+    """A world axis, a direction halfway between two of them, or an arbitrary one."""
     style = rng.random()
     if style < 0.6:
         return np.array(AXES[rng.integers(3)])
@@ -30,7 +30,7 @@ def direction(rng: np.random.Generator) -> Array:
 
 
 def across(rng: np.random.Generator, a: Array) -> Array:
-    """A unit vector at right angles to a, along an axis of the world where that is one."""
+    """A unit vector perpendicular to a, along a world axis if possible."""
     for i in rng.permutation(3):
         if abs(AXES[i] @ a) < 1e-12:
             return np.array(AXES[i])
@@ -49,14 +49,16 @@ def spot(rng: np.random.Generator, *others: Array) -> Array:
 
 def ball_or_cross(sketch: Sketch, rng: np.random.Generator, name: str, parent: str, child: str, p: Array,
                   along: Array) -> None:  # fmt: skip
-    """A universal joint whose axes are at right angles to the rod."""
+    """A universal joint whose axes are perpendicular to the rod."""
     a = across(rng, along)
     b = np.cross(along, a)
     sketch.joint(name, "universal", parent, child, p, [a, b], q=coordinates(rng, 2, False))
 
 
 def coordinates(rng: np.random.Generator, n: int, singular: bool = True) -> list[float]:
-    """Of a joint at this position: zeros, right angles, any. A universal joint's axes stay apart anyhow."""
+    """Coordinates of a joint at this position: zeros, right angles, arbitrary.
+    Universal joints avoid gimbal lock.
+    """
     del singular
     style = rng.integers(3)
     if style == 0:
@@ -93,7 +95,7 @@ def crank_rod(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def rod_on_balls(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """RSSR, RSSP with a rod of no mass, or one that may spin about itself."""
+    """RSSR, RSSP with a massless rod, or one that can spin about its axis."""
     sketch = Sketch(natural)
     axis, other = direction(rng), direction(rng)
     P1 = pick(rng, ROUND) * across(rng, axis)
@@ -112,7 +114,7 @@ def rod_on_balls(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def bennett(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """Bennett's linkage: four hinges in space, opposite bars equal, a / sin alpha = b / sin beta."""
+    """Bennett's linkage: four revolute joints in space, opposite bars equal, a / sin alpha = b / sin beta."""
     a, b = pick(rng, ROUND), pick(rng, ROUND)
     alpha = pick(rng, (math.pi / 2, math.pi / 3, math.pi / 6, 0.7))
     if b * math.sin(alpha) / a > 1:
@@ -154,7 +156,7 @@ def bennett(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def sarrus(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A table on two or three pairs of plates, each in a plane of its own: it moves straight up and down."""
+    """A table on two or three pairs of plates, each in a plane of its own: it moves vertically."""
     phi, r = angle(rng), pick(rng, ROUND)
     sketch = Sketch(natural)
     lean = np.array([math.cos(phi), 0.0, math.sin(phi)])
@@ -176,7 +178,7 @@ def sarrus(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def spherical_four_bar(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """Four hinges whose axes meet in a point: right angles between them on purpose."""
+    """Four revolute joints whose axes meet in a point, deliberately with right angles between them."""
     axes = [direction(rng) for _ in range(4)]
     sketch = Sketch(natural)
     before = "ground"
@@ -194,7 +196,7 @@ def cardan_shafts(rng: np.random.Generator, natural: bool) -> Sketch | None:
     bend = pick(rng, (math.pi / 4, math.pi / 6, math.pi / 3, 0.4))
     second = snapped(np.array([math.cos(bend), math.sin(bend), 0.0]))
     yoke = pick(rng, (0.0, math.pi / 2, 0.5))
-    a = snapped(rotation(AXES[0], yoke) @ AXES[2])  # at right angles to the first shaft
+    a = snapped(rotation(AXES[0], yoke) @ AXES[2])  # perpendicular to the first shaft
     b = np.cross(second, a)
     b /= np.linalg.norm(b)
     sketch = Sketch(natural)
@@ -218,7 +220,7 @@ def cardan_shafts(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def held_twice(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A door on two hinges or a carriage on two rails, and what hangs from it."""
+    """A door on two hinges or a carriage on two rails, and an attached body."""
     axis = direction(rng)
     kind = str(rng.choice(["revolute", "prismatic"]))
     q = coordinates(rng, 1)
@@ -235,7 +237,7 @@ def held_twice(rng: np.random.Generator, natural: bool) -> Sketch | None:
 
 
 def random_loops(rng: np.random.Generator, natural: bool) -> Sketch | None:
-    """A random tree in space, closed by random joints where bodies happen to be."""
+    """A random tree in space, with loops closed by random joints where bodies happen to be."""
     sketch = Sketch(natural)
     kinds = ("revolute", "prismatic", "cylindrical", "universal", "spherical", "planar")
     n = int(rng.integers(2, 6))

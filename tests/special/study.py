@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares all listed scenes and 2000 random ones at special positions: `make special`.
 
-python -m special.study                       all; findings go to build/special.txt
+python -m special.study                       all; findings are written to build/special.txt
 python -m special.study --random 100 --from 300
 python -m special.study --only "random 87"    one of them again, or all whose names contain this
 """
@@ -27,17 +27,17 @@ FOUND = ("DISAGREE", "REFUSED", "CRASH", "SLOW", "SINGULAR", "ALARM")
 KINDS = ("agree", "refused", "warned", "sensitive", "skipped", *FOUND, "ELSEWHERE")
 MEANING = """
 agree     within the tolerance
-refused   in words: of a singular position, of values that no position has, or as documented
-warned    beyond the tolerance, but the start was warned of
+refused   with a message: singular position, values that no position has, or a documented limitation
+warned    beyond the tolerance, but the start gave a warning
 sensitive a run at another tolerance ends elsewhere, too
 skipped   nothing to compare
 DISAGREE  beyond the tolerance
 REFUSED   by one way of computing alone, or at a position where nothing is singular
-CRASH     without words
+CRASH     without a message
 SLOW      more than 20 s of CPU time
-ELSEWHERE loops are closed farther from the guesses in another order of the file: no fault, told for a look
-SINGULAR  beyond the tolerance, at a position where derivatives or accelerations may not exist, and no word
-ALARM     warned of, although nothing is singular
+ELSEWHERE loops are closed farther from the guesses in another order of the file: no error, for inspection
+SINGULAR  beyond the tolerance, at a position where derivatives or accelerations may not exist, and no warning
+ALARM     a warning, although nothing is singular
 """
 REPORT = Path("build") / "special.txt"
 
@@ -60,7 +60,7 @@ def judged(task: tuple[str, int]) -> list[tuple[str, str, list[Verdict]]]:
 
 
 def of(case: Case, seed: int) -> list[Verdict]:
-    """Its verdicts; an exception of the comparison itself is one, too."""
+    """The verdicts of a case; an exception of the comparison itself is one, too."""
     try:
         return compared(case, seed)
     except Exception as e:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""At special positions every way of computing a mechanism gives the same, and what closed forms give."""
+"""At special positions all reductions, cuts and file orders give the same results,
+which agree with closed forms.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +26,9 @@ from .study import FOUND
 
 UP, LEFT = math.pi / 2, math.pi
 SLIDER_CRANK = crank_slider(0.1, 0.4)
-READY_FOUR_BAR = (0.5, 1.75, 1.5, 2.0)
+SHIPPED_FOUR_BAR = (0.5, 1.75, 1.5, 2.0)
 
-# Where the rate of a joint that may be cut vanishes, or nearly; and beside it.
+# Positions where the rate of a joint that may be cut vanishes, or nearly vanishes, and positions nearby.
 NAMED: dict[str, tuple[Linkage, float]] = {
     "slider-crank, crank across the slide": (SLIDER_CRANK, UP),
     "slider-crank, crank across, below": (SLIDER_CRANK, -UP),
@@ -36,11 +38,11 @@ NAMED: dict[str, tuple[Linkage, float]] = {
     "slider-crank, beside": (SLIDER_CRANK, 1.5),
     "slider-crank with an offset": (crank_slider(0.1, 0.4, 0.05), UP),
     "slider-crank, offset, crank across": (crank_slider(0.25, 0.5, 0.25), UP),
-    "four-bar, crank in line with the ground": (four_bar_linkage(READY_FOUR_BAR), 0.0),
-    "four-bar, crank in line, folded back": (four_bar_linkage(READY_FOUR_BAR), LEFT),
-    "four-bar, other branch": (four_bar_linkage(READY_FOUR_BAR, -1), 0.0),
-    "four-bar, other branch, folded back": (four_bar_linkage(READY_FOUR_BAR, -1), LEFT),
-    "four-bar, beside": (four_bar_linkage(READY_FOUR_BAR), 0.05),
+    "four-bar, crank in line with the ground": (four_bar_linkage(SHIPPED_FOUR_BAR), 0.0),
+    "four-bar, crank in line, folded back": (four_bar_linkage(SHIPPED_FOUR_BAR), LEFT),
+    "four-bar, other branch": (four_bar_linkage(SHIPPED_FOUR_BAR, -1), 0.0),
+    "four-bar, other branch, folded back": (four_bar_linkage(SHIPPED_FOUR_BAR, -1), LEFT),
+    "four-bar, beside": (four_bar_linkage(SHIPPED_FOUR_BAR), 0.05),
     "crank-rocker of round sizes": (four_bar_linkage((0.5, 1.5, 1.5, 2.0)), 0.0),
     "drag link": (four_bar_linkage((1.5, 1.75, 2.0, 0.5)), LEFT),
     "kite": (four_bar_linkage((1.0, 2.0, 2.0, 1.0), -1), UP),
@@ -52,51 +54,54 @@ NAMED: dict[str, tuple[Linkage, float]] = {
     "turning block, crank towards it": (turning_block(0.5, 1.5), 0.0),
     "turning block, crank away from it": (turning_block(0.5, 1.5), LEFT),
 }
-LEANING = rotation([0.3, -0.7, 0.5], 1.3)
+TILTED = rotation([0.3, -0.7, 0.5], 1.3)
 SPEEDS = (0.0, 2.0)  # rad/s
-# Central differences of sixth order, h = 1e-3: h^6 times seventh derivatives up to 1e6, rounding over h.
+# Central differences of sixth order, h = 1e-3: h^6 times seventh derivatives up to 1e6, round-off divided by
+# h.
 DIFFERENCES = 1e-9
 
 
-def assert_true(found: LinearModel, truth: Linkage, phi: float, w: float) -> None:
-    """x0, rates, A, B and C by the linkage's geometry."""
+def assert_matches_geometry(found: LinearModel, truth: Linkage, phi: float, w: float) -> None:
+    """Compare x0, rates, A, B and C with the linkage's geometry."""
     assert found.states == ("A.phi", "A.w")
     expected = truth.outputs(phi, w)
     size = 1 + max(abs(x) for x in expected.values())
     at = dict(zip(found.outputs, found.y0, strict=True))
     for name, value in expected.items():
         assert at[name] == pytest.approx(value, abs=1e-11 * size), name
-    slopes = truth.slopes(phi, w)
-    size = 1 + max(np.abs(row).max() for row in slopes.values())
-    for name, row in slopes.items():
+    derivatives = truth.derivatives(phi, w)
+    size = 1 + max(np.abs(row).max() for row in derivatives.values())
+    for name, row in derivatives.items():
         found_row = found.C[found.outputs.index(name)]
         assert found_row == pytest.approx(row, abs=DIFFERENCES * size), name
     assert found.A[0] == pytest.approx([0, 1], abs=0)
-    assert found.A[1] == pytest.approx(slopes["A.a"], abs=DIFFERENCES * size)
+    assert found.A[1] == pytest.approx(derivatives["A.a"], abs=DIFFERENCES * size)
     assert found.B[:, 0] == pytest.approx([0, 1 / truth.inertia(phi)], rel=1e-11)
 
 
 @pytest.mark.parametrize("w", SPEEDS)
 @pytest.mark.parametrize("name", NAMED)
-def test_linear_model_is_that_of_the_geometry(name: str, w: float) -> None:
+def test_linear_model_matches_the_geometry(name: str, w: float) -> None:
     linkage, phi = NAMED[name]
-    assert_true(linear_model(linkage.source(phi, w)), linkage, phi, w)
+    assert_matches_geometry(linear_model(linkage.source(phi, w)), linkage, phi, w)
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_linear_model_is_that_of_the_geometry_however_it_leans(name: str) -> None:
+def test_linear_model_matches_the_geometry_in_an_oblique_plane(name: str) -> None:
     linkage, phi = NAMED[name]
-    assert_true(linear_model(placed(linkage.source(phi, 2.0), LEANING, (0.3, -0.2, 0.7))), linkage, phi, 2.0)
+    assert_matches_geometry(
+        linear_model(placed(linkage.source(phi, 2.0), TILTED, (0.3, -0.2, 0.7))), linkage, phi, 2.0
+    )
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_run_from_there_is_that_of_the_geometry(name: str) -> None:
+def test_run_from_special_position_matches_the_geometry(name: str) -> None:
     linkage, phi = NAMED[name]
     plant = gelenk.Simulation(linkage.source(phi, 1.5))
     plant.initialize(0.0, 1e-10)
     plant.step_to(0.2)
     exact = _motion(linkage, phi, 1.5, 0.2)
-    # 1e4 times the tolerance; a joint taken for welded ends the run in its first step.
+    # 1e4 times the tolerance; a joint classified as a weld ends the run in its first step.
     assert plant.output("A.phi") == pytest.approx(exact[0], abs=1e-6)
     assert plant.output("A.w") == pytest.approx(exact[1], abs=1e-6)
 
@@ -114,16 +119,18 @@ def _motion(linkage: Linkage, phi: float, w: float, stop: float) -> tuple[float,
     ("linkage", "angles"),
     [
         (SLIDER_CRANK, (UP, -UP)),
-        (four_bar_linkage(READY_FOUR_BAR), (0.0, LEFT)),
+        (four_bar_linkage(SHIPPED_FOUR_BAR), (0.0, LEFT)),
         (scotch_yoke(0.3), (UP, -UP)),
     ],
     ids=["slider-crank", "four-bar", "Scotch yoke"],
 )
-def test_finished_fmu_is_taken_there(linkage: Linkage, angles: tuple[float, ...], tmp_path: Path) -> None:
-    """Exported elsewhere, its start parameter set: the linear model, and a run."""
+def test_fmu_started_at_a_special_position_matches_the_geometry(
+    linkage: Linkage, angles: tuple[float, ...], tmp_path: Path
+) -> None:
+    """Exported at another position, with its start parameter set: the linear model, and a run."""
     fmu = gelenk.export_fmu(gelenk.load(linkage.source(0.7, 0.0)), tmp_path / "Linkage.fmu")
     for phi in angles:
-        assert_true(linear_model(fmu, at={"A.phi": phi, "A.w": 2.0}), linkage, phi, 2.0)
+        assert_matches_geometry(linear_model(fmu, at={"A.phi": phi, "A.w": 2.0}), linkage, phi, 2.0)
         run = gelenk.simulate(
             fmu, stop=0.2, step=0.05, tolerance=1e-10, parameters={"A.phi_start": phi, "A.w_start": 2.0}
         )
@@ -132,7 +139,7 @@ def test_finished_fmu_is_taken_there(linkage: Linkage, angles: tuple[float, ...]
         assert run["A.w"][-1] == pytest.approx(exact[1], abs=1e-6)
 
 
-# --- all ways of computing against each other; `make special` compares more of them ---
+# --- all ways of computing compared with each other; `make special` compares more of them ---
 
 
 def findings(case: Case, seed: int) -> list[str]:
@@ -142,8 +149,8 @@ def findings(case: Case, seed: int) -> list[str]:
 
 
 @pytest.mark.parametrize("path", scene_files.good(), ids=lambda path: path.stem)
-def test_shipped_scenes(path: Path) -> None:
-    """Every third of their starts: at other angles as they are, at rest, without gravity, tilted."""
+def test_shipped_scenes_agree_at_special_positions(path: Path) -> None:
+    """Every third of their starts: at other angles, as given, at rest, without gravity, tilted."""
     found = []
     for i, case in enumerate(list(starts(path.stem, gelenk.load(path).to_dict()))[::3]):
         found += findings(case, i)
@@ -151,7 +158,7 @@ def test_shipped_scenes(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", scene_files.good(), ids=lambda path: path.stem)
-def test_shipped_scenes_as_fmus(path: Path) -> None:
+def test_fmus_of_shipped_scenes_agree_at_special_positions(path: Path) -> None:
     """Exported at one angle, started at the others."""
     found = []
     for name, verdicts in finished(path.stem, gelenk.load(path).to_dict()):
@@ -160,21 +167,23 @@ def test_shipped_scenes_as_fmus(path: Path) -> None:
 
 
 @pytest.mark.parametrize("angle", [0.0, LEFT])
-def test_two_cranks_in_line(angle: float) -> None:
-    """No motion of the cranks turns the tool's joint here: two freedoms, and no singular position."""
+def test_two_cranks_in_line_are_not_singular(angle: float) -> None:
+    """No motion of the cranks rotates the tool joint here: two degrees of freedom,
+    and no singular configuration.
+    """
     source = gelenk.load(scene_files.SCENES / "five_bar.yaml").to_dict()
     case = Case("five_bar", started(source, {"left": angle, "right": angle}))
     assert not findings(case, 0)
     assert len(linear_model(case.source).states) == 4
 
 
-# Bars stretched between a crank that stands on the branch of its own loop and the ground.
+# Bars fully extended between the ground and a crank that is on the branch of its own loop.
 @pytest.mark.parametrize(
     ("family", "name"), [("speed: nfourbar_2", "j_V0 at -90°"), ("windows 3", "A0 at -90°")]
 )
-def test_bars_that_are_rigid_at_second_order(family: str, name: str) -> None:
-    """They stand still in every order of the file, or the start is warned of. Where rounding had closed the
-    loops beside the singular position, it was on no branch, with accelerations of 1e8 1/s2.
+def test_bars_rigid_to_second_order_do_not_move(family: str, name: str) -> None:
+    """The bars are immobile in every order of the file, or the start gives a warning. Where round-off had
+    closed the loops beside the singular position, the start was on no branch, with accelerations of 1e8 1/s2.
     """
     found = []
     for i, case in enumerate(starts(family, dict(families())[family])):
@@ -183,19 +192,20 @@ def test_bars_that_are_rigid_at_second_order(family: str, name: str) -> None:
     assert not found, "\n".join(found)
 
 
-# Cut joints that stand still for a moment: wrong accelerations, linear models and runs once. 1169: a start
-# that rounding has closed beside a singular position, not warned of. 1126, 1705: the comparison was wrong.
-ONCE_FOUND = (102, 115, 205, 248, 263, 292, 1126, 1169, 1705, 1766, 2056)
+# Cut joints that are instantaneously at rest: these caused wrong accelerations, linear models and runs. 1169:
+# a start that round-off closes beside a singular position, without a warning. 1126, 1705: the comparison was
+# wrong.
+REGRESSIONS = (102, 115, 205, 248, 263, 292, 1126, 1169, 1705, 1766, 2056)
 
 
-@pytest.mark.parametrize("seed", ONCE_FOUND)
-def test_what_was_found_once(seed: int) -> None:
+@pytest.mark.parametrize("seed", REGRESSIONS)
+def test_regressions_of_random_mechanisms(seed: int) -> None:
     found = findings(drawn(seed), seed)
     assert not found, "\n".join(found)
 
 
 @pytest.mark.parametrize("first", range(0, 100, 10))
-def test_random_mechanisms(first: int) -> None:
+def test_random_mechanisms_agree_at_special_positions(first: int) -> None:
     found = []
     for seed in range(first, first + 10):
         found += findings(drawn(seed), seed)

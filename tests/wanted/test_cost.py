@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One island of two hundred costs what it costs alone."""
+"""With one island of two hundred selected by the requested outputs,
+a simulation costs as much as that island alone.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ import gelenk
 from gelenk.model.inspection import evaluation_cost
 
 COUNT = 200
-MARGIN = 1.2  # of CPU times: where data come to lie, and what else the machine does
+MARGIN = 1.2  # of CPU times: memory placement, and other load on the machine
 
 
 def cpu(work: Callable[[], object]) -> float:
@@ -26,8 +28,8 @@ def cpu(work: Callable[[], object]) -> float:
     return time.process_time() - begin
 
 
-def compared(one: Callable[[], object], other: Callable[[], object]) -> float:
-    """CPU time of `one` by that of `other`, the least of up to 40 turns each."""
+def cpu_time_ratio(one: Callable[[], object], other: Callable[[], object]) -> float:
+    """CPU time of `one` divided by that of `other`, the minimum of up to 40 alternating measurements each."""
     least = [math.inf, math.inf]
     for _ in range(40):
         for i, work in enumerate((one, other)):
@@ -44,9 +46,9 @@ def sources(k: int) -> tuple[gelenk.Scene, gelenk.Scene]:
 
 @pytest.mark.clock
 @pytest.mark.parametrize("k", range(5))
-def test_start_and_steps_take_the_same_time(k: int) -> None:
+def test_initialization_and_steps_take_the_same_time(k: int) -> None:
     plants = [gelenk.Simulation(source) for source in sources(k)]
-    assert compared(plants[0].initialize, plants[1].initialize) <= MARGIN
+    assert cpu_time_ratio(plants[0].initialize, plants[1].initialize) <= MARGIN
     for plant in plants:
         plant.initialize()
     ends = [0.0, 0.0]
@@ -55,7 +57,7 @@ def test_start_and_steps_take_the_same_time(k: int) -> None:
         ends[i] += 1e-3
         plants[i].step_to(ends[i])
 
-    assert compared(lambda: step(0), lambda: step(1)) <= MARGIN
+    assert cpu_time_ratio(lambda: step(0), lambda: step(1)) <= MARGIN
 
 
 @pytest.mark.parametrize("k", range(6))
@@ -71,15 +73,17 @@ def test_counts_and_sizes_are_the_same(k: int) -> None:
 
 
 @pytest.mark.clock
-def test_evaluation_of_the_whole_costs_more() -> None:
-    """So the comparisons above could fail: two hundred islands take at least twenty times as long as one."""
+def test_evaluation_of_the_whole_scene_costs_more() -> None:
+    """Verifies that the comparisons above are meaningful:
+    two hundred islands take at least twenty times as long as one.
+    """
     wanted, _ = sources(0)
     whole, part = evaluation_cost(wanted, ["outputs"]).seconds, evaluation_cost(wanted).seconds
     assert (whole or 0.0) > 20 * (part or math.inf)
 
 
-def test_fmu_is_as_large(tmp_path: Path) -> None:
-    """The FMU also says what is wanted, and the size of the rest: some 400 bytes."""
+def test_fmu_has_the_same_size(tmp_path: Path) -> None:
+    """The FMU also contains the list of requested outputs and the size of the remainder: some 400 bytes."""
     sizes = []
     for source in sources(0):
         with zipfile.ZipFile(gelenk.export_fmu(source, tmp_path / "x.fmu")) as archive:
@@ -88,7 +92,7 @@ def test_fmu_is_as_large(tmp_path: Path) -> None:
 
 
 @pytest.mark.clock
-def test_fmu_is_made_as_fast(tmp_path: Path) -> None:
+def test_fmu_export_takes_the_same_time(tmp_path: Path) -> None:
     wanted, alone = sources(0)
     least = [math.inf, math.inf]
     for _ in range(10):
@@ -100,8 +104,8 @@ def test_fmu_is_made_as_fast(tmp_path: Path) -> None:
     assert least[0] <= MARGIN * least[1]
 
 
-def test_unwanted_outputs_of_an_island_cost_nothing() -> None:
-    """They are computed when they are read; the same steps and evaluations to the last one."""
+def test_unrequested_outputs_of_an_island_cost_nothing() -> None:
+    """Outputs are computed when they are read; the steps and evaluations are identical."""
     counts = []
     for outputs in (["i3_P.phi"], ["i3_*"]):
         plant = gelenk.Simulation(gelenk.load(many_islands(COUNT)).with_outputs(outputs))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Patterns of outputs are those of shells, and a set of characters at the end is an index, too."""
+"""Output patterns have the syntax of shells; a set of characters at the end also matches an index."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ import gelenk
 from gelenk import _core
 
 
-def test_patterns_meet_what_those_of_python_meet() -> None:
-    """fnmatch.fnmatchcase, on patterns and names without an index at the end, where they mean the same."""
+def test_patterns_match_like_fnmatch() -> None:
+    """Compared with fnmatch.fnmatchcase, for patterns and names without an index at
+    the end, where both agree.
+    """
     draw = random.Random(7)
     pieces = ["*", "?", "[ab]", "[!a]", "[a-c]", "[!a-b]", "a", "b", "c", ".", "**", "[]a]", "[a"]
     met = 0
@@ -46,15 +48,15 @@ def test_patterns_meet_what_those_of_python_meet() -> None:
         ("[!]", set()),
     ],
 )
-def test_sets_at_the_end_are_indices(pattern: str, names: set[str]) -> None:
+def test_character_sets_at_the_end_match_indices(pattern: str, names: set[str]) -> None:
     known = {"tip.r[1]", "tip.r[2]", "tip.r[3]", "U.phi_a", "U.phi_b"}
     assert {name for name in known if _core.meets(pattern, name)} == names
 
 
-def test_pattern_of_many_stars_ends_soon() -> None:
+def test_pattern_with_many_stars_is_matched_quickly() -> None:
     assert not _core.meets("*a" * 40 + "b", "a" * 200)
 
 
-def test_what_a_call_asks_for_is_in_the_order_asked(four_bar: gelenk.Scene) -> None:
+def test_requested_outputs_are_in_the_requested_order(four_bar: gelenk.Scene) -> None:
     result = gelenk.simulate(four_bar, stop=0.01, step=0.01, outputs=["D.*", "A.phi", "*.w"])
     assert result.names == ("D.phi", "D.w", "D.a", "A.phi", "A.w", "B.w", "C.w")

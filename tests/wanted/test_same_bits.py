@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is left of a scene when few outputs are wanted is to the bit what it was in the whole.
+"""The part of a scene required for the requested outputs gives results bitwise
+identical to those of the whole scene.
 
-Exact (`==`): the parts share no number, so nothing may round otherwise.
+Comparisons are exact (`==`): the islands share no numbers, so round-off must be identical.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import gelenk
 from gelenk import _core
 
 COUNT = 200
-KEPT = (0, 1, 2, 3, 4, 5, 6, 113, 154)  # all kinds, a truss among them (5, 113), and some twice
+KEPT = (0, 1, 2, 3, 4, 5, 6, 113, 154)  # all kinds, among them a truss (5, 113), and some twice
 INTEGRATORS = ("auto", "erk", "ida", "cvode", "dirk", "rk4")
 STEPS, STEP = 20, 0.01  # s
 
@@ -32,7 +33,7 @@ def torque(name: str, t: float) -> float:
 
 
 def run(plant: gelenk.Simulation) -> Array:
-    """All outputs at the start and at every step, with inputs that jump; as a master does."""
+    """All outputs at the start and at every step, with inputs that jump, as set by a co-simulation master."""
 
     def set_inputs(step: int) -> None:
         for signal in plant.inputs:
@@ -53,7 +54,7 @@ def columns(plant: gelenk.Simulation) -> dict[str, int]:
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_each_island_of_two_hundred_moves_as_in_the_whole(integrator: str) -> None:
+def test_each_of_two_hundred_islands_moves_as_in_the_whole_scene(integrator: str) -> None:
     scene = gelenk.load(many_islands(COUNT, solver={"integrator": integrator}))
     whole = gelenk.Simulation(scene)
     at = columns(whole)
@@ -69,7 +70,7 @@ def test_each_island_of_two_hundred_moves_as_in_the_whole(integrator: str) -> No
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_fmu_of_some_islands_moves_as_the_whole(integrator: str, tmp_path: Path) -> None:
+def test_fmu_of_some_islands_moves_like_the_whole_scene(integrator: str, tmp_path: Path) -> None:
     scene = gelenk.load(many_islands(COUNT, solver={"integrator": integrator}))
     wanted = [pattern(k) for k in KEPT]
     whole = gelenk.Simulation(scene)
@@ -84,8 +85,8 @@ def test_fmu_of_some_islands_moves_as_the_whole(integrator: str, tmp_path: Path)
     assert np.array_equal(found, expected[:, [at[name] for name in result.names]])
 
 
-def test_truss_beside_a_wanted_part_changes_no_bit() -> None:
-    """It is welded in a second assembly, which is no affair of others."""
+def test_truss_beside_the_selected_part_does_not_change_results() -> None:
+    """The truss is welded by a second assembly, which does not affect the other bodies."""
     scene = gelenk.load(many_islands(6))
     whole = gelenk.Simulation(scene)
     whole.initialize()
@@ -96,12 +97,12 @@ def test_truss_beside_a_wanted_part_changes_no_bit() -> None:
 
 
 @pytest.mark.parametrize("size", [40.0, 3e-4])
-def test_natural_units_are_those_of_the_whole(size: float) -> None:
-    """Absolute tolerances count in them: of a whole with a body of 40 m, one of 0.3 m is small."""
+def test_natural_units_are_those_of_the_whole_scene(size: float) -> None:
+    """Absolute tolerances are relative to them: in a scene with a body of 40 m, one of 0.3 m is small."""
     data = many_islands(4)
     data["bodies"]["giant"] = rod(5000.0, size)
     data["joints"]["G"] = joint("revolute", frame("ground"), frame("giant"), axis=[0, 1, 0])
-    if size < 1:  # then all of it is small
+    if size < 1:  # then the whole scene is small
         data = many_islands(1, only=1)
         data["bodies"] = {name: {**b, "com": [0, 0, -size / 9]} for name, b in data["bodies"].items()}
         for entry in data["bodies"].values():
@@ -116,7 +117,7 @@ def test_natural_units_are_those_of_the_whole(size: float) -> None:
     wanted = scene.with_outputs(["i1_*"])
     part = _core.wanted_part(wanted._core)
     assert part.scales[:2] == scene._core.scales[:2] != [1.0, 1.0]
-    again = gelenk.load(_core.write_scene_json(part))  # as an FMU carries it
+    again = gelenk.load(_core.write_scene_json(part))  # as stored in an FMU
     assert again._core.scales == part.scales
     whole = gelenk.Simulation(scene)
     expected = run(whole)
@@ -126,14 +127,14 @@ def test_natural_units_are_those_of_the_whole(size: float) -> None:
         assert np.array_equal(run(plant), expected[:, [at[s.name] for s in plant.outputs]])
 
 
-def test_linear_model_of_a_part_is_that_block_of_the_whole() -> None:
+def test_linear_model_of_a_part_is_a_block_of_the_whole_model() -> None:
     scene = gelenk.load(many_islands(12))
     whole = gelenk.linearize(scene)
     part = gelenk.linearize(scene.with_outputs(["i5_L.phi", "i5_R.w_a"]))
     x = [whole.state_labels.index(name) for name in part.state_labels]
     y = [whole.output_labels.index(name) for name in part.output_labels]
     assert part.output_labels == ["i5_L_phi", "i5_R_w_a"]
-    assert len(x) == 6  # one hinge, two of a universal joint, and their speeds
+    assert len(x) == 6  # one revolute joint, two angles of a universal joint, and their velocities
     assert np.array_equal(part.A, whole.A[np.ix_(x, x)])
     assert np.array_equal(part.C, whole.C[np.ix_(y, x)])
     assert not whole.A[np.ix_(x, [i for i in range(len(whole.A)) if i not in x])].any()

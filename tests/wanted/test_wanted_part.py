@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a list of wanted outputs leaves in and leaves out, and what is said of it."""
+"""The parts of a scene kept or removed for a list of requested outputs, and what is reported about them."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def names_in(source: gelenk.Scene, section: str) -> set[str]:
     return set(source.to_dict()[section])
 
 
-def test_part_has_what_acts_on_it_and_nothing_else() -> None:
+def test_part_contains_only_the_elements_that_act_on_it() -> None:
     whole = gelenk.load(many_islands(6, parameters="all"))
     part = whole.with_outputs(["i3_Q.phi"]).pruned()
     assert names_in(part, "bodies") == {"i3_pinion", "i3_wheel"}
     assert names_in(part, "joints") == {"i3_P", "i3_Q"}
     assert names_in(part, "motors") == {"i3_drive"}
     assert names_in(part, "constraints") == {"i3_mesh"}
-    assert names_in(part, "sensors") == {"i3_load"}  # a reaction that is read keeps the part in space
+    assert names_in(part, "sensors") == {"i3_load"}  # a reaction output requires spatial algebra
     others = {"i0", "i1", "i2", "i4", "i5"}
     own = {n for n in whole.parameters if n.split("_")[0] not in others}
     assert {n for n in own if n.startswith("i3")}
@@ -37,7 +37,7 @@ def test_part_has_what_acts_on_it_and_nothing_else() -> None:
     assert part.pruned() is part
 
 
-def test_standing_bodies_stay_where_something_hangs_on_them() -> None:
+def test_immobile_bodies_are_kept_if_something_is_attached() -> None:
     part = gelenk.load(many_islands(6)).with_outputs(["i1_A.phi"]).pruned()
     assert names_in(part, "bodies") == {"i1_block", "i1_bob"}
     assert names_in(part, "joints") == {"i1_W", "i1_A"}
@@ -68,14 +68,14 @@ def two_on_one_table() -> Scene:
     )  # fmt: skip
 
 
-def test_ground_and_what_is_welded_to_it_couple_nothing() -> None:
+def test_ground_and_welded_bodies_do_not_couple_islands() -> None:
     part = gelenk.load(two_on_one_table()).with_outputs(["L.phi"]).pruned()
     assert names_in(part, "bodies") == {"table", "shelf", "left"}
     assert names_in(part, "joints") == {"T", "H", "L"}
     assert names_in(part, "forces") == {"on_left", "on_shelf"}
 
 
-def test_what_stands_still_alone_can_be_wanted() -> None:
+def test_outputs_of_immobile_bodies_can_be_requested() -> None:
     source = gelenk.load(two_on_one_table())
     plant = gelenk.Simulation(source.with_outputs(["where.r[1]"]))
     plant.initialize()
@@ -85,7 +85,7 @@ def test_what_stands_still_alone_can_be_wanted() -> None:
 
 
 @pytest.mark.parametrize("wanted", [["all.total"], ["all.kinetic", "L.phi"]])
-def test_energy_of_all_leaves_nothing_out(wanted: list[str]) -> None:
+def test_total_energy_requires_the_whole_scene(wanted: list[str]) -> None:
     source = gelenk.load(two_on_one_table())
     part = source.with_outputs(wanted).pruned()
     assert names_in(part, "bodies") == names_in(source, "bodies")
@@ -93,8 +93,10 @@ def test_energy_of_all_leaves_nothing_out(wanted: list[str]) -> None:
 
 
 @pytest.mark.parametrize("reduction", ["outputs", "islands"])
-def test_reductions_that_are_off_leave_nothing_out(reduction: str) -> None:
-    """Without `islands` all is one system, and its steps suit all: its parts are not what they are alone."""
+def test_disabled_reductions_keep_the_whole_scene(reduction: str) -> None:
+    """Without `islands` the scene is one system with common steps:
+    its parts do not move exactly as they would alone.
+    """
     source = gelenk.load(two_on_one_table())
     off = gelenk.Simulation(source.with_outputs(["L.phi"]).without([reduction]))
     on = gelenk.Simulation(source.with_outputs(["L.phi"]))
@@ -102,7 +104,7 @@ def test_reductions_that_are_off_leave_nothing_out(reduction: str) -> None:
     assert [s.name for s in off.outputs] == [s.name for s in on.outputs] == ["L.phi"]
 
 
-def test_inspect_says_what_is_left_out() -> None:
+def test_inspection_reports_removed_parts() -> None:
     source = gelenk.load(two_on_one_table())
     report = gelenk.inspect(source, outputs=["L.*"])
     sentence = (
@@ -116,7 +118,7 @@ def test_inspect_says_what_is_left_out() -> None:
     assert gelenk.inspect(source).left_out == ""
 
 
-def test_scene_keeps_its_list_where_it_is_saved(tmp_path: Path) -> None:
+def test_saved_scene_keeps_its_list_of_outputs(tmp_path: Path) -> None:
     wanted = gelenk.load(two_on_one_table()).with_outputs(["L.phi", "*.r[1]"])
     for path in (tmp_path / "s.yaml", tmp_path / "s.json"):
         wanted.save(path)
@@ -138,7 +140,7 @@ def _schema() -> dict[str, object]:
     return found
 
 
-def test_faults_in_what_is_left_out_are_told() -> None:
+def test_errors_in_removed_parts_are_reported() -> None:
     data = {**two_on_one_table(), "outputs": ["L.phi"]}
     data["bodies"]["far"]["mass"] = -1.0
     data["sensors"]["tip"]["body"] = "fra"
@@ -160,7 +162,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
 
 
-def test_fmu_has_the_wanted_outputs_and_the_states(fmu: Path) -> None:
+def test_fmu_has_the_requested_outputs_and_the_states(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
     found = fmpy.read_model_description(str(fmu), validate=True)
     of = {c: [v.name for v in found.modelVariables if v.causality == c] for c in ("input", "output", "local")}
@@ -200,7 +202,7 @@ def test_linear_model_of_the_fmu_has_all_states(fmu: Path) -> None:
     assert np.array_equal(model.C, whole.C[np.ix_(y, x)])
 
 
-def test_outputs_that_a_linear_model_names_are_its_rows_and_leave_nothing_out() -> None:
+def test_outputs_of_a_linear_model_do_not_remove_parts() -> None:
     source = gelenk.load(two_on_one_table())
     whole = gelenk.linearize(source)
     for asked in (source, source.with_outputs(["L.phi"])):
@@ -211,7 +213,7 @@ def test_outputs_that_a_linear_model_names_are_its_rows_and_leave_nothing_out() 
         assert np.array_equal(model.C, whole.C[[whole.output_labels.index("R_phi")]])
 
 
-def test_inputs_and_parameters_of_what_is_left_out_are_taken_and_checked() -> None:
+def test_inputs_and_parameters_of_removed_parts_are_accepted_and_checked() -> None:
     source = gelenk.load(two_on_one_table())
     given: dict[str, Any] = {"inputs": {"on_far.t[2]": 3.0, "on_left.t[2]": 0.5}, "stop": 0.1, "step": 0.01}
     whole = gelenk.simulate(source, **given)
@@ -227,7 +229,7 @@ def test_inputs_and_parameters_of_what_is_left_out_are_taken_and_checked() -> No
         gelenk.simulate(source, outputs=["L.phi"], parameters={"F.phi_start": "x"})
 
 
-def test_diagnostics_asked_for_are_of_all() -> None:
+def test_requested_diagnostics_cover_all_islands() -> None:
     source = gelenk.load(two_on_one_table())
     result = gelenk.simulate(source, outputs=["L.phi", "energy.total"], stop=0.02, step=0.01)
     assert (
@@ -235,19 +237,21 @@ def test_diagnostics_asked_for_are_of_all() -> None:
     )
 
 
-def test_modes_and_equilibria_are_of_the_part() -> None:
-    """A hanging rod of length L swings with sqrt(3 g / (2 L)) (uniform: I = m L²/3 about the hinge)."""
+def test_modes_and_equilibria_refer_to_the_part() -> None:
+    """A hanging rod of length L swings with sqrt(3 g / (2 L)) (uniform:
+    I = m L²/3 about the revolute joint).
+    """
     source = gelenk.load({**two_on_one_table(), "outputs": ["L.w"]})
     rest = gelenk.equilibrium(source)
     assert list(rest.values) == ["L.w"]
     found = gelenk.modes(source, at=rest.at)  # frequencies in rad/s
     (mode,) = found.modes
     assert {n.split(".")[0] for n in mode.shape} == {"L"}
-    # The rest is found to 1e-8 rad, which counts squared; what remains is rounding.
+    # The equilibrium is accurate to 1e-8 rad, whose square matters; the remainder is round-off.
     assert mode.natural_frequency == pytest.approx((1.5 * 9.81 / 0.5) ** 0.5, rel=1e-12)
 
 
-def test_simulation_shows_the_wanted_alone() -> None:
+def test_simulation_has_only_the_requested_outputs() -> None:
     plant = gelenk.Simulation(gelenk.load(four_bar(1.1)).with_outputs(["C.phi"]))
     plant.initialize()
     assert [s.name for s in plant.outputs] == ["C.phi"]
@@ -257,12 +261,12 @@ def test_simulation_shows_the_wanted_alone() -> None:
 
 
 @pytest.mark.parametrize("outputs", [[], ["nothing.*"], ["L"], ["L.phi", "L.phi"], ["on_left.t[2]"]])
-def test_lists_that_say_nothing_are_refused(outputs: list[str], tmp_path: Path) -> None:
+def test_invalid_lists_of_outputs_are_refused(outputs: list[str], tmp_path: Path) -> None:
     with pytest.raises(gelenk.UsageError, match="outputs: found"):
         gelenk.export_fmu(two_on_one_table(), tmp_path / "x.fmu", outputs=outputs)
 
 
-def test_pruning_twice_is_pruning_once() -> None:
+def test_pruning_is_idempotent() -> None:
     part = gelenk.load(many_islands(6)).with_outputs(["i5_L.phi", "i2_S.s"])._core
     once = _core.write_scene_json(_core.wanted_part(part))
     again = _core.write_scene_json(_core.wanted_part(_core.read_scene_json(once, "")))

@@ -14,7 +14,7 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, rod, scene
 from models import linear_plants as plants
 from models.derivative_cases import CASES
-from models.one_freedom import Jet
+from models.one_dof import Jet
 from scipy.optimize import brentq, root
 
 import gelenk

@@ -14,7 +14,7 @@ from mechanisms import GRAVITY, body, four_bar, frame, joint, scene
 from models import linear_plants as plants
 from models.derivative_cases import CASES, assert_relative
 from models.linear_plants import hidden_modes, mass_matrix_model
-from models.one_freedom import Jet, Moving, cos, jet, sin, sqrt
+from models.one_dof import Jet, Moving, cos, jet, sin, sqrt
 from models.planar_loops import FourBar, uniform
 from scipy.optimize import brentq
 

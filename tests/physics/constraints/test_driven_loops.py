@@ -12,7 +12,7 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, reaction, scene
 from models.driven import Array, Law, polynomial, run, sine
 from models.modelica import G_N, fourbar1
-from models.one_freedom import Jet, OneFreedom
+from models.one_dof import Jet, OneDofMechanism
 from models.planar_loops import FourBar, uniform
 from models.running import assert_close
 from models.spatial_loops import ModelicaFourbar1
@@ -21,7 +21,7 @@ import gelenk
 
 LENGTHS = (0.5, 1.75, 1.5, 2.0)
 LINKS = FourBar(uniform(2, 0.5), uniform(2, 1.75), uniform(2, 1.5), 2.0)
-MOTION = OneFreedom(LINKS.geometry(), (0.0, -GRAVITY, 0.0))
+MOTION = OneDofMechanism(LINKS.geometry(), (0.0, -GRAVITY, 0.0))
 DAMPING, START = 0.1, 1.1
 TIMES: Array = np.linspace(0, 2, 41)
 
@@ -233,7 +233,7 @@ def test_spatial_loop_driven_at_each_of_its_coordinates(driven_at: str) -> None:
     }
     times = np.linspace(0, 0.35, 8)  # the cross reaches a dead center at 0.38 s
     found = run(source, times, 1e-8)
-    motion = OneFreedom(FOURBAR1.geometry, (0.0, -G_N, 0.0))
+    motion = OneDofMechanism(FOURBAR1.geometry, (0.0, -G_N, 0.0))
     for i, t in enumerate(times):
         phi, w, a = (found[f"j1.{q}"][i] for q in ("phi", "w", "a"))
         for key, (angle, rate, change) in IN_SPACE.items():

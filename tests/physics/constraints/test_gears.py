@@ -11,7 +11,7 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, reaction, scene
 from models.driven import Array, run
 from models.geared_five_bar import five_bar, five_bar_bodies
-from models.one_freedom import OneFreedom
+from models.one_dof import OneDofMechanism
 from models.running import assert_close, started
 from scipy.integrate import solve_ivp
 
@@ -263,7 +263,7 @@ def test_pinion_on_a_carriage_that_is_driven_along_its_rack() -> None:
 @pytest.mark.parametrize(("ratio", "offset"), [(-1.0, math.pi), (-2.0, 2.0), (1.0, 0.3)])
 def test_geared_five_bar_matches_its_reduced_equation_of_motion(ratio: float, offset: float) -> None:
     times = np.linspace(0, 2, 41)
-    phi, w = OneFreedom(five_bar_bodies(ratio, offset), (0, -GRAVITY, 0)).motion(1.9, 0.0, times)
+    phi, w = OneDofMechanism(five_bar_bodies(ratio, offset), (0, -GRAVITY, 0)).motion(1.9, 0.0, times)
     found = run(five_bar(1.9, ratio, offset), times, 1e-11)
     assert_close("A.phi", found["A.phi"], phi, 1e-8, "errors of both runs, 2 s")
     assert_close("A.w", found["A.w"], w, 1e-7, "errors of both runs, 2 s")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import body, four_bar, frame, joint, scene
-from models.one_freedom import OneFreedom
+from models.one_dof import OneDofMechanism
 from models.planar_loops import FourBar, uniform
 from models.running import Array, assert_close
 
@@ -90,7 +90,7 @@ METHODS = [
 
 @pytest.fixture(scope="module")
 def truth() -> Array:
-    motion = OneFreedom(LINKS.geometry(), (0.0, -9.81, 0.0), lambda t, _phi, w: float(TAU(t)) - 0.1 * w)
+    motion = OneDofMechanism(LINKS.geometry(), (0.0, -9.81, 0.0), lambda t, _phi, w: float(TAU(t)) - 0.1 * w)
     times: Array = COMMUNICATION * np.arange(21, dtype=float)
     phi, _ = motion.motion(1.1, 0.0, times)
     return np.asarray(phi[1:])
@@ -110,7 +110,7 @@ def sine(orders: int) -> Signal:
 
 @pytest.mark.parametrize("orders", [0, 1, 2, 3])
 def test_order_of_the_error_is_one_more_than_that_of_the_input_derivatives(orders: int) -> None:
-    motion = OneFreedom(LINKS.geometry(), (0.0, -9.81, 0.0), lambda t, _p, w: sine(0)(t)[0] - 0.1 * w)
+    motion = OneDofMechanism(LINKS.geometry(), (0.0, -9.81, 0.0), lambda t, _p, w: sine(0)(t)[0] - 0.1 * w)
     phi, _ = motion.motion(1.1, 0.0, np.array([0.0, 1.0], float))
     errors = []
     for size in (0.05, 0.025, 0.0125):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A bushing of six axes: oscillations along and about each, energy at large angles, planes and space."""
+"""Six-axis bushings: oscillations along and about each axis, energy at large angles,
+planar and spatial algebra.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ C, C_R = (2.0, 1.0, 4.0), (0.02, 0.05, 0.01)
 
 
 def hung(start: dict[str, Any], **bushing: Any) -> Scene:
-    """A body that flies but for the bushing."""
+    """A body connected to the ground only by the bushing."""
     return scene(
         {"b": body(MASS, (0, 0, 0), MOMENTS)},
         {"F": joint("free", frame("ground"), frame("b"), start={**start, "fixed": True})},
@@ -29,7 +31,7 @@ def hung(start: dict[str, Any], **bushing: Any) -> Scene:
     )
 
 
-def decay(m: float, c: float, k: float, x_0: float, t: Array) -> Array:
+def damped_oscillation(m: float, c: float, k: float, x_0: float, t: Array) -> Array:
     s = np.sqrt(complex(c * c - 4 * m * k))
     a, b = (-c + s) / (2 * m), (-c - s) / (2 * m)
     return np.real((a * np.exp(b * t) - b * np.exp(a * t)) * x_0 / (a - b))
@@ -40,24 +42,30 @@ def test_each_axis_is_a_damped_oscillator(i: int) -> None:
     r = np.zeros(3)
     r[i] = 0.1
     run = gelenk.simulate(hung({"r": r.tolist()}, stiffness=K, damping=C))
-    np.testing.assert_allclose(run[f"F.r[{i + 1}]"], decay(MASS, C[i], K[i], 0.1, run.time), atol=1e-10)
+    np.testing.assert_allclose(
+        run[f"F.r[{i + 1}]"], damped_oscillation(MASS, C[i], K[i], 0.1, run.time), atol=1e-10
+    )
 
 
 @pytest.mark.parametrize("i", range(3))
 @pytest.mark.parametrize("angle", [0.05, 1.0, 2.5])
-def test_turns_about_a_principal_axis_are_damped_oscillations_at_any_angle(i: int, angle: float) -> None:
-    """I angle'' = -c angle' - k angle: the rotation vector lies along the axis."""
+def test_rotation_about_a_principal_axis_is_a_damped_oscillation_at_any_angle(i: int, angle: float) -> None:
+    """I angle'' = -c angle' - k angle, because the rotation vector lies along the axis."""
     turn = np.zeros(3)
     turn[i] = angle
     start = {"rotation": matrix(Rotation.from_rotvec(turn).as_matrix())}
     run = gelenk.simulate(hung(start, rotational_stiffness=K_R, rotational_damping=C_R))
     Q = np.column_stack([run[f"F.Q[{k}]"] for k in range(1, 5)])
     found = Rotation.from_quat(Q).as_rotvec()[:, i]
-    np.testing.assert_allclose(found, decay(MOMENTS[i], C_R[i], K_R[i], angle, run.time), atol=1e-9)
+    np.testing.assert_allclose(
+        found, damped_oscillation(MOMENTS[i], C_R[i], K_R[i], angle, run.time), atol=1e-9
+    )
 
 
-def test_springs_keep_energy_through_large_turns_about_all_axes() -> None:
-    """Three unlike stiffnesses, turned and shifted at once: what is stored is what has been put in."""
+def test_energy_is_conserved_for_large_rotations() -> None:
+    """Three different stiffnesses, with combined rotation and displacement:
+    the energy is that initially stored.
+    """
     start = {
         "r": [0.2, -0.1, 0.3],
         "v": [1.0, 0.5, -0.4],
@@ -75,7 +83,7 @@ def test_springs_keep_energy_through_large_turns_about_all_axes() -> None:
 
 @pytest.mark.parametrize("planar", [True, False])
 def test_planar_mechanism_with_a_bushing_moves_as_in_space(planar: bool) -> None:
-    """Two links in a plane that lies askew, a bushing with frames askew between them and the ground."""
+    """Two links in an oblique plane; a bushing with oblique frames between them and the ground."""
     R = Rotation.from_rotvec([0.3, -0.4, 0.5])
     askew = Rotation.from_euler("xyz", [0.2, 0.1, -0.3]).as_matrix()
     source = scene(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Springs between two points that meet: without free length smooth there, else without a direction."""
+"""Springs whose end points coincide: smooth there without free length, otherwise with undefined direction."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MASS, STIFFNESS = 2.0, 100.0  # kg, N/m
 
 
 def held(kind: str, start: dict[str, Any], **spring: float) -> Scene:
-    """A mass held to the ground by one spring between the two origins."""
+    """A mass connected to the ground by one spring between the two origins."""
     return scene(
         {"mass": body(MASS, inertia=(0.5, 0.6, 0.7))},
         {"P": joint(kind, frame("ground"), frame("mass"), start={**start, "fixed": True})},
@@ -27,8 +27,8 @@ def held(kind: str, start: dict[str, Any], **spring: float) -> Scene:
 @pytest.mark.parametrize("offset", [0.0, 1e-12, 1e-3, 0.2])
 @pytest.mark.parametrize("kind", ["planar", "free"])
 def test_spring_without_free_length_is_linear_at_any_length(kind: str, offset: float) -> None:
-    """Its force is stiffness times the way between its ends. Where these meet its stiffness once vanished
-    from linear models: A was 0 instead of -50 /s2.
+    """The force is the stiffness times the displacement between the ends. In the past the stiffness of
+    coincident ends was missing from linear models: A was 0 instead of -50 /s2.
     """
     start = {"s_x": offset} if kind == "planar" else {"r": [offset, 0, 0]}
     names = ["s_x", "s_y"] if kind == "planar" else ["r[1]", "r[2]", "r[3]"]
@@ -42,7 +42,7 @@ def test_spring_without_free_length_is_linear_at_any_length(kind: str, offset: f
     assert found.A[np.ix_(speeds, rows)] == pytest.approx(expected, abs=1e-12)
 
 
-def test_run_through_the_point_where_the_ends_meet_is_harmonic() -> None:
+def test_motion_through_coincident_ends_is_harmonic() -> None:
     source = with_sensors(held("planar", {"s_x": 0.0, "v_x": 1.0}, stiffness=STIFFNESS), E={"type": "energy"})
     plant = gelenk.Simulation(gelenk.load(source))
     plant.initialize(0.0, 1e-10)
@@ -56,7 +56,7 @@ def test_run_through_the_point_where_the_ends_meet_is_harmonic() -> None:
 @pytest.mark.parametrize(
     "spring", [{"stiffness": STIFFNESS, "length": 0.3}, {"stiffness": 0.0, "damping": 3.0}]
 )
-def test_direction_that_is_not_defined_is_told(spring: dict[str, float]) -> None:
+def test_undefined_direction_gives_a_warning(spring: dict[str, float]) -> None:
     source = held("planar", {}, **spring)
     with pytest.warns(gelenk.StartWarning, match=r"forces\.spring: its ends coincide at the start"):
         gelenk.Simulation(gelenk.load(source)).initialize()
@@ -67,7 +67,7 @@ def test_direction_that_is_not_defined_is_told(spring: dict[str, float]) -> None
         gelenk.linearize(source)
 
 
-def test_springs_whose_ends_are_apart_are_not_told() -> None:
+def test_springs_with_distinct_ends_give_no_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", gelenk.StartWarning)
         gelenk.Simulation(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sensors of distance and of power: against positions, and against the rate of the energy."""
+"""Distance and power sensors compared with positions and with the rate of change of energy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import gelenk
 
 
 def arm(**sensors: object) -> Scene:
-    """Two links in space, driven, damped and sprung."""
+    """Two links in space with a drive, damping and springs."""
     return scene(
         {"a": body(1.0, (0.2, 0, 0.1), (0.01, 0.02, 0.02)), "b": body(0.5, (0.1, 0, 0), (0.01, 0.01, 0.012))},
         {
@@ -31,7 +31,7 @@ def frame_at(body_name: str, position: tuple[float, float, float]) -> dict[str, 
     return {"type": "frame", "body": body_name, "position": list(position)}
 
 
-def test_distance_is_that_of_the_points_and_its_rate_that_of_their_velocities() -> None:
+def test_distance_and_its_rate_match_positions_and_velocities() -> None:
     p, q = (0.1, 0.2, 0.3), (0.3, -0.1, 0.0)
     source = arm(
         d={"type": "distance", "from": frame("a", p), "to": frame("b", q)},
@@ -44,7 +44,7 @@ def test_distance_is_that_of_the_points_and_its_rate_that_of_their_velocities() 
     np.testing.assert_allclose(run["d.v"], (way * v).sum(axis=0) / np.linalg.norm(way, axis=0), atol=1e-13)
 
 
-def test_distance_between_what_stands_still_is_constant() -> None:
+def test_distance_between_points_at_rest_is_constant() -> None:
     source = arm(d={"type": "distance", "from": {"body": "ground", "position": [3, 0, 0]},
                     "to": {"body": "ground", "position": [0, 4, 0]}})  # fmt: skip
     run = gelenk.simulate(source)
@@ -52,8 +52,8 @@ def test_distance_between_what_stands_still_is_constant() -> None:
     assert (run["d.v"] == 0).all()
 
 
-def test_distance_couples_no_motion_of_two_islands() -> None:
-    """Two pendulums with nothing between them move as each alone; their distance is known all the same."""
+def test_distance_sensor_does_not_couple_two_islands() -> None:
+    """Two pendulums without connection move as if each were alone, although their distance is measured."""
     bodies = {n: body(1.0, (0.3, 0, 0), (0.01, 0.02, 0.02)) for n in "ab"}
     joints = {
         n.upper(): joint("revolute", frame("ground", (x, 0, 0)), frame(n), axis=[0, 1, 0], start={"phi": phi})
@@ -69,7 +69,7 @@ def test_distance_couples_no_motion_of_two_islands() -> None:
     np.testing.assert_allclose(both["d.d"], np.hypot(x, z), rtol=1e-13)
 
 
-def test_distance_of_points_that_meet_is_zero_and_grows() -> None:
+def test_distance_of_coincident_points_is_zero_and_grows() -> None:
     source = arm(d={"type": "distance", "from": {"body": "a", "position": [0.4, 0, 0]},
                     "to": {"body": "b", "position": [0.05, 0, 0]}})  # fmt: skip
     plant = gelenk.Simulation(source)
@@ -79,7 +79,7 @@ def test_distance_of_points_that_meet_is_zero_and_grows() -> None:
 
 
 @pytest.mark.parametrize("reduced", [True, False])
-def test_powers_of_joints_are_those_of_their_drives_springs_and_dampers(reduced: bool) -> None:
+def test_joint_power_is_that_of_drive_spring_and_damper(reduced: bool) -> None:
     """Of A: tau w - d w^2; of B: gear tau w - d w^2 - k phi w."""
     source = arm(A_P={"type": "power", "joint": "A"}, B_P={"type": "power", "joint": "B"},
                  Rb={"type": "reaction", "joint": "B"})  # fmt: skip
@@ -93,8 +93,8 @@ def test_powers_of_joints_are_those_of_their_drives_springs_and_dampers(reduced:
     np.testing.assert_allclose(run["A_P.child"] + run["A_P.parent"], run["A_P.total"], atol=1e-12)
 
 
-def test_power_on_a_child_is_the_rate_of_its_energy() -> None:
-    """On the last link, which only weighs: P = d(T + m g z)/dt, by differences."""
+def test_power_on_the_child_is_the_rate_of_its_energy() -> None:
+    """The last link is subject only to gravity: P = d(T + m g z)/dt, by finite differences."""
     com = (0.1, 0.0, 0.0)
     source = arm(P={"type": "power", "joint": "B"}, at=frame_at("b", com))
     source["experiment"] |= {"stop": 0.1, "step": 1e-3}
@@ -105,6 +105,6 @@ def test_power_on_a_child_is_the_rate_of_its_energy() -> None:
     energy = (
         0.25 * (v**2).sum(axis=0) + (moments[:, None] * w**2).sum(axis=0) / 2 + 0.5 * GRAVITY * run["at.r[3]"]
     )
-    # Central differences of order four: over 0.01 s they are off by 3e-3, so over 0.001 s by 3e-7.
+    # Central differences of order four: their error is 3e-3 over 0.01 s, so 3e-7 over 0.001 s.
     rate = (energy[:-4] - 8 * energy[1:-3] + 8 * energy[3:-1] - energy[4:]) / (12 * 1e-3)
     np.testing.assert_allclose(run["P.child"][2:-2], rate, atol=1e-6)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Forces against velocity, torques against angular velocity: closed forms, a published mast, arm and disc."""
+"""Drag forces and torques compared with closed-form solutions and a published
+mechanism with mast, arm and disc.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ import gelenk
 MASS = 0.7  # kg
 
 
-def falling(**drag: float) -> Scene:
+def falling_ball(**drag: float) -> Scene:
     return scene(
         {"ball": body(MASS, (0, 0, 0), (0.01, 0.01, 0.01))},
         {"F": joint("free", frame("ground"), frame("ball"))},
@@ -22,10 +24,10 @@ def falling(**drag: float) -> Scene:
     )
 
 
-def test_ball_falls_to_its_terminal_velocity() -> None:
+def test_falling_ball_approaches_terminal_velocity() -> None:
     """From rest, m v' = m g - k v^2: v = V tanh(g t/V), V^2 = m g/k, after V^2/g log cosh(g t/V)."""
     k = 0.05
-    run = gelenk.simulate(falling(coefficient=k))
+    run = gelenk.simulate(falling_ball(coefficient=k))
     V = np.sqrt(MASS * GRAVITY / k)
     np.testing.assert_allclose(
         run["F.v[3]"], -V * np.tanh(GRAVITY * run.time / V), atol=1e-10
@@ -34,11 +36,11 @@ def test_ball_falls_to_its_terminal_velocity() -> None:
     np.testing.assert_allclose(run["F.r[3]"], -fall, atol=1e-9)
 
 
-def test_linear_drag_is_exponential() -> None:
-    """Linearly, m v' = -c v: v = v_0 exp(-c t/m), along a direction across all axes."""
+def test_linear_drag_gives_exponential_decay() -> None:
+    """With linear drag m v' = -c v: v = v_0 exp(-c t/m), along a direction oblique to all axes."""
     c = 0.4
     v_0 = np.array([1.0, -2.0, 0.5])
-    source = falling(damping=c)
+    source = falling_ball(damping=c)
     source["gravity"] = [0, 0, 0]
     source["joints"]["F"]["start"] = {"v": v_0.tolist(), "fixed": True}
     run = gelenk.simulate(source)
@@ -46,9 +48,11 @@ def test_linear_drag_is_exponential() -> None:
         np.testing.assert_allclose(run[f"F.v[{i + 1}]"], v_0[i] * np.exp(-c * run.time / MASS), atol=1e-10)
 
 
-def test_drag_off_the_centre_turns_a_body() -> None:
-    """Beside the centre of mass at a: torque a x f, at the start exactly."""
-    source = falling(coefficient=0.3)
+def test_drag_with_an_offset_exerts_a_torque() -> None:
+    """Applied at the offset a from the center of mass,
+    the force exerts the torque a x f, exactly at the start.
+    """
+    source = falling_ball(coefficient=0.3)
     source["forces"]["air"]["position"] = [0, 0.2, 0]
     source["joints"]["F"]["start"] = {"v": [2.0, 0, 0], "fixed": True}
     plant = gelenk.Simulation(source)
@@ -57,7 +61,7 @@ def test_drag_off_the_centre_turns_a_body() -> None:
     assert plant.output("F.z[3]") == pytest.approx(0.2 * 0.3 * 4 / 0.01, rel=1e-12)
 
 
-def test_moment_slows_a_wheel() -> None:
+def test_drag_torque_slows_a_wheel() -> None:
     """I w' = -c w - k w^2: w = c w_0 e / (c + k w_0 (1 - e)), e = exp(-c t / I)."""
     c, k, moment, w_0 = 0.3, 0.02, 0.4, 12.0
     source = scene(
@@ -79,19 +83,19 @@ def test_moment_slows_a_wheel() -> None:
 
 
 # J. Ros, Introduction to Multibody System Dynamics (UPNA 2020), problem 2: a slider on a mast, an arm that
-# hangs on it, a disc that slides along and turns about the arm and rolls on the ground; a torque -c w on the
-# disc. Steel of 7850 kg/m3.
+# hangs from it, a disc that slides along and turns about the arm and rolls on the ground; a torque -c w on
+# the disc. Steel of 7850 kg/m3.
 SLIDER, ARM, DISC = 47.350084474905366, 215.78814539344893, 153.57950576430892  # kg
 SLIDER_MOMENTS = (
     0.5161159207764685,
     0.5161159207764685,
     0.32198057442935646,
-)  # kg m2, along its frame's axes
+)  # kg m2, in the axes of its frame
 ARM_MOMENTS = (0.26973518174181116, 220.41859934668335, 220.41859934668335)
 DISC_MOMENTS = (19.266548998132556, 9.641273431658169, 9.641273431658169)
 START = (0.5235987755982988, 1.4830127018922192, 0.5235987755982988, 2.1, 0.5235987755982988)
 SPEEDS = (2.5, 0.283207284377342, 0.11679271562265808, 0.2, 7.843266739736608)
-# psi, h, theta, l, phi after 6 s by the coefficient c [N m s]: five coordinates with multipliers, DOP853 at
+# psi, h, theta, l, phi after 6 s for each coefficient c [N m s]: five coordinates with multipliers, DOP853 at
 # 1e-13.
 AFTER_6_S = {
     0.0: (
@@ -136,7 +140,7 @@ def mast(c: float) -> Scene:
 
 
 @pytest.mark.parametrize("c", AFTER_6_S)
-def test_mast_arm_and_disc_with_a_torque_against_turning(c: float) -> None:
+def test_mast_arm_and_disc_match_published_problem(c: float) -> None:
     run = gelenk.simulate(mast(c))
     found = [run[name][-1] for name in ("mast.phi", "mast.s", "hinge.phi", "shaft.s", "shaft.phi")]
     expected = AFTER_6_S[c]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Motors: gear ratio, rotor inertia, and inputs that change while the simulation runs."""
+"""Motors: gear ratio, rotor inertia, and inputs that change during a simulation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import gelenk
 
 
 def wheel(ratio: float, rotor: float) -> Scene:
-    """A wheel of 0.7 kg m2 about a vertical axis, no gravity."""
+    """A wheel of 0.7 kg m2 about a vertical axis, without gravity."""
     return scene(
         {"wheel": body(2.0, (0, 0, 0.3), (0.4, 0.5, 0.7))},
         {"J": joint("revolute", frame("ground"), frame("wheel"), axis=[0, 0, 1])},
@@ -28,11 +28,11 @@ def test_geared_motor_accelerates_wheel_and_rotor(ratio: float, rotor: float) ->
     scale = abs(a)
     assert_close("J.a", found["J.a"], a, 1e-13 * scale, "round-off, some 100 eps")
     assert_close("J.w", found["J.w"], a * found.time, 1e-9 * scale, "rtol; a polynomial of the second degree")
-    assert_close("J.phi", found["J.phi"], 0.5 * a * found.time**2, 1e-9 * scale, "likewise")
+    assert_close("J.phi", found["J.phi"], 0.5 * a * found.time**2, 1e-9 * scale, "as above")
 
 
 def test_geared_motor_on_a_slider_in_gravity() -> None:
-    """N f - m g = (m + n^2 m_r) s'', with the rotor's share not hanging in gravity."""
+    """N f - m g = (m + n^2 m_r) s''; gravity does not act on the rotor."""
     mass, ratio, rotor, f = 1.9, 6.0, 0.03, 4.4
     source = scene(
         {"b": body(mass, (0.1, 0.2, 0.3), (0.1, 0.1, 0.1))},
@@ -47,7 +47,7 @@ def test_geared_motor_on_a_slider_in_gravity() -> None:
 
 @pytest.mark.parametrize("integrator", ["ida", "erk", "rk4"])
 def test_input_may_jump_between_steps(integrator: str) -> None:
-    """Torque +1, -2, +0.5 N m on the bare wheel: w and phi by summing up exactly."""
+    """Torques of +1, -2, +0.5 N m on the wheel alone: w and phi by exact summation."""
     simulation = gelenk.Simulation(gelenk.load({**wheel(1.0, 0.0), "solver": {"integrator": integrator}}))
     simulation.initialize(0.0, 1e-10)
     w = phi = t = 0.0
@@ -56,13 +56,15 @@ def test_input_may_jump_between_steps(integrator: str) -> None:
         a = torque / 0.7
         t, phi, w = t + dt, phi + w * dt + 0.5 * a * dt * dt, w + a * dt
         simulation.step_to(t)
-        assert_close(f"J.w({t:g} s)", simulation.output("J.w"), w, 1e-8, "100 rtol: a jump is a fresh start")
+        assert_close(
+            f"J.w({t:g} s)", simulation.output("J.w"), w, 1e-8, "100 rtol: a jump restarts the integrator"
+        )
         assert_close(f"J.phi({t:g} s)", simulation.output("J.phi"), phi, 1e-8, "100 rtol")
         assert_close("J.a", simulation.output("J.a"), a, 1e-12, "round-off; the input of the last step")
 
 
-def test_accelerations_follow_the_input_at_once() -> None:
-    """Outputs read after set_input and before a step already show the new torque (direct feedthrough)."""
+def test_accelerations_follow_the_input_immediately() -> None:
+    """Outputs read after set_input and before a step reflect the new torque (direct feedthrough)."""
     simulation = gelenk.Simulation(gelenk.load(wheel(2.0, 0.01)))
     simulation.initialize()
     for torque in (3.0, -1.5):
@@ -71,7 +73,7 @@ def test_accelerations_follow_the_input_at_once() -> None:
 
 
 def test_motor_in_a_loop_equals_a_torque_on_the_crank() -> None:
-    """The ground carries the counter-torque, so a motor at the ground pin is a pure torque on the crank."""
+    """The ground carries the reaction torque, so a motor at the ground pin is a pure torque on the crank."""
     times = np.linspace(0, 2, 21)
     by_motor = run(four_bar(), times, tolerance=1e-11, inputs={"drive.tau": 3.0})
     by_wrench = run(four_bar(torque=3.0), times, tolerance=1e-11)
@@ -81,8 +83,8 @@ def test_motor_in_a_loop_equals_a_torque_on_the_crank() -> None:
         )
 
 
-def test_motor_at_an_inner_joint_turns_both_bodies() -> None:
-    """Between two wheels on one axle, without ground contact for the torque: I1 w1 + I2 w2 stays zero."""
+def test_motor_between_two_bodies_accelerates_both() -> None:
+    """Between two wheels on one axle, with no reaction torque on the ground: I1 w1 + I2 w2 remains zero."""
     source = scene(
         {"a": body(1.0, (0, 0, 0), (0.3, 0.3, 0.5)), "b": body(1.0, (0, 0, 0), (0.2, 0.2, 0.3))},
         {
@@ -97,8 +99,8 @@ def test_motor_at_an_inner_joint_turns_both_bodies() -> None:
     assert_close("B.w", found["B.w"], 0.6 * (1 / 0.5 + 1 / 0.3) * found.time, 1e-8, "10 rtol of 6.4 rad/s")
 
 
-def test_run_can_be_watched_step_by_step() -> None:
-    """Going on from where it stands gives what one run gives, whatever the outputs asked for between."""
+def test_reading_outputs_between_steps_does_not_change_the_run() -> None:
+    """Continuing from the current state gives the same result as one run, for any outputs read in between."""
     simulation = gelenk.Simulation(gelenk.load(four_bar()))
     simulation.initialize(0.0, 1e-11)
     simulation.set_input("drive.tau", 3.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reactions: force and torque of a joint on its child body, at the joint's frame M, resolved in F."""
+"""Joint reactions: force and torque of a joint on its child body, at the joint frame M, resolved in F."""
 
 from __future__ import annotations
 
@@ -38,9 +38,10 @@ def cross_z(w: np.ndarray, r: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["revolute", "spherical", "universal", "cylindrical", "weld", "free"])
-def test_hanging_chain_bears_the_weight_below(kind: str) -> None:
-    """At rest each joint pulls its child up with all the weight that hangs there (nothing on a free one,
-    which falls). Three links along -z, each joint's frame turned so that z of F lies along the world's y.
+def test_joints_of_a_hanging_chain_carry_the_weight_below(kind: str) -> None:
+    """At rest each joint carries the weight of all links below it (a free joint carries nothing,
+    and its link falls). Three links along -z; each joint frame is rotated such that z of F is along the world
+    y-axis.
     """
     axes = HINGE_AXES.get(kind, {})
     R = rotation([1, 0, 0], -math.pi / 2)
@@ -57,14 +58,14 @@ def test_hanging_chain_bears_the_weight_below(kind: str) -> None:
         weight = 0.0 if kind == "free" else sum(masses[i:]) * GRAVITY
         expected = R.T @ np.array([0, 0, weight])
         assert_close(
-            f"R{name}.f", found.vector(f"R{name}.f"), np.tile(expected, (2, 1)), 1e-9, "rest, 10 rtol"
+            f"R{name}.f", found.vector(f"R{name}.f"), np.tile(expected, (2, 1)), 1e-9, "at rest, 10 rtol"
         )
         assert_close(f"R{name}.t", found.vector(f"R{name}.t"), 0, 1e-9, "the weights hang below the joints")
 
 
-def test_cantilever_bears_force_and_moment() -> None:
-    """A weld holds a body with its centre 0.4 m out along x: force m g up, moment m g 0.4 about -y (world),
-    about M, which sits on the body at (0.1, 0, 0).
+def test_cantilever_reaction_is_weight_and_moment() -> None:
+    """A weld holds a body with its center of mass 0.4 m out along x: force m g up, moment m g 0.4 about -y
+    (world), about M, which is on the body at (0.1, 0, 0).
     """
     source = scene(
         {"beam": body(1.9, (0.5, 0.2, 0), (0.1, 0.1, 0.1))},
@@ -78,9 +79,9 @@ def test_cantilever_bears_force_and_moment() -> None:
     assert_close("t", found.vector("R.t")[0], np.cross([0.4, 0.2, 0], f), 1e-13, "round-off")
 
 
-def test_pendulum_pulls_its_pin() -> None:
-    """F = m (a - g) at the centre of mass, with phi, w, a of the swing itself (Newton's law); and the pin
-    bears no torque about its axis.
+def test_pendulum_pin_force_satisfies_newton_s_law() -> None:
+    """F = m (a - g) at the center of mass, with the simulated phi, w, a (Newton's law); the pin
+    transmits no torque about its axis.
     """
     m, c, J = 1.3, 0.37, 0.21
     source = scene(
@@ -98,9 +99,9 @@ def test_pendulum_pulls_its_pin() -> None:
     assert_close("a", a, -m * GRAVITY * c * np.sin(phi) / (J + m * c * c), 1e-12, "round-off")
 
 
-def test_slider_on_an_incline_presses_and_tilts() -> None:
-    """Down a slope of 0.6 rad without friction: s'' = g sin, pressure m g cos, and the couple of the
-    centre of mass's offset. x points down the slope, z off it.
+def test_slider_on_an_incline_has_normal_force_and_moment() -> None:
+    """On an incline of 0.6 rad without friction: s'' = g sin, normal force m g cos, and the moment due to the
+    offset of the center of mass. x points down the incline, z is its normal.
     """
     m, slope = 2.3, 0.6
     R = rotation([0, 1, 0], slope)
@@ -113,14 +114,14 @@ def test_slider_on_an_incline_presses_and_tilts() -> None:
     found = run(source, np.linspace(0, 1, 5))
     assert_close("a", found["S.a"], GRAVITY * math.sin(slope), 1e-13, "round-off")
     f = np.array([0, 0, m * GRAVITY * math.cos(slope)])
-    # no spin: moment about the centre of mass vanishes, so t = c x f; c at M, axes of F
+    # no rotation: the moment about the center of mass vanishes, so t = c x f; c at M, axes of F
     assert_close("f", found.vector("R.f"), np.tile(f, (5, 1)), 1e-12, "round-off")
     assert_close("t", found.vector("R.t"), np.tile(np.cross([0.1, 0.05, 0.3], f), (5, 1)), 1e-12, "round-off")
 
 
 @pytest.fixture(scope="module", params=[None, "A", "B", "C", "D"])
 def four_bar_run(request: pytest.FixtureRequest) -> Recording:
-    """The driven four-bar, cut where the core likes or at the joint named (idle motors on the others)."""
+    """The driven four-bar, cut by default or at the named joint (idle motors at the others)."""
     source = with_sensors(four_bar(torque=3.0), **{f"R{j}": reaction(j) for j in "ABCD"})
     if request.param:
         source["motors"] = {f"m{j}": {"joint": j} for j in "ABCD" if j != request.param}
@@ -128,7 +129,7 @@ def four_bar_run(request: pytest.FixtureRequest) -> Recording:
 
 
 def test_newton_s_law_holds_for_every_bar(four_bar_run: Recording) -> None:
-    """Newton and Euler: m a = sum of forces, J alpha = sum of moments about the centre of mass, for crank,
+    """Newton and Euler: m a = sum of forces, J alpha = sum of moments about the center of mass, for crank,
     coupler and rocker, from angles, speeds, accelerations and the four reactions. Damping acts at A, the
     drive on the crank.
     """
@@ -138,7 +139,7 @@ def test_newton_s_law_holds_for_every_bar(four_bar_run: Recording) -> None:
     w = {"crank": found["A.w"], "coupler": found["A.w"] + found["B.w"], "rocker": found["D.w"]}
     a = {"crank": found["A.a"], "coupler": found["A.a"] + found["B.a"], "rocker": found["D.a"]}
     length = {"crank": 0.5, "coupler": 1.75, "rocker": 1.5}
-    F_of = {"A": None, "B": "crank", "C": "coupler", "D": None}  # the body that F turns with
+    F_of = {"A": None, "B": "crank", "C": "coupler", "D": None}  # the body to which F belongs
     f, t = {}, {}
     for j, holder in F_of.items():
         R = np.broadcast_to(np.eye(3), (len(found.time), 3, 3)) if holder is None else about_z(angle[holder])
@@ -146,7 +147,7 @@ def test_newton_s_law_holds_for_every_bar(four_bar_run: Recording) -> None:
         t[j] = np.einsum("tij,tj->ti", R, found.vector(f"R{j}.t"))
 
     def acceleration(name: str, share: float) -> np.ndarray:
-        """Of the point at that share of the bar's length, against its first end."""
+        """Of the point at that fraction of the bar's length, relative to its first end."""
         r = share * length[name] * np.stack([np.cos(angle[name]), np.sin(angle[name]), 0 * w[name]], axis=1)
         found_there: np.ndarray = cross_z(a[name], r) + cross_z(w[name], cross_z(w[name], r))
         return found_there
@@ -175,12 +176,14 @@ def test_newton_s_law_holds_for_every_bar(four_bar_run: Recording) -> None:
             moment,
             np.outer(a[name], Z) * m * length[name] ** 2 / 12,
             1e-9,
-            "likewise; t[3] of A is the damper's torque",
+            "as above; t[3] of A is the damper's torque",
         )
 
 
-def test_reaction_of_a_welded_half_is_what_moves_it() -> None:
-    """A pendulum cut in two and welded: the weld carries what Newton asks of the outer half."""
+def test_weld_reaction_accelerates_the_outer_half() -> None:
+    """A pendulum divided in two welded halves: the weld transmits the force and
+    torque that accelerate the outer half.
+    """
     m, phi0 = 0.8, 1.2
     outer = body(m, (0.2, 0.05, 0), (0.01, 0.02, 0.03))
     source = scene(
@@ -203,8 +206,8 @@ def test_reaction_of_a_welded_half_is_what_moves_it() -> None:
     assert_close("t", np.einsum("tij,tj->ti", R, found.vector("R.t")), t_world, 1e-11, "round-off")
 
 
-def test_spinning_rotor_loads_its_bearing() -> None:
-    """A slanted cylinder turning steadily about z: the bearing carries m w x (w x c) and w x J w
+def test_bearing_reaction_of_an_unbalanced_rotor() -> None:
+    """An oblique cylinder rotating steadily about z: the bearing carries m w x (w x c) and w x J w
     (Euler's equation without acceleration).
     """
     W, part = 7.0, cylinder((0.2, 0.1, 0.4), 0.05)
@@ -222,4 +225,4 @@ def test_spinning_rotor_loads_its_bearing() -> None:
     t = np.cross(w, J @ w) + np.cross(c, f)
     R = about_z(found["B.phi"])
     assert_close("f", found.vector("R.f"), R @ f, 1e-8, "round-off of 500 N; w to 1e-11")
-    assert_close("t", found.vector("R.t"), R @ t, 1e-8, "likewise")
+    assert_close("t", found.vector("R.t"), R @ t, 1e-8, "as above")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Springs and dampers in joints and between points, against closed forms."""
+"""Springs and dampers in joints and between points compared with closed-form solutions."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from scipy.spatial.transform import Rotation
 TIMES = np.linspace(0, 4, 41)
 
 
-def ringing(x0: float, v0: float, omega0: float, D: float) -> tuple[np.ndarray, np.ndarray]:
-    """Solution of x'' + 2 D x' + omega0^2 x = 0 and its rate, D < omega0 (Landau & Lifshitz, section 25)."""
+def damped_oscillation(x0: float, v0: float, omega0: float, D: float) -> tuple[np.ndarray, np.ndarray]:
+    """Solution of x'' + 2 D x' + omega0^2 x = 0 and its derivative,
+    D < omega0 (Landau & Lifshitz, section 25).
+    """
     ring = math.sqrt(omega0**2 - D**2)
     c, s, decay = np.cos(ring * TIMES), np.sin(ring * TIMES), np.exp(-D * TIMES)
     b = (v0 + D * x0) / ring
@@ -25,8 +27,10 @@ def ringing(x0: float, v0: float, omega0: float, D: float) -> tuple[np.ndarray, 
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_joint_spring_and_damper_make_the_linear_oscillator(kind: str) -> None:
-    """With tau = -k (q - q_ref) - d v on an inertia it rings about q_ref with omega0^2 = k/I, D = d/(2 I)."""
+def test_joint_spring_and_damper_form_a_linear_oscillator(kind: str) -> None:
+    """With tau = -k (q - q_ref) - d v on an inertia,
+    q oscillates about q_ref with omega0^2 = k/I, D = d/(2 I).
+    """
     q, v = {"revolute": ("phi", "w"), "prismatic": ("s", "v")}[kind]
     mass, moment, k, d, rest = 1.7, 0.31, 7.3, 0.4, 0.23
     inertia = moment if kind == "revolute" else mass
@@ -46,13 +50,13 @@ def test_joint_spring_and_damper_make_the_linear_oscillator(kind: str) -> None:
         },
     )
     found = run(source, TIMES, tolerance=1e-12)
-    x, rate = ringing(0.9 - rest, -0.5, math.sqrt(k / inertia), d / (2 * inertia))
+    x, rate = damped_oscillation(0.9 - rest, -0.5, math.sqrt(k / inertia), d / (2 * inertia))
     assert_close(f"J.{q}", found[f"J.{q}"], rest + x, 1e-9, "1000 rtol")
     assert_close(f"J.{v}", found[f"J.{v}"], rate, 5e-9, "omega0 times as much")
 
 
-def test_springs_of_a_cylindrical_joint_act_each_on_its_own_coordinate() -> None:
-    """Sliding and turning ring independently, each with its element of the lists."""
+def test_springs_of_a_cylindrical_joint_act_independently() -> None:
+    """Translation and rotation oscillate independently, each with its element of the lists."""
     mass, moment = 1.7, 0.31
     k, d = (11.0, 2.3), (0.6, 0.05)
     source = scene(
@@ -70,14 +74,16 @@ def test_springs_of_a_cylindrical_joint_act_each_on_its_own_coordinate() -> None
         },
     )
     found = run(source, TIMES, tolerance=1e-12)
-    s, _ = ringing(0.3, 0, math.sqrt(k[0] / mass), d[0] / (2 * mass))
-    phi, _ = ringing(-0.8, 0, math.sqrt(k[1] / moment), d[1] / (2 * moment))
+    s, _ = damped_oscillation(0.3, 0, math.sqrt(k[0] / mass), d[0] / (2 * mass))
+    phi, _ = damped_oscillation(-0.8, 0, math.sqrt(k[1] / moment), d[1] / (2 * moment))
     assert_close("J.s", found["J.s"], s, 1e-9, "1000 rtol")
     assert_close("J.phi", found["J.phi"], phi, 1e-9, "1000 rtol")
 
 
-def test_damped_spherical_joint_slows_each_axis() -> None:
-    """A ball of moment I with damping d about each axis: w falls as exp(-d t / I), its direction stays."""
+def test_damped_spherical_joint_decays_exponentially() -> None:
+    """A ball of moment of inertia I with damping d about each axis:
+    w decays as exp(-d t / I) in a constant direction.
+    """
     I_ball, d = 0.4, 0.15
     w0 = np.array([1.0, -2.0, 0.5])
     source = scene(
@@ -96,8 +102,10 @@ def test_damped_spherical_joint_slows_each_axis() -> None:
     assert_close("J.w", found, np.exp(-d / I_ball * TIMES)[:, None] * w0, 1e-10, "100 rtol")
 
 
-def test_spring_between_two_free_bodies_rings_with_the_reduced_mass() -> None:
-    """Length L(t) = L0 + x, x'' = -(k x + d x')/mu, mu = m1 m2/(m1 + m2); the common centre stays."""
+def test_two_free_bodies_on_a_spring_oscillate_with_the_reduced_mass() -> None:
+    """Length L(t) = L0 + x, x'' = -(k x + d x')/mu, mu = m1 m2/(m1 + m2);
+    the common center of mass is at rest.
+    """
     m1, m2, k, d, rest = 1.3, 2.9, 17.0, 0.8, 0.6
     mu = m1 * m2 / (m1 + m2)
     direction = np.array([0.48, -0.6, 0.64])
@@ -124,14 +132,14 @@ def test_spring_between_two_free_bodies_rings_with_the_reduced_mass() -> None:
     )
     found = run(source, TIMES, tolerance=1e-12)
     a, b = found.vector("A.r"), found.vector("B.r")
-    x, _ = ringing(length - rest, 0, math.sqrt(k / mu), d / (2 * mu))
+    x, _ = damped_oscillation(length - rest, 0, math.sqrt(k / mu), d / (2 * mu))
     assert_close("length", np.linalg.norm(b - a, axis=1), rest + x, 1e-9, "1000 rtol")
-    centre = (m1 * place1 + m2 * place2) / (m1 + m2)
-    assert_close("centre", (m1 * a + m2 * b) / (m1 + m2), np.tile(centre, (len(a), 1)), 1e-11, "10 rtol")
+    center = (m1 * place1 + m2 * place2) / (m1 + m2)
+    assert_close("center", (m1 * a + m2 * b) / (m1 + m2), np.tile(center, (len(a), 1)), 1e-11, "10 rtol")
 
 
 def eccentric_spring() -> Scene:
-    """A flat body on a frictionless plane, held by a spring at a point off its centre."""
+    """A planar body on a frictionless plane, held by a spring at a point away from its center of mass."""
     return scene(
         {"b": body(1.4, (0.1, 0.05, 0), (0.2, 0.2, 0.3))},
         {
@@ -156,13 +164,13 @@ def eccentric_spring() -> Scene:
     )
 
 
-def test_spring_off_the_centre_pulls_and_turns() -> None:
-    """Newton and Euler written out for the plane, by SciPy at 1e-12."""
+def test_eccentric_spring_matches_newton_euler_equations() -> None:
+    """Compared with the Newton-Euler equations for the plane, integrated by SciPy at 1e-12."""
     m, J, c, at = 1.4, 0.3, np.array([0.1, 0.05]), np.array([0.35, -0.2])
     anchor, k, d, rest = np.array([1.0, 0.5]), 23.0, 1.1, 0.5
 
     def rates(_t: float, y: np.ndarray) -> np.ndarray:
-        """The state y: centre of mass, angle, and their rates."""
+        """The state y: center of mass, angle, and their rates."""
         phi, w = y[2], y[5]
         R = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
         arm = R @ (at - c)
@@ -181,12 +189,12 @@ def test_spring_off_the_centre_pulls_and_turns() -> None:
     off_t = np.array(
         [c[0] * np.cos(truth[2]) - c[1] * np.sin(truth[2]), c[0] * np.sin(truth[2]) + c[1] * np.cos(truth[2])]
     )
-    assert_close("J.s_x", found["J.s_x"], truth[0] - off_t[0], 1e-8, "likewise")
-    assert_close("J.s_y", found["J.s_y"], truth[1] - off_t[1], 1e-8, "likewise")
+    assert_close("J.s_x", found["J.s_x"], truth[0] - off_t[0], 1e-8, "as above")
+    assert_close("J.s_y", found["J.s_y"], truth[1] - off_t[1], 1e-8, "as above")
 
 
-def test_spring_is_the_same_from_both_ends() -> None:
-    """`from` and `to` exchanged, and the scene turned as a whole: nothing changes."""
+def test_exchanging_spring_ends_does_not_change_the_motion() -> None:
+    """With `from` and `to` exchanged, and the scene rotated as a whole, nothing changes."""
     plain = run(eccentric_spring(), TIMES, tolerance=1e-12)
     source = eccentric_spring()
     spring = source["forces"]["spring"]
@@ -197,8 +205,8 @@ def test_spring_is_the_same_from_both_ends() -> None:
         assert_close(name, found[name], plain[name], 1e-9, "two integrations at 1e-12")
 
 
-def test_springs_store_what_the_motion_loses() -> None:
-    """Potential energy counts gravity, joint springs and point springs: undamped, the total stays."""
+def test_spring_energy_is_part_of_the_conserved_total() -> None:
+    """Potential energy includes gravity, joint springs and point springs: undamped, the total is constant."""
     source = eccentric_spring()
     source["forces"]["spring"]["damping"] = 0.0
     source["joints"]["J"].update(stiffness=[3.0, 5.0, 0.7], spring_reference=[0.1, -0.2, 0.3])
@@ -207,11 +215,13 @@ def test_springs_store_what_the_motion_loses() -> None:
     found = run(source, TIMES, tolerance=1e-12)
     total = found["E.total"]
     assert_close("energy", total, total[0], 1e-10 * float(np.ptp(found["E.kinetic"])) + 1e-10, "100 rtol")
-    assert np.ptp(found["E.kinetic"]) > 1  # J: it does move
+    assert np.ptp(found["E.kinetic"]) > 1  # J: the mechanism does move
 
 
-def test_joint_spring_reference_is_measured_in_the_joint_s_own_coordinate() -> None:
-    """A hinge whose frames are turned against each other rests where phi = spring_reference."""
+def test_spring_reference_is_a_joint_coordinate() -> None:
+    """A revolute joint with frames rotated relative to each other has its
+    equilibrium at phi = spring_reference.
+    """
     R = matrix(rotation([0, 0, 1], 0.9))
     source = scene(
         {"b": body(1.0, (0, 0, 0.1), (0.1, 0.1, 0.2))},

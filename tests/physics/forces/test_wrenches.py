@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Constant and fed wrenches on bodies."""
+"""Wrenches on bodies, constant and from inputs, compared with Newton-Euler solutions."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ def pushed(wrench: dict[str, Any], w: tuple[float, float, float] = (0, 0, 0)) ->
     )
 
 
-def test_world_force_moves_the_centre_of_mass() -> None:
-    """Wherever it acts and however the body tumbles, a force fixed in the world gives a parabola."""
+def test_world_force_moves_center_of_mass_on_a_parabola() -> None:
+    """For any point of application and any rotation of the body,
+    a force constant in the world gives a parabola.
+    """
     F = np.array([1.2, -0.7, 2.1])
     w = np.array([0.8, 1.1, -0.6])
     found = run(pushed({"position": [0.4, 0.3, -0.2], "force": F.tolist()}, tuple(w)), TIMES, tolerance=1e-12)
@@ -39,8 +41,8 @@ def test_world_force_moves_the_centre_of_mass() -> None:
     assert_close("com", found.vector("com.r"), expected, 1e-10, "100 rtol")
 
 
-def test_world_force_does_the_work_that_the_body_gains() -> None:
-    """Work of a constant force is F . (displacement of its point), a torque apart."""
+def test_work_of_a_world_force_is_the_energy_gain() -> None:
+    """The work of a constant force is F . (displacement of its point); for a torque see the next test."""
     F, at = np.array([1.2, -0.7, 2.1]), (0.4, 0.3, -0.2)
     source = pushed({"position": list(at), "force": F.tolist()}, (0.8, 1.1, -0.6))
     source["sensors"]["point"] = frame_sensor("b", at)
@@ -50,7 +52,9 @@ def test_world_force_does_the_work_that_the_body_gains() -> None:
 
 
 def test_world_torque_changes_the_angular_momentum() -> None:
-    """L about the centre of mass grows by n t, along the world's axes, while the body tumbles."""
+    """The angular momentum L about the center of mass increases by n t,
+    in world axes, while the body tumbles.
+    """
     n, w = np.array([0.5, -0.3, 0.4]), np.array([0.8, 1.1, -0.6])
     source = pushed({"torque": n.tolist()}, tuple(w))
     found = run(source, TIMES, tolerance=1e-12)
@@ -59,16 +63,16 @@ def test_world_torque_changes_the_angular_momentum() -> None:
     assert_close("L", L, np.array(MOMENTS) * w + found.time[:, None] * n, 1e-10, "100 rtol")
 
 
-def test_body_torque_turns_with_the_body() -> None:
-    """About a principal axis a torque fixed in the body gives constant acceleration about it."""
+def test_body_torque_rotates_with_the_body() -> None:
+    """About a principal axis a torque fixed in the body gives constant angular acceleration."""
     found = run(pushed({"torque": [0, 0.7, 0], "frame": "body"}), TIMES, tolerance=1e-12)
     w = found.vector("com.w")
     assert_close("w[2]", w[:, 1], 0.7 / MOMENTS[1] * found.time, 1e-10, "100 rtol")
-    assert_close("w[1], w[3]", w[:, [0, 2]], 0, 1e-12, "exact zeros but for rounding")
+    assert_close("w[1], w[3]", w[:, [0, 2]], 0, 1e-12, "exact zeros up to round-off")
 
 
-def test_body_force_at_the_centre_follows_the_spin() -> None:
-    """Spinning steadily about z at W, a thrust along the body's x moves the centre by
+def test_body_force_rotates_with_the_body() -> None:
+    """At a constant rotation about z with rate W, a thrust along the body's x moves the center of mass by
     (1 - cos W t, W t - sin W t) F/(m W^2): Newton's law integrated twice.
     """
     W, F = 2.3, 1.9
@@ -82,8 +86,8 @@ def test_body_force_at_the_centre_follows_the_spin() -> None:
     assert_close("com", found.vector("com.r"), expected, 1e-10, "100 rtol")
 
 
-def test_force_off_the_centre_equals_force_and_torque_at_it() -> None:
-    """A wrench is moved by r x F: the same motion either way, in the body's axes."""
+def test_force_with_offset_equals_force_and_torque() -> None:
+    """A wrench is transferred to another point by r x F: the motion is the same, in body axes."""
     F, at = np.array([0.4, 1.0, -0.3]), np.array([0.3, 0.2, 0.5])
     off = run(pushed({"position": at.tolist(), "force": F.tolist(), "frame": "body"}), TIMES, tolerance=1e-12)
     moved = {
@@ -98,8 +102,8 @@ def test_force_off_the_centre_equals_force_and_torque_at_it() -> None:
 
 
 @pytest.mark.parametrize("frame_name", ["world", "body"])
-def test_fed_wrench_adds_to_the_constant_one(frame_name: str) -> None:
-    """f[1..3] and t[1..3] as inputs, on top of the constants, act like constants of the same sum."""
+def test_wrench_inputs_add_to_the_constants(frame_name: str) -> None:
+    """Inputs f[1..3] and t[1..3] added to the constants act like constants of the same sum."""
     F, n = np.array([0.4, 1.0, -0.3]), np.array([0.1, -0.2, 0.15])
     whole = {"position": [0.3, 0.2, 0.5], "force": F.tolist(), "torque": n.tolist(), "frame": frame_name}
     half = {**whole, "force": (F / 2).tolist(), "torque": (n / 2).tolist(), "input": True}
@@ -109,13 +113,15 @@ def test_fed_wrench_adds_to_the_constant_one(frame_name: str) -> None:
     constant = run(pushed(whole, (0.3, 0, 0.9)), TIMES, tolerance=1e-12)
     fed = run(pushed(half, (0.3, 0, 0.9)), TIMES, tolerance=1e-12, inputs=inputs)
     assert_close(
-        "r", fed.vector("com.r"), constant.vector("com.r"), 1e-13, "the same numbers but for one rounding"
+        "r", fed.vector("com.r"), constant.vector("com.r"), 1e-13, "the same numbers up to one rounding"
     )
     assert [s.name for s in gelenk.Simulation(gelenk.load(pushed(half))).inputs] == list(inputs)
 
 
-def test_body_wrench_follows_its_own_rotation() -> None:
-    """Components along a frame turned in the body are those along its axes, turned: constants and inputs."""
+def test_wrench_components_refer_to_the_given_frame() -> None:
+    """Components in a frame rotated relative to the body are the rotated components
+    in body axes: constants and inputs.
+    """
     turn = Rotation.from_rotvec([0.4, -0.9, 0.7])
     f, n = np.array([1.2, -0.7, 2.1]), np.array([0.5, -0.3, 0.4])
     x, y, z, w = turn.as_quat()

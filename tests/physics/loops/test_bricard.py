@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rectangular Bricard mechanism (IFToMM benchmark A04): six hinges in a ring, movable although counting
-freedoms says it is rigid. One row of the loop repeats the others at every position.
+"""The rectangular Bricard mechanism (IFToMM benchmark A04): six revolute joints in a closed loop, movable
+although the mobility formula (Grübler) predicts a rigid structure. One constraint equation is redundant at
+every position.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from models.running import INTEGRATORS, Recording, assert_close, run
 import gelenk
 from gelenk.chart import mechanisms
 
-# P3 from an independent integration (chain and closure, DOP853 at 1e-11, eight digits), which lies on the
-# library's published plot.
+# P3 from an independent integration (open chain and closure conditions, DOP853 at 1e-11, eight digits), which
+# agrees with the library's published plot.
 P3 = {
     0.5: (0.77471781, -0.97981505, -0.19990616),
     1.0: (0.27448132, -0.88670794, -0.46233),
@@ -32,7 +33,7 @@ TIMES = np.array([0.0, *P3])
 
 
 def bricard() -> Scene:
-    """With sensors on its third point and of its energy."""
+    """The mechanism with a sensor at its third point and an energy sensor."""
     return with_sensors(mechanisms.bricard(), P3=frame_sensor("rod3"), E={"type": "energy"})
 
 
@@ -41,33 +42,39 @@ def swing(request: pytest.FixtureRequest) -> Recording:
     return run(bricard(), TIMES, tolerance=1e-11, integrator=request.param)
 
 
-def test_ring_has_one_freedom() -> None:
-    """Counting gives 6 - 6 = 0; the rank of the rows over random assembled positions gives 1."""
+def test_bricard_mechanism_has_one_degree_of_freedom() -> None:
+    """The mobility formula gives 6 - 6 = 0; the rank of the constraint equations at
+    random assembled positions gives 1 DOF.
+    """
     simulation = gelenk.Simulation(gelenk.load(bricard()))
     simulation.initialize()
     assert simulation.size.degrees_of_freedom == 1
     assert not simulation.size.planar
 
 
-def test_ring_swings_as_the_independent_integration(swing: Recording) -> None:
-    """Eight digits, 10 s. The ends of the swing, where it rests, are passed at 2.5, 5 and 7.5 s."""
+def test_motion_matches_independent_integration(swing: Recording) -> None:
+    """Agreement to eight digits over 10 s, including the turning points at 2.5, 5 and 7.5 s,
+    where the mechanism is at rest.
+    """
     assert_close("P3", swing.vector("P3.r")[1:], list(P3.values()), 2e-7, "eight printed digits; 10^4 rtol")
 
 
-def test_ring_keeps_its_energy(swing: Recording) -> None:
-    """No drive and no friction; 20 J go to and fro."""
+def test_energy_is_conserved(swing: Recording) -> None:
+    """There is no drive and no friction; 20 J are exchanged between kinetic and potential energy."""
     total = swing["E.total"]
     assert_close("energy", total, total[0], 1e-7, "rtol 1e-11 over 10 s x 20 J x 500")
 
 
-def test_ring_stays_closed(swing: Recording) -> None:
-    """The row left out as repeated stays fulfilled as well: told by the sensor-independent residual."""
+def test_loop_remains_closed(swing: Recording) -> None:
+    """The redundant constraint equation that was removed remains satisfied as well,
+    according to the reported residual.
+    """
     assert_close("constraints.position", swing["constraints.position"], 0, 1e-10, "closure")
     assert_close("constraints.velocity", swing["constraints.velocity"], 0, 1e-9, "closure")
 
 
 @pytest.mark.parametrize("cut", range(1, 7))
-def test_ring_swings_alike_wherever_it_is_cut(cut: int) -> None:
+def test_motion_does_not_depend_on_the_loop_closing_joint(cut: int) -> None:
     """Idle motors on the other five joints keep them in the tree."""
     source = bricard()
     source["motors"] = {f"m{i}": {"joint": f"J{i}"} for i in range(1, 7) if i != cut}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rods without mass become one row each, the distance between their ends: the same motion as without."""
+"""A massless rod replaced by one distance constraint gives the same motion as the rod modeled as a body."""
 
 from __future__ import annotations
 
@@ -31,14 +31,16 @@ OFF = {"massless": False}
 TIMES = np.linspace(0, 3, 61)
 
 
-def both(source: Scene, times: Array = TIMES, tolerance: float = 1e-11) -> tuple[Recording, Recording]:
-    """With the rods as rows, and as bodies."""
+def with_and_without_reduction(
+    source: Scene, times: Array = TIMES, tolerance: float = 1e-11
+) -> tuple[Recording, Recording]:
+    """Results with the rods as constraint equations, and as bodies."""
     return run(source, times, tolerance=tolerance), run(source, times, tolerance=tolerance, reductions=OFF)
 
 
 def assert_agree(source: Scene, times: Array = TIMES, tolerance: float = 1e-11) -> Recording:
-    """All outputs with and without, to 1e-9 of the largest value of their unit."""
-    rows, bodies = both(source, times, tolerance)
+    """Compare all outputs with and without the reduction, to 1e-9 of the largest value of their unit."""
+    rows, bodies = with_and_without_reduction(source, times, tolerance)
     largest: dict[str, float] = {}
     for name, unit in rows.units.items():
         largest[unit] = max(largest.get(unit, 1.0), float(np.abs(bodies[name]).max()))
@@ -47,12 +49,14 @@ def assert_agree(source: Scene, times: Array = TIMES, tolerance: float = 1e-11) 
     return rows
 
 
-# --- the same motion, with and without ---
+# --- the same motion, with and without the reduction ---
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_planar_four_bar_moves_as_with_its_coupler(seed: int) -> None:
-    """Angles, speeds, accelerations of all joints and the coupler's frame, in any order in the file."""
+def test_planar_four_bar_moves_as_with_coupler_as_body(seed: int) -> None:
+    """Angles, speeds, accelerations of all joints and the coupler frame are compared,
+    for any order in the file.
+    """
     source = with_sensors(
         planar_four_bar(), F=frame_sensor("coupler", (0.3, 0.2, 0.1), rotation([1, 2, 3], 0.4))
     )
@@ -62,15 +66,15 @@ def test_planar_four_bar_moves_as_with_its_coupler(seed: int) -> None:
 @pytest.mark.parametrize(
     ("child", "axes"), list(product(product((True, False), repeat=2), [(1, 0, 0), (0.6, 0.8, 0)]))
 )
-def test_spatial_four_bar_moves_as_with_its_rod(child: tuple[bool, bool], axes: Numbers) -> None:
-    """Whichever halves of its joints the rod carries. Some pass a joint's axis at 60 rad/s about it."""
+def test_spatial_four_bar_moves_as_with_rod_as_body(child: tuple[bool, bool], axes: Numbers) -> None:
+    """For both orientations of its joints. In some cases the rod passes a joint axis at 60 rad/s about it."""
     source = spatial_four_bar(rod_is_child=child, axes=axes)
     sensor = frame_sensor("rod", (0.1, 0.2, 0.3), rotation([1, 2, 3], 0.4))
     assert_agree(with_sensors(source, F=sensor), tolerance=1e-12)
 
 
 @pytest.mark.parametrize("child", list(product((True, False), repeat=2)))
-def test_order_in_the_file_changes_nothing(child: tuple[bool, bool]) -> None:
+def test_order_in_the_file_does_not_change_results(child: tuple[bool, bool]) -> None:
     source = spatial_four_bar(rod_is_child=child)
     expected = run(source, TIMES, tolerance=1e-11)
     for seed in range(3):
@@ -80,8 +84,8 @@ def test_order_in_the_file_changes_nothing(child: tuple[bool, bool]) -> None:
             assert_close(name, found[name], expected[name], bound, "100 rtol, 3 s")
 
 
-def test_angles_of_a_hinged_rod_count_turns() -> None:
-    """Nine turns of the crank: B and C against the crank's and the rocker's angles, in closed form."""
+def test_angles_of_a_hinged_rod_count_full_turns() -> None:
+    """Nine turns of the crank: B and C are compared with the crank and rocker angles, in closed form."""
     source = planar_four_bar()
     source["joints"]["A"]["start"]["w"] = 12.0
     found = run(source, np.linspace(0, 6, 121), tolerance=1e-10)
@@ -92,19 +96,19 @@ def test_angles_of_a_hinged_rod_count_turns() -> None:
     assert_close("C.phi", found["C.phi"], np.unwrap(psi) - np.unwrap(theta), 1e-8, "100 rtol")
 
 
-def test_wishes_at_the_ends_of_a_rod_choose_the_branch() -> None:
-    """Only the coupler's angle is told: below the diagonal instead of above it."""
+def test_initial_guesses_at_the_ends_of_a_rod_select_the_branch() -> None:
+    """Only the initial guess of the coupler angle is given: below the diagonal instead of above it."""
     source = planar_four_bar()
     for name in "CD":
         del source["joints"][name]["start"]
     for theta in (0.9, -0.9):
         source["joints"]["B"]["start"] = {"phi": theta - 1.1}
-        rows, bodies = both(source, np.array([0.0]))
+        rows, bodies = with_and_without_reduction(source, np.array([0.0]))
         assert np.sign(rows["D.phi"][0]) == np.sign(theta)
         assert_same(rows.joint_states(source), bodies.joint_states(source), 1e-12, "closure")
 
 
-def test_fixed_start_at_the_end_of_a_rod_is_kept() -> None:
+def test_fixed_start_value_at_the_end_of_a_rod_is_exact() -> None:
     source = planar_four_bar()
     source["joints"]["A"]["start"] = {"phi": 1.1, "w": 0.0}
     source["joints"]["B"]["start"] = {"phi": -0.5, "w": 2.0, "fixed": True}
@@ -115,11 +119,11 @@ def test_fixed_start_at_the_end_of_a_rod_is_kept() -> None:
     assert_agree(source)
 
 
-# --- against what is not the same code ---
+# --- comparison with independent solutions ---
 
 
-def test_a_heavier_rod_comes_near_it_as_its_mass_goes_to_zero() -> None:
-    """The error is proportional to the mass: a tenth of the mass, a tenth of the difference."""
+def test_rod_with_mass_converges_to_massless_rod() -> None:
+    """The error is proportional to the mass: a tenth of the mass gives a tenth of the difference."""
     times = np.linspace(0, 1, 11)
     massless = run(spatial_four_bar(), times, tolerance=1e-11)
     differences = [
@@ -130,7 +134,7 @@ def test_a_heavier_rod_comes_near_it_as_its_mass_goes_to_zero() -> None:
     assert_close("ratios", np.array(differences[:2]) / differences[1:], 10, 0.2, "linear in the mass")
 
 
-def test_two_spherical_ends_move_the_neighbours_as_a_universal_one_does() -> None:
+def test_two_spherical_ends_and_a_universal_end_give_equal_motion() -> None:
     spherical = run(spatial_four_bar("spherical"), TIMES, tolerance=1e-11)
     universal = run(spatial_four_bar("universal"), TIMES, tolerance=1e-11)
     for name in ("A.phi", "A.w", "A.a", "D.phi", "D.w", "D.a"):
@@ -138,8 +142,10 @@ def test_two_spherical_ends_move_the_neighbours_as_a_universal_one_does() -> Non
         assert_close(name, spherical[name], universal[name], bound, "100 rtol, 3 s")
 
 
-def test_rod_between_spherical_joints_does_not_twist() -> None:
-    """Q of the first joint is the shortest turn; Q, w and z of both joints are each other's derivatives."""
+def test_rod_between_spherical_joints_does_not_spin() -> None:
+    """Q of the first joint is the rotation with the smallest angle; Q,
+    w and z of both joints are consistent derivatives.
+    """
     source = spatial_four_bar("spherical", (True, False))
     h = 1e-4
     times = np.concatenate([t + h * np.array([-1, 0, 1]) for t in np.linspace(0.1, 2, 20)])
@@ -149,15 +155,15 @@ def test_rod_between_spherical_joints_does_not_twist() -> None:
         u, s = Q[:, 1, :3], Q[:, 1, 3:]
         Qdot = (Q[:, 2] - Q[:, 0]) / (2 * h)
         w_of_Q = 2 * (s * Qdot[:, :3] - Qdot[:, 3:] * u - np.cross(u, Qdot[:, :3]))
-        # third derivatives of some (10 rad/s)^3, times h^2
-        assert_close(f"{name}.w", w_of_Q, w[:, 1], 1e-3, "difference quotient")
-        assert_close(f"{name}.z", (w[:, 2] - w[:, 0]) / (2 * h), z[:, 1], 1e-1, "difference quotient")
-    # The shortest turn has its axis at right angles to the rod, which lies along z of the joint's frame.
-    assert_close("twist", found["U.Q[3]"], 0, 1e-12, "rounding")
+        # third derivatives of about (10 rad/s)^3, times h^2
+        assert_close(f"{name}.w", w_of_Q, w[:, 1], 1e-3, "finite differences")
+        assert_close(f"{name}.z", (w[:, 2] - w[:, 0]) / (2 * h), z[:, 1], 1e-1, "finite differences")
+    # The axis of the smallest rotation is perpendicular to the rod, which lies along z of the joint frame.
+    assert_close("twist", found["U.Q[3]"], 0, 1e-12, "round-off")
 
 
-def test_parallelogram_is_a_pair_of_pendulums() -> None:
-    """Cranks of equal length joined by a massless rod turn alike: one pendulum with both inertias."""
+def test_parallelogram_with_massless_coupler_is_one_pendulum() -> None:
+    """Cranks of equal length connected by a massless rod rotate equally: one pendulum with both inertias."""
     about_z = {"axis": [0, 0, 1]}
     length, left, right = 0.8, 1.3, 0.4
 
@@ -190,16 +196,18 @@ def test_parallelogram_is_a_pair_of_pendulums() -> None:
         for name in "AD":
             assert_close(name, found[f"{name}.{signal}"], expected[f"A.{signal}"], 1e-8, "100 rtol, 3 s")
         other = 0.0 if signal != "phi" else found["C.phi"][0] + found["B.phi"][0]
-        assert_close("rod", found[f"B.{signal}"] + found[f"C.{signal}"], other, 1e-8, "the rod stays level")
+        assert_close(
+            "rod", found[f"B.{signal}"] + found[f"C.{signal}"], other, 1e-8, "the rod remains horizontal"
+        )
 
 
 @pytest.mark.parametrize("rods", [2, 3])
-def test_platform_on_equal_rods_swings_like_a_point_on_one(rods: int) -> None:
-    """It does not turn, so every point of it moves as the far end of one of the rods."""
+def test_platform_on_equal_rods_is_a_point_pendulum(rods: int) -> None:
+    """The platform does not rotate, so each of its points moves like the far end of one of the rods."""
     start = {"phi_a": 0.5, "w_a": 0.3, "w_b": 0.7, "fixed": True}
     platform = hung_platform(rods, {"phi_a": 0.5, "w_a": 0.3, "w_b": 0.7})
     platform["joints"]["U0"]["start"] = start
-    # Held level by its start; nothing turns it while all rods pull alike: S undoes U's turns.
+    # Initially level; no moment rotates it while all rods pull equally: S cancels the rotations of U.
     for i in range(rods):
         platform["joints"][f"S{i}"]["start"] = {"Q": [-np.sin(0.25), 0, 0, np.cos(0.25)]}
     platform["bodies"]["platform"]["com"] = [0.0, 0.0, 0.0]
@@ -218,8 +226,8 @@ def test_platform_on_equal_rods_swings_like_a_point_on_one(rods: int) -> None:
 
 
 @pytest.mark.parametrize("rods", [2, 3])
-def test_plank_on_equal_hinged_rods_swings_like_a_point_on_one(rods: int) -> None:
-    """The first rod holds it in the tree; the third repeats the second."""
+def test_plank_on_equal_hinged_rods_is_a_point_pendulum(rods: int) -> None:
+    """The first rod is in the tree; the third is redundant with the second."""
     source = hung_plank(rods)
     assert sizes(source) == (2, 1, 1)
     point = scene(
@@ -240,8 +248,10 @@ def test_plank_on_equal_hinged_rods_swings_like_a_point_on_one(rods: int) -> Non
         assert_close(f"A{i}.{name}", found[f"A{i}.{name}"], expected[f"A.{name}"], 1e-8, "100 rtol, 3 s")
 
 
-def test_rod_swings_straight_across_its_joints_axis() -> None:
-    """A planar four-bar whose coupler has its first axis in the plane: phi_b goes round, phi_a stays."""
+def test_rod_crosses_the_axis_of_its_joint() -> None:
+    """A planar four-bar whose coupler has its first axis in the plane:
+    phi_b makes full turns, phi_a is constant.
+    """
     hinged = planar_four_bar()
     crossing = copy.deepcopy(hinged)
     crossing["joints"]["B"] = joint(
@@ -260,22 +270,22 @@ def test_rod_swings_straight_across_its_joints_axis() -> None:
     assert abs(expected["B.phi"][-1]) > 2 * np.pi
     assert_close("A.phi", found["A.phi"], expected["A.phi"], 1e-8, "100 rtol, 6 s")
     assert_close("B.phi_b", found["B.phi_b"], expected["B.phi"], 1e-8, "100 rtol, 6 s")
-    assert_close("B.phi_a", found["B.phi_a"], 0, 1e-8, "it stays in the plane")
+    assert_close("B.phi_a", found["B.phi_a"], 0, 1e-8, "the rod remains in the plane")
 
 
-# --- where the rod is needed, or nothing moves ---
+# --- rods that are required, rods that cannot move ---
 
 
-def test_a_neighbour_that_would_be_left_without_inertia_keeps_its_rod() -> None:
-    """A crank whose mass lies on its axis turns only what the rod moves."""
+def test_rod_remains_a_body_if_its_neighbor_needs_it_for_inertia() -> None:
+    """A crank whose center of mass lies on its axis drives only the rod."""
     source = planar_four_bar()
     source["bodies"]["crank"] = body(1.0)
     assert sizes(source) == (3, 2, 1)
     assert_agree(source, np.linspace(0, 1, 11))
 
 
-def test_rods_between_bodies_that_cannot_move_are_dropped() -> None:
-    """A triangle of two bars and a rod stands still; the pendulum beside it swings on."""
+def test_rods_between_immobile_bodies_are_removed() -> None:
+    """A triangle of two bars and a rod is immobile; the pendulum beside it continues to swing."""
     about_z = {"axis": [0, 0, 1]}
     source = scene(
         {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parallelogram linkages: their couplers only translate, so they are pendulums with closed forms.
+"""Parallelogram linkages compared with closed-form pendulums: their couplers only translate.
 
-They have change points (all bars in line), where another branch opens; these tests keep clear of them.
+At their change points (all bars in line) another branch opens; these tests avoid them.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ ABOUT_Z = {"axis": [0, 0, 1]}
 
 
 def four_bar_chain(n: int, upright: float, rate: float) -> Scene:
-    """The N-four-bar (IFToMM A02) with a sensor on the first crank's tip."""
+    """The N-four-bar (IFToMM A02) with a sensor at the tip of the first crank."""
     return with_sensors(mechanisms.four_bar_chain(n, upright, rate), tip=frame_sensor("crank0", (1, 0, 0)))
 
 
 def falling(n: int, upright: float, rate: float, times: np.ndarray) -> np.ndarray:
-    """I phi'' = P g sin phi, I = (n+1)/3 + n, P = (n+1)/2 + n per kg and metre, phi from the vertical."""
+    """I phi'' = P g sin phi, I = (n+1)/3 + n, P = (n+1)/2 + n per kg and meter, phi from the vertical."""
     k = GRAVITY * ((n + 1) / 2 + n) / ((n + 1) / 3 + n)
     found = solve_ivp(
         lambda _t, y: [y[1], k * math.sin(y[0])],
@@ -43,8 +43,10 @@ def falling(n: int, upright: float, rate: float, times: np.ndarray) -> np.ndarra
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("n", [2, 5])
-def test_windows_fall_as_one_pendulum(n: int, integrator: str) -> None:
-    """From upright with 1 rad/s to 1.4 rad, short of the change point at pi/2 rad, where n freedoms open."""
+def test_n_four_bar_falls_like_one_pendulum(n: int, integrator: str) -> None:
+    """From upright with 1 rad/s to 1.4 rad, before the change point at pi/2 rad,
+    where n degrees of freedom open.
+    """
     times = np.linspace(0, 0.5, 26)
     phi = falling(n, 0.0, 1.0, times)
     times, phi = times[phi < 1.4], phi[phi < 1.4]
@@ -52,11 +54,13 @@ def test_windows_fall_as_one_pendulum(n: int, integrator: str) -> None:
     expected = np.array([np.sin(phi), np.cos(phi)]).T
     assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-8, "1000 rtol near the change point")
     for i in range(n + 1):
-        assert_close(f"A{i}.phi", found[f"A{i}.phi"], math.pi / 2 - phi, 1e-8, "likewise")
+        assert_close(f"A{i}.phi", found[f"A{i}.phi"], math.pi / 2 - phi, 1e-8, "as above")
 
 
-def test_hanging_windows_swing_for_long() -> None:
-    """Below the horizontal all is regular: 20 s of swinging by 1 rad about the lower rest."""
+def test_hanging_n_four_bar_matches_pendulum_for_20_s() -> None:
+    """Below the horizontal there are no singular configurations:
+    20 s of oscillation by 1 rad about the lower equilibrium.
+    """
     times = np.linspace(0, 20, 81)
     phi = falling(2, math.pi - 1.0, 0.0, times)
     found = run(four_bar_chain(2, math.pi - 1.0, 0.0), times, tolerance=1e-12)
@@ -64,10 +68,9 @@ def test_hanging_windows_swing_for_long() -> None:
     assert_close("constraints.position", found["constraints.position"], 0, 1e-10, "closure")
 
 
-def test_parallelogram_swings_with_the_exact_pendulum_period() -> None:
-    """The coupler only translates, so the linkage is a pendulum with
-    omega0^2 = g (2 m c + m_c L)/(2 I_O + m_c L^2) (Landau & Lifshitz, Mechanics, section 11).
-    60 degrees keep clear of the change point at 90.
+def test_parallelogram_has_the_exact_pendulum_period() -> None:
+    """The coupler only translates, so the linkage is a pendulum with omega0^2 = g (2 m c + m_c L)/(2 I_O +
+    m_c L^2) (Landau & Lifshitz, Mechanics, section 11). 60 degrees is well before the change point at 90.
     """
     I_O, m, c, L, m_c, width = 0.03, 0.5, 0.15, 0.3, 0.8, 0.37
     amplitude = math.pi / 3

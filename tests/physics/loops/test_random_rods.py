@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Random trees of bodies with rods without mass between them, in any order: the same with rods as rows."""
+"""Random trees of bodies connected by massless rods:
+rods as distance constraints and as bodies give the same motion.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ from models.running import assert_close, run
 SEEDS = range(16)
 TIMES = np.linspace(0, 0.5, 6)
 Z = np.array([0.0, 0.0, 1.0])
-# Kinds of joints between bodies: axes, and start values that move.
+# Types of joints between bodies: axes, and start values in motion.
 IN_SPACE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "revolute": ({"axis": [0, 0, 1]}, {"phi": 0, "w": 1.5}),
     "prismatic": ({"axis": [0, 0, 1]}, {"s": 0, "v": 0.3}),
@@ -43,7 +45,7 @@ IN_PLANE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 
 
 class Builder:
-    """A mechanism in its reference position: all coordinates are zero."""
+    """Builds a mechanism in its reference position, where all coordinates are zero."""
 
     def __init__(self, seed: int, planar: bool) -> None:
         self.rng = np.random.default_rng(seed)
@@ -53,15 +55,15 @@ class Builder:
         self.sensors: dict[str, Any] = {"E": {"type": "energy"}}
         self.poses: dict[str, tuple[Array, Array]] = {"ground": (np.eye(3), np.zeros(3))}
 
-    def turn(self) -> Array:
-        """A random orientation; in the plane z stays, or is turned upside down."""
+    def random_rotation(self) -> Array:
+        """A random orientation; in the plane, z is kept or reversed."""
         angle = self.rng.uniform(-3, 3)
         if not self.planar:
             return rotation(self.rng.normal(size=3), angle)
         return rotation(Z, angle) @ np.diag([1, *([self.rng.choice([-1, 1])] * 2)])
 
-    def across(self, a: Array) -> Array:
-        """A random unit vector at right angles to a."""
+    def random_perpendicular(self, a: Array) -> Array:
+        """A random unit vector perpendicular to a."""
         out = np.cross(a, self.rng.normal(size=3))
         return out / np.linalg.norm(out)
 
@@ -77,14 +79,14 @@ class Builder:
         parent = str(self.rng.choice(list(self.poses)))
         R_parent, p_parent = self.poses[parent]
         p_F, p_M = self.rng.uniform(-0.6, 0.6, (2, 3))
-        R = rotation(Z, self.rng.uniform(-3, 3)) if self.planar else self.turn()
+        R = rotation(Z, self.rng.uniform(-3, 3)) if self.planar else self.random_rotation()
         self.poses[f"b{i}"] = R, p_parent + R_parent @ p_F - R @ p_M
         J = self.rng.normal(size=(3, 3))
         inertia = np.trace(J @ J.T) * np.eye(3) - J @ J.T + np.eye(3)
         self.bodies[f"b{i}"] = general_body(
             self.rng.uniform(0.5, 2), self.rng.uniform(-0.2, 0.2, 3), 0.02 * inertia
         )
-        R_F = self.turn()
+        R_F = self.random_rotation()
         self.add_joint(
             f"J{i}",
             kind,
@@ -94,29 +96,29 @@ class Builder:
         )
 
     def add_rod(self, i: int, ends: tuple[str, str]) -> None:
-        """From any point of one body to any of another."""
+        """Add a rod from an arbitrary point of one body to one of another."""
         name = f"rod{i}"
         points = self.rng.uniform(-0.5, 0.5, (2, 3))
         placed_ends = [self.poses[end] for end in ends]
         a, b = (p + R @ point for (R, p), point in zip(placed_ends, points, strict=True))
-        R = rotation(Z, self.rng.uniform(-3, 3)) if self.planar else self.turn()
+        R = rotation(Z, self.rng.uniform(-3, 3)) if self.planar else self.random_rotation()
         origin = self.rng.uniform(-0.3, 0.3, 3)
         self.bodies[name] = body(0)
         self.sensors[f"F{i}"] = frame_sensor(name, (0.1, 0.2, 0.3), rotation([1, 2, 3], 0.4))
         kinds = ["revolute"] * 2 if self.planar else ["universal", "spherical"]
         on_rod = [origin, origin + R.T @ (b - a)]
         for k, kind in enumerate(kinds):
-            R_F = self.turn()
-            neighbour = frame(ends[k], points[k], placed_ends[k][0].T @ R_F)
+            R_F = self.random_rotation()
+            neighbor = frame(ends[k], points[k], placed_ends[k][0].T @ R_F)
             fields = {"axis": [0, 0, 1]} if self.planar else {}
-            self.add_joint(f"{'US'[k]}{i}", kind, [neighbour, frame(name, on_rod[k], R.T @ R_F)], **fields)
+            self.add_joint(f"{'US'[k]}{i}", kind, [neighbor, frame(name, on_rod[k], R.T @ R_F)], **fields)
             if kind == "universal":
                 self.point_axes(self.joints[f"U{i}"], name, R_F, (b - a) / np.linalg.norm(b - a))
 
     def point_axes(self, universal: dict[str, Any], rod: str, R_F: Array, along: Array) -> None:
-        """The axis on the rod across it, the other one across that."""
-        on_rod = self.across(along)
-        axes = [R_F.T @ self.across(on_rod), R_F.T @ on_rod]
+        """Point the axis on the rod perpendicular to it, and the other axis perpendicular to that one."""
+        on_rod = self.random_perpendicular(along)
+        axes = [R_F.T @ self.random_perpendicular(on_rod), R_F.T @ on_rod]
         if universal["parent"]["body"] == rod:
             axes.reverse()
         universal["axes"] = [numbers(a) for a in axes]
@@ -125,7 +127,7 @@ class Builder:
         n = int(self.rng.integers(2, 5))
         for i in range(n):
             self.add_body(i)
-        # Rods in a row, so that each can be in a tree and carry something there.
+        # Rods connected in series, so that each can be in a tree and carry another body there.
         chain = self.rng.permutation(list(self.poses))[: int(self.rng.integers(2, 4))]
         for i in range(len(chain) - 1):
             self.add_rod(i, (str(chain[i]), str(chain[i + 1])))
@@ -135,8 +137,10 @@ class Builder:
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("planar", [True, False], ids=["planar", "spatial"])
-def test_random_rods_move_as_bodies_do(planar: bool, seed: int) -> None:
-    """All outputs, to 1e-9 of the largest of their unit; speeds and rows are no more than before."""
+def test_random_rods_as_constraints_move_like_bodies(planar: bool, seed: int) -> None:
+    """Compares all outputs, to 1e-9 of the largest value of their unit;
+    the reduction never adds velocities or constraint equations.
+    """
     source = reordered(Builder(seed, planar).scene(), seed)
     if planar:
         source = placed(source, rotation([0.3, -0.7, 0.5], 1.3), (1, 2, 3))
@@ -154,8 +158,8 @@ def test_random_rods_move_as_bodies_do(planar: bool, seed: int) -> None:
 
 
 @pytest.mark.parametrize("planar", [True, False], ids=["planar", "spatial"])
-def test_most_random_rods_become_rows(planar: bool) -> None:
-    """The test above would say nothing if they stayed bodies."""
+def test_most_random_rods_become_constraints(planar: bool) -> None:
+    """Verifies that the test above is meaningful: most rods do not remain bodies."""
     fewer = 0
     for seed in SEEDS:
         source = Builder(seed, planar).scene()

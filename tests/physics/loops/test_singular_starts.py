@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Starts in and beside singular configurations: on a branch of the motion, refused, or warned of."""
+"""Initialization in and beside singular configurations: on a branch of the motion,
+refused, or with a warning.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,8 @@ SPEED = 16.0  # rad/s
 
 
 def parallelogram(crank: dict[str, Any], rocker: dict[str, Any]) -> Scene:
-    """Four-bar of two equal pairs of rods; at 0 rad all are in line, where it may go on crossed. Start values
-    of the joints on the ground.
+    """A four-bar of two equal pairs of rods; at 0 rad all are in line, where it may continue crossed. The
+    arguments are the start values of the joints on the ground.
     """
     return scene(
         {"crank": rod(CRANK, L), "coupler": rod(COUPLER, SPAN), "rocker": rod(ROCKER, L)},
@@ -38,7 +40,7 @@ def parallelogram(crank: dict[str, Any], rocker: dict[str, Any]) -> Scene:
 
 
 def pendulum_acceleration(phi: float) -> float:
-    """Of the cranks on the uncrossed branch, where the coupler only translates: a pendulum."""
+    """Acceleration of the cranks on the uncrossed branch, where the coupler only translates: a pendulum."""
     inertia = (CRANK + ROCKER) * L**2 / 3 + COUPLER * L**2
     return -GRAVITY * math.cos(phi) * L * ((CRANK + ROCKER) / 2 + COUPLER) / inertia
 
@@ -63,16 +65,18 @@ def started(source: Scene) -> tuple[gelenk.Simulation, list[str]]:
     return plant, [str(w.message) for w in caught]
 
 
-# Rounding of 2e-16 in the closed loop leaves 2e-16 / share^2 of the velocities open, and where these come
-# from the condition of the branch, the share itself: at worst 2e-5, at 3e-6 rad.
+# Round-off of 2e-16 in the closed loop leaves 2e-16 / ratio^2 of the velocities undetermined, and where these
+# follow from the condition of the branch, the ratio itself: at worst 2e-5, at 3e-6 rad.
 @pytest.mark.parametrize("guess", [1e-3, 0.0, 1e-6])
 @pytest.mark.parametrize("phi", [0.0, 1e-12, 1e-8, 1e-7, 1e-6, 3e-6, 1e-5, 3e-5])
-def test_start_beside_a_change_point_takes_the_branch_that_is_meant(phi: float, guess: float) -> None:
-    """Once this start had D.w = 15.18 rad/s and accelerations of 1e7 rad/s2, and told nobody."""
+def test_start_beside_a_change_point_selects_the_intended_branch(phi: float, guess: float) -> None:
+    """A regression test: this start gave D.w = 15.18 rad/s and accelerations of 1e7
+    rad/s2 without a warning.
+    """
     crank = {"phi": phi, "w": SPEED, "fixed": True}
-    plant, told = started(parallelogram(crank, {"phi": guess, "w": 15.0}))
-    assert len(told) == 1
-    assert "singular configuration of the loop through" in told[0]
+    plant, warned = started(parallelogram(crank, {"phi": guess, "w": 15.0}))
+    assert len(warned) == 1
+    assert "singular configuration of the loop through" in warned[0]
     assert plant.output("A.w") == SPEED
     assert plant.output("D.w") == pytest.approx(SPEED, rel=3e-5)
     for name in ("A.a", "D.a"):
@@ -85,15 +89,18 @@ def test_start_beside_a_change_point_takes_the_branch_that_is_meant(phi: float, 
     assert plant.diagnostics["energy.total"] == pytest.approx(energy, abs=1e-4 * kinetic)
 
 
-def test_start_at_a_regular_position_warns_of_nothing() -> None:
-    plant, told = started(parallelogram({"phi": 1e-3, "w": SPEED, "fixed": True}, {"phi": 1e-3}))
-    assert told == []
-    assert plant.output("D.w") == pytest.approx(SPEED, rel=1e-9)  # 2e-16 / 1e-6, and the arithmetic's factor
+def test_start_at_a_regular_position_gives_no_warning() -> None:
+    plant, warned = started(parallelogram({"phi": 1e-3, "w": SPEED, "fixed": True}, {"phi": 1e-3}))
+    assert warned == []
+    assert plant.output("D.w") == pytest.approx(SPEED, rel=1e-9)  # 2e-16 / 1e-6, and the factor of the
+    # arithmetic
     assert plant.output("D.a") == pytest.approx(pendulum_acceleration(1e-3), rel=1e-5)
 
 
-def test_fixed_speeds_that_no_branch_has_are_refused() -> None:
-    """At the change point the loop's equations allow any pair of speeds, but each branch has its own."""
+def test_fixed_speeds_inconsistent_with_all_branches_are_refused() -> None:
+    """At the change point the velocity constraints permit any pair of speeds,
+    but each branch has its own ratio.
+    """
     fixed = {"phi": 0.0, "w": SPEED, "fixed": True}
     with pytest.raises(gelenk.AssemblyError) as caught:
         started(parallelogram(fixed, {"phi": 0.0, "w": 5.0, "fixed": ["w"]}))
@@ -102,9 +109,9 @@ def test_fixed_speeds_that_no_branch_has_are_refused() -> None:
     assert "singular configuration of the loop through" in message
 
 
-def test_both_branches_can_be_entered() -> None:
-    """Crossed, the rocker turns the other way: the speeds of the two branches are the roots of one quadratic
-    equation, found here by closing the loop a little further on.
+def test_both_branches_can_be_selected() -> None:
+    """On the crossed branch the rocker turns the other way: the speeds of the two branches are the roots of
+    one quadratic equation, determined here by closing the loop a small distance away.
     """
     h = 1e-4
     crank = np.array([L * math.cos(h), L * math.sin(h)])
@@ -114,24 +121,24 @@ def test_both_branches_can_be_entered() -> None:
     leans = [math.atan2(-to[1], -to[0]) + side * corner for side in (1, -1)]
     angles = [(math.remainder(lean, 2 * math.pi)) for lean in leans]
     for angle in angles:
-        plant, told = started(
+        plant, warned = started(
             parallelogram({"phi": 0.0, "w": SPEED, "fixed": True}, {"phi": 0.0, "w": 0.9 * SPEED * angle / h})
         )
-        assert told
+        assert warned
         # The chord of the branch differs from its tangent by h.
         assert plant.output("D.w") == pytest.approx(SPEED * angle / h, rel=10 * h)
 
 
-def test_rest_in_a_singular_configuration_is_warned_of() -> None:
-    _, told = started(parallelogram({"phi": 0.0, "fixed": True}, {"phi": 0.0}))
-    assert len(told) == 1
-    assert "at rest nothing determines the branch" in told[0]
+def test_rest_in_a_singular_configuration_gives_a_warning() -> None:
+    _, warned = started(parallelogram({"phi": 0.0, "fixed": True}, {"phi": 0.0}))
+    assert len(warned) == 1
+    assert "at rest nothing determines the branch" in warned[0]
 
 
 @pytest.mark.parametrize("guess", [0.0, 1e-7, 1e-3, 0.3, -0.4])
-def test_speed_along_a_dead_centre_contradicts_the_loop(guess: float) -> None:
-    """A slider-crank that is fully stretched cannot move its slider. Divided by a pivot of rounding, 1 m/s
-    became 8.2e6 rad/s.
+def test_slider_speed_at_a_dead_center_is_refused(guess: float) -> None:
+    """A slider-crank that is fully extended cannot move its slider. Divided by a pivot of the order of
+    round-off, 1 m/s became 8.2e6 rad/s.
     """
     source = scene(
         {"crank": rod(1, 0.1), "rod": rod(1, 0.3), "slider": body(1, inertia=(0.01, 0.01, 0.01))},
@@ -153,7 +160,7 @@ def test_speed_along_a_dead_centre_contradicts_the_loop(guess: float) -> None:
 
 
 def polygon(angles: list[float]) -> Scene:
-    """Rods of 1 m in a row; the joint that pins the end of the last to the ground has no start values."""
+    """A chain of rods of 1 m; the joint that pins the end of the last to the ground has no start values."""
     end = np.zeros(2)
     heading = 0.0
     bodies, joints = {}, {}
@@ -169,20 +176,22 @@ def polygon(angles: list[float]) -> Scene:
 
 
 @pytest.mark.parametrize("rods", [3, 61, 101])
-def test_start_that_closes_stays_as_it_is(rods: int) -> None:
-    """What nobody asked for, the closing joint's angle, once pulled the others by 1e-4 of itself."""
+def test_closed_start_configuration_is_not_changed(rods: int) -> None:
+    """A regression test: the angle of the loop-closing joint, which has no start value,
+    displaced the others by 1e-4 of itself.
+    """
     angles = [1.2, -1.2, -1.2] + [0.3, -0.25] * ((rods - 3) // 2)
     plant, _ = started(polygon(angles))
     for i, angle in enumerate(angles):
-        # Sums of so many unit vectors are rounded by 2e-16 each.
+        # Sums of this many unit vectors are rounded by 2e-16 each.
         assert plant.output(f"J{i}.phi") == pytest.approx(angle, abs=2e-16 * 10 * rods)
 
 
 @pytest.mark.parametrize("phi", [0.0, 1e-7, 1e-6, 3e-6])
-def test_speeds_that_are_a_branch_are_kept(phi: float) -> None:
-    """With both speeds given as the branch has them nothing is left to find; J v = 0 alone, with a pivot of
-    this size, would move the guess by 2e-16 / phi^2.
+def test_speeds_consistent_with_a_branch_are_kept(phi: float) -> None:
+    """With both speeds given consistently with the branch nothing remains to be solved for; J v = 0 alone,
+    with a pivot of this size, would change the guess by 2e-16 / phi^2.
     """
     crank = {"phi": phi, "w": SPEED, "fixed": True}
     plant, _ = started(parallelogram(crank, {"phi": 1e-3 * phi, "w": SPEED}))
-    assert plant.output("D.w") == pytest.approx(SPEED, rel=1e-9)  # Newton's bound, 1e-10 of the square
+    assert plant.output("D.w") == pytest.approx(SPEED, rel=1e-9)  # Newton tolerance, 1e-10 of the square

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bars stretched in line between two pins: at that one position a row repeats another, and yet each holds."""
+"""Bars fully extended between two pins: at this one position a constraint
+equation is redundant, yet each is required.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ import gelenk
 
 
 def stretched(count: int, slack: float) -> Scene:
-    """Bars that are so much longer [m] in all than the metre between the pins, pulled aside in the middle."""
+    """Bars that are longer [m] in total by `slack` than the distance of one meter
+    between the pins, deflected in the middle.
+    """
     length = (1 + slack) / count
     joints = {
         f"j{i}": joint(
@@ -26,12 +30,14 @@ def stretched(count: int, slack: float) -> Scene:
     joints["end"] = joint("revolute", frame("ground", (1, 0, 0)), last, axis=[0, 0, 1])
     out = scene({f"b{i}": rod(1, length) for i in range(count)}, joints)
     out["motors"] = {"pull": {"joint": "j1"}}
-    out["solver"] = {"integrator": "rk4"}  # which does not try ever shorter steps
+    out["solver"] = {"integrator": "rk4"}  # which does not reduce its step size
     return out
 
 
-def opened(count: int, slack: float) -> tuple[float, float]:
-    """How far the bars' end leaves its pin [m], told by the angles; how far the first bar turns [rad]."""
+def closure_error_and_range(count: int, slack: float) -> tuple[float, float]:
+    """Return the closure error at the end pin [m], computed from the angles,
+    and the range of the first bar's angle [rad].
+    """
     found = gelenk.simulate(stretched(count, slack), stop=0.5, step=0.01, inputs={"pull.tau": 0.3})
     angles = np.cumsum([found[f"j{i}.phi"] for i in range(count)], axis=0)
     ends = (1 + slack) / count * np.exp(1j * angles).sum(axis=0)
@@ -39,18 +45,18 @@ def opened(count: int, slack: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("count", [2, 3])
-def test_what_is_stretched_does_not_open(count: int) -> None:
-    """Rows are told to repeat others only where that was seen at several positions, and here is but one. With
-    one of them left out the bars swung round by half a metre and more.
+def test_fully_extended_chain_remains_closed(count: int) -> None:
+    """Constraint equations are classified as redundant only if they are at several positions, and here there
+    is only one. With one of them removed the bars swung round by half a meter and more.
     """
     size = gelenk.inspect(gelenk.load(stretched(count, 0.0))).to_dict()["reduced"]
     assert size["constraint_equations"] == 2
     with pytest.raises(gelenk.StepError, match="constraint projection did not converge"):
-        opened(count, 0.0)
+        closure_error_and_range(count, 0.0)
 
 
 @pytest.mark.parametrize("count", [3, 4, 5])
-def test_what_is_slack_moves_and_stays_closed(count: int) -> None:
-    gap, turned = opened(count, 0.01)
+def test_chain_with_slack_moves_and_remains_closed(count: int) -> None:
+    gap, turned = closure_error_and_range(count, 0.01)
     assert turned > 0.05
     assert gap < 1e-12  # as loops close

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`auto` goes with what is cheaper while it runs. Counts are compared, not times: they do not jitter."""
+"""The `auto` integrator selects the cheaper method during a run.
+Evaluations are compared, not times, which vary.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ def driven_governor() -> Scene:
 
 
 def cost(source: Scene, integrator: str, stop: float, points: int, torque: float = 0.0) -> dict[str, float]:
-    """The health of a run with another torque at each of its communication points."""
+    """Return the diagnostics of a run whose torque changes at each communication point."""
     plant = gelenk.Simulation({**source, "solver": {"integrator": integrator}})
     plant.initialize(0.0, 1e-6)
     for k in range(points):
@@ -33,7 +35,7 @@ def cost(source: Scene, integrator: str, stop: float, points: int, torque: float
 
 
 def evaluations(health: dict[str, float]) -> float:
-    """As methods.md counts them; the governor has 8 unknowns."""
+    """Evaluations as counted in methods.md; the governor has 8 unknowns."""
     return health["solver.evaluations"] + 2 * 8 * health["solver.jacobians"] + 2 * health["solver.steps"]
 
 
@@ -49,32 +51,34 @@ def free(source: Scene, integrator: str) -> dict[str, float]:
     [(5, 0.0, "cvode"), (400, 0.0, "cvode"), (80, 5.0, "cvode")],
     ids=["free", "outputs", "a new torque every 50 ms"],
 )
-def test_stiff_governor_costs_as_with_the_better_method(points: int, torque: float, better: str) -> None:
+def test_stiff_governor_costs_as_much_as_with_the_better_method(
+    points: int, torque: float, better: str
+) -> None:
     runs = {m: cost(driven_governor(), m, 4.0, points, torque) for m in ("auto", "erk", "cvode")}
     counted = {m: evaluations(health) for m, health in runs.items()}
     assert min(counted["erk"], counted["cvode"]) == counted[better]
-    assert max(counted["erk"], counted["cvode"]) > 2 * counted[better], "or there is nothing to choose"
+    assert max(counted["erk"], counted["cvode"]) > 2 * counted[better], "otherwise the choice is irrelevant"
     assert counted["auto"] < 1.5 * counted[better], counted
     assert runs["auto"]["P.s"] == pytest.approx(runs["erk"]["P.s"], abs=1e-4)  # 100 times the tolerance
 
 
-def test_a_new_torque_every_millisecond_is_left_to_the_explicit_method() -> None:
-    """`cvode` begins with it, too, after each jump: neither costs more than it does alone."""
+def test_explicit_method_is_kept_for_torque_jumps_every_millisecond() -> None:
+    """After each jump `cvode` starts explicitly, too; neither costs more than when used alone."""
     runs = {m: cost(driven_governor(), m, 4.0, 4000, 5.0) for m in ("auto", "erk", "cvode")}
     counted = {m: evaluations(health) for m, health in runs.items()}
     assert max(counted.values()) < 1.1 * counted["erk"], counted
     assert runs["auto"]["P.s"] == pytest.approx(runs["erk"]["P.s"], abs=1e-4)  # 100 times the tolerance
 
 
-def test_what_is_not_stiff_is_left_to_the_explicit_method(four_bar: gelenk.Scene) -> None:
+def test_explicit_method_is_kept_for_nonstiff_scenes(four_bar: gelenk.Scene) -> None:
     source = four_bar.to_dict()
     auto, erk = (free(source, m) for m in ("auto", "erk"))
     assert auto["solver.evaluations"] <= 1.05 * erk["solver.evaluations"]  # 8 for each hundred steps of 9
     assert auto["solver.jacobians"] == 0
 
 
-def test_stiffness_may_begin_while_running() -> None:
-    """A pendulum falls free, then leans on a soft stop with a damper of 2e4 1/s."""
+def test_onset_of_stiffness_is_detected_during_the_run() -> None:
+    """A pendulum falls freely, then rests on a soft stop with damping of 2e4 1/s."""
     source: Scene = {
         "gelenk": 1,
         "gravity": [0, -9.81, 0],
@@ -86,18 +90,20 @@ def test_stiffness_may_begin_while_running() -> None:
         },
     }  # fmt: skip
     found = {m: free(source, m) for m in ("auto", "erk", "cvode")}
-    assert found["erk"]["solver.steps"] > 10 * found["cvode"]["solver.steps"], "bound by stability"
+    assert found["erk"]["solver.steps"] > 10 * found["cvode"]["solver.steps"], "limited by stability"
     assert found["auto"]["solver.steps"] < 3 * found["cvode"]["solver.steps"]
     assert found["auto"]["solver.jacobians"] > 0
 
 
-def test_same_calls_give_the_same_bits_across_changes() -> None:
+def test_results_are_bitwise_reproducible_across_method_changes() -> None:
     first, second = (cost(driven_governor(), "auto", 1.0, 200, 5.0) for _ in range(2))
     assert first == second
 
 
-def test_one_method_stands_in_for_the_other() -> None:
-    """The accelerations become infinite for a torque beyond all numbers: refused, and the run can go on."""
+def test_run_continues_after_a_refused_step() -> None:
+    """A torque of excessive size makes the accelerations overflow: the step is refused,
+    and the run can continue.
+    """
     plant = gelenk.Simulation(driven_governor())
     plant.initialize(0.0, 1e-6)
     plant.step_to(0.1)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""solver.corrections: a step of bounded cost, and what it costs in accuracy."""
+"""With `solver.corrections` each step has a bounded cost;
+these tests measure the cost and the loss of accuracy.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ def driven(**solver: Any) -> gelenk.Simulation:
 
 
 def run(plant: gelenk.Simulation, steps: int = STEPS) -> tuple[list[float], float, set[float]]:
-    """The crank's angle after each step, the widest gap on the way, evaluations a step."""
+    """Return the crank angle after each step, the largest closure error during the run,
+    and the evaluations per step.
+    """
     angles, gap, costs = [], 0.0, set()
     before = plant.diagnostics["solver.evaluations"]
     for k in range(steps):
@@ -37,20 +41,20 @@ def run(plant: gelenk.Simulation, steps: int = STEPS) -> tuple[list[float], floa
 
 
 @pytest.mark.parametrize(("integrator", "evaluations"), [("rk4", 4), ("euler", 1)])
-def test_each_step_costs_the_same(integrator: str, evaluations: int) -> None:
+def test_each_step_has_the_same_cost(integrator: str, evaluations: int) -> None:
     _, _, costs = run(driven(integrator=integrator, corrections=2), 500)
     assert costs == {evaluations}
 
 
-def test_two_corrections_close_the_loops() -> None:
-    """After a step of 1 ms the first leaves its square, the second rounding."""
+def test_two_corrections_close_the_loops_to_round_off() -> None:
+    """After a step of 1 ms the first correction leaves the square of the error, the second only round-off."""
     closed, _, _ = run(driven(integrator="rk4"))
     angles, gap, _ = run(driven(integrator="rk4", corrections=2))
     assert gap < 1e-12
     assert max(abs(a - b) for a, b in zip(angles, closed, strict=True)) < 1e-9
 
 
-def test_one_correction_leaves_more() -> None:
+def test_one_correction_leaves_a_larger_closure_error() -> None:
     _, gap, _ = run(driven(integrator="euler", corrections=1), 2000)
     _, closer, _ = run(driven(integrator="euler", corrections=3), 2000)
     assert closer < 0.1 * gap

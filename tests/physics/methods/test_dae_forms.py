@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`index3` and `stabilized-index2`: multipliers as unknowns, integrated directly."""
+"""The DAE formulations `index3` and `stabilized-index2`, whose multipliers are unknowns of the integrator."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from physics.loops.test_parallelograms import four_bar_chain
 
 ROOT = Path(__file__).parents[3]
 FORMS = ("index3", "stabilized-index2")
-# Seconds: of Andrews' mechanism a few milliseconds, in which its fast crank comes halfway round.
+# s; a few milliseconds for Andrews' mechanism, in which its fast crank makes half a turn.
 STOPS = {"four_bar": 2.0, "slider_crank": 2.0, "stewart": 1.0, "andrews": 0.008, "double_pendulum": 1.0}
 
 
@@ -27,7 +27,9 @@ def plant(name: str, **solver: Any) -> gelenk.Simulation:
 
 
 def run(simulation: gelenk.Simulation, stop: float, tolerance: float, count: int = 40) -> dict[str, Array]:
-    """Coordinates "q" and speeds "v" and the run's health at `count` times after the start."""
+    """Return coordinates "q", velocities "v" and the diagnostics of the run at
+    `count` times after the start.
+    """
     simulation.initialize(0.0, tolerance)
     level = [[i for i, s in enumerate(simulation.outputs) if s.level == k] for k in (0, 1)]
     rows, health = [], []
@@ -48,9 +50,10 @@ def reference() -> dict[str, dict[str, Array]]:
     return {n: run(plant(n, integrator="erk"), stop, 1e-12) for n, stop in STOPS.items()}
 
 
-# Largest error of q over the tolerance, by formulation; of speeds over that of q, by scene (Andrews' crank is
-# fast). Three times what was found or more: BDF's errors sum up over a run. Speeds of index 3 may err by the
-# tolerance over the step, and positions follow them.
+# Largest ratio of the error of q to the tolerance, by formulation, and of the velocity error to that of q, by
+# scene (Andrews' crank is fast). At least three times the observed values, because BDF errors accumulate over
+# a run. For index 3 the error of velocities may be the tolerance divided by the step, and positions follow
+# them.
 FACTORS = {"index3": 3000.0, "stabilized-index2": 30.0}
 RATES = {"four_bar": 10.0, "slider_crank": 20.0, "stewart": 100.0, "andrews": 1000.0, "double_pendulum": 20.0}
 
@@ -68,8 +71,10 @@ def test_same_motion_as_projection(
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_lives_at_tight_tolerances(reference: dict[str, dict[str, Array]], form: str) -> None:
-    """1e-10, in steps of a communication each millisecond too; below 5e-12 errors shrink no further."""
+def test_runs_finish_at_tight_tolerances(reference: dict[str, dict[str, Array]], form: str) -> None:
+    """Runs at 1e-10 finish, also with a communication step of a millisecond;
+    below 5e-12 errors decrease no further.
+    """
     for count in (40, 2000):
         found = run(plant("four_bar", integrator="ida", formulation=form), 2.0, 1e-10, count)
         assert_close(
@@ -78,9 +83,10 @@ def test_lives_at_tight_tolerances(reference: dict[str, dict[str, Array]], form:
     run(plant("andrews", integrator="ida", formulation=form), 0.008, 1e-14)
 
 
-def test_drift_is_what_the_method_leaves() -> None:
-    """Both close the loops in every step. The speeds of index 3 follow from q alone and leave J v at the
-    tolerance over the step; those of index 2 fulfil J v = 0 too, to Newton's share of the tolerance.
+def test_velocity_constraint_errors_are_as_predicted() -> None:
+    """Both formulations close the loops in every step. The velocities of index 3 follow from q alone, so J v
+    is as large as the tolerance divided by the step; those of index 2 also satisfy J v = 0, to Newton's share
+    of the tolerance.
     """
     tolerance = 1e-8
     third, second, without = (
@@ -92,15 +98,17 @@ def test_drift_is_what_the_method_leaves() -> None:
     assert second["constraints.velocity"].max() < tolerance / 10
     assert tolerance < third["constraints.velocity"].max() < 1000 * tolerance
     assert without["constraints.position"][-1] > 10 * third["constraints.position"].max()
-    # It does not grow.
+    # The closure error does not grow.
     halves = np.split(third["constraints.velocity"], 2)
     assert halves[1].max() < 5 * halves[0].max()
 
 
 @pytest.mark.parametrize("name", ["four_bar", "stewart", "double_pendulum"])
 @pytest.mark.parametrize("form", FORMS)
-def test_slopes_are_exact(name: str, form: str) -> None:
-    """Of the residual, at a moving state and rates near those of the motion, against central differences."""
+def test_jacobians_of_the_residual_are_exact(name: str, form: str) -> None:
+    """Jacobians of the residual, at a moving state and rates close to those of the motion,
+    against central differences.
+    """
     simulation = plant(name, integrator="ida", formulation=form)
     simulation.initialize(0.0, 1e-8)
     simulation.step_to(0.3)
@@ -109,16 +117,16 @@ def test_slopes_are_exact(name: str, form: str) -> None:
     assert_close("F", residual(core, x, xdot), 0, 1e-4 * np.abs(xdot).max(), "consistent; the state to 1e-8")
     n = len(x)
     xdot = xdot * (1 + 0.1 * np.cos(np.arange(n)))
-    slopes = np.array(core._residual(0, x.tolist(), xdot.tolist(), True)).reshape(2, n, n)
-    exact = slopes[0].T, slopes[1].T
+    jacobians = np.array(core._residual(0, x.tolist(), xdot.tolist(), True)).reshape(2, n, n)
+    exact = jacobians[0].T, jacobians[1].T
     h = 1e-5
     for way, scale in zip(np.eye(n), np.maximum(1, np.abs(x)), strict=True):
         s = h * scale
         by_x = (residual(core, x + s * way, xdot) - residual(core, x - s * way, xdot)) / (2 * s)
         by_xdot = (residual(core, x, xdot + s * way) - residual(core, x, xdot - s * way)) / (2 * s)
         bound = 1e-7 * max(1, float(np.abs(exact[0]).max()))
-        assert_close("dF/dx", exact[0] @ way, by_x, bound, "differences: rounding / h, h^2")
-        assert_close("dF/dxdot", exact[1] @ way, by_xdot, bound, "differences: rounding / h")
+        assert_close("dF/dx", exact[0] @ way, by_x, bound, "finite differences: round-off / h, h^2")
+        assert_close("dF/dxdot", exact[1] @ way, by_xdot, bound, "finite differences: round-off / h")
 
 
 def residual(core: Any, x: Array, xdot: Array) -> Array:
@@ -126,7 +134,7 @@ def residual(core: Any, x: Array, xdot: Array) -> Array:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_rows_that_repeat_others_are_refused(form: str) -> None:
+def test_redundant_constraints_are_refused(form: str) -> None:
     simulation = plant("bricard", integrator="ida", formulation=form)
     simulation.initialize(0.0, 1e-8)
     before = simulation.values()
@@ -139,9 +147,9 @@ def test_rows_that_repeat_others_are_refused(form: str) -> None:
 
 
 @pytest.mark.parametrize("n", [1, 2])
-def test_short_steps_end_beside_a_singular_position(n: int) -> None:
-    """All bars of the N-four-bar are in line after 0.71 s (test_singular_passages.py). At 1e-9 steps are too
-    short to straddle that.
+def test_short_steps_end_beside_a_singular_configuration(n: int) -> None:
+    """All bars of the N-four-bar are in line after 0.71 s (test_singular_crossings.py). At 1e-9 the steps are
+    too short to cross that configuration.
     """
     source = four_bar_chain(n, 0.0, 1.0)
     source["solver"] = {"integrator": "ida", "formulation": "stabilized-index2"}
@@ -154,7 +162,7 @@ def test_short_steps_end_beside_a_singular_position(n: int) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("integrator", ["erk", "rk4", "euler", "cvode", "cvode-adams", "dirk"])
-def test_methods_for_odes_are_refused(form: str, integrator: str) -> None:
+def test_integrators_for_odes_are_refused(form: str, integrator: str) -> None:
     with pytest.raises(
         gelenk.SceneError, match=f"'{integrator}' with the formulation {form}, expected one of"
     ):
@@ -167,7 +175,7 @@ def test_methods_for_odes_are_refused(form: str, integrator: str) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_auto_takes_ida(form: str) -> None:
+def test_auto_selects_ida(form: str) -> None:
     chosen, named = (
         run(plant("four_bar", formulation=form, integrator=integrator), 0.5, 1e-6)
         for integrator in ("auto", "ida")
@@ -176,10 +184,10 @@ def test_auto_takes_ida(form: str) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_jumps_of_inputs_are_followed(form: str) -> None:
-    """Another torque in every tenth of a second, 2 s; against projection at the tolerance squared."""
+def test_input_jumps_are_integrated_accurately(form: str) -> None:
+    """The torque changes every tenth of a second, 2 s; compared with projection at the tolerance squared."""
 
-    def turned(tolerance: float, **solver: Any) -> Array:
+    def final_angles(tolerance: float, **solver: Any) -> Array:
         simulation = plant("four_bar", **solver)
         simulation.initialize(0.0, tolerance)
         rows = []
@@ -189,6 +197,6 @@ def test_jumps_of_inputs_are_followed(form: str) -> None:
             rows.append(simulation.values()[:2])
         return np.array(rows)
 
-    expected = turned(1e-12, integrator="erk")
-    found = turned(1e-7, integrator="ida", formulation=form)
+    expected = final_angles(1e-12, integrator="erk")
+    found = final_angles(1e-7, integrator="ida", formulation=form)
     assert_close("A", found, expected, 10 * FACTORS[form] * 1e-7, "see FACTORS; jumps cost")

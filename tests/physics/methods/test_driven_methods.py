@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every formulation with every integrator, on a four-bar that is driven and on one that is geared."""
+"""Every formulation with every integrator, on a four-bar with a driven crank and on a geared one."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint
 from models.driven import Array, Law, polynomial, sine
 from models.geared_five_bar import five_bar, five_bar_bodies
-from models.one_freedom import Jet, OneFreedom
+from models.one_dof import Jet, OneDofMechanism
 from scipy.integrate import solve_ivp
 
 import gelenk
 from physics.constraints.test_driven_loops import LINKS, START, driven
 
-# On the rocker: kg, kg m2 about its centre, m to that, m and m of the pivot on the rocker.
+# On the rocker: kg, kg m2 about the center of mass, m to it, position of the pivot on the rocker in m.
 BOB, BOB_MOMENT, REACH, PIVOT = 0.3, 0.001, 0.1, (0.7, 0.1)
 RATIO, OFFSET, CRANK_START = -2.0, 2.0, 1.9
 MOTIONS: dict[str, tuple[dict[str, Any], Law]] = {
@@ -31,7 +31,7 @@ MOTIONS: dict[str, tuple[dict[str, Any], Law]] = {
 
 
 def with_bob(kind: str) -> Scene:
-    """A four-bar driven at its crank; on its rocker swings a bob."""
+    """A four-bar driven at its crank with a bob (pendulum) on its rocker."""
     out = driven(**MOTIONS[kind][0])
     out["sensors"] = {}
     out["joints"]["A"]["start"] = {"phi": START, "fixed": ["phi"]}
@@ -44,8 +44,10 @@ def with_bob(kind: str) -> Scene:
 
 
 @cache
-def bob_truth(kind: str) -> float:
-    """Its angle against the rocker after 1 s, by scipy: the pivot's path is closed in form."""
+def bob_reference(kind: str) -> float:
+    """The angle of the bob relative to the rocker after 1 s,
+    by SciPy with the closed-form path of the pivot.
+    """
     law = MOTIONS[kind][1]
 
     def rocker(t: float) -> tuple[float, float, float]:
@@ -66,14 +68,14 @@ def bob_truth(kind: str) -> float:
 
 
 @cache
-def geared_truth() -> float:
+def geared_reference() -> float:
     bodies = five_bar_bodies(RATIO, OFFSET)
-    phi, _ = OneFreedom(bodies, (0, -GRAVITY, 0)).motion(CRANK_START, 0.0, np.array([0.0, 1.0]))
+    phi, _ = OneDofMechanism(bodies, (0, -GRAVITY, 0)).motion(CRANK_START, 0.0, np.array([0.0, 1.0]))
     return float(phi[-1])
 
 
 def error(plant: str, formulation: str, integrator: str) -> float:
-    """Of the free angle after 1 s, rad."""
+    """Error of the independent angle after 1 s, rad."""
     geared = plant == "geared"
     source = five_bar(CRANK_START, RATIO, OFFSET) if geared else with_bob(plant)
     source["solver"] = {"formulation": formulation, "integrator": integrator, "step": 1e-3}
@@ -81,19 +83,19 @@ def error(plant: str, formulation: str, integrator: str) -> float:
     simulation.initialize(0.0, 1e-8)
     simulation.step_to(1.0)
     found = simulation.output("A.phi" if geared else "swings.phi")
-    return abs(found - (geared_truth() if geared else bob_truth(plant)))
+    return abs(found - (geared_reference() if geared else bob_reference(plant)))
 
 
 ADAPTIVE = ("auto", "erk", "ida", "cvode", "cvode-adams", "dirk")
 SECOND_ORDER = ("generalized-alpha", "hht", "newmark")
-RIVALS = ("baumgarte", "udwadia-kalaba", "penalty", "augmented-lagrangian", "independent")
+ALTERNATIVES = ("baumgarte", "udwadia-kalaba", "penalty", "augmented-lagrangian", "independent")
 PAIRS = [
-    *((f, i) for f in ("projection", *RIVALS) for i in (*ADAPTIVE, "rk4", "euler", *SECOND_ORDER)),
+    *((f, i) for f in ("projection", *ALTERNATIVES) for i in (*ADAPTIVE, "rk4", "euler", *SECOND_ORDER)),
     *((f, i) for f in ("index3", "stabilized-index2") for i in ("auto", "ida")),
     *(("index3", i) for i in SECOND_ORDER),
 ]
-# At a tolerance of 1e-8 errors of 2e-8 are seen, of penalties 1e-7; with steps of 1 ms 6e-2 of order 1 and
-# 2e-4 of order 2.
+# At a tolerance of 1e-8 errors of 2e-8 are observed, with penalties 1e-7; with steps of 1 ms, 6e-2 for order
+# 1 and 2e-4 for order 2.
 BOUNDS = {"euler": 0.15, **dict.fromkeys(SECOND_ORDER, 5e-4)}
 
 
@@ -103,12 +105,12 @@ CASES = [
 
 
 @pytest.mark.parametrize(("plant", "formulation", "integrator"), CASES)
-def test_all_methods_come_to_the_same(plant: str, formulation: str, integrator: str) -> None:
+def test_all_methods_give_the_same_result(plant: str, formulation: str, integrator: str) -> None:
     bound = BOUNDS.get(integrator, 1e-5 if formulation == "index3" else 3e-7)
     assert error(plant, formulation, integrator) < bound
 
 
-def test_the_formulation_that_knows_no_constraints_of_speeds_alone_says_so() -> None:
+def test_formulation_without_velocity_constraints_refuses_them() -> None:
     with pytest.raises(gelenk.SceneError) as refused:
         error("speed", "independent", "auto")
     assert str(refused.value) == (

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`generalized-alpha` and its members: order 2 in positions and speeds, damping of what is fast, refusals.
+"""`generalized-alpha` and its special cases: order 2 in positions and velocities,
+damping of fast oscillations, refusals.
 
 On x'' = -w^2 x a step multiplies (x, h v, h^2 a) by a matrix whose eigenvalues tend to -rho_inf as h w grows
-(Chung & Hulbert 1993); of the trapezoidal rule two have modulus 1 for every h w.
+(Chung & Hulbert 1993); for the trapezoidal rule two have modulus 1 for every h w.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ import gelenk
 from gelenk.chart.mechanisms import governor
 from physics.loops.test_bricard import bricard
 from physics.loops.test_parallelograms import falling, four_bar_chain
-from physics.loops.test_singular_passages import tip
+from physics.loops.test_singular_crossings import tip
 from physics.methods.test_integrators import MOTIONS, states
 
 ROOT = Path(__file__).parents[3]
 MEMBERS = ("generalized-alpha", "hht", "newmark")
 
 
-def go(
+def simulate_to(
     source: dict[str, Any],
     times: Sequence[float],
     inputs: dict[str, float] | None = None,
@@ -43,7 +44,7 @@ def go(
 
 
 def errors(motion: str, found: Recording, truth: Recording) -> tuple[float, float]:
-    """Largest of coordinates and of speeds at the last time."""
+    """Largest errors of coordinates and of velocities at the last time."""
     ends = {name.split(".")[1][0]: 0.0 for name in states(motion, truth)}
     for name, value in states(motion, truth).items():
         kind = name.split(".")[1][0]
@@ -60,10 +61,10 @@ def test_order_two_in_positions_and_speeds(motion: str, formulation: str, member
     source, inputs, _ = MOTIONS[motion]
     times = [0.0, 0.5]
     first = 2048 if motion == "heavy top" else 512
-    truth = go(source(), times, dict(inputs), 1e-13, integrator="erk")
+    truth = simulate_to(source(), times, dict(inputs), 1e-13, integrator="erk")
     solver: dict[str, Any] = {"integrator": member, "formulation": formulation}
     found = [
-        errors(motion, go(source(), times, dict(inputs), step=1 / n, **solver), truth)
+        errors(motion, simulate_to(source(), times, dict(inputs), step=1 / n, **solver), truth)
         for n in (first, 2 * first)
     ]
     for coarse, fine in zip(*found, strict=True):
@@ -73,8 +74,8 @@ def test_order_two_in_positions_and_speeds(motion: str, formulation: str, member
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
 @pytest.mark.parametrize("member", MEMBERS)
 def test_order_two_across_jumps_of_the_input(formulation: str, member: str) -> None:
-    """Another torque every 1/16 s. Were the auxiliary acceleration carried on across a jump, or started as
-    that at it, each would cost an error of order h.
+    """The torque changes every 1/16 s. If the auxiliary acceleration were kept across a jump, or
+    reinitialized as the acceleration at the jump, each jump would add an error of order h.
     """
     source, _, _ = MOTIONS["four bar"]
 
@@ -94,7 +95,7 @@ def test_order_two_across_jumps_of_the_input(formulation: str, member: str) -> N
 
 
 def oscillator(rate: float) -> Scene:
-    """2 kg on a spring, 0.1 m from where it is slack; rate [rad/s]."""
+    """2 kg on a spring, 0.1 m from its free length; rate [rad/s]."""
     return scene(
         {"b": body(2)},
         {
@@ -114,11 +115,11 @@ H = 1e-3
 
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
 @pytest.mark.parametrize("rate", [10.0, 1e3, 1e6])
-def test_trapezoidal_members_keep_the_energy_of_a_spring(rate: float, formulation: str) -> None:
+def test_trapezoidal_rules_conserve_spring_energy(rate: float, formulation: str) -> None:
     """Over 2000 steps; h w = 0.01, 1, 1000."""
     for member in MEMBERS:
         solver: dict[str, Any] = {} if member == "newmark" else {"rho_inf": 1}
-        found = go(
+        found = simulate_to(
             oscillator(rate),
             list(np.linspace(0, 2, 21)),
             step=H,
@@ -140,11 +141,11 @@ def test_trapezoidal_members_keep_the_energy_of_a_spring(rate: float, formulatio
         ("hht", 0.8),
     ],
 )
-def test_fast_oscillations_shrink_by_rho_inf(member: str, rho: float) -> None:
-    """At h w = 1000: the amplitude late in the run. All eigenvalues are near -rho, so a step's shrinking only
-    tends to it.
+def test_fast_oscillations_are_damped_by_rho_inf(member: str, rho: float) -> None:
+    """At h w = 1000: the amplitude late in the run. All eigenvalues are close to -rho,
+    so the reduction per step only tends to it.
     """
-    found = go(oscillator(1e6), [H * k for k in range(61)], step=H, integrator=member, rho_inf=rho)
+    found = simulate_to(oscillator(1e6), [H * k for k in range(61)], step=H, integrator=member, rho_inf=rho)
     s = np.abs(found["P.s"])
     if rho == 0:
         assert s[10:].max() < 1e-6 * s[0]
@@ -154,18 +155,20 @@ def test_fast_oscillations_shrink_by_rho_inf(member: str, rho: float) -> None:
 
 
 @pytest.mark.parametrize("member", ["generalized-alpha", "hht"])
-def test_slow_oscillations_stay(member: str) -> None:
-    """At h w = 0.05, over 16 periods, rho_inf = 0.8: damping of order (h w)^3 in each."""
-    found = go(oscillator(50.0), list(np.linspace(0, 2, 101)), step=H, integrator=member)
+def test_slow_oscillations_are_hardly_damped(member: str) -> None:
+    """At h w = 0.05, over 16 periods, rho_inf = 0.8: the damping per period is of order (h w)^3."""
+    found = simulate_to(oscillator(50.0), list(np.linspace(0, 2, 101)), step=H, integrator=member)
     energy = found["energy.total"] / found["energy.total"][0]
     assert_close("energy", energy, 1, 2e-3, "16 periods of (h w)^3 = 1.25e-4")
 
 
 @pytest.mark.parametrize("member", MEMBERS)
-def test_steps_over_stiffness(member: str) -> None:
-    """The governor of test_integrators.py; erk needs 9000 steps, bound by stability. Order 2 all the same."""
+def test_stiff_scene_is_integrated_with_long_steps(member: str) -> None:
+    """The governor of test_integrators.py, for which erk needs 9000 steps,
+    limited by stability. The order remains 2.
+    """
     coarse, fine = (
-        abs(go(governor(), [0.0, 10.0], step=step, integrator=member)["P.s"][-1] - 0.6196229171)
+        abs(simulate_to(governor(), [0.0, 10.0], step=step, integrator=member)["P.s"][-1] - 0.6196229171)
         for step in (1e-2, 5e-3)
     )
     assert coarse < 1e-2
@@ -173,21 +176,25 @@ def test_steps_over_stiffness(member: str) -> None:
 
 
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
-def test_loops_stay_closed(formulation: str) -> None:
+def test_loops_remain_closed(formulation: str) -> None:
     source, inputs, _ = MOTIONS["four bar"]
     times = list(np.linspace(0, 5, 51))
-    found = go(source(), times, dict(inputs), step=H, integrator="generalized-alpha", formulation=formulation)
+    found = simulate_to(
+        source(), times, dict(inputs), step=H, integrator="generalized-alpha", formulation=formulation
+    )
     assert found["constraints.position"].max() < 1e-11
     if formulation == "projection":
         assert found["constraints.velocity"].max() < 1e-11
-    else:  # J v is held by Phi = 0 alone, to h^2 times the accelerations' rates
+    else:  # J v is constrained only by Phi = 0, to h^2 times the rates of the accelerations
         assert 1e-9 < found["constraints.velocity"].max() < 1e-3
 
 
-def test_same_run_gives_the_same_bits() -> None:
+def test_runs_are_bitwise_reproducible() -> None:
     source, inputs, _ = MOTIONS["four bar"]
     first, second = (
-        go(source(), list(np.linspace(0, 1, 11)), dict(inputs), step=H, integrator="generalized-alpha")
+        simulate_to(
+            source(), list(np.linspace(0, 1, 11)), dict(inputs), step=H, integrator="generalized-alpha"
+        )
         for _ in range(2)
     )
     for name in states("four bar", first):
@@ -195,8 +202,10 @@ def test_same_run_gives_the_same_bits() -> None:
 
 
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
-def test_a_step_too_long_is_refused(formulation: str) -> None:
-    """0.3 s, in which the crank would turn by more than one radian under 100 N m. The state before stays."""
+def test_excessively_long_step_is_refused(formulation: str) -> None:
+    """In 0.3 s the crank would turn by more than one radian under 100 N m.
+    The state before the step is preserved.
+    """
     source, _, _ = MOTIONS["four bar"]
     solver = {"integrator": "generalized-alpha", "formulation": formulation, "step": 0.3}
     simulation = gelenk.Simulation(gelenk.load({**source(), "solver": solver}))
@@ -206,21 +215,23 @@ def test_a_step_too_long_is_refused(formulation: str) -> None:
     with pytest.raises(gelenk.StepError, match=r"t = \S+ s: .*(Newton's method does not|closed again)"):
         simulation.step_to(30.0)
     assert simulation.time == 0
-    assert_close("state", simulation.values(), before, 1e-9, "accelerations are computed anew")
+    assert_close("state", simulation.values(), before, 1e-9, "accelerations are recomputed")
 
 
 @pytest.mark.parametrize("formulation", ["projection", "index3"])
 @pytest.mark.parametrize("n", [1, 2])
-def test_passes_change_points(n: int, formulation: str) -> None:
-    """28 times in 10 s (the N-four-bar of test_singular_passages.py): steps of 1 ms straddle them."""
+def test_change_points_are_crossed(n: int, formulation: str) -> None:
+    """28 times in 10 s (the N-four-bar of test_singular_crossings.py): steps of 1 ms cross them."""
     times = list(np.linspace(0, 10, 101))
     solver: dict[str, Any] = {"integrator": "generalized-alpha", "formulation": formulation}
-    found = go(four_bar_chain(n, 0.0, 1.0), times, step=H, **solver)
+    found = simulate_to(four_bar_chain(n, 0.0, 1.0), times, step=H, **solver)
     expected = tip(falling(n, 0.0, 1.0, np.array(times)))
-    assert_close("tip", found.vector("tip.r")[:, :2], expected, 1e-4, "ten times what was found; h^2 is 1e-6")
+    assert_close(
+        "tip", found.vector("tip.r")[:, :2], expected, 1e-4, "ten times the observed error; h^2 is 1e-6"
+    )
 
 
-def test_index3_refuses_rows_that_repeat_others() -> None:
+def test_index3_refuses_redundant_constraints() -> None:
     solver = {"integrator": "generalized-alpha", "formulation": "index3", "step": H}
     simulation = gelenk.Simulation(gelenk.load({**bricard(), "solver": solver}))
     simulation.initialize(0.0)

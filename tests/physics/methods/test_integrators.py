@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every integrator: the same motions, its order, errors that follow the tolerance, and stiff scenes.
+"""Every integrator gives the same motion with its own order,
+errors that follow the tolerance, and solves stiff scenes.
 
-Orders, from Taylor's expansion of one step: rk4 errs by h^5 in a step, so by h^4 over a run. The improved
-Euler method q += h (v + h/2 vdot), v += h vdot errs by h^3 in q but by h^2/2 d(vdot)/dt in v; over a run
-speeds err by h, and q, which sums them up, by h too: order 1. Projection moves a state by its own error at
-most, so orders stay.
+Orders from the Taylor expansion of one step: the local error of rk4 is of order h^5, the global error h^4.
+The improved Euler method q += h (v + h/2 vdot), v += h vdot has local errors of h^3 in q but of h^2/2
+d(vdot)/dt in v; over a run the error of velocities is of order h, and so is that of q, their integral: order
+1. Projection changes a state by at most its own error, so orders are preserved.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ FIXED = {"rk4": 4, "euler": 1}
 
 
 def heavy_top() -> Scene:
-    """That of test_heavy_top.py, at a fifth of the spin."""
+    """The top of test_heavy_top.py with a fifth of the spin."""
     return scene(
         {"top": body(15, (0, 1, 0), (0.234375, 0.46875, 0.234375))},
         {"O": joint("spherical", frame("ground"), frame("top"), start={"w": [0, 30, -4.61538]})},
@@ -68,7 +69,7 @@ def move(
 
 
 def states(motion: str, found: Recording) -> dict[str, np.ndarray]:
-    """Positions and speeds; accelerations follow from them."""
+    """Positions and velocities; accelerations follow from them."""
     joints = found.joint_states(MOTIONS[motion][0]())
     return {name: value for name, value in joints.items() if name.split(".")[1][0] not in "az"}
 
@@ -83,7 +84,7 @@ def motion(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.mark.parametrize("integrator", ADAPTIVE[:-1])
-def test_all_find_the_same_motion(motion: str, integrator: str) -> None:
+def test_all_integrators_give_the_same_motion(motion: str, integrator: str) -> None:
     truth = move(motion, "erk", 1e-13)
     found = move(motion, integrator, 1e-11)
     for name, expected in states(motion, truth).items():
@@ -94,7 +95,7 @@ def test_all_find_the_same_motion(motion: str, integrator: str) -> None:
 
 @pytest.mark.parametrize("integrator", ADAPTIVE)
 def test_errors_follow_the_tolerance(motion: str, integrator: str) -> None:
-    """1e-4 of the tolerance: 1e-4 of the error if it were proportional; 1e-2 is asked for."""
+    """With 1e-4 of the tolerance a proportional error would be 1e-4 as large; 1e-2 is required."""
     truth = move(motion, "erk", 1e-13)
     coarse, fine = (error(motion, move(motion, integrator, tol), truth) for tol in (1e-5, 1e-9))
     assert fine < 1e-2 * coarse, f"errors {coarse}, {fine}"
@@ -118,14 +119,14 @@ def test_order_of_fixed_steps(motion: str, integrator: str) -> None:
 
 
 @pytest.mark.parametrize("integrator", ["rk4", "euler", *ADAPTIVE])
-def test_same_run_gives_the_same_bits(integrator: str) -> None:
+def test_runs_are_bitwise_reproducible(integrator: str) -> None:
     first, second = (move("four bar", integrator, 1e-6, step=1e-3) for _ in range(2))
     for name in first.joint_states(four_bar()):
         assert np.array_equal(first[name], second[name]), name
 
 
-def test_constant_acceleration_is_exact_under_euler() -> None:
-    """X = v0 t - g t^2/2, whatever the step."""
+def test_constant_acceleration_is_exact_with_euler() -> None:
+    """X = v0 t - g t^2/2 for any step size."""
     start = {"s": 0.0, "v": 3.0, "fixed": True}
     source = scene(
         {"b": body(2)},
@@ -134,16 +135,18 @@ def test_constant_acceleration_is_exact_under_euler() -> None:
     )
     times = np.linspace(0, 1, 5)
     found = run(source, times, integrator="euler", step=0.25)
-    assert_close("P.s", found["P.s"], 3 * times - GRAVITY * times**2 / 2, 1e-14, "rounding")
+    assert_close("P.s", found["P.s"], 3 * times - GRAVITY * times**2 / 2, 1e-14, "round-off")
 
 
 @pytest.mark.parametrize("integrator", ["ida", "cvode", "dirk"])
-def test_implicit_methods_step_over_stiffness(integrator: str) -> None:
-    """The collar's height after 10 s is 0.6196229171 m; erk needs 9000 steps for it, bound by stability."""
+def test_implicit_methods_solve_stiff_scene_with_long_steps(integrator: str) -> None:
+    """The height of the collar after 10 s is 0.6196229171 m;
+    erk needs 9000 steps for it, limited by stability.
+    """
     times = [0.0, 10.0]
     explicit = run(governor(), times, tolerance=1e-4, integrator="erk")
     assert_close(
-        "erk: P.s", explicit["P.s"][-1], 0.6196229171, 1e-8, "erk is bound by stability, not accuracy"
+        "erk: P.s", explicit["P.s"][-1], 0.6196229171, 1e-8, "erk is limited by stability, not accuracy"
     )
     found = run(governor(), times, tolerance=1e-4, integrator=integrator)
     assert found["solver.steps"][-1] < explicit["solver.steps"][-1] / 4

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parts of a scene that nothing couples are solved apart: each as if it were alone."""
+"""Islands (uncoupled parts of a scene) are integrated separately: each moves as if it were alone."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def outputs_of(source: Scene) -> list[str]:
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, "rk4"])
 def test_island_moves_as_if_it_were_alone(integrator: str) -> None:
-    """To the last bit, and for the same number of evaluations in all."""
+    """Bitwise equal results, with the same total number of evaluations."""
     together = started(two_mechanisms(), integrator)
     assert (together.size.islands, together.size.planar_islands) == (2, 1)
     alone = [started(make(), integrator) for make in (plain_four_bar, spatial_pendulum)]
@@ -66,8 +66,10 @@ def test_island_moves_as_if_it_were_alone(integrator: str) -> None:
         assert together.diagnostics[count] == sum(plant.diagnostics[count] for plant in alone) > 0
 
 
-def test_islands_cost_what_they_cost_alone() -> None:
-    """CPU time of an evaluation, the least of up to 20 measurements; 15 % for where data come to lie."""
+def test_islands_cost_as_much_as_alone() -> None:
+    """CPU time of an evaluation, the least of up to 20 measurements;
+    15 % are allowed for memory placement.
+    """
     least = [math.inf] * 3
     for _ in range(20):
         for i, source in enumerate((two_mechanisms(), plain_four_bar(), spatial_pendulum())):
@@ -78,8 +80,8 @@ def test_islands_cost_what_they_cost_alone() -> None:
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_input_of_one_island_does_not_disturb_the_other(integrator: str) -> None:
-    """A torque that jumps at every step makes the four-bar's integrator start anew, not the pendulum's."""
+def test_input_of_one_island_does_not_restart_the_other(integrator: str) -> None:
+    """A torque that jumps at every step restarts the integrator of the four-bar, not that of the pendulum."""
     together, calm, busy = (
         started(source, integrator) for source in (two_mechanisms(), spatial_pendulum(), plain_four_bar())
     )
@@ -92,7 +94,7 @@ def test_input_of_one_island_does_not_disturb_the_other(integrator: str) -> None
     assert steps[0] == steps[1] + steps[2]
 
 
-def test_energies_and_gaps_are_those_of_all_islands() -> None:
+def test_energies_and_closure_errors_include_all_islands() -> None:
     together = started(two_mechanisms())
     alone = [started(make()) for make in (plain_four_bar, spatial_pendulum)]
     for plant in (together, *alone):
@@ -119,7 +121,7 @@ def test_spring_between_two_mechanisms_couples_them() -> None:
     assert started(source).size.islands == 1
 
 
-def test_spring_to_the_ground_couples_nothing() -> None:
+def test_spring_to_the_ground_does_not_couple_islands() -> None:
     source = two_mechanisms()
     for name in ("rocker", "lower"):
         source.setdefault("forces", {})[f"tie_{name}"] = {
@@ -132,15 +134,15 @@ def test_spring_to_the_ground_couples_nothing() -> None:
     assert started(source).size.islands == 2
 
 
-def test_parts_joined_by_a_joint_are_one() -> None:
-    """The same two, the pendulum on the rocker instead of the ground."""
+def test_bodies_connected_by_a_joint_form_one_island() -> None:
+    """The same two mechanisms, with the pendulum on the rocker instead of the ground."""
     source = joined(plain_four_bar(), pendulum_on(frame("rocker", (1, 0, 0))))
     assert started(source).size.islands == 1
 
 
 @pytest.mark.parametrize("failing_first", [True, False])
-def test_refused_step_leaves_all_islands_where_they_were(failing_first: bool) -> None:
-    """A torque of 1e100 N m on one island: the other has gone ahead or not, but must not show it."""
+def test_refused_step_restores_all_islands(failing_first: bool) -> None:
+    """A torque of 1e100 N m acts on one island. The other may have advanced already, but must be restored."""
     fling, calm = plain_four_bar(), spatial_pendulum()
     source = joined(fling, calm) if failing_first else joined(calm, fling)
     plant = started(source)
@@ -152,7 +154,7 @@ def test_refused_step_leaves_all_islands_where_they_were(failing_first: bool) ->
     assert plant.time == 0.1
     plant.set_input("drive.tau", 0.0)
     assert np.array_equal(plant.values(), before)
-    # And both go on.
+    # And both continue.
     expected = started(source)
     expected.step_to(0.1)
     for each in (plant, expected):
@@ -160,8 +162,8 @@ def test_refused_step_leaves_all_islands_where_they_were(failing_first: bool) ->
     assert plant.values() == pytest.approx(expected.values(), rel=1e-5, abs=1e-5)
 
 
-def test_islands_in_other_planes_are_planar_each_in_its_own() -> None:
-    """Pendulums about x, y and a slope: no common plane, three planes."""
+def test_islands_in_different_planes_are_each_planar() -> None:
+    """Pendulums about x, about y and about an oblique axis: no common plane, but three planes."""
     axes = {"a": [1, 0, 0], "b": [0, 1, 0], "c": [0.3, -0.5, 0.8]}
     source = scene(
         {name: rod(1.0, 0.5) if name == "b" else body(1.0, (0, 0.2, 0.3), (0.1, 0.1, 0.1)) for name in axes},

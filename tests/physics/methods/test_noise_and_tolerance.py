@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Multistep methods, whose estimates are differences of high order: errors follow the tolerance, and
-rounding of the loops does not become noise in them. Truth: the one-step method of order 8 at 1e-13, whose
-estimates are none.
+"""Errors of multistep methods are proportional to the tolerance;
+round-off in closing loops does not act as noise.
+
+Multistep methods estimate errors by differences of high order, which amplify noise. The reference is the
+one-step method of order 8 at 1e-13, which does not.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ BDF = ("ida", "cvode")
 
 
 def engine(rate: float = 100.0) -> Scene:
-    """A V6: on one crank three pins with two rods each, pistons in two banks."""
+    """A V6 engine: one crankshaft with three pins, two connecting rods on each, pistons in two banks."""
     radius, length, phi = 0.05, 0.16, 0.3
     bodies = {"crank": body(8, (0, 0, 0), (0.05, 0.06, 0.05))}
     joints = {"A": joint("revolute", frame("ground"), frame("crank"), axis=[0, 1, 0],
@@ -33,7 +35,7 @@ def engine(rate: float = 100.0) -> Scene:
         along = np.array([math.sin(bank), 0, math.cos(bank)])
         p = np.array(
             [radius * math.cos(at - phi), 0, radius * math.sin(at - phi)]
-        )  # the pin, seen from the ground
+        )  # the pin, in ground coordinates
         s = p @ along + math.sqrt(length**2 - (p @ p - (p @ along) ** 2))
         rod = (s * along - p) / length
         turn = math.atan2(-rod[2], rod[0])
@@ -49,7 +51,7 @@ def engine(rate: float = 100.0) -> Scene:
 
 
 def largest_error(source: Scene, found: Recording, truth: Recording) -> float:
-    """Of coordinates and speeds, the unit of each."""
+    """Largest error of coordinates and velocities, in the unit of each."""
     names = [n for n in found.joint_states(source) if n.split(".")[1][0] not in "azft"]
     return max(float(np.abs(found[n] - truth[n]).max()) for n in names)
 
@@ -57,31 +59,32 @@ def largest_error(source: Scene, found: Recording, truth: Recording) -> float:
 @pytest.mark.parametrize(
     ("integrator", "finest"), [("ida", 4e-10), ("cvode", 1e-9), ("cvode-adams", 6.7e-11)]
 )
-def test_a_tolerance_that_rounding_keeps_a_method_from_is_warned_of(integrator: str, finest: float) -> None:
-    """The figures of docs/methods.md, where the test of one step reaches 2e-13."""
+def test_tolerance_limited_by_round_off_gives_a_warning(integrator: str, finest: float) -> None:
+    """The values are those of docs/methods.md, where the test of one step reaches 2e-13."""
     plant = gelenk.Simulation(shipped("four_bar") | {"solver": {"integrator": integrator}})
     with warnings.catch_warnings(action="error"):
         plant.initialize(0.0, 1.1 * finest)
     with pytest.warns(
         gelenk.StartWarning, match=f"is below the accuracy that '{integrator}' can achieve"
-    ) as told:
+    ) as caught:
         plant.initialize(0.0, 0.9 * finest)
-    named = re.search("errors will be those of tolerance ([^;]*);", str(told[0].message))
+    named = re.search("errors will be those of tolerance ([^;]*);", str(caught[0].message))
     assert named is not None
     assert math.isclose(float(named[1]), finest, rel_tol=0.05), "the figures are rounded"
 
 
 @pytest.mark.parametrize("integrator", ["auto", "erk", "dirk", "rk4"])
-def test_other_methods_take_any_tolerance(integrator: str) -> None:
+def test_other_methods_accept_any_tolerance(integrator: str) -> None:
     plant = gelenk.Simulation(shipped("four_bar") | {"solver": {"integrator": integrator}})
     with warnings.catch_warnings(action="error"):
         plant.initialize(0.0, 1e-13)
 
 
 @pytest.mark.parametrize("integrator", BDF)
-def test_errors_on_the_heavy_top_stay_in_proportion_to_the_tolerance(integrator: str) -> None:
-    """Steps of order 5 grow in number as tolerance^(-1/6), and what they leave adds up: with a fixed share
-    of the tolerance for each the error was 60 times it at 1e-4 and 300 to 400 times at 1e-8, in 2 s.
+def test_heavy_top_errors_are_proportional_to_the_tolerance(integrator: str) -> None:
+    """The number of steps of order 5 grows as tolerance^(-1/6), and their errors accumulate: with a fixed
+    share of the tolerance for each the error was 60 times the tolerance at 1e-4 and 300 to 400 times at 1e-8,
+    in 2 s.
     """
     source = shipped("heavy_top")
     times = np.linspace(0, 2, 201)
@@ -92,10 +95,10 @@ def test_errors_on_the_heavy_top_stay_in_proportion_to_the_tolerance(integrator:
 
 
 @pytest.mark.parametrize("integrator", BDF)
-def test_six_loops_are_no_noise(integrator: str) -> None:
-    """A fifth of a second at 1e-10, three turns: some 3000 steps. What projection left, a gap of 1e-14 m
-    over a crank of 5 cm, took hundreds of thousands, or came to no end. The engine itself magnifies errors
-    by some 20.
+def test_closing_six_loops_adds_no_noise(integrator: str) -> None:
+    """A fifth of a second at 1e-10, three turns: about 3000 steps. With the noise of projection, a closure
+    error of 1e-14 m over a crank of 5 cm, runs took hundreds of thousands of steps or did not terminate. The
+    engine itself amplifies errors by a factor of about 20.
     """
     source = engine()
     times = np.linspace(0, 0.2, 201)
@@ -107,8 +110,8 @@ def test_six_loops_are_no_noise(integrator: str) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-9])
 @pytest.mark.parametrize("integrator", BDF)
-def test_a_slider_crank_passes_its_change_points(integrator: str, tolerance: float) -> None:
-    """Crank as long as rod: `cvode` was refused there at 1e-8. 5 s, as `erk` passes them."""
+def test_slider_crank_crosses_its_change_points(integrator: str, tolerance: float) -> None:
+    """Crank and rod are equally long: `cvode` was refused there at 1e-8. 5 s, compared with `erk`."""
     source = equal_slider_crank(0.5, 4.0)
     times = np.linspace(0, 5, 101)
     truth = run(source, times, tolerance=1e-13, integrator="erk")
@@ -119,16 +122,17 @@ def test_a_slider_crank_passes_its_change_points(integrator: str, tolerance: flo
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
 @pytest.mark.parametrize("integrator", BDF)
-def test_the_squeezer_comes_to_an_end(integrator: str, tolerance: float) -> None:
-    """Andrews' mechanism, of some centimetres, in steps of 0.03 ms: at 1e-8 `cvode` had not ended after a
-    minute, and at 1e-9 it took 3 million steps, whose errors added up to 1000 times the tolerance.
+def test_andrews_mechanism_terminates(integrator: str, tolerance: float) -> None:
+    """Andrews' mechanism, with a size of some centimeters, in steps of 0.03 ms: at 1e-8 `cvode` did not
+    finish within a minute, and at 1e-9 it took 3 million steps, whose errors accumulated to 1000 times the
+    tolerance.
     """
     source = shipped("andrews")
     times = np.linspace(0, 0.03, 1001)
     truth = run(source, times, tolerance=1e-13, integrator="erk")
     found = run(source, times, tolerance=tolerance, integrator=integrator)
     names = [n for n in found.joint_states(source) if n.split(".")[1][0] not in "azft"]
-    # as a part of the largest value: speeds go to 1e4 rad/s
+    # relative to the largest value: speeds reach 1e4 rad/s
     scales = {n: max(1.0, float(np.abs(truth[n]).max())) for n in names}
     worst = max(float(np.abs(found[n] - truth[n]).max()) / scales[n] for n in names)
     assert worst < 100 * tolerance, f"{worst / tolerance:.3g} times {tolerance}"

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reductions change no answer and cost nothing: every scene with each of them switched off."""
+"""Reductions change no result and never make an evaluation slower:
+every scene with each of them switched off.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +23,13 @@ from gelenk.model.inspection import REDUCTIONS, evaluation_cost
 from physics.loops.test_bricard import bricard
 from physics.loops.test_parallelograms import four_bar_chain
 
-# What reductions find something to do in, and the time [s] to run it.
+# Scenes to which reductions apply, and the time [s] to simulate.
 BUILT: dict[str, tuple[Callable[[], Scene], float]] = {
     "tilted_four_bar": (reducible.tilted_four_bar, 2.0),
     "ball_four_bar": (reducible.ball_four_bar, 2.0),
-    "triple_crank": (lambda: reducible.triple_crank(False, rate=1.0), 0.2),  # short of its change points,
+    "triple_crank": (lambda: reducible.triple_crank(False, rate=1.0), 0.2),  # before its change points,
     "triple_crank_turned": (lambda: reducible.triple_crank(True, rate=1.0), 0.2),  # where errors grow
-    "four_bar_chain": (lambda: four_bar_chain(3, 0.2, 1.0), 0.3),  # likewise
+    "four_bar_chain": (lambda: four_bar_chain(3, 0.2, 1.0), 0.3),  # before its change points
     "bricard": (bricard, 2.0),
     "door": (reducible.door, 2.0),
     "guided": (reducible.guided, 1.0),
@@ -45,7 +47,7 @@ OFF = [*REDUCTIONS, "all"]
 
 
 def loaded(name: str) -> tuple[gelenk.Scene, float]:
-    """A scene, and the time [s] to run it."""
+    """A scene, and the time [s] to simulate it."""
     if name in READY:
         ready = gelenk.load(READY[name])
         return ready, ready.stop
@@ -53,9 +55,9 @@ def loaded(name: str) -> tuple[gelenk.Scene, float]:
     return gelenk.load(make()), stop
 
 
-def answers(name: str, without: str | None) -> dict[str, Array]:
-    """All outputs at 41 times, all inputs following 0.01 sin(6 t) N, N m in steps; the five-bar turns round
-    and over its dead points under more.
+def results(name: str, without: str | None) -> dict[str, Array]:
+    """All outputs at 41 times, with all inputs following 0.01 sin(6 t) N, N m in steps; larger inputs would
+    drive the five-bar around and over its dead centers.
     """
     source, stop = loaded(name)
     plant = gelenk.Simulation(source.without([without] if without else []))
@@ -72,27 +74,27 @@ def answers(name: str, without: str | None) -> dict[str, Array]:
 
 
 @functools.cache
-def answers_with_all(name: str) -> dict[str, Array]:
-    return answers(name, None)
+def results_with_all(name: str) -> dict[str, Array]:
+    return results(name, None)
 
 
 @pytest.mark.parametrize("off", OFF)
 @pytest.mark.parametrize("name", [*READY, *BUILT])
-def test_answers_are_the_same_without(name: str, off: str) -> None:
-    """Issue 3: within 1e-9 at rtol 1e-11, of each output's largest value, or of 1 of its unit where that is
-    less.
+def test_results_do_not_depend_on_a_reduction(name: str, off: str) -> None:
+    """Within 1e-9 at rtol 1e-11, relative to the largest value of each output,
+    or absolute if that is below 1.
     """
-    expected = answers_with_all(name)
-    found = answers(name, off)
+    expected = results_with_all(name)
+    found = results(name, off)
     assert found.keys() == expected.keys()
     for output, value in expected.items():
         scale = max(1.0, float(np.abs(value).max()))
-        assert_close(output, found[output], value, 1e-9 * scale, "one motion")
+        assert_close(output, found[output], value, 1e-9 * scale, "same motion")
 
 
-def test_only_reactions_told_to_be_undetermined_change() -> None:
-    """A four-bar in space, loaded across its plane, all reactions read: with the repeated row left out and
-    with the least multipliers, the rest is the same; and those told to be open do differ.
+def test_only_indeterminate_reactions_change() -> None:
+    """A four-bar in space, loaded out of its plane, with all reactions as outputs. With the redundant
+    constraint removed, or with minimum-norm multipliers, only the reactions reported as indeterminate differ.
     """
     source = with_sensors(reducible.ball_four_bar(), **{f"R{j}": reaction(j) for j in "ABCD"})
     source["gravity"] = [2.0, -GRAVITY, 3.0]
@@ -100,7 +102,7 @@ def test_only_reactions_told_to_be_undetermined_change() -> None:
     across = {f"R{j}.{c}" for j in "ABD" for c in ("f[3]", "t[1]", "t[2]")}
     assert open_ones == across | {
         f"RC.f[{i}]" for i in (1, 2, 3)
-    }  # C's frame lies askew, and a ball holds no torque
+    }  # C's frame is oblique, and a ball joint transmits no torque
     values = []
     for off in ([], ["redundant_rows"]):
         plant = gelenk.Simulation(gelenk.load(reducible.without(source, *off)))
@@ -109,20 +111,21 @@ def test_only_reactions_told_to_be_undetermined_change() -> None:
         values.append({s.name: plant.output(s.name) for s in plant.outputs})
     for name, value in values[0].items():
         if name not in open_ones:
-            assert_close(name, values[1][name], value, 1e-9 * max(1, abs(value)), "one motion")
+            assert_close(name, values[1][name], value, 1e-9 * max(1, abs(value)), "same motion")
     assert all(abs(values[0][name] - values[1][name]) > 1e-3 for name in open_ones)  # N, N m
 
 
 # --- cost ---
 
-# The least times of one and the same model in several simulations lie up to 10 % apart: the smallest scenes
-# take 60 ns, and where their data come to lie counts.
+# The minimum times of one model in several simulations differ by up to 10 %: the smallest scenes
+# take 60 ns, and the placement of their data in memory matters.
 NOISE = 1.15
 
 
 def ratio_to(limit: float, source: gelenk.Scene, off: str) -> float:
-    """The least cost of an evaluation without a reduction over that with all: measured in turns until it
-    reaches the limit, for 20 s at most, as what else the machine does only ever makes a measurement longer.
+    """Return the minimum cost of an evaluation without a reduction over that with all reductions. Measured
+    alternately until the ratio reaches the limit, for 20 s at most, because other load on the machine only
+    increases a measurement.
     """
     least, least_without, ratio = math.inf, math.inf, 0.0
     end = time.monotonic() + 20
@@ -150,9 +153,9 @@ def test_no_reduction_makes_an_evaluation_slower(name: str, off: str) -> None:
 
 @pytest.mark.clock
 def test_four_bar_is_evaluated_two_and_a_half_times_faster() -> None:
-    """With all reductions against none. Issue 3 asked for three times, and got them against 1.2 us, until
-    loops in space were sped up more than those in a plane: 0.9 us without, 0.34 with.
-    tests/costs counts its instructions.
+    """All reductions compared with none. The ratio used to be three, measured against 1.2 us, before spatial
+    loops were accelerated more than planar ones: 0.9 us without reductions, 0.34 with them. tests/costs
+    counts instructions.
     """
     assert ratio_to(2.5, gelenk.load(READY["four_bar"]), "all") >= 2.5
 
@@ -161,7 +164,7 @@ def test_four_bar_is_evaluated_two_and_a_half_times_faster() -> None:
 
 
 def chain(kind: str, count: int = 1000) -> Scene:
-    """Rods in a row; all but the first joint are of that kind."""
+    """Rods in series; all joints except the first are of the given type."""
     joints = {
         f"J{i}": joint(
             kind if i else "revolute",
@@ -173,19 +176,19 @@ def chain(kind: str, count: int = 1000) -> Scene:
     return scene({f"rod{i}": rod(1, 1) for i in range(count)}, joints, gravity=[0, -GRAVITY, 0])
 
 
-def flock(count: int = 1000) -> Scene:
-    """Bodies that fly."""
+def free_bodies(count: int = 1000) -> Scene:
+    """Free bodies."""
     return scene(
         {f"bird{i}": body(1, inertia=(1, 1, 1)) for i in range(count)},
         {f"flight{i}": joint("free", frame("ground"), frame(f"bird{i}")) for i in range(count)},
     )
 
 
-THOUSAND: dict[str, tuple[Callable[[], Scene], int]] = {  # and the islands they make
+THOUSAND: dict[str, tuple[Callable[[], Scene], int]] = {  # and the islands they form
     "chain": (lambda: chain("revolute"), 1),
     "welded": (lambda: chain("weld"), 1),
     "loops": (lambda: four_bar_chain(500, 0.3, 1.0), 1),
-    "flock": (flock, 1000),
+    "free_bodies": (free_bodies, 1000),
     "pendulums": (lambda: reducible.in_line(1000, np.arange(1000.0)), 1000),
 }
 
@@ -198,8 +201,8 @@ def test_a_thousand_bodies_are_reduced_to_their_islands(name: str) -> None:
 
 @pytest.mark.clock
 @pytest.mark.parametrize("name", THOUSAND)
-def test_a_thousand_bodies_are_compiled_in_a_second(name: str) -> None:
-    """Issue 3. CPU time; the least of three."""
+def test_model_of_a_thousand_bodies_is_built_within_a_second(name: str) -> None:
+    """CPU time; the minimum of three."""
     source = gelenk.load(THOUSAND[name][0]())
     spent = []
     for _ in range(3):

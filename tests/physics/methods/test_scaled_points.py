@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Equilibria, trims, steady motions, linear models and their warnings are the same at any size and mass."""
+"""Equilibria, trims, steady motions, linear models and their warnings do not
+depend on the size and mass of a mechanism.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +21,21 @@ from gelenk.chart import mechanisms
 from gelenk.linear import LinearModel, linear_model
 from physics.analysis.test_steady_motion import conical
 
-SIZES = [(1e-6, 1.0), (1e-6, 1e-12), (1e-3, 1e6), (1e3, 1e-6), (1e6, 1e6)]  # of lengths and masses
-# Newton's method ends with rounding, 1e-15 over a slope that is a thousandth of the largest at worst.
+SIZES = [(1e-6, 1.0), (1e-6, 1e-12), (1e-3, 1e6), (1e3, 1e-6), (1e6, 1e6)]  # scales of lengths and masses
+# Newton's method converges to round-off, 1e-15 divided by a derivative at worst a thousandth of the largest.
 CLOSE = 1e-11
 UNITS = {"phi": "rad", "w": "rad/s", "s": "m", "v": "m/s"}
 
 
-def sloping_cart() -> Scene:
-    """A cart-pole on a track with a slope of 0.2 rad: level forces are needed to hold it."""
+def cart_on_incline() -> Scene:
+    """A cart-pole on a track inclined by 0.2 rad: a horizontal force is needed to hold it."""
     source = gelenk.load(mechanisms.shipped("cart_pole")).to_dict()
     source["gravity"] = [-GRAVITY * math.sin(0.2), 0, -GRAVITY * math.cos(0.2)]
     return source
 
 
 def sprung_slider() -> Scene:
-    """A mass on a slope that a spring holds: without gravity's help it would stand elsewhere."""
+    """A mass on an incline held by a spring; its equilibrium depends on gravity."""
     return scene(
         {"block": body(2.0)},
         {"J": joint("prismatic", frame("ground"), frame("block", (0, 0, 0.2)), axis=[1, 0, 0.3],
@@ -51,7 +53,7 @@ def hanging_four_bar() -> Scene:
 CASES: dict[str, tuple[Callable[[], Scene], dict[str, Any]]] = {
     "block on a spring": (sprung_slider, {}),
     "four-bar with a spring": (hanging_four_bar, {}),
-    "cart on a slope": (sloping_cart, {"hold": {"track.s": 0.3}, "solve_for": ["drive.f"]}),
+    "cart on a slope": (cart_on_incline, {"hold": {"track.s": 0.3}, "solve_for": ["drive.f"]}),
     "crank held by its motor": (
         lambda: gelenk.load(mechanisms.shipped("slider_crank")).to_dict(),
         {"hold": {"cylinder.s": 1.1}, "solve_for": ["starter.tau"]},
@@ -72,10 +74,10 @@ def sized(arguments: dict[str, Any], length: float) -> dict[str, Any]:
 def assert_same(
     found: dict[str, float], expected: dict[str, float], units: dict[str, str], scales: Any
 ) -> None:
-    """Relative to the largest value of the same unit."""
+    """Compare relative to the largest value of the same unit."""
     largest: dict[str, float] = {}
     for name, value in expected.items():
-        floor = 1.0 if units[name].endswith("s2") else 1e-3  # accelerations are nothing but rounding
+        floor = 1.0 if units[name].endswith("s2") else 1e-3  # accelerations are only round-off
         largest[units[name]] = max(largest.get(units[name], floor), abs(value))
     for name, value in expected.items():
         there = found[name] / size(units[name], *scales)
@@ -84,8 +86,8 @@ def assert_same(
 
 @pytest.mark.parametrize("scales", SIZES)
 @pytest.mark.parametrize("case", CASES)
-def test_equilibria_have_the_same_digits(case: str, scales: tuple[float, float], tmp_path: Path) -> None:
-    """Of a scene, and of its FMU; both are points to linearise about without a warning."""
+def test_equilibria_do_not_depend_on_scale(case: str, scales: tuple[float, float], tmp_path: Path) -> None:
+    """Equilibria of a scene and of its FMU; the model can be linearized about both without a warning."""
     make, arguments = CASES[case]
     expected = gelenk.equilibrium(make(), **arguments)
     units = dict(expected.units)
@@ -119,10 +121,12 @@ def in_units_of_the_original(model: LinearModel, scales: tuple[float, float]) ->
 @pytest.mark.parametrize("scales", SIZES)
 @pytest.mark.parametrize("off", [0.0, 1e-6])
 @pytest.mark.parametrize("case", CASES)
-def test_linear_models_and_their_warnings_are_the_same(
+def test_linear_models_and_warnings_do_not_depend_on_scale(
     case: str, off: float, scales: tuple[float, float]
 ) -> None:
-    """At an equilibrium, and a millionth of the mechanism's size beside it, where each is told to be none."""
+    """At an equilibrium, and displaced from it by a millionth of the mechanism's size,
+    where a warning is given.
+    """
     make, arguments = CASES[case]
     at = dict(gelenk.equilibrium(make(), **arguments).at)
     exact = linear_model(make(), at=at)
@@ -151,8 +155,8 @@ def test_linear_models_and_their_warnings_are_the_same(
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e9])
-def test_what_stiff_springs_leave_of_rounding_is_no_motion(stiffness: float) -> None:
-    """A pendulum beside a mass on a spring: x = m g / k, whatever k, and the pendulum hangs."""
+def test_round_off_of_stiff_springs_is_not_taken_for_motion(stiffness: float) -> None:
+    """A pendulum beside a mass on a spring: x = m g / k for any k, and the pendulum hangs down."""
     source = scene(
         {"block": body(2.0), "bob": body(0.5, (0, 0, -0.4))},
         {"J": joint("prismatic", frame("ground"), frame("block"), axis=[0, 0, 1], stiffness=stiffness,
@@ -167,9 +171,9 @@ def test_what_stiff_springs_leave_of_rounding_is_no_motion(stiffness: float) -> 
 
 
 @pytest.mark.parametrize("length", [1e-8, 1e4])
-def test_what_moves_is_a_matter_of_gravity_over_length(length: float, tmp_path: Path) -> None:
-    """A pendulum of 10 nm swings at 5 kHz, and its accelerations round at 1e-7 1/s2; one of 10 km, a
-    millionth of a radian off, accelerates at 1e-9 1/s2.
+def test_rest_is_judged_by_gravity_over_length(length: float, tmp_path: Path) -> None:
+    """A pendulum of 10 nm oscillates at 5 kHz, and the round-off of its accelerations is 1e-7 1/s2; one of 10
+    km, displaced by a millionth of a radian, accelerates at 1e-9 1/s2.
     """
     moment = 1e-20 * length**2
     source = scene(
@@ -188,9 +192,9 @@ def test_what_moves_is_a_matter_of_gravity_over_length(length: float, tmp_path: 
 
 @pytest.mark.parametrize("weights", [{}, {"main": 3.0, "cylinder": 2.0}, {"main": 1.0, "cylinder": 1.0}])
 @pytest.mark.parametrize("length", [2.0**-20, 2.0**20])
-def test_weights_count_lengths_in_the_mechanisms_size(weights: dict[str, float], length: float) -> None:
-    """Guesses that cannot all be met end at the same angle in any size; a weight of 1 goes without saying.
-    The largest length is 0.9 m: in units of powers of two the scene and its copies are the same.
+def test_weights_are_relative_to_the_size_of_the_mechanism(weights: dict[str, float], length: float) -> None:
+    """Conflicting initial guesses give the same angle for any size; a weight of 1 is the default.
+    The largest length is 0.9 m: in units of powers of two the scene and its copies are equal.
     """
 
     def crank(given: dict[str, float], factor: float) -> float:

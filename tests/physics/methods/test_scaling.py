@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A linkage of a micrometre is as exact as one of a kilometre: the same digits at any size and mass."""
+"""The accuracy of a simulation does not depend on the size and mass of the mechanism,
+from a micrometer to a kilometer.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,13 @@ import gelenk
 SCENES = sorted(path.stem for path in (Path(__file__).parents[3] / "scenes").glob("*.yaml"))
 TOLERANCE = 1e-8
 OUTPUTS = 5  # times at which all outputs are compared
-# Spans [s] in which the motion of the scene does not yet multiply its errors, short ones for the fast scenes.
+# Time spans [s] in which the motion does not yet amplify errors, short ones for the fast scenes.
 SPAN = {"andrews": 0.01, "free_body": 2.0, "heavy_top": 0.2}
 
 
 def course(source: Scene, span: float, tolerance: float, length: float = 1, mass: float = 1) -> Array:
-    """All outputs of a run in the units of the original: shape (times, outputs). Motors push with 0.1 N (N m)
-    times the scale.
+    """Return all outputs of a run in the units of the original: shape (times, outputs).
+    The motor torques are 0.1 N (N m) times the scale.
     """
     plant = gelenk.Simulation(gelenk.load(scaled(source, length, mass)))
     for i, signal in enumerate(plant.inputs):
@@ -37,7 +39,9 @@ def course(source: Scene, span: float, tolerance: float, length: float = 1, mass
 
 
 def scales(plant: gelenk.Simulation, exact: Array) -> Array:
-    """Of each output its largest value, at least a thousandth of that of outputs of its unit."""
+    """Return the largest value of each output, but at least a thousandth of the
+    largest among outputs of the same unit.
+    """
     largest = np.abs(exact).max(axis=0)
     of_unit: dict[str, float] = {}
     for signal, value in zip(plant.outputs, largest, strict=True):
@@ -48,9 +52,9 @@ def scales(plant: gelenk.Simulation, exact: Array) -> Array:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_digits_do_not_depend_on_size_or_mass(name: str, root: Path) -> None:
-    """Each output errs by a share of its largest value that is at most ten times that of the original; what
-    the original has right to 1e-12 is as good as exact, since the scaled numbers of the file are rounded.
+def test_accuracy_does_not_depend_on_size_or_mass(name: str, root: Path) -> None:
+    """The error of each output relative to its largest value is at most ten times that of the original.
+    Errors below 1e-12 count as zero, because the scaled numbers of the file are rounded.
     """
     source = gelenk.load(root / "scenes" / f"{name}.yaml").to_dict()
     span = SPAN.get(name, 0.5)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""solver.max_evaluations: a step that has used them up ends early, on the constraints, ready to go on."""
+"""A step that exhausts `solver.max_evaluations` ends early,
+with the constraints satisfied, and can be continued.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ METHODS = [
     *(("ida", formulation) for formulation in ("index3", "stabilized-index2")),
     ("generalized-alpha", "index3"),
 ]
-# Evaluations of one integration step, rejected attempts included, beyond which none of these goes.
+# Maximum number of evaluations of one integration step, rejected attempts included, for all of these methods.
 LONGEST_STEP = 60
 
 
@@ -32,7 +34,7 @@ def start(source: dict[str, Any], tolerance: float = 1e-8, **solver: Any) -> gel
 
 
 def stiff() -> dict[str, Any]:
-    """The four-bar with a spring of 1e5 N/m to its coupler: it shakes 30 times in a second."""
+    """The four-bar with a spring of 1e5 N/m at its coupler, which oscillates at 30 Hz."""
     source = four_bar(1.1)
     source["forces"] = {
         "tie": {
@@ -55,8 +57,10 @@ def sled(mass: float = 2.0) -> dict[str, Any]:
     )
 
 
-def go_on(plant: gelenk.Simulation, stop: float = STOP) -> list[float]:
-    """Asks for the rest until it is done; the times at which it was left."""
+def continue_to(plant: gelenk.Simulation, stop: float = STOP) -> list[float]:
+    """Request the remainder of the step until it is complete;
+    return the times at which it was interrupted.
+    """
     left = [plant.time]
     while plant.time < stop:
         said = ""
@@ -77,22 +81,22 @@ def angles(plant: gelenk.Simulation) -> Any:
 
 
 @pytest.mark.parametrize(("integrator", "formulation"), METHODS)
-def test_a_step_in_many_parts_ends_as_in_one(integrator: str, formulation: str) -> None:
+def test_interrupted_step_ends_like_an_uninterrupted_one(integrator: str, formulation: str) -> None:
     choice: dict[str, Any] = {"integrator": integrator, "formulation": formulation, "step": 2e-4}
     whole = start(stiff(), **choice)
     whole.step_to(STOP)
     budget = 300
     parts = start(stiff(), **choice, max_evaluations=budget)
-    left = go_on(parts)
+    left = continue_to(parts)
     assert len(left) > 5
-    # The parts' ends are ends of steps, so adaptive methods go the very same way. Fixed steps divide what is
-    # left of the step anew, with another rounding; multipliers magnify it.
+    # Interrupted steps end at integration steps, so adaptive methods take exactly the same steps. Fixed steps
+    # divide the remainder of the step again, with different round-off; multipliers amplify it.
     bound = 0.0 if integrator in ADAPTIVE else 1e-8
     assert np.abs(angles(parts) - angles(whole)).max() <= bound
 
 
 @pytest.mark.parametrize(("integrator", "formulation"), METHODS)
-def test_parts_cost_what_they_may_and_stand_on_the_constraints(integrator: str, formulation: str) -> None:
+def test_interrupted_steps_respect_budget_and_constraints(integrator: str, formulation: str) -> None:
     plant = start(stiff(), integrator=integrator, formulation=formulation, step=2e-4, max_evaluations=150)
     holds = formulation in ("projection", "independent")
     for _ in range(5):
@@ -107,14 +111,14 @@ def test_parts_cost_what_they_may_and_stand_on_the_constraints(integrator: str, 
 
 
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, *FIXED])
-def test_the_smallest_budget_still_leads_on(integrator: str) -> None:
+def test_smallest_budget_still_advances(integrator: str) -> None:
     plant = start(four_bar(1.1), 1e-6, integrator=integrator, max_evaluations=1, step=0.01)
-    left = go_on(plant, 0.1)
+    left = continue_to(plant, 0.1)
     assert len(left) >= 2
 
 
 @pytest.mark.parametrize("integrator", [*ADAPTIVE, "rk4"])
-def test_a_budget_that_is_not_used_up_changes_nothing(integrator: str) -> None:
+def test_unexhausted_budget_does_not_change_results(integrator: str) -> None:
     ends = []
     for budget in ({}, {"max_evaluations": 10_000}):
         plant = start(stiff(), integrator=integrator, **budget)
@@ -122,17 +126,17 @@ def test_a_budget_that_is_not_used_up_changes_nothing(integrator: str) -> None:
             plant.set_input("drive.tau", 3.0 * (-1) ** k)
             plant.step_to((k + 1) * 0.005)
         ends.append([*plant.values(), *plant.diagnostics.values()])
-    assert ends[0] == ends[1]  # to the bit
+    assert ends[0] == ends[1]  # bitwise
 
 
-def test_the_same_calls_are_left_at_the_same_times() -> None:
-    times = [go_on(start(stiff(), max_evaluations=170)) for _ in range(2)]
+def test_interruption_times_are_reproducible() -> None:
+    times = [continue_to(start(stiff(), max_evaluations=170)) for _ in range(2)]
     assert times[0] == times[1]
 
 
 @pytest.mark.parametrize("stiff_first", [False, True])
 @pytest.mark.parametrize("integrator", ["auto", "erk", "ida", "rk4"])
-def test_all_islands_stand_at_the_time_reached(integrator: str, stiff_first: bool) -> None:
+def test_all_islands_are_at_the_interruption_time(integrator: str, stiff_first: bool) -> None:
     """A pendulum that takes long steps beside a spring that takes short ones, in both orders."""
     spring = joint(
         "prismatic", frame("ground"), frame("mass"), axis=[1, 0, 0], stiffness=1e5, start={"s": 0.1}
@@ -147,21 +151,22 @@ def test_all_islands_stand_at_the_time_reached(integrator: str, stiff_first: boo
         plant.step_to(STOP)
     assert 0.0 < plant.time < STOP
     alone.step_to(plant.time)
-    # 1e5 N/m and 1 kg swing with 316 rad/s, so speeds err by that more: 300 x 100 x tolerance.
+    # 1e5 N/m and 1 kg oscillate at 316 rad/s, so the error of speeds is larger by that: 300 x 100 x
+    # tolerance.
     assert np.abs(plant.values() - alone.values())[[0, 3]].max() < 1e-6
     total = start(source, integrator=integrator, step=2e-4)
     total.step_to(STOP)
-    go_on(plant)
+    continue_to(plant)
     names = ["S.s", "P.phi"]
     assert np.abs(plant.values(names) - total.values(names)).max() < 1e-5
 
 
-def test_inputs_go_on_by_their_derivatives() -> None:
+def test_inputs_are_extrapolated_by_their_derivatives() -> None:
     plant = start(sled(), integrator="rk4", step=1e-3, max_evaluations=100)
     plant.set_input("push.f", 1.0)
     for order, d in ((1, -2.0), (3, 30.0)):
         plant.set_input_derivative("push.f", order, d)
-    left = go_on(plant, 0.2)
+    left = continue_to(plant, 0.2)
     assert len(left) > 5
     t = 0.2
     assert plant.input("push.f") == pytest.approx(1 - 2 * t + 5 * t**3, rel=1e-14)
@@ -169,7 +174,7 @@ def test_inputs_go_on_by_their_derivatives() -> None:
     assert plant.input_derivative("push.f", 3) == 0.0
 
 
-def test_at_the_time_reached_inputs_stand_as_they_are_there() -> None:
+def test_inputs_have_their_values_at_the_interruption_time() -> None:
     plant = start(sled(), integrator="rk4", step=1e-3, max_evaluations=100)
     plant.set_input_derivative("push.f", 2, 4.0)
     with pytest.raises(StepBudgetError):
@@ -179,7 +184,7 @@ def test_at_the_time_reached_inputs_stand_as_they_are_there() -> None:
     assert plant.input("push.f") == pytest.approx(2 * t * t, rel=1e-14)
     assert plant.input_derivative("push.f", 1) == pytest.approx(4 * t, rel=1e-14)
     assert plant.output("S.a") == pytest.approx(t * t, rel=1e-14)
-    plant.set_input("push.f", 7.0)  # a jump; the slopes stay until they are set
+    plant.set_input("push.f", 7.0)  # a jump; the derivatives keep their values until they are set
     plant.set_input_derivative("push.f", 1, 0.0)
     plant.set_input_derivative("push.f", 2, 0.0)
     with pytest.raises(StepBudgetError):
@@ -187,7 +192,7 @@ def test_at_the_time_reached_inputs_stand_as_they_are_there() -> None:
     assert plant.output("S.a") == pytest.approx(3.5, rel=1e-14)
 
 
-def test_a_step_that_fails_later_goes_back_to_where_it_was_left() -> None:
+def test_failed_continuation_restores_the_interrupted_state() -> None:
     plant = start(four_bar(1.1), integrator="rk4", step=1e-3, max_evaluations=100)
     with pytest.raises(StepBudgetError):
         plant.step_to(STOP)
@@ -198,4 +203,4 @@ def test_a_step_that_fails_later_goes_back_to_where_it_was_left() -> None:
     assert not isinstance(caught.value, StepBudgetError)
     plant.set_input("drive.tau", 0.0)
     assert (plant.time, plant.values().tolist()) == (time, values)
-    go_on(plant)
+    continue_to(plant)

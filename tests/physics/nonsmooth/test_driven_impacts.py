@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A driven speed that jumps: all others jump with it as in an impact."""
+"""A discontinuity in a prescribed velocity changes all other velocities as in an impact."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ import gelenk
 from physics.constraints.test_given_motions import TOLERANCE, rest
 
 
-def blow(chain: Chain, q: Array, change: float) -> Array:
-    """Changes of speeds when the driven one is changed by an impulse along it."""
+def impact(chain: Chain, q: Array, change: float) -> Array:
+    """Return the changes of the velocities when the driven one is changed by an impulse along it."""
     M, _ = chain.terms(q, np.zeros(chain.n))
     along = np.linalg.solve(M, np.eye(chain.n)[chain.driven])
     out: Array = along * change / along[chain.driven]
     return out
 
 
-# Without index3 and ida: its speeds err by the tolerance over the step, here of 1 ns.
+# Without index3 and ida: the error of its velocities is the tolerance divided by the step, here 1 ns.
 METHODS = [
     ("projection", "erk"),
     ("projection", "rk4"),
@@ -45,7 +45,7 @@ JOINTS = [("revolute", "phi"), ("planar", "s_y"), ("universal", "phi_a")]
 
 @pytest.mark.parametrize(("kind", "coordinate"), JOINTS)
 @pytest.mark.parametrize(("given", "formulation", "integrator"), CASES)
-def test_a_jump_of_the_speed_is_an_impact(
+def test_jump_of_a_prescribed_velocity_is_an_impact(
     kind: str, coordinate: str, given: str, formulation: str, integrator: str
 ) -> None:
     chain = Chain(kind, coordinate)
@@ -66,12 +66,12 @@ def test_a_jump_of_the_speed_is_an_impact(
     plant.initialize(0.0, TOLERANCE)
     plant.step_to(0.5)
     q, before = plant.values(chain.names), plant.values(chain.speeds)
-    # A penalty holds it nearly; Baumgarte's springs leave some roundings.
+    # A penalty holds it approximately; Baumgarte stabilization leaves some round-off.
     left = {"penalty": 1e-7, "baumgarte": 1e-11}.get(formulation, 1e-12)
     assert before[chain.driven] == pytest.approx(0.7, abs=left)
     give(float(q[chain.driven]), -0.6)
     plant.step_to(0.5 + 1e-9)
     jumps = plant.values(chain.speeds) - before
-    # Over 1 ns accelerations of up to 50 change speeds by 5e-8.
-    assert_close("speeds", jumps, blow(chain, q, -1.3), 1e-7, "see above")
+    # Over 1 ns accelerations of up to 50 change velocities by 5e-8.
+    assert_close("speeds", jumps, impact(chain, q, -1.3), 1e-7, "see above")
     assert_close("coordinates", plant.values(chain.names), q, 1e-8, "over 1 ns")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stops of joints: one-sided springs with dampers, against closed forms and one-coordinate references."""
+"""Joint stops (unilateral springs with dampers)
+compared with closed-form and one-coordinate reference solutions.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, four_bar, frame, joint, reaction, scene, with_sensors
-from models.one_freedom import Jet, OneFreedom
+from models.one_dof import Jet, OneDofMechanism
 from models.planar_loops import FourBar, uniform
 from models.reducible import triangle
 from models.running import assert_close, run
 
 import gelenk
-from physics.methods.test_formulations import slope
+from physics.methods.test_formulations import directional_derivative
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -25,7 +27,7 @@ OMEGA = math.sqrt(STIFFNESS / MASS)
 
 
 def ball(height: float = HEIGHT, speed: float = 0.0, gravity: float = GRAVITY, **stop: float) -> Scene:
-    """A ball that moves up and down, with a stop on its height s."""
+    """A ball that moves vertically, with a stop for its height s."""
     return scene(
         {"ball": body(MASS)},
         {
@@ -44,8 +46,8 @@ def ball(height: float = HEIGHT, speed: float = 0.0, gravity: float = GRAVITY, *
 
 
 def bouncing(times: Array) -> tuple[Array, Array]:
-    """Height and speed of the undamped ball: free fall, then half a swing and a bit more about the height
-    -m g / k at which it would rest, and up again (Landau & Lifshitz, section 21).
+    """Height and velocity of the undamped ball: free fall, then slightly more than half an oscillation about
+    the static equilibrium height -m g / k, and up again (Landau & Lifshitz, section 21).
     """
     fall = math.sqrt(2 * HEIGHT / GRAVITY)
     v1 = GRAVITY * fall
@@ -54,20 +56,21 @@ def bouncing(times: Array) -> tuple[Array, Array]:
     tau = times % (2 * fall + contact)
     c, s = np.cos(OMEGA * (tau - fall)), np.sin(OMEGA * (tau - fall))
     in_contact = (tau > fall) & (tau < fall + contact)
-    since = np.where(tau > fall, tau - 2 * fall - contact, tau)  # the nearest summit
+    since = np.where(tau > fall, tau - 2 * fall - contact, tau)  # relative to the nearest apex
     height = np.where(in_contact, sag * (c - 1) - v1 / OMEGA * s, HEIGHT - GRAVITY / 2 * since**2)
     speed = np.where(in_contact, -sag * OMEGA * s - v1 * c, -GRAVITY * since)
     return height, speed
 
 
-# Of the tolerance: the largest error over 4 s, six bounces of 0.45 m, outputs every 0.01 s. Where contact
-# begins and ends the force has a kink, at which steps end; a bounce missed would be metres.
+# In multiples of the tolerance: the largest error over 4 s, six bounces of 0.45 m, outputs every 0.01 s. At
+# the begin and the end of contact the force has a kink, at which steps end; a missed bounce would cause
+# errors of meters.
 BOUNCES = 100
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("integrator", ["erk", "dirk", "ida", "cvode", "cvode-adams"])
-def test_ball_bounces_as_the_closed_form_says(integrator: str, tolerance: float) -> None:
+def test_bouncing_ball_matches_closed_form(integrator: str, tolerance: float) -> None:
     times = np.linspace(0, 4, 401)
     height, speed = bouncing(times)
     bound = BOUNCES * tolerance
@@ -76,15 +79,15 @@ def test_ball_bounces_as_the_closed_form_says(integrator: str, tolerance: float)
     # 63 1/s times as much in contact
     assert_close("J.v", found["J.v"], speed, OMEGA * bound, "see BOUNCES")
     total = found["E.total"]
-    # d(m g h) of the bounce, if all error is in its height
+    # d(m g h) of the bounce, if the whole error is in its height
     assert_close("energy", total, MASS * GRAVITY * HEIGHT, 2 * MASS * GRAVITY * bound, "see BOUNCES")
 
 
 @pytest.mark.parametrize("over", [1e-4, 1e-3, 1e-2])
 @pytest.mark.parametrize("integrator", ["erk", "ida", "dirk"])
-def test_short_touch_between_outputs_is_not_passed_over(integrator: str, over: float) -> None:
-    """Thrown up to touch a ceiling for 9, 23 or 39 ms, outputs every 10 ms: no step is longer. Left unseen,
-    the touch would change the height at the end by 1.3 mm, 29 mm or 290 mm.
+def test_short_contact_between_outputs_is_detected(integrator: str, over: float) -> None:
+    """Thrown up to touch a ceiling for 9, 23 or 39 ms, outputs every 10 ms, which bounds the step. A missed
+    contact would change the height at the end by 1.3 mm, 29 mm or 290 mm.
     """
     v0, vb = math.sqrt(2 * GRAVITY * (1 + over)), math.sqrt(2 * GRAVITY * over)
     contact = 2 / OMEGA * math.atan(vb * OMEGA / GRAVITY)
@@ -95,7 +98,7 @@ def test_short_touch_between_outputs_is_not_passed_over(integrator: str, over: f
 
 
 def test_contact_without_gravity_lasts_half_a_period() -> None:
-    """A slide meets the stop at 0 s, leaves it after pi sqrt(m / k) with the opposite speed."""
+    """The body contacts the stop at 0 s and leaves it after pi sqrt(m / k) with the opposite velocity."""
     half = math.pi / OMEGA
     found = run(ball(0.0, -2.0, 0.0, lower=0.0), [0.0, half, half + 0.3], tolerance=1e-11)
     assert_close("J.s", found["J.s"], [0, 0, 0.6], 1e-9, "100 rtol")
@@ -104,9 +107,9 @@ def test_contact_without_gravity_lasts_half_a_period() -> None:
 
 @pytest.mark.parametrize("damping", [0.0, 15.0, 82.0, 160.0, 400.0])
 @pytest.mark.parametrize("integrator", ["erk", "ida", "dirk"])
-def test_restitution_is_that_of_a_damper_that_lets_go(integrator: str, damping: float) -> None:
+def test_restitution_matches_damper_without_adhesion(integrator: str, damping: float) -> None:
     """From x = 0, x' = v: x = v/W e^(-D t) sin W t, D = d / 2m, W^2 = omega^2 - D^2, until k x + d x' = 0.
-    Then the ball is free, with the stop still behind it: tan(W t) = -2 D W / (omega^2 - 2 D^2). Above
+    Then the ball is free, with the stop still compressed: tan(W t) = -2 D W / (omega^2 - 2 D^2). Above
     critical damping, D > omega: sinh, cosh and atanh, with W^2 = D^2 - omega^2.
     """
     D = damping / (2 * MASS)
@@ -119,23 +122,23 @@ def test_restitution_is_that_of_a_damper_that_lets_go(integrator: str, damping: 
         rest = math.exp(-D * leave) * (D / W * math.sinh(W * leave) - math.cosh(W * leave))
     source = ball(0.2, -2.0, 0.0, lower=0.0, damping=damping)
     found = run(source, np.linspace(0, 0.5, 101), tolerance=1e-8, integrator=integrator)
-    assert (found["J.a"] >= 0).all()  # it never pulls
+    assert (found["J.a"] >= 0).all()  # the stop never pulls
     assert found["J.a"].max() > 30  # m/s2, and it has pushed
     assert_close("J.v", found["J.v"][-1], 2 * rest, 2e-6, "100 rtol")
 
 
-def test_stop_never_pulls_a_ball_that_is_lifted_off_it() -> None:
-    """Pulled out fast, with a strong damper: k depth - d v would be negative; the force is nothing."""
+def test_stop_never_pulls_a_departing_ball() -> None:
+    """Pulled out fast against a strong damper: k depth - d v would be negative, so the force is zero."""
     source = ball(-0.1, 3.0, 0.0, lower=0.0, damping=400.0)  # 520 N against 1200 N
     found = run(source, np.linspace(0, 0.05, 11), tolerance=1e-11)
     assert (found["J.a"] == 0).all()
-    assert_close("J.v", found["J.v"], 3.0, 1e-15, "nothing acts")
+    assert_close("J.v", found["J.v"], 3.0, 1e-15, "no force acts")
     assert found["E.potential"][0] == pytest.approx(STIFFNESS / 2 * 0.01, rel=1e-15)
 
 
 @pytest.mark.parametrize("bound", ["lower", "upper"])
-def test_ball_at_rest_on_its_stop_weighs_on_it(bound: str) -> None:
-    """The stop's force is part of the joint's reaction, and k depth = m g."""
+def test_stop_carries_the_weight_of_a_resting_ball(bound: str) -> None:
+    """The stop's force is part of the joint reaction, and k depth = m g."""
     sag, side = MASS * GRAVITY / STIFFNESS, {"lower": 1, "upper": -1}[bound]
     source = ball(-side * sag, 0.0, side * GRAVITY, **{bound: 0.0})
     found = run(source, [0.0, 0.1], tolerance=1e-10)
@@ -159,8 +162,8 @@ def swing(**J: Any) -> Scene:
     )
 
 
-def test_bounds_belong_to_the_joint_s_own_angle() -> None:
-    """About the opposite axis, or from the other body's side, angles and bounds have the other sign."""
+def test_limits_refer_to_the_joint_coordinate() -> None:
+    """About the opposite axis, or with the bodies exchanged, angles and limits have the opposite sign."""
     times = np.linspace(0, 3, 31)
     mirrored = {
         "start": {"phi": -0.1, "w": -3.0, "fixed": True},
@@ -180,13 +183,13 @@ def test_bounds_belong_to_the_joint_s_own_angle() -> None:
             assert_close("energy", found["E.total"], plain["E.total"], 1e-8, "100 rtol")
 
 
-# --- on loops ---
+# --- stops in loops ---
 
 BAR = FourBar(uniform(2, 0.5), uniform(2, 1.75), uniform(2, 1.5), 2.0)
 
 
 def stopped_four_bar(stops: dict[str, dict[str, float]], cut: str, **fields: Any) -> Scene:
-    """The four-bar, cut at the joint named: motors keep the others in the tree."""
+    """The four-bar, cut at the named joint: motors keep the others in the tree."""
     source = four_bar(damping=0.0, **fields)
     for name, stop in stops.items():
         source["joints"][name]["stop"] = stop
@@ -195,18 +198,20 @@ def stopped_four_bar(stops: dict[str, dict[str, float]], cut: str, **fields: Any
 
 
 class Stopped:
-    """Truth: the one-coordinate equation of the crank with an undamped stop at B or C, and all its energy."""
+    """Reference: the one-coordinate equation of the crank with an undamped stop at
+    B or C, and its total energy.
+    """
 
     def __init__(self, name: str, stop: dict[str, float], gravity: tuple[float, float, float]) -> None:
         self.name, self.stop = name, stop
-        self.motion = OneFreedom(BAR.geometry(), gravity, self.on_crank)
+        self.motion = OneDofMechanism(BAR.geometry(), gravity, self.on_crank)
 
     def angle(self, phi: float) -> Jet:
         theta, psi = BAR.angles(Jet(phi, 1.0))
         return theta - Jet(phi, 1.0) if self.name == "B" else psi - theta
 
     def depth(self, angle: float) -> float:
-        """Negative below the lower bound."""
+        """Negative below the lower limit."""
         above = angle - self.stop.get("upper", math.inf)
         below = self.stop.get("lower", -math.inf) - angle
         return max(above, 0.0) - max(below, 0.0)
@@ -222,7 +227,9 @@ class Stopped:
 @pytest.mark.parametrize("integrator", ["erk", "ida", "dirk"])
 @pytest.mark.parametrize("cut", ["C", "B"])
 def test_stop_on_a_joint_of_a_loop(cut: str, integrator: str) -> None:
-    """The same motion whether the joint is cut or in the tree; without stops C goes from 0.95 to 1.74 rad."""
+    """The motion is the same whether the joint is cut or in the tree;
+    without stops C ranges from 0.95 to 1.74 rad.
+    """
     stop = {"lower": 1.0, "upper": 1.6, "stiffness": 3000.0}
     source = stopped_four_bar({"C": stop}, cut)
     (note,) = gelenk.inspect(source).reductions["cut_choice"].notes
@@ -233,15 +240,15 @@ def test_stop_on_a_joint_of_a_loop(cut: str, integrator: str) -> None:
     found = run(source, times, tolerance=1e-10, integrator=integrator)
     energy = truth.energy(1.1, 0)
     bound = 3e-9  # 30 rtol; found: up to 6, of all three
-    assert found["C.phi"].min() < 0.96  # it has met both bounds
+    assert found["C.phi"].min() < 0.96  # both limits were reached
     assert found["C.phi"].max() > 1.65
     assert_close("A.phi", found["A.phi"], phi, bound, "30 rtol")
-    assert_close("energy", found["E.total"], energy, 10 * bound, "of 50 J, likewise")
+    assert_close("energy", found["E.total"], energy, 10 * bound, "of 50 J, as above")
 
 
 @pytest.mark.parametrize("cut", ["B", "C"])
-def test_angle_of_a_stop_counts_turns(cut: str) -> None:
-    """The crank turns round and round until B, twice round the other way, meets its bound."""
+def test_stop_angle_counts_full_turns(cut: str) -> None:
+    """The crank makes full turns until B, after two turns in the opposite direction, reaches its limit."""
     stop = {"lower": -13.0, "stiffness": 60.0}
     source = stopped_four_bar({"B": stop}, cut, gravity=(0, 0, 0))
     source["joints"]["A"]["start"]["w"] = 8.0
@@ -255,8 +262,8 @@ def test_angle_of_a_stop_counts_turns(cut: str) -> None:
 
 @pytest.mark.parametrize("cut", ["C", "B"])
 @pytest.mark.parametrize("push", [-0.05, 0.05])
-def test_slopes_are_exact_inside_a_stop(cut: str, push: float) -> None:
-    """Beyond the lower bound, a damped stop, on its way in and out: against central differences."""
+def test_jacobian_is_exact_inside_a_stop(cut: str, push: float) -> None:
+    """Beyond the lower limit of a damped stop, compressing and releasing it: against central differences."""
     source = stopped_four_bar({"C": {"lower": 1.3, "stiffness": 3000.0, "damping": 7.0}}, cut)
     source["joints"]["A"]["start"] = {"phi": 1.1, "w": push, "fixed": True}
     simulation = gelenk.Simulation(gelenk.load(source))
@@ -265,14 +272,14 @@ def test_slopes_are_exact_inside_a_stop(cut: str, push: float) -> None:
     y = np.array(core._state(0))
     n = len(y)
     exact = np.array(core._state_jacobian(0, y.tolist(), True)).reshape(n, n).T
-    found = np.array([slope(core, y, e, 1e-5) for e in np.eye(n)]).T
-    assert np.abs(exact).max() > 1e3  # 1/s2: the stop's stiffness over an inertia is in it
-    assert_close("df/dy", exact, found, 1e-6 * np.abs(exact).max(), "differences: rounding / h, h^4")
+    found = np.array([directional_derivative(core, y, e, 1e-5) for e in np.eye(n)]).T
+    assert np.abs(exact).max() > 1e3  # 1/s2: it includes the stop stiffness divided by an inertia
+    assert_close("df/dy", exact, found, 1e-6 * np.abs(exact).max(), "finite differences: round-off / h, h^4")
 
 
 @pytest.mark.parametrize("off", [(), ("static",)], ids=["dropped", "computed"])
-def test_joint_that_a_truss_holds_still_keeps_the_energy_of_its_stop(off: tuple[str, ...]) -> None:
-    """A triangle of rods, the left foot's hinge 0.1 rad beyond its bound."""
+def test_stop_of_an_immobile_joint_contributes_to_the_energy(off: tuple[str, ...]) -> None:
+    """A triangle of rods; the joint at the left foot is 0.1 rad beyond its limit."""
     source = triangle()
     plain = gelenk.Simulation(gelenk.load(source).without(off))
     plain.initialize(0.0, 1e-11)
@@ -288,8 +295,8 @@ def test_joint_that_a_truss_holds_still_keeps_the_energy_of_its_stop(off: tuple[
 
 
 @pytest.mark.parametrize("as_fmu", [False, True], ids=["scene", "fmu"])
-def test_numbers_of_a_stop_are_parameters(as_fmu: bool, tmp_path: Path) -> None:
-    """A bound set before the run is the bound of the run."""
+def test_stop_data_are_parameters(as_fmu: bool, tmp_path: Path) -> None:
+    """A limit set before the run is the limit of the run."""
     source = ball(lower=-1.0)
     source["parameters"] = ["J.stop.lower", "J.stop.stiffness", "J.stop.damping"]
     plant: Any = gelenk.load(source)
@@ -304,7 +311,7 @@ def test_numbers_of_a_stop_are_parameters(as_fmu: bool, tmp_path: Path) -> None:
     assert found["J.s"].min() < 0.1
 
 
-def test_stop_that_a_parameter_makes_impossible_is_refused() -> None:
+def test_invalid_stop_parameter_is_refused() -> None:
     source = ball(lower=-1.0)
     source["parameters"] = ["J.stop.stiffness"]
     with pytest.raises(gelenk.SceneError, match=r"J\.stop\.stiffness: found 0 N/m, expected more than 0 N/m"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Joints one by one against ADAMS/Solver: motion, accelerations and reactions, six printed digits."""
+"""Single joints compared with ADAMS/Solver: motion, accelerations and reactions, six printed digits."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from models.adams import G_N, SCENES, published, shown
 from models.running import assert_close, run
 from scipy.spatial.transform import Rotation
 
-# A row of each table at 2.5 s, so that the tests stand without the files; what is not there is zero, and what
-# is zero up to ADAMS' round-off (1e-14) is 0.
+# One row of each table at 2.5 s, so that the tests can run without the files; missing values are zero, and
+# values that are zero up to ADAMS' round-off (1e-14) are 0.
 ROWS: dict[str, dict[str, tuple[float, ...]]] = {
     "Cylindrical_Case01": {
         "position": (2, 0, -30.6458),
@@ -88,9 +88,9 @@ ROWS: dict[str, dict[str, tuple[float, ...]]] = {
 ROWS["Prismatic_Case01"] = ROWS["Cylindrical_Case01"]  # it falls along either axis
 ROWS["TranSpringCB_Case01"] = ROWS["TranSpring_Case01"]  # the same table twice
 
-# How far a table is from the truth besides its sixth digit, as found with it and rounded up: the error of
-# ADAMS' integration (GSTIFF at its default, 1e-3), of which accelerations and reactions get the most. That it
-# is ADAMS', tables tell without Gelenk: test_tables_miss_their_own_equation. SI units.
+# Errors of a table besides rounding to its sixth digit, as observed and rounded up: the error of ADAMS'
+# integration (GSTIFF at its default, 1e-3), which is largest for accelerations and reactions. The tables
+# themselves show that the error is ADAMS': test_tables_violate_their_own_equation. SI units.
 SMALL = {
     "position": 1e-6,
     "velocity": 1e-5,
@@ -102,14 +102,14 @@ SMALL = {
     "torque": 2e-4,
 }
 # Here accelerations reach 850 rad/s2, forces 400 N, torques 810 N m.
-SWIFT = SMALL | {
+FAST = SMALL | {
     "turning": 3e-5,
     "acceleration": 2e-3,
     "angular acceleration": 4e-3,
     "force": 2.5e-3,
     "torque": 4e-3,
 }
-# These two swings lose energy: test_tables_that_are_far_off_lose_energy.
+# These two oscillations lose energy: test_inaccurate_tables_lose_energy.
 LOSING = {
     "position": 9e-4,
     "velocity": 2.7e-3,
@@ -119,12 +119,12 @@ LOSING = {
     "angular acceleration": 2.4e-3,
     "force": 1.3e-2,
 }
-NONE = dict.fromkeys(SMALL, 1e-12)  # a sixth digit of 5 is rounded either way
+NONE = dict.fromkeys(SMALL, 1e-12)  # a sixth digit of 5 may be rounded either way
 ERRORS = {
     "Cylindrical_Case01": NONE,
     "Distance_Case01": SMALL,
     "Prismatic_Case01": NONE,
-    "RevSpherical_Case01": SWIFT,
+    "RevSpherical_Case01": FAST,
     "Revolute_Case01": SMALL,
     "RotSpring_Case01": SMALL,
     "Spherical_Case01": LOSING,
@@ -135,7 +135,7 @@ ERRORS = {
 
 
 def half_a_digit(table: Array) -> Array:
-    """Half a unit of the sixth digit of each number, and 1e-11 at least: the round-off of ours and theirs."""
+    """Half a unit of the sixth digit of each number, and 1e-11 at least: the round-off of both programs."""
     size = np.floor(np.log10(np.maximum(np.abs(table), 1e-12)))
     return np.maximum(0.5 * 10.0 ** (size - 5), 1e-11)
 
@@ -156,7 +156,7 @@ def compare(found: dict[str, Array], table: dict[str, Array], errors: dict[str, 
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_row_of_adams(name: str) -> None:
+def test_motion_matches_a_row_of_adams(name: str) -> None:
     """At 2.5 s."""
     zeros = dict.fromkeys(adams.KINDS, (0.0, 0.0, 0.0))
     row = {kind: np.array([value], float) for kind, value in (zeros | ROWS[name]).items()}
@@ -165,37 +165,40 @@ def test_row_of_adams(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_table_of_adams(name: str) -> None:
-    """Five seconds: all rows where the files are at hand, else some."""
+def test_motion_matches_table_of_adams(name: str) -> None:
+    """Five seconds: all rows if the files are available, otherwise selected rows."""
     times, table = published(name)
     compare(ours(name, tuple(times)), table, ERRORS[name])
 
 
-# Universal_Case03 of the same source: the cross askew, so that both of its axes turn and it carries a torque.
-ASKEW = {  # s: m, N m on the ground
+# Universal_Case03 of the same source: the cross is oblique, so that both of its axes rotate and it carries a
+# torque.
+OBLIQUE = {  # s: m, N m on the ground
     0.35: ((1.35425, 1.35433, -0.576035), (-0.0709200, -0.0523799, 0.0131099)),
     0.7: ((0.612747, 0.617565, -1.80088), (-0.379798, 0.00617838, 0.272926)),
     1.0: ((-0.636240, -0.614073, -1.79391), (0.00107918, -0.381743, -0.270696)),
 }
 
 
-def test_torque_of_a_cross_askew() -> None:
-    """In its first second, before ADAMS loses energy here as in Universal_Case01."""
+def test_torque_of_an_oblique_universal_joint() -> None:
+    """The first second, before ADAMS loses energy here as in Universal_Case01."""
     axes, half = adams.euler(-45, 90, 45), 2**0.5
     cross = [[1, 0, 0], [0, 1, 0]]
     source = adams.hung("universal", (half, half, 0), axes, axes=cross, inertia=(0.1, 0.1, 0.04))
-    found = shown(run(source, [0.0, *ASKEW], tolerance=1e-11), source)
-    for i, (position, torque) in enumerate(ASKEW.values(), start=1):
+    found = shown(run(source, [0.0, *OBLIQUE], tolerance=1e-11), source)
+    for i, (position, torque) in enumerate(OBLIQUE.values(), start=1):
         assert_close("position", found["position"][i], position, 1.3e-5, "ADAMS' integration at 1e-3")
-        assert_close("torque", found["torque"][i], torque, 2e-5, "likewise; 0.5 N m at most")
+        assert_close("torque", found["torque"][i], torque, 2e-5, "as above; 0.5 N m at most")
 
 
 SWINGS = {"Spherical_Case01": np.eye(3), "Universal_Case01": rotation([0, 0, 1], np.pi / 2)}
 
 
 @pytest.mark.parametrize("name", SWINGS)
-def test_swing_on_other_joints_is_that_on_a_hinge(name: str) -> None:
-    """ADAMS' swing on a hinge keeps its energy, and ball and cross make one and the same of it."""
+def test_ball_and_universal_joint_swing_like_a_revolute_joint(name: str) -> None:
+    """ADAMS' motion with a revolute joint conserves energy;
+    with ball or universal joint Gelenk's motion is the same.
+    """
     times, table = published("Revolute_Case01")
     found = ours(name, tuple(times))
     turned = {kind: table[kind] @ SWINGS[name].T for kind in adams.KINDS}
@@ -204,7 +207,7 @@ def test_swing_on_other_joints_is_that_on_a_hinge(name: str) -> None:
 
 
 def started(name: str, table: dict[str, Array], i: int) -> Scene:
-    """The scene in the state of a row; the table's speeds miss the joint by 1e-4 m/s, w is kept."""
+    """The scene in the state of a row; the table's velocities violate the joint by 1e-4 m/s, w is kept."""
     source = copy.deepcopy(SCENES[name]())
     r, v, w = (table[kind][i] for kind in ("position", "velocity", "turning"))
     R = Rotation.from_quat(table["quaternion"][i][[1, 2, 3, 0]])
@@ -217,8 +220,10 @@ def started(name: str, table: dict[str, Array], i: int) -> Scene:
 
 
 @pytest.mark.parametrize("name", SWINGS)
-def test_forces_in_the_states_of_adams(name: str) -> None:
-    """Where the motion of the table is off, what its own states ask for is compared."""
+def test_forces_at_the_states_of_adams(name: str) -> None:
+    """Where the motion of the table is inaccurate,
+    the forces that follow from its own states are compared.
+    """
     times, table = published(name)
     kinds = ("position", "acceleration", "angular acceleration", "force", "torque")
     rows = range(0, len(times), 5)
@@ -232,9 +237,9 @@ def test_forces_in_the_states_of_adams(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["Revolute_Case01", "RotSpring_Case01", *SWINGS])
-def test_tables_miss_their_own_equation(name: str) -> None:
-    """(J + m c^2) phi'' = m g x - spring, with x and phi'' as printed, is off by 100 times the last digit's
-    share: as much as ADAMS' angular accelerations differ from Gelenk's, which fulfil it.
+def test_tables_violate_their_own_equation(name: str) -> None:
+    """(J + m c^2) phi'' = m g x - spring, with x and phi'' as printed, is violated by 100 times the rounding
+    of the last digit: by as much as ADAMS' angular accelerations differ from Gelenk's, which satisfy it.
     """
     times, table = published(name)
     back = SWINGS.get(name, np.eye(3)).T
@@ -249,8 +254,8 @@ def test_tables_miss_their_own_equation(name: str) -> None:
     assert_close("Euler's equation", rest(ours(name, tuple(times))), 0, 1e-11, "round-off of 20 N m")
 
 
-def test_linear_actuator() -> None:
-    """LinActuator_Case01: all rows are the same but for z = t. The actuator carries the weight."""
+def test_linear_actuator_matches_adams() -> None:
+    """LinActuator_Case01: all rows are equal except for z = t. The actuator carries the weight."""
     source = adams.linear_actuator()
     found = run(source, [0.0, 2.5, 5.0])
     for kind, row in {"r": (0, 0, 1), "v": (0, 0, 1), "a": (0, 0, 0), "w": (0, 0, 0)}.items():
@@ -261,15 +266,17 @@ def test_linear_actuator() -> None:
 
 
 def energy(of: dict[str, Array]) -> Array:
-    """About the axis of the swing the moment is 0.1 kg m2. [J]"""
+    """The moment of inertia about the axis of rotation is 0.1 kg m2. [J]"""
     v, w = np.sum(of["velocity"] ** 2, axis=1), np.sum(of["turning"] ** 2, axis=1)
     total: Array = v / 2 + 0.05 * w + G_N * of["position"][:, 2]
     return total
 
 
 @pytest.mark.parametrize("name", ["Revolute_Case01", "Distance_Case01", *SWINGS])
-def test_tables_that_are_far_off_lose_energy(name: str) -> None:
-    """8 mJ of 20 J in ball and cross, none within the digits elsewhere. Gelenk's keep it."""
+def test_inaccurate_tables_lose_energy(name: str) -> None:
+    """8 mJ of 20 J are lost with ball and universal joint, none within the digits elsewhere.
+    Gelenk conserves the energy.
+    """
     times, table = published(name)
     loss = -energy(table).min()
     digits = 1e-4  # G_N 5e-6 + v 5e-6

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Andrews' squeezing mechanism (Schiehlen 1990; IVP Test Set of Lioen & de Swart / Mazzia & Magherini).
+"""Andrews' squeezing mechanism compared with published values.
 
-Seven planar bodies, ten hinges, three loops, 0.033 N m on the first, no gravity, 0.03 s. Published end
-positions: PSIDE on a Cray at 1e-14; an independent integration confirms nine digits of them.
+Schiehlen 1990; IVP Test Set of Lioen & de Swart / Mazzia & Magherini. Seven planar bodies, ten revolute
+joints, three loops, 0.033 N m on the first body, no gravity, 0.03 s. Published final positions: PSIDE on a
+Cray at 1e-14; an independent integration confirms nine digits of them.
 
-From the Test Set's unknowns to hinges and bars (its loop equations): O = origin, A, B, C on the ground;
-  F = rr e(beta)                            K1 from O,       mass centre ra from O
-  E = F - d e(beta + Theta)                 K2 from F to E,  centre da from F
-  E = B + ss (sin gamma, -cos gamma)        K3 on B: E at (0, -ss), D at (sd, -sc), centre at (sb, -sa)
-  G = A + zt e(delta)                       K5 on A, centre (ta, tb)
-  E = G + e (sin(Phi + delta), -cos(..))    K4 on G: E at (0, -e), centre e - ea from G towards E
-  H = A + u (sin epsilon, -cos epsilon)     K7 on A: H at (0, -u), centre (ua, -ub)
-  E = H + zf e(Omega + epsilon)             K6 on H: E at (zf, 0), centre zf - fa from H towards E
-with e(x) = (cos x, sin x). A spring runs from C to D.
+From the Test Set's unknowns to joints and bars (its loop equations): O = origin, A, B, C on the ground;
+  F = rr e(beta)                            K1 from O,       mass center ra from O
+  E = F - d e(beta + Theta)                 K2 from F to E,  center da from F
+  E = B + ss (sin gamma, -cos gamma)        K3 on B: E at (0, -ss), D at (sd, -sc), center at (sb, -sa)
+  G = A + zt e(delta)                       K5 on A, center (ta, tb)
+  E = G + e (sin(Phi + delta), -cos(..))    K4 on G: E at (0, -e), center e - ea from G towards E
+  H = A + u (sin epsilon, -cos epsilon)     K7 on A: H at (0, -u), center (ua, -ub)
+  E = H + zf e(Omega + epsilon)             K6 on H: E at (zf, 0), center zf - fa from H towards E
+with e(x) = (cos x, sin x). A spring connects C and D.
 """
 
 from __future__ import annotations
@@ -51,15 +52,15 @@ END_RATES = {
     "Omega": -19.29337464421385,
     "epsilon": 0.3231791658026955,
 }
-START_ACCELERATIONS = {"beta": 14222.443919954114, "Theta": -10666.832939965585}  # the others rest
+START_ACCELERATIONS = {"beta": 14222.443919954114, "Theta": -10666.832939965585}  # the others are zero
 
-# hinge of the scene: which unknown its angle is
+# joint of the scene: the unknown that is its angle
 HINGES = {"O": "beta", "F": "Theta", "B": "gamma", "A5": "delta", "G": "Phi", "A7": "epsilon", "H": "Omega"}
 A, B, C = (-0.06934, -0.00227, 0), (-0.03635, 0.03273, 0), (0.014, 0.072, 0)
 
 
 def squeezer() -> Scene:
-    """Each body's frame sits at its first hinge, with the axes of the equations above."""
+    """The frame of each body is at its first joint, with the axes of the equations above."""
 
     def flat(mass: float, com: tuple[float, float], moment: float) -> dict[str, Any]:
         return body(mass, (*com, 0), (moment / 2, moment / 2, moment))
@@ -125,31 +126,33 @@ def squeezed(request: pytest.FixtureRequest) -> Recording:
     return run(squeezer(), times, tolerance=1e-11, integrator=request.param, inputs={"drive.tau": 0.033})
 
 
-def test_end_positions_are_the_published_ones(squeezed: Recording) -> None:
+def test_final_positions_match_published_values(squeezed: Recording) -> None:
     """To 1e-7, relative to each angle; 0.04 rad of gamma to 4e-9 rad."""
     for name, angle in HINGES.items():
         end = END[angle]
         assert_close(f"{angle} ({name}.phi)", squeezed[f"{name}.phi"][-1], end, 1e-7 * abs(end), "published")
 
 
-def test_end_speeds_are_the_published_ones(squeezed: Recording) -> None:
+def test_final_velocities_match_published_values(squeezed: Recording) -> None:
     """Confirmed by others to 5e-8 relative; 1e-7 of the angles at rates of 500 per second: 1e-5."""
     for name, angle in HINGES.items():
         end = END_RATES[angle]
         assert_close(f"{angle}' ({name}.w)", squeezed[f"{name}.w"][-1], end, 1e-5 * abs(end), "x 500/s x t")
 
 
-def test_it_starts_with_the_published_accelerations(squeezed: Recording) -> None:
-    """At rest in a dead point (crank and K2 in line): only these two bars start, the rest by round-off."""
+def test_initial_accelerations_match_published_values(squeezed: Recording) -> None:
+    """At rest at a dead center (crank and K2 in line):
+    only these two bars accelerate, the rest by round-off.
+    """
     for name, angle in HINGES.items():
         expected = START_ACCELERATIONS.get(angle, 0.0)
-        # start angles carry 16 digits; masses differ by 1e2, lengths by 1e1: condition 1e4 x 14000 x eps
+        # start angles have 16 digits; masses differ by 1e2, lengths by 1e1: condition 1e4 x 14000 x eps
         assert_close(f"{angle}'' ({name}.a)", squeezed[f"{name}.a"][0], expected, 1e-6, "round-off")
 
 
-def test_reactions_are_the_published_multipliers(squeezed: Recording) -> None:
-    """Lambda 1..6 are the forces in the world on K3, K4 and K6 at E, each against K2: confirmed by others
-    to 1.3e-6; they follow the accelerations, so 1e-4 relative is asked at the end, 1e-8 at the start.
+def test_reactions_match_published_multipliers(squeezed: Recording) -> None:
+    """Lambda 1..6 are the world forces on K3, K4 and K6 at E, each relative to K2: confirmed by others
+    to 1.3e-6; they follow the accelerations, so the bound is 1e-4 relative at the end, 1e-8 at the start.
     """
     published = {
         0: (98.56687039624109, -6.122688344255662, 0, 0, 0, 0),
@@ -164,7 +167,7 @@ def test_reactions_are_the_published_multipliers(squeezed: Recording) -> None:
     }
     for row, bound in ((0, 1e-8), (-1, 1e-4)):
         c, s = np.cos(squeezed["B.phi"][row]), np.sin(squeezed["B.phi"][row])
-        R = np.array([[c, -s], [s, c]])  # F of the hinges at E turns with K3
+        R = np.array([[c, -s], [s, c]])  # F of the joints at E rotates with K3
         on_K2, on_K4, on_K6 = (R @ squeezed.vector(f"R{i}.f")[row, :2] for i in (2, 4, 6))
         expected = np.array(published[row]).reshape(3, 2)
         scale = float(np.abs(expected).max())
@@ -173,8 +176,8 @@ def test_reactions_are_the_published_multipliers(squeezed: Recording) -> None:
         assert_close("on K6", on_K6, expected[2], bound * scale, "multipliers")
 
 
-def test_four_bars_stay_joined_at_one_point(squeezed: Recording) -> None:
-    """Three loops share E: all four bars have it at one place at every output."""
+def test_four_bars_remain_joined_at_one_point(squeezed: Recording) -> None:
+    """Three loops share E: all four bars have it at the same position at every output."""
     for bar in ("P2", "P4", "P6"):
         gap = squeezed.vector(f"{bar}.r") - squeezed.vector("P3.r")
         assert_close(f"gap {bar}", np.linalg.norm(gap, axis=1), 0, 1e-10, "closure, m")
@@ -182,8 +185,8 @@ def test_four_bars_stay_joined_at_one_point(squeezed: Recording) -> None:
         assert_close(f"rate {bar}", np.linalg.norm(rate, axis=1), 0, 1e-9, "closure, m/s")
 
 
-def test_the_motor_s_work_is_found_in_energy(squeezed: Recording) -> None:
-    """T + V - E0 = 0.033 N m (beta - beta0): the balance the IFToMM library scores (A03)."""
+def test_work_of_the_motor_equals_the_energy_gain(squeezed: Recording) -> None:
+    """T + V - E0 = 0.033 N m (beta - beta0): the energy balance evaluated by the IFToMM library (A03)."""
     gain = squeezed["E.total"] - squeezed["E.total"][0]
     work = 0.033 * (squeezed["O.phi"] - squeezed["O.phi"][0])
     assert_close("energy", gain, work, 1e-8 * 0.5, "1000 rtol of 0.5 J")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Examples of the Modelica Standard Library, against one-coordinate solutions and the published curves."""
+"""Examples of the Modelica Standard Library compared with one-coordinate
+solutions and the published curves.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +10,15 @@ import pytest
 from mechanisms import Scene, box
 from models import modelica
 from models.modelica import G_N
-from models.one_freedom import Jet, OneFreedom
+from models.one_dof import Jet, OneDofMechanism
 from models.planar_loops import FourBar, Link
 from models.running import INTEGRATORS, Recording, assert_close, run
 from models.spatial_loops import ModelicaFourbar1
 from scipy.integrate import solve_ivp
 
-# Bounds against Dymola's curves are what those curves are worth: the distance from them to independent
-# integrations at 1e-12 (below, and as collected with the curves), rounded up. Last row of each curve at 5 s
-# (3 s): carried here so that the test stands without the files.
+# Bounds against Dymola's curves are the accuracy of those curves: their distance from independent
+# integrations at 1e-12 (below, and as collected with the curves), rounded up. The last row of each curve at 5
+# s (3 s) is given here so that the test can run without the files.
 LAST_ROWS = {
     "Elementary.Pendulum": (5.0, {"rev.phi": (-1.67963464, 1e-5), "rev.w": (-2.31814703, 5e-5)}),
     "Elementary.DoublePendulum": (
@@ -40,8 +42,8 @@ SCENES = {
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_end_is_that_of_the_published_curve(name: str) -> None:
-    """The last row of Dymola's curve, to the digits it is worth."""
+def test_final_values_match_the_published_curve(name: str) -> None:
+    """Compares the last row of Dymola's curve, within its accuracy."""
     stop, expected = LAST_ROWS[name]
     found = run(SCENES[name](), [0.0, stop], tolerance=1e-10)
     for signal, (value, bound) in expected.items():
@@ -49,9 +51,9 @@ def test_end_is_that_of_the_published_curve(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_motion_is_the_published_curve(name: str) -> None:
-    """The whole curve where the files are at hand, else some rows: bounds as for the last row, twice over
-    for speeds, whose peaks come where the angles move fastest.
+def test_motion_matches_the_published_curve(name: str) -> None:
+    """The whole curve if the files are available, otherwise selected rows: bounds as for the last row,
+    doubled for speeds, whose maxima occur where the angles change fastest.
     """
     curve = modelica.published(name)
     found = run(SCENES[name](), curve["time"], tolerance=1e-10)
@@ -66,20 +68,20 @@ def link(end: tuple[float, float]) -> Link:
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_planar_four_bar_follows_its_one_coordinate_solution(integrator: str) -> None:
-    """Within 1e-7 rad; the ground line leans, the crank turns over."""
+def test_planar_four_bar_matches_one_coordinate_solution(integrator: str) -> None:
+    """Within 1e-7 rad; the ground link is inclined, the crank makes full turns."""
     times = np.linspace(0, 5, 101)
     lean = float(np.arctan2(1, -0.15))
     bars = FourBar(link((0.4, 0)), link((0.1, 1.1)), link((0.65, 0.1)), float(np.hypot(0.15, 1)), branch=-1)
     down = [-G_N * np.sin(lean), -G_N * np.cos(lean), 0.0]
-    motion = OneFreedom(bars.geometry(), down, lambda _t, _phi, w: -0.1 * w)
+    motion = OneDofMechanism(bars.geometry(), down, lambda _t, _phi, w: -0.1 * w)
     phi, w = motion.motion(-lean, 0, times)
     found = run(modelica.planar_four_bar(), times, tolerance=1e-10, integrator=integrator)
     assert_close("revolute1.phi", found["revolute1.phi"], phi + lean, 1e-7, "1000 rtol")
-    assert_close("revolute1.w", found["revolute1.w"], w, 1e-6, "ten times that")
+    assert_close("revolute1.w", found["revolute1.w"], w, 1e-6, "ten times as much")
 
 
-def test_pendulum_follows_its_equation() -> None:
+def test_pendulum_matches_its_equation_of_motion() -> None:
     """(J + m c^2) phi'' = -m g c cos phi - d phi', by SciPy at 1e-12."""
     times = np.linspace(0, 5, 51)
 
@@ -96,10 +98,10 @@ FOURBAR1_TIMES = np.linspace(0, 2, 41)
 
 
 @pytest.fixture(scope="module")
-def fourbar1_truth() -> dict[str, np.ndarray]:
+def fourbar1_reference() -> dict[str, np.ndarray]:
     """From the geometry alone: crank angle and speed, slider, and the two angles of the universal joint."""
     model = ModelicaFourbar1()
-    phi, w = OneFreedom(model.geometry, (0, -G_N, 0)).motion(0, 5.235987755982989, FOURBAR1_TIMES)
+    phi, w = OneDofMechanism(model.geometry, (0, -G_N, 0)).motion(0, 5.235987755982989, FOURBAR1_TIMES)
     cross = [model.rod(Jet(x)) for x in phi]
     slider = [model.slider(Jet(x, 1.0)) for x in phi]
     return {
@@ -123,27 +125,29 @@ def fourbar1(request: pytest.FixtureRequest) -> tuple[Scene, Recording]:
     return source, run(source, FOURBAR1_TIMES, tolerance=1e-11, integrator=integrator)
 
 
-def test_fourbar1_follows_its_one_coordinate_solution(fourbar1, fourbar1_truth) -> None:
-    """Four turns of the crank in 2 s; with compound joints and with chains of hinges as in Modelica."""
+def test_fourbar1_matches_one_coordinate_solution(fourbar1, fourbar1_reference) -> None:
+    """Four turns of the crank in 2 s; with compound joints and with chains of
+    revolute joints as in Modelica.
+    """
     source, found = fourbar1
     for name in ("j1.phi", "j2.s"):
-        assert_close(name, found[name], fourbar1_truth[name], 1e-7, "10^4 rtol, 15 rad")
+        assert_close(name, found[name], fourbar1_reference[name], 1e-7, "10^4 rtol, 15 rad")
     for name in ("j1.w", "j2.v"):
-        assert_close(name, found[name], fourbar1_truth[name], 1e-6, "ten times that")
+        assert_close(name, found[name], fourbar1_reference[name], 1e-6, "ten times as much")
     angles = ("rev.phi", "rev1.phi") if "rev" in source["joints"] else ("cross.phi_a", "cross.phi_b")
     for name, key in zip(angles, ("alpha", "beta"), strict=True):
-        assert_close(name, found[name], fourbar1_truth[key], 1e-7, "10^4 rtol")
+        assert_close(name, found[name], fourbar1_reference[key], 1e-7, "10^4 rtol")
 
 
-def test_fourbar1_stays_closed(fourbar1) -> None:
+def test_fourbar1_remains_closed(fourbar1) -> None:
     """At every output."""
     _, found = fourbar1
     assert_close("constraints.position", found["constraints.position"], 0, 1e-10, "closure")
     assert_close("constraints.velocity", found["constraints.velocity"], 0, 1e-9, "closure")
 
 
-def test_angles_of_hinge_chain_are_those_of_the_universal_joint() -> None:
-    """Speeds and accelerations too: a universal joint is two hinges with nothing between."""
+def test_angles_of_two_revolute_joints_equal_those_of_the_universal_joint() -> None:
+    """Also speeds and accelerations: a universal joint is two revolute joints with nothing in between."""
     joints = run(modelica.fourbar1(), FOURBAR1_TIMES, tolerance=1e-11)
     chain = run(modelica.fourbar1(chain=True), FOURBAR1_TIMES, tolerance=1e-11)
     for suffix, level in (("phi", "phi"), ("w", "w"), ("a", "a")):

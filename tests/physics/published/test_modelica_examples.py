@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """More examples of the Modelica Standard Library: springs, gyroscopes, an engine, a rolling wheel.
 
-Each is compared with an independent solution (modelica_truths), which says what the published curves
-are worth, and with those: Dymola 2020x, DASSL, tolerance 1e-6 (GyroscopicEffects: 1e-9).
+Each is compared with an independent solution (modelica_truths), which also determines the accuracy of the
+published curves, and with those curves: Dymola 2020x, DASSL, tolerance 1e-6 (GyroscopicEffects: 1e-9).
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ def vector(theirs: str, ours: str) -> dict[str, str]:
 class Example:
     make: Callable[[], Scene]
     truth: Callable[[Array], dict[str, Array]]
-    signals: dict[str, str]  # of the curve: Gelenk's
+    signals: dict[str, str]  # name in the curve: Gelenk's name
     stop: float  # s
-    last: dict[str, float]  # the curve's last row: carried here so that the test stands without the files
-    bounds: dict[str, float]  # by Gelenk's joint or sensor and quantity: curve to truth, rounded up
+    last: dict[str, float]  # the curve's last row, given here so that the test can run without the files
+    bounds: dict[str, float]  # by Gelenk's joint or sensor and quantity: distance of the curve from the
+    # reference, rounded up
 
 
 EXAMPLES = {
@@ -99,7 +100,7 @@ EXAMPLES = {
             "revolute.phi": 50.86357343,
             "revolute.w": 4.825247835,
         },
-        # The curve has the scene twice, and its two angles of the rotor are 1.3e-5 rad apart at the end.
+        # The curve has the scene twice, and its two rotor angles differ by 1.3e-5 rad at the end.
         {"rotor.w": 1.1e-4, "arm.w": 7e-6, "revolute.phi": 1.3e-5, "revolute.w": 3e-5},
     ),
 }
@@ -110,7 +111,7 @@ def bound(example: Example, name: str) -> float:
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_end_is_that_of_the_published_curve(name: str) -> None:
+def test_final_values_match_the_published_curve(name: str) -> None:
     example = EXAMPLES[name]
     found = run(example.make(), [0.0, example.stop], tolerance=1e-11)
     for signal, value in example.last.items():
@@ -118,8 +119,8 @@ def test_end_is_that_of_the_published_curve(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_motion_is_the_published_curve(name: str) -> None:
-    """All rows where the files are at hand, else some."""
+def test_motion_matches_the_published_curve(name: str) -> None:
+    """All rows if the files are available, otherwise selected rows."""
     example = EXAMPLES[name]
     curve = modelica.published(name)
     found = run(example.make(), curve["time"], tolerance=1e-11)
@@ -129,8 +130,10 @@ def test_motion_is_the_published_curve(name: str) -> None:
 
 @pytest.mark.parametrize("integrator", ["ida", "erk"])
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_motion_is_the_independent_solution(name: str, integrator: str) -> None:
-    """1000 rtol of what reaches 50 rad, 20 rad/s, for erk; BDF's many small steps add up to more."""
+def test_motion_matches_the_independent_solution(name: str, integrator: str) -> None:
+    """1000 rtol of values up to 50 rad, 20 rad/s, for erk;
+    the errors of BDF's many small steps accumulate to more.
+    """
     example = EXAMPLES[name]
     times = np.linspace(0, example.stop, 101)
     found = run(example.make(), times, tolerance=1e-11, integrator=integrator)
@@ -138,8 +141,8 @@ def test_motion_is_the_independent_solution(name: str, integrator: str) -> None:
         assert_close(signal, found[signal], value, 1e-8 if integrator == "erk" else 1e-7, "rtol 1e-11")
 
 
-def test_slides_close_a_loop_or_hold_the_body() -> None:
-    """As Modelica's example: with joints alone, and as constraints beside a free body."""
+def test_prismatic_joints_in_a_loop_and_as_constraints() -> None:
+    """As in the Modelica example: with joints alone, and as constraints on a free body."""
     times = np.linspace(0, 10, 21)
     cut = modelica.prismatic_constraint()
     tree = modelica.prismatic_constraint()
@@ -149,13 +152,13 @@ def test_slides_close_a_loop_or_hold_the_body() -> None:
         assert_close(signal, a[signal], b[signal], 1e-9, "two runs at 1e-11")
 
 
-# Where three springs meet Modelica has a point without mass; a point of mass m moves like it up to c m.
+# Where three springs meet Modelica has a massless point; a point of mass m moves like it up to c m.
 THREE = vector("body1.frame_a.r_0", "free.r") | vector("body1.v_0", "free.v") | vector("body1.w_a", "free.w")
 THREE_LAST = {"free.r[1]": -0.01991224874, "free.r[2]": -0.8415323891, "free.r[3]": 0.2570034426}
 
 
 def without_mass(times: Array) -> dict[str, Array]:
-    """From two small masses to none: what is proportional to them drops out."""
+    """Extrapolates from two small masses to zero: errors proportional to the mass cancel."""
 
     def at(mass: float) -> Recording:
         source = modelica.three_springs(mass)
@@ -167,15 +170,21 @@ def without_mass(times: Array) -> dict[str, Array]:
     return {name: 2 * light[name] - heavy[name] for name in THREE.values()}
 
 
-def test_three_springs() -> None:
-    """Elementary.ThreeSprings: Dymola's curve is 1.1e-5 m, 5.3e-5 m/s, 1.1e-4 rad/s off the truth."""
+def test_three_springs_match_modelica() -> None:
+    """Elementary.ThreeSprings: the error of Dymola's curve is 1.1e-5 m, 5.3e-5 m/s, 1.1e-4 rad/s."""
     bounds = {"free.r": 1.2e-5, "free.v": 6e-5, "free.w": 1.1e-4}
     times = np.linspace(0, 10, 51)
     found = without_mass(times)
     for signal, value in modelica_truths.three_springs(times).items():
         assert_close(signal, found[signal], value, 1e-5, "of second order in the mass")
     for signal, last in THREE_LAST.items():
-        assert_close(signal, found[signal][-1], last, bounds[signal[:6]] + 1e-5, "Dymola, and no mass")
+        assert_close(
+            signal,
+            found[signal][-1],
+            last,
+            bounds[signal[:6]] + 1e-5,
+            "Dymola, and extrapolation to zero mass",
+        )
     curve = modelica.published("Elementary.ThreeSprings")
     truth = modelica_truths.three_springs(curve["time"])
     for theirs, ours in THREE.items():
@@ -186,12 +195,12 @@ WHEEL_LAST = {"x": 0.1625467804, "y": -2.237784807, "angles": (0.6687549467, -0.
 
 
 def wheel_turn(angles: Array) -> Rotation:
-    """Turns about z, then the new y, then the new x."""
+    """Rotations about z, then the new y, then the new x."""
     return Rotation.from_euler("ZYX", angles)
 
 
-def test_published_rolling_wheel_rolls() -> None:
-    """Dymola's curve against the independent solution: rates of its angles reach 58 rad/s."""
+def test_published_rolling_wheel_curve_satisfies_rolling() -> None:
+    """Dymola's curve compared with the independent solution: rates of its angles reach 58 rad/s."""
     curve = modelica.published("Elementary.RollingWheel")
     truth = modelica_truths.rolling_wheel(curve["time"])
     turn = wheel_turn(np.array([curve[f"wheel1.angles[{i}]"] for i in (1, 2, 3)]).T)
@@ -201,7 +210,7 @@ def test_published_rolling_wheel_rolls() -> None:
     assert_close("turn", apart, 0, 1.2e-3, "Dymola at 1e-6")
 
 
-def test_rolling_wheel() -> None:
+def test_rolling_wheel_matches_independent_solution() -> None:
     """Elementary.RollingWheel, four seconds."""
     times = np.linspace(0, 4, 81)
     found = run(modelica.rolling_wheel(), times, tolerance=1e-11)

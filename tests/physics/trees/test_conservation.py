@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a mechanism without outer forces keeps, trees and loops alike: momentum, angular momentum, energy."""
+"""Conservation of momentum, angular momentum and energy of mechanisms without external forces,
+open trees and closed loops.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +26,16 @@ from models.running import INTEGRATORS, Recording, assert_close, run
 from scipy.spatial.transform import Rotation
 
 
-def with_centres(source: Scene) -> Scene:
-    """A frame sensor at every centre of mass, and one of the energies."""
-    centres: dict[str, Any] = {f"c_{n}": frame_sensor(n, b["com"]) for n, b in source["bodies"].items()}
-    return with_sensors(source, E={"type": "energy"}, **centres)
+def with_center_sensors(source: Scene) -> Scene:
+    """Add a frame sensor at every center of mass and an energy sensor."""
+    sensors: dict[str, Any] = {f"c_{n}": frame_sensor(n, b["com"]) for n, b in source["bodies"].items()}
+    return with_sensors(source, E={"type": "energy"}, **sensors)
 
 
 def momenta(source: Scene, found: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Momentum, and angular momentum about the world's origin, summed over the bodies from the sensors."""
+    """Return momentum and angular momentum about the world origin,
+    summed over the bodies from the sensors.
+    """
     P = L = np.zeros(3)
     for name, entry in source["bodies"].items():
         r, v, w = (found.vector(f"c_{name}.{x}") for x in "rvw")
@@ -43,7 +47,9 @@ def momenta(source: Scene, found: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def snake() -> Scene:
-    """Six bodies in a row, one joint of every kind, flying and tumbling, with springs inside."""
+    """Return a free chain of six bodies connected by joints of every kind,
+    tumbling, with internal springs.
+    """
     kinds: list[tuple[str, dict[str, Any]]] = [
         (
             "universal",
@@ -93,7 +99,7 @@ def snake() -> Scene:
 
 
 def floating_four_bar() -> Scene:
-    """The four-bar on a plate of its own that flies and tumbles."""
+    """Return the four-bar on a base plate that flies freely and tumbles."""
     source = four_bar(torque=None, damping=0.0, gravity=(0, 0, 0))
     source["motors"] = {}
     for name in "AD":
@@ -113,24 +119,28 @@ SCENES = {"snake": snake, "floating four-bar": floating_four_bar}
 @pytest.fixture(scope="module", params=[(s, i) for s in SCENES for i in INTEGRATORS], ids="-".join)
 def flight(request: pytest.FixtureRequest) -> tuple[Scene, Recording]:
     name, integrator = request.param
-    source = with_centres(SCENES[name]())
+    source = with_center_sensors(SCENES[name]())
     return source, run(source, np.linspace(0, 3, 31), tolerance=1e-11, integrator=integrator)
 
 
-def test_momentum_is_kept(flight) -> None:
-    """Inner forces cancel (Newton's third law): to 1000 rtol of the sum of the parts, some 10 N s."""
+def test_momentum_is_conserved(flight) -> None:
+    """Internal forces cancel (Newton's third law).
+    The bound is 1000 rtol of the sum of the parts, about 10 N s.
+    """
     P, _ = momenta(*flight)
     assert_close("momentum", P, P[0], 1e-8, "1000 rtol")
 
 
-def test_angular_momentum_is_kept(flight) -> None:
-    """Likewise; a wrong lever arm or Coriolis term gives 1e-1."""
+def test_angular_momentum_is_conserved(flight) -> None:
+    """Internal torques cancel as well. A wrong lever arm or Coriolis term gives 1e-1."""
     _, L = momenta(*flight)
     assert_close("angular momentum", L, L[0], 1e-8, "1000 rtol")
 
 
-def test_energy_is_kept(flight) -> None:
-    """T + V of the springs; and T from the sensors of the single bodies is the T told by the core."""
+def test_energy_is_conserved(flight) -> None:
+    """Kinetic energy plus potential energy of the springs is constant, and the kinetic energy computed from
+    the sensors of the individual bodies equals the one reported by the core.
+    """
     source, found = flight
     total = found["E.total"]
     assert_close("energy", total, total[0], 1e-8, "1000 rtol x 10 J")

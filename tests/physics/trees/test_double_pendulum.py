@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A double pendulum against its textbook equations (two absolute angles), solved by SciPy at 1e-12."""
+"""A double pendulum compared with its textbook equations of motion (two absolute angles),
+integrated by SciPy at 1e-12.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,16 @@ from mechanisms import GRAVITY, Scene, body, frame, joint, scene
 from models.running import INTEGRATORS, assert_close, run
 from scipy.integrate import solve_ivp
 
-M1, C1, J1, L1 = 1.3, 0.41, 0.052, 0.83  # upper body: mass, its centre, moment, length to the second pin
+M1, C1, J1, L1 = 1.3, 0.41, 0.052, 0.83  # upper body: mass, its center of mass, moment of inertia, distance
+# to the second pin
 M2, C2, J2 = 0.9, 0.33, 0.047
 START = (0.7, -0.4, 0.3, 0.9)  # phi1, phi2 relative, w1, w2 relative
 
 
 def double_pendulum() -> Scene:
-    """Hangs along -y; both pins along z; bodies' other moments as a slip in them would show."""
+    """The pendulum hangs along -y and both pins are along z.
+    The other moments of inertia are chosen such that confusing them would show.
+    """
     names = dict(zip(("phi", "w"), (START[0], START[2]), strict=True))
     return scene(
         {"upper": body(M1, (0, -C1, 0), (0.04, 0.03, J1)), "lower": body(M2, (0, -C2, 0), (0.02, 0.035, J2))},
@@ -49,8 +54,8 @@ def rates(_t: float, y: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_double_pendulum_follows_its_textbook_equations(integrator: str) -> None:
-    """3 s; neighbouring motions part by about a factor 50 in that time, so 5000 rtol are allowed."""
+def test_double_pendulum_matches_textbook_equations(integrator: str) -> None:
+    """Over 3 s neighboring motions diverge by a factor of about 50, so 5000 rtol are allowed."""
     times = np.linspace(0, 3, 31)
     y0 = [START[0], START[0] + START[1], START[2], START[2] + START[3]]
     truth = solve_ivp(rates, (0, 3), y0, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y
@@ -60,8 +65,10 @@ def test_double_pendulum_follows_its_textbook_equations(integrator: str) -> None
     assert_close("P1.w", found["P1.w"], truth[2], 5e-7, "ten times the angles")
 
 
-def test_double_pendulum_keeps_its_energy_for_a_minute() -> None:
-    """Chaotic, but T + V stays: 1e-9 of 10 J over 60 s at rtol 1e-12; a wrong Coriolis term gives 1."""
+def test_double_pendulum_conserves_energy_for_a_minute() -> None:
+    """The motion is chaotic, but T + V is constant: to 1e-9 of 10 J over 60 s at rtol 1e-12.
+    A wrong Coriolis term gives 1.
+    """
     found = run(double_pendulum(), np.linspace(0, 60, 121), tolerance=1e-12)
     total = found["E.total"]
     assert_close("energy", total, total[0], 1e-8, "1000 rtol x 10 J")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A rigid body left to itself: what physics keeps, and what is known in closed form."""
+"""A free rigid body: conserved quantities and closed-form solutions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MASS = 1.7  # kg
 
 
 def flying(w: tuple[float, float, float], v: tuple[float, float, float] = (0, 0, 0), com=(0, 0, 0), **fields):
-    """A free body with angular velocity w [rad/s, along its axes] and the speed v [m/s] of its frame."""
+    """Return a free body with angular velocity w [rad/s, in body axes] and velocity v [m/s] of its frame."""
     start = {"w": list(w), "v": list(v)}
     out = scene(
         {"body": body(MASS, com, INERTIA)},
@@ -28,14 +28,14 @@ def flying(w: tuple[float, float, float], v: tuple[float, float, float] = (0, 0,
 
 
 def rotations(found: Recording) -> np.ndarray:
-    """R_WB at each output; Q[1..4] has its scalar last, as SciPy's."""
+    """Return R_WB at each output. Q[1..4] has the scalar part last, as in SciPy."""
     R: np.ndarray = Rotation.from_quat(found.vector("J.Q")).as_matrix()
     return R
 
 
 @pytest.fixture(scope="module", params=INTEGRATORS)
 def tumbling(request: pytest.FixtureRequest) -> Recording:
-    """Issue 2: turning about the middle axis, which is unstable: the body turns over again and again."""
+    """Rotation about the intermediate principal axis, which is unstable: the body flips again and again."""
     return run(
         flying((1e-3, 3, 1e-3), (0.3, -0.2, 0.7)),
         np.linspace(0, 100, 401),
@@ -44,8 +44,8 @@ def tumbling(request: pytest.FixtureRequest) -> Recording:
     )
 
 
-def test_energy_is_kept(tumbling: Recording) -> None:
-    """Issue 2: 1e-9 over 100 s, of 9 J. A quaternion left to drift or a wrong gyroscopic term gives 1e-3."""
+def test_energy_is_conserved(tumbling: Recording) -> None:
+    """To 1e-9 of 9 J over 100 s. Drift of the quaternion norm or a wrong gyroscopic term gives 1e-3."""
     energy = tumbling["E.kinetic"]
     w = np.array([1e-3, 3, 1e-3])
     v = np.array([0.3, -0.2, 0.7])
@@ -53,36 +53,41 @@ def test_energy_is_kept(tumbling: Recording) -> None:
     assert_close("energy", energy, energy[0], 1e-9 * energy[0], "conserved")
 
 
-def test_angular_momentum_is_kept(tumbling: Recording) -> None:
-    """Issue 2: R I w is constant in the world, to 1e-9 of 6 N m s."""
+def test_angular_momentum_is_conserved(tumbling: Recording) -> None:
+    """R I w is constant in the world frame, to 1e-9 of 6 N m s."""
     L = np.einsum("tij,tj->ti", rotations(tumbling), INERTIA * tumbling.vector("J.w"))
     assert_close("angular momentum", L, L[0], 1e-9 * float(np.linalg.norm(L[0])), "conserved")
 
 
-def test_momentum_is_kept(tumbling: Recording) -> None:
-    """The speed of the centre of mass is constant, its path straight."""
+def test_momentum_is_conserved(tumbling: Recording) -> None:
+    """The velocity of the center of mass is constant and its path is straight."""
     v = tumbling.vector("J.v")
     assert_close("speed", v, v[0], 1e-9, "no force acts")
     path = tumbling.time[:, None] * v[0]
     assert_close("path", tumbling.vector("J.r"), path, 1e-9 * 100, "speed error over 100 s")
 
 
-def test_quaternion_keeps_its_length(tumbling: Recording) -> None:
-    """Issue 2: |Q| = 1 to 1e-12 at every output."""
-    assert_close("|Q|", np.linalg.norm(tumbling.vector("J.Q"), axis=1), 1, 1e-12, "made unit after each step")
+def test_quaternion_norm_is_one(tumbling: Recording) -> None:
+    """|Q| = 1 to 1e-12 at every output."""
+    assert_close(
+        "|Q|", np.linalg.norm(tumbling.vector("J.Q"), axis=1), 1, 1e-12, "normalized after each step"
+    )
 
 
-def test_body_turns_over(tumbling: Recording) -> None:
-    """The middle axis is unstable (Poinsot): w[2] must come near -3 rad/s and back near +3."""
+def test_rotation_about_intermediate_axis_is_unstable(tumbling: Recording) -> None:
+    """Rotation about the intermediate axis is unstable (Poinsot):
+    w[2] must come close to -3 rad/s and back to +3.
+    """
     w = tumbling["J.w[2]"]
     assert w.min() < -2.99
     assert w[50:].max() > 2.99
 
 
-def test_middle_axis_follows_the_elliptic_functions() -> None:
+def test_intermediate_axis_rotation_matches_elliptic_functions() -> None:
     """Euler's equations are solved by Jacobi's sn, cn, dn (Landau & Lifshitz, Mechanics, section 37).
 
-    With I1 < I2 < I3 and L^2 > 2 E I2: w1 = a1 cn, w2 = a2 sn, w3 = a3 dn of tau = p t, starting at w2 = 0.
+    With I1 < I2 < I3 and L^2 > 2 E I2: w1 = a1 cn, w2 = a2 sn, w3 = a3 dn of tau = p t, starting at w2 =
+    0.
     """
     I1, I2, I3 = INERTIA
     w0 = np.array([0.9, 0.0, 1.3])
@@ -100,8 +105,8 @@ def test_middle_axis_follows_the_elliptic_functions() -> None:
     )
 
 
-def test_symmetric_top_precesses_steadily() -> None:
-    """I1 = I2: w turns about the body's axis at (I3 - I1)/I1 w3 (Landau & Lifshitz, section 36)."""
+def test_symmetric_top_precesses_at_constant_rate() -> None:
+    """For I1 = I2, w precesses about the symmetry axis at (I3 - I1)/I1 w3 (Landau & Lifshitz, section 36)."""
     source = flying((0.4, 0.0, 2.0))
     source["bodies"]["body"]["inertia"] = [1.3, 1.3, 2.1, 0, 0, 0]
     times = np.linspace(0, 30, 101)
@@ -111,8 +116,8 @@ def test_symmetric_top_precesses_steadily() -> None:
     assert_close("w", found, expected, 1e-9, "100 x rtol")
 
 
-def test_thrown_body_flies_a_parabola() -> None:
-    """The centre of mass, off the body's frame and tumbling, still falls as a point does."""
+def test_center_of_mass_of_thrown_body_follows_a_parabola() -> None:
+    """The center of mass, offset from the body frame of a tumbling body, falls like a point mass."""
     com = np.array([0.2, -0.1, 0.35])
     w, v = np.array([1.1, -0.7, 2.3]), np.array([1.0, 2.0, 5.0])
     g = np.array([0.3, -0.5, -9.81])
@@ -121,11 +126,13 @@ def test_thrown_body_flies_a_parabola() -> None:
     )
     t = found.time[:, None]
     expected = com + (v + np.cross(w, com)) * t + 0.5 * g * t**2
-    assert_close("centre of mass", found.vector("com.r"), expected, 1e-9, "solver, 100 x rtol x 10 m")
+    assert_close("center of mass", found.vector("com.r"), expected, 1e-9, "solver, 100 x rtol x 10 m")
 
 
-def test_frame_sensor_tells_the_velocity_of_its_point() -> None:
-    """Sensor v is the rate of r (central difference), w is the body's angular velocity along its axes."""
+def test_frame_sensor_reports_velocity_of_its_point() -> None:
+    """Sensor output v is the time derivative of r (central difference),
+    w is the angular velocity in body axes.
+    """
     com = (0.2, -0.1, 0.35)
     times = np.arange(0, 0.2, 1e-3)
     found = run(flying((1.1, -0.7, 2.3), (1.0, 2.0, 5.0), com), times, tolerance=1e-12)
@@ -135,7 +142,7 @@ def test_frame_sensor_tells_the_velocity_of_its_point() -> None:
     assert_close("com.w", found.vector("com.w"), found.vector("J.w"), 1e-14, "round-off")
 
 
-def test_speeds_of_a_free_joint_are_rates_of_its_place() -> None:
+def test_free_joint_velocities_are_derivatives_of_its_position() -> None:
     """J.v = der(J.r), J.a = der(J.v), J.z = der(J.w), by central differences over 1 ms."""
     times = np.arange(0, 0.2, 1e-3)
     found = run(flying((1.1, -0.7, 2.3), (1.0, 2.0, 5.0), (0.2, -0.1, 0.35)), times, tolerance=1e-12)

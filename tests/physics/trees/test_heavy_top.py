@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The fast heavy top (Brüls & Cardona 2010, J. Comput. Nonlinear Dyn. 5, 031002).
 
-15 kg, moments about the centre of mass (0.234375, 0.46875, 0.234375) kg m2, centre of mass at (0, 1, 0) from
-the fixed point, 9.81 m/s2 along -z, angular velocity (0, 150, -4.61538) rad/s, 2 s.
-Figures: EXUDYN's docs/verification (5 printed digits) and an independent integration of R and w at 1e-13,
-both as collected in the project's heavy_top.json.
+15 kg, moments of inertia about the center of mass (0.234375, 0.46875, 0.234375) kg m2, center of mass at (0,
+1, 0) from the fixed point, 9.81 m/s2 along -z, angular velocity (0, 150, -4.61538) rad/s, 2 s. Reference
+values: EXUDYN's docs/verification (5 printed digits) and an independent integration of R and w at 1e-13, both
+as collected in the project's heavy_top.json.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ COM = np.array([0.0, 1, 0])
 J_COM = np.diag([0.234375, 0.46875, 0.234375])
 W0 = (0.0, 150.0, -4.61538)
 
-# t: angular velocity along the body's axes [rad/s], centre of mass [m]
+# t: angular velocity in body axes [rad/s], center of mass [m]
 RECOMPUTED = {
     0.1: ((4.808941331728, 150, 1.028300756717), (0.421296658925, 0.894571974346, -0.149164700562)),
     0.4: ((6.054845968623, 150, -1.914702172705), (-0.166784671114, -0.047439657872, -0.984851436686)),
@@ -61,8 +61,10 @@ def at(found: Recording, name: str, times: Mapping[float, Any]) -> np.ndarray:
     return found.vector(name)[np.isin(found.time, list(times))]
 
 
-def test_figures_in_this_file_are_those_of_euler_s_equations() -> None:
-    """The reference is checked here: rows of R and w integrated without any constraint, at 1e-12."""
+def test_reference_values_satisfy_euler_equations() -> None:
+    """This checks the reference itself: the columns of R and w are integrated
+    without constraints at 1e-12.
+    """
     J = J_COM + MASS * (np.eye(3) - np.outer(COM, COM))
 
     def rates(_t: float, y: np.ndarray) -> np.ndarray:
@@ -76,19 +78,19 @@ def test_figures_in_this_file_are_those_of_euler_s_equations() -> None:
     # 150 rad/s x 0.44 s = 66 rad of spin, to 1e-12 of 6 rad/s each
     for i, t in enumerate((0.1, 0.4)):
         assert_close(f"w({t})", found.y[9:, i], RECOMPUTED[t][0], 1e-9, "two integrations at 1e-12 and 1e-13")
-        assert_close(f"com({t})", found.y[:9, i].reshape(3, 3) @ COM, RECOMPUTED[t][1], 1e-10, "likewise")
+        assert_close(f"com({t})", found.y[:9, i].reshape(3, 3) @ COM, RECOMPUTED[t][1], 1e-10, "as above")
 
 
-def test_angular_velocity_is_the_published_one(top: Recording) -> None:
-    """To the last printed digit: half a unit of the fifth digit of 6.2505, and the printing code's own
-    error of step 1e-4 in RK4, together 2e-4.
+def test_angular_velocity_matches_published_values(top: Recording) -> None:
+    """The bound 2e-4 is half a unit in the fifth digit of 6.2505 plus the error of
+    RK4 with step 1e-4 in the published code.
     """
     expected = [PRINTED[t] for t in sorted(PRINTED)]
     assert_close("w", at(top, "O.w", PRINTED), expected, 2e-4, "five printed digits")
 
 
-def test_top_follows_the_independent_integration(top: Recording) -> None:
-    """Rtol 1e-12 of 150 rad/s over 300 rad of spin allows 1e-7 rad in the spin angle: 5e-7 in w."""
+def test_top_matches_independent_integration(top: Recording) -> None:
+    """Rtol 1e-12 at 150 rad/s over 300 rad of spin permits 1e-7 rad in the spin angle, hence 5e-7 in w."""
     times = sorted(RECOMPUTED)
     assert_close("w", at(top, "O.w", RECOMPUTED), [RECOMPUTED[t][0] for t in times], 1e-6, "spin, 2 s")
     assert_close(
@@ -97,11 +99,11 @@ def test_top_follows_the_independent_integration(top: Recording) -> None:
 
 
 def test_spin_about_the_symmetry_axis_is_constant(top: Recording) -> None:
-    """Neither gravity nor the gyroscopic torque has a component along it."""
+    """Neither gravity nor the gyroscopic torque has a component along the symmetry axis."""
     assert_close("w[2]", top["O.w[2]"], 150, 1e-9, "100 rtol x 150")
 
 
-def test_energy_is_kept(top: Recording) -> None:
-    """5.4 kJ, mostly of the spin, to 1e-9 relative; a wrong gyroscopic term gives 1e-2."""
+def test_energy_is_conserved(top: Recording) -> None:
+    """5.4 kJ, mostly from the spin, conserved to 1e-9 relative. A wrong gyroscopic term gives 1e-2."""
     total = top["E.total"]
     assert_close("energy", total, total[0], 1e-9 * total[0], "1000 rtol")

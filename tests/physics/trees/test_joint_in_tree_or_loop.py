@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same joint in the tree, and closing a loop: same motion, same reactions.
+"""A joint gives the same motion and the same reactions as a tree joint and as a loop-closing joint.
 
-An arm turns on a pin; the joint under test holds a body to the arm. In the second scene the body also hangs
-on a gantry to the ground: three sliders and three hinges through massless parts, which forbid nothing and
-weigh nothing. Drives with a rotor stay in the tree, so idle ones on the gantry and on the pin leave the
-joint under test to be cut: its rows alone hold the body. Their rotors of 1e-13 kg m2 (kg) move nothing that
-rtol 1e-10 could see.
+An arm turns on a pin; the joint under test connects a body to the arm. In the second scene the body is also
+connected to the ground through a gantry: three prismatic and three revolute joints with massless links, which
+constrain nothing and add no inertia. Joints with a drive that has a rotor remain in the tree, so idle drives
+on the gantry and on the pin cause the joint under test to be cut: only its constraint equations hold the
+body. Their rotor inertias of 1e-13 kg m2 (kg) are too small to have an effect at rtol 1e-10.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ from gelenk._core import joints as registry
 TIMES = np.linspace(0, 1, 11)
 PIN_ANGLE, PIN_PLACE = 0.6, np.array([0.3, -0.2, 0.5])
 R_PIN = rotation([0.3, 1, -0.2], 0.7)
-# F on the arm and M on the body, both off their bodies' frames.
+# F on the arm and M on the body, both offset from the body frames.
 P_F, R_F = np.array([0.4, 0.1, -0.15]), rotation([1, -0.4, 0.5], 1.1)
 P_M, R_M = np.array([-0.1, 0.15, 0.05]), rotation([0.2, 0.7, -0.9], -0.8)
 
-UNIT_Q = [0.1, -0.3, 0.3, 0.9]  # by 0.9 rad
-# Start values of the joint under test, within reach of the gantry's hinges (no gimbal lock in 1 s), and axes.
+UNIT_Q = [0.1, -0.3, 0.3, 0.9]  # rotated by 0.9 rad
+# Start values of the joint under test, within reach of the gantry's revolute joints (no gimbal lock in 1 s),
+# and axes.
 STARTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "revolute": ({"axis": [0.3, -0.5, 0.8]}, {"phi": 0.3, "w": -0.8}),
     "prismatic": ({"axis": [0.3, -0.5, 0.8]}, {"s": 0.2, "v": 0.5}),
@@ -84,7 +85,9 @@ def in_tree(kind: str) -> Scene:
 
 
 def in_loop(kind: str) -> Scene:
-    """The scene above with the gantry: X, Y, Z slide, A, B, C turn about x, y, z, at zero near the start."""
+    """Return the scene above with the gantry: X, Y, Z translate, A, B, C rotate about x, y, z,
+    close to zero at the start.
+    """
     out = in_tree(kind)
     R_arm = R_PIN @ rotation([0, 0, 1], PIN_ANGLE)
     R_load: Array = R_arm @ R_F @ R_M.T
@@ -109,19 +112,21 @@ def in_loop(kind: str) -> Scene:
     return out
 
 
-def test_every_kind_is_tried() -> None:
-    """A new kind of joint needs its start values in the table above."""
+def test_every_joint_type_is_tested() -> None:
+    """A new joint type requires start values in the table above."""
     assert set(KINDS) == set(STARTS)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_joint_in_the_tree_moves_as_in_a_loop(kind: str) -> None:
-    """Coordinates, speeds, accelerations and reactions of the joint and of the pin, 1 s at rtol 1e-10."""
+def test_tree_joint_and_loop_joint_give_equal_motion(kind: str) -> None:
+    """Coordinates, velocities, accelerations and reactions of the joint and of the
+    pin are compared, 1 s at rtol 1e-10.
+    """
     tree = run(in_tree(kind), TIMES, tolerance=1e-10)
     loop = run(in_loop(kind), TIMES, tolerance=1e-10)
     names = [name for name in tree.units if name.split(".")[0] in ("T", "pin")]
     for name in names:
-        # accelerations and reactions follow from the states: some 10 times their error
+        # accelerations and reactions follow from the states: about 10 times their error
         bound = 1e-7 if tree.units[name].endswith("/s2") else 1e-8
         assert_close(name, loop[name], tree[name], bound, "100 rtol, 1 s")
     for name in [n for n in tree.units if n.split(".")[0] in ("R", "R_pin")]:
@@ -131,8 +136,10 @@ def test_joint_in_the_tree_moves_as_in_a_loop(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_joint_under_test_is_the_one_that_is_cut(kind: str) -> None:
-    """What it forbids, 6 - nv directions, are the rows; what it allows and the pin's freedom are left."""
+def test_joint_under_test_is_the_loop_closing_joint(kind: str) -> None:
+    """The 6 - nv constrained directions are the constraint equations;
+    the joint's own DOF and that of the pin remain.
+    """
     degrees_of_freedom = next(k["nv"] for k in registry.kinds() if k["name"] == kind)
     simulation = gelenk.Simulation(gelenk.load(in_loop(kind)))
     simulation.initialize()
@@ -141,8 +148,10 @@ def test_joint_under_test_is_the_one_that_is_cut(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_start_values_are_those_asked_for(kind: str) -> None:
-    """fixed: true holds for a joint that is cut as well: exactly in the tree, to the closure in a loop."""
+def test_start_values_are_as_specified(kind: str) -> None:
+    """fixed: true also holds for a joint that is cut: exactly in the tree,
+    to the closure tolerance in a loop.
+    """
     for source, bound in ((in_tree(kind), 1e-15), (in_loop(kind), 1e-9)):
         simulation = gelenk.Simulation(gelenk.load(source))
         simulation.initialize(0.0, 1e-10)
@@ -154,8 +163,8 @@ def test_start_values_are_those_asked_for(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_free_joint_beside_it_changes_nothing(kind: str) -> None:
-    """A free joint between ground and body forbids nothing, whichever of the two is cut."""
+def test_parallel_free_joint_does_not_change_the_motion(kind: str) -> None:
+    """A free joint between ground and body constrains nothing, whichever of the two joints is cut."""
     source = in_tree(kind)
     source["joints"]["beside"] = joint("free", frame("ground"), frame("load"))
     plain = run(in_tree(kind), TIMES, tolerance=1e-10)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pendulums: one revolute joint in gravity, against closed forms."""
+"""Pendulums with one revolute joint under gravity compared with closed-form solutions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OMEGA0 = math.sqrt(MASS * GRAVITY * COM / (MOMENT + MASS * COM**2))  # rad/s
 
 
 def pendulum(angle: float, rate: float = 0.0, damping: float = 0.0) -> Scene:
-    """Hangs along -y at angle 0 and turns about z."""
+    """The pendulum hangs along -y at angle 0 and turns about z."""
     return scene(
         {"bob": body(MASS, (0, -COM, 0), (0.3, 0.25, MOMENT))},
         {
@@ -34,7 +34,7 @@ def pendulum(angle: float, rate: float = 0.0, damping: float = 0.0) -> Scene:
     )
 
 
-def swing(amplitude: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def exact_swing(amplitude: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """From rest at `amplitude`: sin(phi/2) = k cd(omega0 t), k = sin(amplitude/2) (Landau & Lifshitz, 11)."""
     k = math.sin(amplitude / 2)
     sn, cn, dn, _ = ellipj(OMEGA0 * times, k * k)
@@ -45,21 +45,25 @@ def swing(amplitude: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("amplitude", [1e-3, 0.7, 2.2, 3.1])
-def test_swings_as_the_elliptic_functions_say(amplitude: float, integrator: str) -> None:
-    """Small and large angles, up to near the upper rest. Over five seconds errors are some 100 rtol. From
-    3.1 rad the way down magnifies an error by 2/(pi - 3.1) = 48, up and down again by 48^2 = 2300.
+def test_motion_matches_elliptic_functions(amplitude: float, integrator: str) -> None:
+    """Small and large amplitudes, up to nearly the upright position. Over five seconds errors are about 100
+    rtol. From 3.1 rad the way down amplifies an error by 2/(pi - 3.1) = 48, up and down again by 48^2 = 2300.
     """
     times = np.linspace(0, 5, 51)
     found = run(pendulum(amplitude), times, tolerance=1e-11, integrator=integrator)
-    phi, w = swing(amplitude, times)
-    # where the pendulum passes the bottom, w errs by omega0^2 times the error in time
+    phi, w = exact_swing(amplitude, times)
+    # where the pendulum passes the bottom, the error of w is omega0^2 times the error in time
     steep = 200 if amplitude > 3 else 3
-    assert_close("P.phi", found["P.phi"], phi, steep * 1e-9, "300 rtol; 2300 x 10 rtol near the upper rest")
+    assert_close(
+        "P.phi", found["P.phi"], phi, steep * 1e-9, "300 rtol; 2300 x 10 rtol near the upright position"
+    )
     assert_close("P.w", found["P.w"], w, steep * 5e-9, "omega0 times as much")
 
 
-def test_equal_periods_bring_it_back() -> None:
-    """After three periods 4 K(k)/omega0 it is at rest where it started: phi errs in second order only."""
+def test_pendulum_returns_after_whole_periods() -> None:
+    """After three periods 4 K(k)/omega0 the pendulum is at rest where it started:
+    the error of phi is of second order only.
+    """
     amplitude = 2.0
     period = 4 * ellipk(math.sin(amplitude / 2) ** 2) / OMEGA0
     found = run(pendulum(amplitude), np.array([0, 3 * period]), tolerance=1e-11)
@@ -67,8 +71,10 @@ def test_equal_periods_bring_it_back() -> None:
     assert_close("P.w", found["P.w"][-1], 0, 1e-8, "100 rtol x omega0^2")
 
 
-def test_counts_turns_when_it_goes_over() -> None:
-    """Enough speed to turn over: phi grows past 2 pi; it is twice am(t w0/2), the Jacobi amplitude."""
+def test_angle_counts_full_turns() -> None:
+    """The initial velocity is large enough for full turns:
+    phi exceeds 2 pi and is twice am(t w0/2), the Jacobi amplitude.
+    """
     rate = 2.5 * OMEGA0
     times = np.linspace(0, 6, 61)
     m = (2 * OMEGA0 / rate) ** 2
@@ -78,33 +84,40 @@ def test_counts_turns_when_it_goes_over() -> None:
     assert_close("P.phi", found["P.phi"], phi, 1e-8, "1000 rtol: errors grow with the turns")
 
 
-def test_many_turns_at_the_start_change_nothing() -> None:
-    """The angle a + 2 pi n is the same pose as a and moves alike, keeping its turns."""
+def test_full_turns_in_the_start_angle_do_not_change_the_motion() -> None:
+    """The angle a + 2 pi n is the same pose as a. The motion is the same,
+    and the count of turns is preserved.
+    """
     times = np.linspace(0, 2, 11)
     turns = 2 * math.pi * 7
     near, far = (run(pendulum(0.8 + x), times, tolerance=1e-11)["P.phi"] for x in (0.0, turns))
-    assert_close("P.phi", far - turns, near, 1e-9, "relative tolerance of 44 rad")
+    assert_close("P.phi", far - turns, near, 1e-9, "rtol of 44 rad")
 
 
 @pytest.mark.parametrize("kind", ["revolute", "cylindrical", "spherical", "universal"])
-def test_any_joint_that_lets_it_turn_gives_the_same_period(kind: str) -> None:
-    """About the vertical plane's normal each of these joints is a hinge, the rest stays still."""
+def test_every_joint_type_that_permits_rotation_gives_the_same_period(kind: str) -> None:
+    """Each of these joints acts as a hinge about the normal of the vertical plane;
+    its other coordinates remain at rest.
+    """
     axes = HINGE_AXES.get(kind, {})
     amplitude, times = 0.7, np.linspace(0, 3, 31)
     source = pendulum(amplitude)
-    # the start angle is in the frame of the ground; the joint itself starts at zero
+    # the start angle is in the ground frame; the joint itself starts at zero
     R = rotation([0, 0, 1], amplitude)
     source["joints"]["P"] = joint(kind, {**frame("ground"), "rotation": matrix(R)}, frame("bob"), **axes)
     source["sensors"] = {"bob": {"type": "frame", "body": "bob", "position": [0.0, -COM, 0.0]}}
     found = run(source, times, tolerance=1e-11).vector("bob.r")
-    phi, _ = swing(amplitude, times)
+    phi, _ = exact_swing(amplitude, times)
     expected = COM * np.array([np.sin(phi), -np.cos(phi), 0 * phi]).T
-    assert_close("centre of mass", found, expected, 1e-8, "300 rtol; axial gliding of a cylinder is zero")
+    assert_close(
+        "center of mass", found, expected, 1e-8, "300 rtol; axial displacement of a cylinder is zero"
+    )
 
 
 def test_benchmark_pendulum() -> None:
-    """IFToMM library A01: 1 kg on a massless rod of 1 m, from rest at (-1, 0), 10 s; positions by elliptic
-    functions, printed to 12 digits in the collection; energy within 5e-5 J is what that library asks.
+    """IFToMM library A01: 1 kg on a massless rod of 1 m, from rest at (-1, 0), 10 s. Positions are from
+    elliptic functions, printed to 12 digits in the collection; that library requires the energy within 5e-5
+    J.
     """
     source = scene(
         {"bob": body(1.0, (1, 0, 0))},
@@ -136,8 +149,8 @@ def test_benchmark_pendulum() -> None:
     assert_close("energy", found["E.total"], found["E.total"][0], 1e-9, "100 rtol x 10 J")
 
 
-def test_damped_small_swing_decays_as_the_linear_oscillator() -> None:
-    """Phi'' = -omega0^2 phi - 2 D phi' for small phi; what sin leaves out is phi^2/6 relative: 2e-9."""
+def test_small_damped_oscillation_matches_linear_oscillator() -> None:
+    """Phi'' = -omega0^2 phi - 2 D phi' for small phi. The linearization neglects phi^2/6 relative: 2e-9."""
     amplitude, damping = 1e-4, 0.3
     inertia = MOMENT + MASS * COM**2
     D = damping / (2 * inertia)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parts without mass, or with inertia about one axis alone, move as the constraints that hold them say."""
+"""Bodies without mass, or with inertia about a single axis,
+move as their constraints prescribe (closed-form solutions).
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,8 @@ import gelenk
 
 ABOUT_Z: dict[str, Any] = {"axis": [0, 0, 1]}
 ALONG_X: dict[str, Any] = {"axis": [1, 0, 0]}
-NOTHING = body(0.0)
-EXACT = 1e-12  # of accelerations in closed form: rounding of some tens of operations
+MASSLESS = body(0.0)
+EXACT = 1e-12  # of accelerations in closed form: round-off of some tens of operations
 FORMULATIONS = ("projection", "udwadia-kalaba", "baumgarte", "independent", "index3", "stabilized-index2")
 
 
@@ -57,13 +59,13 @@ def rack_and_wheel(pinion: dict[str, Any], radius: float = 0.03, ratio: float = 
     )
 
 
-@pytest.mark.parametrize("pinion", [NOTHING, body(0.4)], ids=["nothing", "point mass"])
+@pytest.mark.parametrize("pinion", [MASSLESS, body(0.4)], ids=["nothing", "point mass"])
 @pytest.mark.parametrize("radius", [0.03, 1e-4])
-def test_pinion_without_inertia_between_rack_and_wheel(pinion: dict[str, Any], radius: float) -> None:
-    """All is one freedom p, the pinion's angle: (m r^2 + n^2 I) p'' = r f + tau_P + n tau_W.
+def test_massless_pinion_between_rack_and_wheel(pinion: dict[str, Any], radius: float) -> None:
+    """The system has one degree of freedom p, the pinion angle: (m r^2 + n^2 I) p'' = r f + tau_P + n tau_W.
 
-    The teeth take what accelerates the rack, the mesh what is left of the wheel's torque; on the pinion
-    forces balance.
+    The rack force accelerates the rack, the mesh transmits the remainder of the wheel torque, and the forces
+    on the pinion balance.
     """
     n, m, moment = -2.5, 1.7, 0.02
     plant = started(rack_and_wheel(pinion, radius, n), push__f=3.0, drive__tau=0.2, turn__tau=-0.1)
@@ -72,16 +74,16 @@ def test_pinion_without_inertia_between_rack_and_wheel(pinion: dict[str, Any], r
     assert_close("S.a", plant.output("S.a"), radius * p, EXACT, "closed form")
     assert_close("W.a", plant.output("W.a"), n * p, EXACT * abs(p), "closed form")
     teeth, mesh = plant.output("teeth.f"), plant.output("mesh.tau")
-    assert_close("teeth", teeth, m * radius * p - 3.0, EXACT * 10, "what accelerates the rack")
-    assert_close("mesh", mesh, moment * n * p + 0.1, EXACT * 10, "what turns the wheel")
+    assert_close("teeth", teeth, m * radius * p - 3.0, EXACT * 10, "force that accelerates the rack")
+    assert_close("mesh", mesh, moment * n * p + 0.1, EXACT * 10, "torque that accelerates the wheel")
     assert_close("pinion", radius * teeth + n * mesh, 0.2, EXACT * 10, "no inertia: forces balance")
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_train_with_a_pinion_without_inertia_runs_as_its_oscillator(formulation: str) -> None:
+def test_gear_train_with_massless_pinion_matches_oscillator(formulation: str) -> None:
     """(m r^2 + n^2 I) p'' + d r^2 p' + n^2 k p = 0, from rest at p = 0.4."""
     r, n = 0.03, -2.5
-    source = rack_and_wheel(NOTHING, r, n)
+    source = rack_and_wheel(MASSLESS, r, n)
     source["joints"]["P"]["start"] = {"phi": 0.4, "fixed": True}
     source["solver"] = {"formulation": formulation, "integrator": "ida"}
     times = np.linspace(0, 2, 21)
@@ -90,19 +92,20 @@ def test_train_with_a_pinion_without_inertia_runs_as_its_oscillator(formulation:
     decay = 0.8 * r**2 / inertia / 2
     omega = math.sqrt(n**2 * 6.0 / inertia - decay**2)
     exact = 0.4 * np.exp(-decay * times) * (np.cos(omega * times) + decay / omega * np.sin(omega * times))
-    # ida keeps to about 100 times the tolerance; index 3 finds its multipliers by differences of the step.
+    # ida achieves about 100 times the tolerance; index 3 computes its multipliers by differences over the
+    # step.
     assert_close("P.phi", found["P.phi"], exact, 1e-7 if formulation == "index3" else 1e-8, "closed form")
     drift = 1e-7 if formulation == "baumgarte" else 1e-9
     assert_close("rack", found["S.s"], r * found["P.phi"], drift, "the teeth")
 
 
 @pytest.mark.parametrize("idlers", [1, 2, 5])
-def test_idlers_without_inertia_pass_torque_on(idlers: int) -> None:
-    """A train between two wheels; of the idlers each meshes with the next alone, no inertia in either."""
+def test_massless_idler_gears_transmit_torque(idlers: int) -> None:
+    """A gear train between two wheels; each idler gear meshes only with the next, and none has inertia."""
     wheels = ["a", *(f"i{k}" for k in range(idlers)), "b"]
     ratio = -1.5
     source = scene(
-        {w: disc(1.0, {"a": 0.5, "b": 0.2}[w]) if w in "ab" else NOTHING for w in wheels},
+        {w: disc(1.0, {"a": 0.5, "b": 0.2}[w]) if w in "ab" else MASSLESS for w in wheels},
         {f"J{w}": hinge("ground", w, (0.3 * k, 0, 0)) for k, w in enumerate(wheels)},
         motors={"left": {"joint": "Ja"}, "right": {"joint": "Jb"}},
         constraints={
@@ -117,17 +120,17 @@ def test_idlers_without_inertia_pass_torque_on(idlers: int) -> None:
     assert_close("a", plant.output("Ja.a"), n * b, EXACT, "closed form")
     plant.step_to(1.0)
     assert_close("phi", plant.output("Jb.phi"), b / 2, 1e-6, "the tolerance")
-    assert_close("closed", plant.output("Ja.phi"), n * plant.output("Jb.phi"), 1e-12, "rounding")
+    assert_close("closed", plant.output("Ja.phi"), n * plant.output("Jb.phi"), 1e-12, "round-off")
 
 
-def test_slide_without_mass_on_a_given_motion_shakes_a_spring() -> None:
+def test_massless_slider_with_prescribed_motion_excites_a_spring() -> None:
     """Forced response: m x'' = -k (x - s - L), s = A sin(w t), from rest at x = L.
 
-    x - L = A / (1 - r^2) (sin(w t) - r sin(w0 t)), r = w / w0. The drive's force is the spring's.
+    x - L = A / (1 - r^2) (sin(w t) - r sin(w0 t)), r = w / w0. The drive force equals the spring force.
     """
     mass, k, length, A, frequency = 0.6, 50.0, 0.5, 0.04, 0.7
     source = scene(
-        {"slider": NOTHING, "load": body(mass, (0, 0, 0), (1e-3, 1e-3, 1e-3))},
+        {"slider": MASSLESS, "load": body(mass, (0, 0, 0), (1e-3, 1e-3, 1e-3))},
         {"S": slide("ground", "slider"), "L": slide("ground", "load", start={"s": length, "fixed": True})},
         forces={
             "spring": {
@@ -152,9 +155,9 @@ def test_slide_without_mass_on_a_given_motion_shakes_a_spring() -> None:
 
 
 def four_bar(crank: dict[str, Any]) -> Scene:
-    """A crank-rocker; all but the crank without mass."""
+    """A crank-rocker in which all bodies except the crank are massless."""
     return scene(
-        {"crank": crank, "coupler": NOTHING, "rocker": NOTHING},
+        {"crank": crank, "coupler": MASSLESS, "rocker": MASSLESS},
         {
             "A": hinge("ground", "crank", start={"phi": 0.7, "fixed": True}),
             "B": hinge("crank", "coupler", (0.2, 0, 0)),
@@ -167,8 +170,8 @@ def four_bar(crank: dict[str, Any]) -> Scene:
     )
 
 
-def test_linkage_without_mass_lets_its_crank_swing_as_if_alone() -> None:
-    """Coupler and rocker weigh nothing: the crank is a pendulum, and they follow (Freudenstein 1955)."""
+def test_massless_coupler_and_rocker_do_not_affect_the_crank() -> None:
+    """Coupler and rocker are massless: the crank is a pendulum, and they follow it (Freudenstein 1955)."""
     crank = body(2.0, (0.15, 0, 0), (0.01, 0.03, 0.03))
     alone = scene({"crank": crank}, {"A": hinge("ground", "crank", start={"phi": 0.7, "fixed": True})},
                   gravity=(0.0, -9.81, 0.0))  # fmt: skip
@@ -185,15 +188,15 @@ def test_linkage_without_mass_lets_its_crank_swing_as_if_alone() -> None:
         a**2 + c**2 + d**2 - b**2 - 2 * a * d * np.cos(found["A.phi"]) + 2 * c * d * np.cos(psi)
         - 2 * a * c * np.cos(found["A.phi"] - psi)
     )  # fmt: skip
-    assert_close("closed", freudenstein, 0.0, 1e-13, "rounding of lengths below 1 m")
+    assert_close("closed", freudenstein, 0.0, 1e-13, "round-off of lengths below 1 m")
     assert np.ptp(found["meter.total"]) < 1e-8  # J, of 5: the tolerance
 
 
 @pytest.mark.parametrize("reductions", [{}, {"all": False}], ids=["reduced", "literal"])
-def test_linkage_in_space_without_mass_lets_its_crank_swing_as_if_alone(reductions: dict[str, bool]) -> None:
-    """Rod and rocker weigh nothing: the crank, which turns right round, is a pendulum."""
+def test_massless_spatial_linkage_does_not_affect_the_crank(reductions: dict[str, bool]) -> None:
+    """Rod and rocker are massless: the crank, which makes full turns, is a pendulum."""
     source = spatial_four_bar()
-    source["bodies"]["rocker"] = NOTHING
+    source["bodies"]["rocker"] = MASSLESS
     alone = copy.deepcopy(source)
     alone["bodies"] = {"crank": source["bodies"]["crank"]}
     alone["joints"] = {"A": source["joints"]["A"]}
@@ -205,7 +208,7 @@ def test_linkage_in_space_without_mass_lets_its_crank_swing_as_if_alone(reductio
 
 
 @pytest.mark.parametrize("moments", [(0.0, 0.0, 0.3), (0.3, 0.3, 0.3), (0.15, 0.15, 0.3)])
-def test_moments_without_mass_turn_about_their_hinge(moments: tuple[float, float, float]) -> None:
+def test_rotational_inertia_without_mass(moments: tuple[float, float, float]) -> None:
     """I phi'' = tau, exactly."""
     source = scene({"wheel": body(0.0, (0.2, 0, 0), moments)}, {"A": hinge("ground", "wheel")},
                    motors={"drive": {"joint": "A"}})  # fmt: skip
@@ -222,16 +225,18 @@ def in_plane(full: bool) -> Scene:
     return source
 
 
-def test_in_a_plane_the_moment_about_its_normal_is_enough() -> None:
-    """Nothing else enters the equations: the same bits."""
+def test_planar_motion_uses_only_the_moment_about_the_normal() -> None:
+    """No other moment enters the equations of motion: the results are bitwise equal."""
     times = np.linspace(0, 1, 11)
     one, all_of_them = (run(in_plane(full), times, 1e-8) for full in (False, True))
     for name in one:
         assert np.array_equal(one[name], all_of_them[name]), name
 
 
-def test_in_space_a_part_on_parallel_hinges_needs_one_moment() -> None:
-    """An arm on a slide and a hinge, a pendulum across on it: only the arm's moment about z enters."""
+def test_spatial_body_on_parallel_axes_needs_one_moment() -> None:
+    """An arm on a prismatic and a revolute joint carries a pendulum perpendicular to it:
+    only the arm's moment about z matters.
+    """
 
     def source(moments: tuple[float, float, float]) -> Scene:
         across = joint(
@@ -246,31 +251,31 @@ def test_in_space_a_part_on_parallel_hinges_needs_one_moment() -> None:
     times = np.linspace(0, 1, 11)
     one, all_of_them = (run(source(m), times, 1e-9) for m in ((0, 0, 0.02), (0.01, 0.015, 0.02)))
     for name in one:
-        assert_close(name, one[name], all_of_them[name], 1e-11, "rounding, grown over a second")
+        assert_close(name, one[name], all_of_them[name], 1e-11, "round-off, amplified over a second")
 
 
 @pytest.mark.parametrize("reductions", [{}, {"all": False}], ids=["reduced", "literal"])
-def test_reductions_do_not_change_what_moves(reductions: dict[str, bool]) -> None:
-    source = rack_and_wheel(NOTHING)
+def test_reductions_do_not_change_the_motion(reductions: dict[str, bool]) -> None:
+    source = rack_and_wheel(MASSLESS)
     source["solver"] = {"reductions": reductions}
     plant = started(source, push__f=3.0)
     p = 0.03 * 3.0 / (1.7 * 0.03**2 + 2.5**2 * 0.02)
     assert_close("P.a", plant.output("P.a"), p, EXACT, "closed form")
 
 
-def test_linear_model_of_a_train_with_a_pinion_without_inertia() -> None:
-    """From the push to the wheel's angle: n r / (J s^2 + d r^2 s + n^2 k), J = m r^2 + n^2 I."""
+def test_linear_model_of_gear_train_with_massless_pinion() -> None:
+    """Transfer function from push to wheel angle: n r / (J s^2 + d r^2 s + n^2 k), J = m r^2 + n^2 I."""
     r, n = 0.03, -2.5
     inertia = 1.7 * r**2 + n**2 * 0.02
-    model = gelenk.linearize(rack_and_wheel(NOTHING, r, n), inputs=["push.f"], outputs=["W.phi"])
+    model = gelenk.linearize(rack_and_wheel(MASSLESS, r, n), inputs=["push.f"], outputs=["W.phi"])
     s = 3.0j
     gain = model.C @ np.linalg.solve(s * np.eye(len(model.A)) - model.A, model.B) + model.D
     exact = n * r / (inertia * s**2 + 0.8 * r**2 * s + n**2 * 6.0)
     assert_close("gain", abs(gain[0, 0] - exact), 0.0, EXACT * 100, "closed form")
 
 
-def test_saving_and_restoring_keeps_the_bits() -> None:
-    plant = started(rack_and_wheel(NOTHING), push__f=3.0)
+def test_restored_state_continues_bitwise_identically() -> None:
+    plant = started(rack_and_wheel(MASSLESS), push__f=3.0)
     plant.step_to(0.3)
     saved = plant.save()
     ends: list[Array] = []
@@ -287,23 +292,25 @@ def refused(source: Scene) -> str:
     return str(error.value)
 
 
-def test_motion_without_inertia_is_refused_by_the_name_of_what_has_none() -> None:
-    """Two meshed wheels, neither with inertia; a pinion that meshes with nothing; one on a spring."""
+def test_motion_without_inertia_is_refused_with_the_name_of_the_body() -> None:
+    """Two meshed wheels without inertia; a pinion without inertia that meshes with
+    nothing; one on a spring.
+    """
     both = scene(
-        {"a": NOTHING, "b": NOTHING, "c": disc(1.0, 0.1)},
+        {"a": MASSLESS, "b": MASSLESS, "c": disc(1.0, 0.1)},
         {f"J{x}": hinge("ground", x) for x in "abc"},
         constraints={"mesh": {"type": "gear", "joint": "Ja", "with": "Jb", "ratio": 2.0}},
     )
     assert re.search(r"bodies\.[ab]: moves without inertia", refused(both))
-    loose = rack_and_wheel(NOTHING)
+    loose = rack_and_wheel(MASSLESS)
     del loose["constraints"]["teeth"]
     loose["constraints"]["mesh"] = {"type": "rack", "rack": "S", "pinion": "W", "radius": 0.03}
     assert "bodies.pinion: moves without inertia" in refused(loose)
-    sprung = scene({"arm": NOTHING}, {"A": hinge("ground", "arm", stiffness=3.0)})
+    sprung = scene({"arm": MASSLESS}, {"A": hinge("ground", "arm", stiffness=3.0)})
     assert "a spring is not sufficient" in refused(sprung)
 
 
-def test_moment_about_one_axis_is_refused_where_the_motion_asks_for_more() -> None:
+def test_moment_about_one_axis_is_refused_if_the_motion_requires_more() -> None:
     ball = scene(
         {"top": body(1.0, (0, 0, 0.1), (0, 0, 0.2))}, {"A": joint("spherical", frame("ground"), frame("top"))}
     )

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Through singular positions: change points at which other branches open.
+"""Motion through singular configurations: change points at which other branches open.
 
-The N-four-bar (IFToMM A02, test_parallelograms.py) falls as one pendulum and passes its change points,
-all bars in line, twice a turn. There each window could turn into its mirror image, and energy would not tell.
+The N-four-bar (IFToMM A02, test_parallelograms.py) falls like one pendulum and crosses its change points,
+all bars in line, twice per turn. Each four-bar could change branches there, which energy alone would not
+reveal.
 """
 
 from __future__ import annotations
@@ -30,22 +31,22 @@ def tip(phi: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize(("n", "stop"), [(1, 20.0), (2, 20.0), (10, 20.0), (40, 2.0)])
-def test_windows_stay_on_their_branch(n: int, stop: float, tolerance: float) -> None:
-    """At 100 communication points a second, which fall where they may: 56 passages in 20 s.
+def test_n_four_bar_stays_on_its_branch(n: int, stop: float, tolerance: float) -> None:
+    """With 100 communication points per second, at arbitrary distances from the 56 crossings in 20 s.
 
-    A passage adds what extrapolated accelerations miss over some hundredths of a second, less than 1e-8
-    m; the falling pendulum makes some tens of it over the run.
+    Each crossing adds the error of accelerations extrapolated over some hundredths of a second, less than
+    1e-8 m; the falling pendulum amplifies it to some tens of that over the run.
     """
     times = np.linspace(0, stop, round(100 * stop) + 1)
     found = run(four_bar_chain(n, 0.0, 1.0), times, tolerance=tolerance, integrator="erk")
     expected = tip(falling(n, 0.0, 1.0, times))
-    assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "of a window, at any tolerance")
+    assert_close("B0", found.vector("tip.r")[:, :2], expected, 1e-5, "of a four-bar, at any tolerance")
 
 
 @pytest.mark.parametrize("integrator", ["erk", "ida"])
 @pytest.mark.parametrize("n", [1, 2])
-def test_free_steps_pass_as_well(n: int, integrator: str) -> None:
-    """With no communication points to cut them, steps are ten times as long."""
+def test_change_points_are_crossed_with_long_steps(n: int, integrator: str) -> None:
+    """Without communication points the steps are ten times as long."""
     times = np.array([0.0, 20.0])
     found = run(four_bar_chain(n, 0.0, 1.0), times, tolerance=1e-8, integrator=integrator)
     expected = tip(falling(n, 0.0, 1.0, times))
@@ -54,26 +55,34 @@ def test_free_steps_pass_as_well(n: int, integrator: str) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("coupler_is_parent", [False, True])
-def test_third_crank_does_not_hinder(coupler_is_parent: bool, tolerance: float) -> None:
-    """One of the rows always repeats others; at the change points one more does for a moment."""
+def test_redundant_third_crank_does_not_affect_the_crossing(
+    coupler_is_parent: bool, tolerance: float
+) -> None:
+    """One constraint equation is redundant at every position; at the change points one more is."""
     source = reducible.triple_crank(coupler_is_parent)
     times = np.linspace(0, 5, 501)
     found = run(source, times, tolerance=tolerance, integrator="erk")
     total = found["energy.total"]
     assert_close(
-        "energy", total, total[0], 2000 * tolerance * 20 + 1e-7, "of some 20 J, and a little a passage"
+        "energy",
+        total,
+        total[0],
+        2000 * tolerance * 20 + 1e-7,
+        "of about 20 J, plus a contribution per crossing",
     )
     turned = found["A0.phi"] - found["A0.phi"][0]
     for k in (1, 2):
         assert_close(
-            f"A{k}.phi", found[f"A{k}.phi"] - found[f"A{k}.phi"][0], turned, 1e-6, "it stays parallel"
+            f"A{k}.phi", found[f"A{k}.phi"] - found[f"A{k}.phi"][0], turned, 1e-6, "bars remain parallel"
         )
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-10])
 @pytest.mark.parametrize(("n", "step"), [(1, 0.01), (2, 0.1), (10, 0.01)])
-def test_torques_may_jump_while_passing(n: int, step: float, tolerance: float) -> None:
-    """Another torque on the first crank in every communication step, many of them beside a change point."""
+def test_torque_may_jump_near_change_points(n: int, step: float, tolerance: float) -> None:
+    """The torque on the first crank changes in every communication step,
+    many of them beside a change point.
+    """
     source = four_bar_chain(n, 0.0, 1.0)
     source["motors"] = {"drive": {"joint": "A0"}}
     plant = gelenk.Simulation(source)
@@ -92,19 +101,21 @@ def test_torques_may_jump_while_passing(n: int, step: float, tolerance: float) -
         tip_error = max(tip_error, np.abs(plant.values(["tip.r[1]", "tip.r[2]"]) - tip(y[0])).max())
         a_error = max(a_error, abs(plant.output("A0.a") + fall(0, y)[1]))
     assert tip_error < max(1e-5, 100 * tolerance), "steps of 0.1 s reach 7e-6 m in 10 s at 1e-6"
-    # There the rows ask for what is an error of the state over a distance that vanishes.
+    # There the constraint equations divide an error of the state by a distance that vanishes.
     assert a_error < 5e-3, "1e-3 rad/s2 with ten four-bars, of some 20"
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("integrator", ["erk", "dirk", "cvode", "ida"])
 @pytest.mark.parametrize("step", [1e-2, 1e-3, 1e-4])
-def test_accelerations_shown_while_passing(step: float, integrator: str, tolerance: float) -> None:
+def test_accelerations_are_accurate_near_change_points(
+    step: float, integrator: str, tolerance: float
+) -> None:
     """Cranks that move in parallel are one pendulum, whose acceleration is known at any angle.
 
-    Once they were 1e-5 rad/s2 off, and more with a tighter tolerance, whose short steps left little to
-    extrapolate from. What the rows say is off by 1e-14 / share^3, what is extrapolated from 0.1 of the
-    soundest pivot by 1e-9: 1e-7 is as a rule the worst, 6e-6 with `cvode` and `ida` at 1e-4.
+    Errors were 1e-5 rad/s2 in the past, and more with tighter tolerances, whose short steps left little to
+    extrapolate from. The error from the constraint equations is 1e-14 / ratio^3, that of extrapolation from
+    0.1 of the largest pivot 1e-9: usually at most 1e-7, and 6e-6 with `cvode` and `ida` at 1e-4.
     """
     start = {"phi": 0.7, "w": -6.0}
     source = parallelogram({**start, "fixed": True}, start)
@@ -116,14 +127,14 @@ def test_accelerations_shown_while_passing(step: float, integrator: str, toleran
         plant.step_to(k * step)
         exact = pendulum_acceleration(plant.output("A.phi"))
         worst = max(worst, *(abs(plant.output(f"{crank}.a") - exact) for crank in "AD"))
-    assert plant.output("A.phi") < -0.5, "it has passed"
+    assert plant.output("A.phi") < -0.5, "the change point was crossed"
     assert worst < max(2e-6, 0.1 * tolerance), "of 37 rad/s2"
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 @pytest.mark.parametrize(("n", "points"), [(1, 40), (1, 2000), (2, 200), (10, 2000)])
-def test_every_passage_is_told(n: int, points: int, tolerance: float) -> None:
-    """The cranks of a falling N-four-bar lie flat, all bars in line, where cos(phi) = 0."""
+def test_every_crossing_is_reported(n: int, points: int, tolerance: float) -> None:
+    """The cranks of a falling N-four-bar are horizontal, all bars in line, where cos(phi) = 0."""
     source = four_bar_chain(n, 0.0, 1.0) | {
         "experiment": {"stop": 10, "step": 10 / points, "tolerance": tolerance}
     }
@@ -131,20 +142,26 @@ def test_every_passage_is_told(n: int, points: int, tolerance: float) -> None:
     fine = np.linspace(0, 10, 100001)
     flat = fine[1:][np.diff(np.sign(np.cos(falling(n, 0.0, 1.0, fine)))) != 0]
     assert found["solver.singular_positions"][-1] == len(flat) > 5
-    if points > 40:  # one at most between two of them
+    if points > 40:  # at most one between two of them
         assert_close(
-            "times", np.array(found.singular_positions), flat, 2.5 * 10 / points, "told by the next points"
+            "times",
+            np.array(found.singular_positions),
+            flat,
+            2.5 * 10 / points,
+            "resolution of the next points",
         )
 
 
-def test_parallelogram_keeps_its_branch_at_twenty_passages() -> None:
-    """Full turns of one window: the energy of 3 rad/s at the top carries it through 20 change points."""
+def test_parallelogram_stays_on_its_branch_through_twenty_crossings() -> None:
+    """Full turns of one four-bar: the energy of 3 rad/s at the top carries it through 20 change points."""
     times = np.linspace(0, 20, 2001)
     found = run(four_bar_chain(1, 0.0, 1.0), times, tolerance=1e-8)
     assert found["solver.singular_positions"][-1] >= 20
-    assert_close("couple", found["A0.phi"] - found["A1.phi"], np.zeros(len(times)), 1e-7, "it stays parallel")
+    assert_close(
+        "couple", found["A0.phi"] - found["A1.phi"], np.zeros(len(times)), 1e-7, "bars remain parallel"
+    )
 
 
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar", "andrews"])
-def test_what_is_not_singular_is_not_told(name: str) -> None:
+def test_regular_motion_reports_no_singular_configurations(name: str) -> None:
     assert gelenk.simulate(ROOT / "scenes" / f"{name}.yaml").singular_positions == ()

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A singular position is told where loops come near enough to take another branch, and no farther away."""
+"""A singular configuration is reported where a loop passes close enough to
+change branches, and not farther away.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,12 @@ CRANK, BASE = 0.5, 1.0  # m; the coupler is as long as the base
 
 
 def nearly_parallelogram(longer: float) -> Scene:
-    """Its rocker is so much longer [m] than its crank: both turn round, the bars come nearly into line."""
+    """A linkage whose rocker is longer [m] than its crank by this much: both make full turns,
+    the bars come nearly into line.
+    """
     rocker, phi = CRANK + longer, 1.0
     pin = cmath.rect(CRANK, phi)
-    line = BASE - pin  # from the crank's end to the rocker's foot
+    line = BASE - pin  # from the end of the crank to the foot of the rocker
     lean = math.acos((BASE**2 + abs(line) ** 2 - rocker**2) / (2 * BASE * abs(line)))
     along = cmath.phase(line) + lean
     swing = cmath.phase(pin + cmath.rect(BASE, along) - BASE)
@@ -38,9 +42,9 @@ def nearly_parallelogram(longer: float) -> Scene:
     return scene({name: rod(1, length) for name, length in lengths.items()}, joints)
 
 
-def nearest(longer: float) -> float:
-    """The angle [rad] that the coupler keeps from the base where the crank lies along it: of the triangle of
-    coupler, rocker and what is left of the base; the larger of the two positions.
+def smallest_coupler_angle(longer: float) -> float:
+    """The angle [rad] between coupler and base with the crank along the base, from the triangle of coupler,
+    rocker and the remaining part of the base; the larger of the two positions.
     """
     rocker = CRANK + longer
     left = []
@@ -51,18 +55,20 @@ def nearest(longer: float) -> float:
 
 
 @pytest.mark.parametrize(
-    ("longer", "angle", "told"),
+    ("longer", "angle", "reported"),
     [(0.0, 0.0, True), (1e-4, 0.0141, True), (1e-3, 0.0447, False), (1e-2, 0.142, False)],
 )
-def test_passages_are_told_within_a_hundredth(longer: float, angle: float, told: bool) -> None:
-    """A share of 0.02 of the soundest pivot counts as zero (singularity_monitor.cpp): bars that lean by some
-    0.01 rad are in line, and those that lean by several are not. The crank passes each half turn.
+def test_crossings_are_reported_within_a_hundredth_radian(
+    longer: float, angle: float, reported: bool
+) -> None:
+    """A ratio of 0.02 to the largest pivot counts as zero (singularity_monitor.cpp): bars inclined by about
+    0.01 rad are in line, and those inclined by several hundredths are not. The crank passes each half turn.
     """
     found = gelenk.simulate(nearly_parallelogram(longer), stop=2.0, step=0.01)
-    assert nearest(longer) == pytest.approx(angle, rel=0.01)
+    assert smallest_coupler_angle(longer) == pytest.approx(angle, rel=0.01)
     passed = math.floor(found["A.phi"][-1] / math.pi) - math.floor(found["A.phi"][0] / math.pi)
     assert passed >= 4
-    assert len(found.singular_positions) == (passed if told else 0)
-    if told:
+    assert len(found.singular_positions) == (passed if reported else 0)
+    if reported:
         places = np.interp(found.singular_positions, found.time, found["A.phi"]) / math.pi
         assert np.abs(places - np.round(places)).max() < 0.05  # between communication points: 6 rad/s, 0.01 s

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A parallelogram runs through its change point while its torque jumps: the jumps act there as elsewhere."""
+"""Torque discontinuities during the passage of a parallelogram through its
+change point act as they do elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,10 @@ import gelenk
 
 LENGTH, GROUND = 0.3, 0.7  # m: of both cranks; of ground and coupler
 CRANK, COUPLER, ROCKER = 0.5, 1.1, 0.6  # kg
-# The coupler only translates, so the mechanism is one inertia about A [kg m2].
+# The coupler only translates, so the mechanism is equivalent to one inertia about A [kg m2].
 INERTIA = (CRANK + ROCKER) * LENGTH**2 / 3 + COUPLER * LENGTH**2
-START, SPEED = -0.003, 3.0  # rad, rad/s: it begins beside the change point, and is in line after 1 ms
-STEP, STEPS = 1e-5, 400  # s: some hundred jumps while accelerations follow those of the branch
+START, SPEED = -0.003, 3.0  # rad, rad/s: starts beside the change point and is in line after 1 ms
+STEP, STEPS = 1e-5, 400  # s: about a hundred jumps while the accelerations are extrapolated along the branch
 TORQUE = 50.0  # N m: jumps of 380 rad/s2
 
 
@@ -42,7 +44,7 @@ def parallelogram(integrator: str) -> Any:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("integrator", ["auto", "ida", "cvode"])
-def test_jumps_act_in_a_change_point(integrator: str, seed: int) -> None:
+def test_torque_jumps_act_at_a_change_point(integrator: str, seed: int) -> None:
     simulation = gelenk.Simulation(parallelogram(integrator))
     simulation.initialize(tolerance=1e-8)
     rng = np.random.default_rng(seed)
@@ -55,6 +57,7 @@ def test_jumps_act_in_a_change_point(integrator: str, seed: int) -> None:
         phi += STEP * (w + STEP * acceleration / 2)
         w += STEP * acceleration
         worst = max(worst, abs(simulation.output("A.w") - w))
-    assert phi > 0.005  # it has come through
-    # rad/s: rounding magnified by the passage, 1e-11 seen at most; without the jumps 2e-3 and more
+    assert phi > 0.005  # it has crossed the change point
+    # rad/s: round-off amplified near the change point, 1e-11 at most observed; without the jumps 2e-3 and
+    # more
     assert worst < 1e-9

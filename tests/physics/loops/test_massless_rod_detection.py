@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which parts without mass become rows, which stay bodies, and what is told of them."""
+"""Which massless bodies are replaced by distance constraints, which remain bodies,
+and what inspection reports about them.
+"""
 
 from __future__ import annotations
 
@@ -14,23 +16,25 @@ import gelenk
 # --- sizes ---
 
 
-def test_planar_four_bar_has_two_coordinates_and_one_row() -> None:
+def test_planar_four_bar_has_two_coordinates_and_one_constraint_equation() -> None:
     assert sizes(planar_four_bar()) == (2, 1, 1)
     assert sizes(planar_four_bar(), massless=False) == (3, 2, 1)
 
 
 @pytest.mark.parametrize("first", ["universal", "spherical"])
-def test_spatial_four_bar_has_two_coordinates_and_one_row(first: str) -> None:
+def test_spatial_four_bar_has_two_coordinates_and_one_constraint_equation(first: str) -> None:
     assert sizes(spatial_four_bar(first)) == (2, 1, 1)
 
 
-def test_rods_that_alone_hold_a_body_stay_in_the_tree() -> None:
-    """The first of three: its joints are fewer states than a free body. The other two are rows."""
+def test_one_of_the_rods_that_hold_a_body_remains_in_the_tree() -> None:
+    """The first of three rods is in the tree: its joints add fewer states than a free body.
+    The other two are constraints.
+    """
     assert sizes(hung_platform(3, {"phi_a": 0.5})) == (5, 2, 3)
     assert sizes(hung_platform(1, {"phi_a": 0.5})) == (5, 0, 5)
 
 
-# --- what stays as it is ---
+# --- bodies that are not replaced ---
 
 UNCHANGED: dict[str, dict[str, Any]] = {
     "motor": {"motors": {"m": {"joint": "B"}}},
@@ -49,12 +53,12 @@ UNCHANGED: dict[str, dict[str, Any]] = {
         }
     },
     "mass": {"bodies": {"coupler": body(1e-6, (0.5, 0, 0), [1e-6] * 3)}},
-    "neighbour without mass": {"bodies": {"rocker": body(0)}},
+    "massless neighbor": {"bodies": {"rocker": body(0)}},
 }
 
 
 @pytest.mark.parametrize("what", UNCHANGED)
-def test_a_rod_on_which_something_acts_stays_a_body(what: str) -> None:
+def test_rod_with_an_element_attached_remains_a_body(what: str) -> None:
     source = planar_four_bar()
     for section, entries in UNCHANGED[what].items():
         for name, fields in entries.items():
@@ -62,25 +66,25 @@ def test_a_rod_on_which_something_acts_stays_a_body(what: str) -> None:
     assert sizes(source) == (3, 2, 1)
 
 
-def test_a_rod_whose_reaction_is_read_stays_a_body() -> None:
+def test_rod_with_reaction_outputs_remains_a_body() -> None:
     source = with_sensors(spatial_four_bar(), R=reaction("S"))
     assert sizes(source) == sizes(spatial_four_bar(), massless=False)
 
 
 @pytest.mark.parametrize("axes", [[[1, 0, 0], [0.3, 1, 0]], [[1, 0, 0], [0, 0.3, 1]]])
-def test_a_joint_that_does_not_let_it_point_everywhere_keeps_it_a_body(axes: list[list[float]]) -> None:
+def test_rod_whose_joint_limits_its_direction_remains_a_body(axes: list[list[float]]) -> None:
     source = spatial_four_bar()
     source["joints"]["U"]["axes"] = axes
     assert sizes(source) == sizes(source, massless=False)
 
 
-def test_without_the_reduction_a_rod_that_may_spin_is_refused_by_name() -> None:
+def test_spinning_rod_is_refused_without_the_reduction() -> None:
     source = spatial_four_bar("spherical")
     with pytest.raises(gelenk.SceneError, match=r"bodies\.rod: moves without inertia"):
         sizes(source, massless=False)
 
 
-# --- what is told ---
+# --- reports ---
 
 
 def test_inspection_names_the_rods_and_their_joints() -> None:
@@ -96,7 +100,7 @@ def test_inspection_names_the_rods_and_their_joints() -> None:
     ]
 
 
-def test_inspection_says_that_a_rod_spins() -> None:
+def test_inspection_reports_that_a_rod_can_spin() -> None:
     report = gelenk.inspect(spatial_four_bar("spherical"))
     assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, 2)
     assert list(report.mobility) == [
@@ -105,8 +109,10 @@ def test_inspection_says_that_a_rod_spins() -> None:
     ]
 
 
-def test_inspection_knows_rows_in_space_of_what_only_a_plane_makes_rods() -> None:
-    """A plank on three hinged rods: in space the two rods that are rows would be bodies without inertia."""
+def test_inspection_counts_constraints_in_space_for_rods_of_the_planar_model() -> None:
+    """A plank on three hinged rods: in space the two rods replaced by constraints
+    would be bodies without inertia.
+    """
     report = gelenk.inspect(hung_plank(3))
     assert (report.degrees_of_freedom, report.counted_degrees_of_freedom) == (1, -6)
     assert {joint for joint, _ in report.redundant_constraints} == {"B1", "B2"}

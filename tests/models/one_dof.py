@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reference: the motion of a mechanism with one freedom, from its geometry as a function of one coordinate.
+"""Reference: the motion of a mechanism with one degree of freedom,
+from its geometry as a function of one coordinate.
 
-With every place written as x(phi), kinetic energy is T = 1/2 I(phi) w^2 and Lagrange's equation
+With every position written as x(phi), the kinetic energy is T = 1/2 I(phi) w^2, and Lagrange's equation
 
     I phi'' + 1/2 (dI/dphi) w^2 = Q - dV/dphi          (Landau & Lifshitz, Mechanics, section 5)
 
-needs nothing but first and second derivatives of x(phi). They are carried along exactly by jets
-(second-order Taylor arithmetic): no constraints, no Jacobian, no solver of ours.
+requires only first and second derivatives of x(phi). They are computed exactly by jets
+(second-order Taylor arithmetic), without constraints, Jacobians or any solver of Gelenk.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 class Jet:
-    """A value with its first and second derivative by phi."""
+    """A value with its first and second derivatives with respect to phi."""
 
     __slots__ = ("d", "dd", "x")
 
@@ -97,10 +98,10 @@ def atan2(y: Jet, x: Jet) -> Jet:
 
 @dataclass(frozen=True)
 class Moving:
-    """A rigid body whose centre of mass and orientation follow phi.
+    """A rigid body whose center of mass and orientation are functions of phi.
 
     com: x, y, z [m] in the world. R: rows of the body's rotation matrix, or an angle about z.
-    inertia: about the centre of mass, along the body's axes [kg m2], or the moment about z.
+    inertia: about the center of mass, in body axes [kg m2], or the moment about z.
     """
 
     mass: float
@@ -109,7 +110,7 @@ class Moving:
     inertia: Array | float
 
     def turn(self) -> tuple[Array, Array]:
-        """The w with angular velocity = w phi', along the body's axes, and dw/dphi."""
+        """The w with angular velocity = w phi', in body axes, and dw/dphi."""
         if isinstance(self.R, Jet):
             return np.array([0, 0, self.R.d]), np.array([0, 0, self.R.dd])
         R, dR, ddR = (np.array([[getattr(c, k) for c in row] for row in self.R]) for k in ("x", "d", "dd"))
@@ -119,7 +120,7 @@ class Moving:
         )
 
     def reduced(self) -> tuple[float, float]:
-        """(I, dI/dphi), what this body adds to them."""
+        """(I, dI/dphi), the contributions of this body."""
         J = np.diag([0, 0, self.inertia]) if np.isscalar(self.inertia) else np.asarray(self.inertia)
         w, dw = self.turn()
         I_phi = self.mass * sum(c.d**2 for c in self.com) + float(w @ J @ w)
@@ -130,8 +131,8 @@ Geometry = Callable[[Jet], Iterable[Moving]]
 
 
 @dataclass(frozen=True)
-class OneFreedom:
-    """A mechanism given by its geometry, gravity [m/s2] and the generalised force Q(t, phi, w) on phi."""
+class OneDofMechanism:
+    """A mechanism defined by its geometry, gravity [m/s2] and the generalized force Q(t, phi, w) on phi."""
 
     geometry: Geometry
     gravity: Sequence[float] = (0.0, 0.0, 0.0)
@@ -155,7 +156,7 @@ class OneFreedom:
         return total
 
     def motion(self, phi: float, w: float, times: Array, rtol: float = 1e-12) -> tuple[Array, Array]:
-        """The phi and w at the times, from phi and w at the first of them."""
+        """Return phi and w at the times, starting from phi and w at the first of them."""
         found = solve_ivp(
             lambda t, y: [y[1], self.acceleration(t, y[0], y[1])],
             (times[0], times[-1]),
