@@ -54,7 +54,7 @@ OWNERS = {
     "bindings": re.compile(r"(nanobind/|Python\.h)"),
 }
 
-LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
+LICENSE = "SPDX-License-Identifier: BSD-3-Clause"
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -384,6 +384,6 @@ def test_every_file_names_its_licence() -> None:
     silent = [
         str(path.relative_to(ROOT))
         for path in own_files()
-        if path.stat().st_size > 0 and LICENCE not in path.read_text(encoding="utf-8")[:200]
+        if path.stat().st_size > 0 and LICENSE not in path.read_text(encoding="utf-8")[:200]
     ]
     assert silent == []

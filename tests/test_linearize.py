@@ -148,7 +148,7 @@ def test_an_equilibrium_is_not_warned_of(cart_pole: Path) -> None:
 
 
 def wheel(com: float, **sensors: Any) -> dict[str, Any]:
-    """It spins at 3 rad/s about a level axis; its centre of mass lies beside the axis [m]."""
+    """It spins at 3 rad/s about a level axis; its center of mass lies beside the axis [m]."""
     return scene(
         {"wheel": body(2.0, (com, 0, 0.3), (0.4, 0.5, 0.7))},
         {"J": joint("revolute", frame("ground"), frame("wheel"), axis=[0, 0, 1], start={"w": 3.0})},

@@ -144,7 +144,7 @@ def test_data_that_no_file_could_hold_is_refused() -> None:
 
 def test_all_faults_are_told_at_once() -> None:
     with pytest.raises(gelenk.SceneError) as caught:
-        gelenk.load("gelenk: 1\nbodies:\n  a: {mass: -1, colour: red}\njoints:\n  A: {type: hinge}\n")
+        gelenk.load("gelenk: 1\nbodies:\n  a: {mass: -1, color: red}\njoints:\n  A: {type: hinge}\n")
     assert len(caught.value.lines) >= 3
     assert str(caught.value) == "\n".join(caught.value.lines)
 

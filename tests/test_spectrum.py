@@ -89,7 +89,7 @@ def test_slow_motion_beside_a_fast_one_keeps_its_digits() -> None:
 
 
 def test_units_do_not_decide() -> None:
-    """The same in millimetres and milliseconds, kilometres and kiloseconds."""
+    """The same in millimeters and milliseconds, kilometers and kiloseconds."""
     A = second_order(np.array([[4.0, 1.0], [0.0, 4.0]]))  # +-2i, of a chain of two
     for mm, ms in ((1.0, 1.0), (1e3, 1e-3), (1e-3, 1e3)):
         scale = np.array([mm, 1, mm / ms, 1 / ms])

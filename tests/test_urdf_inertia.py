@@ -19,7 +19,7 @@ pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not install
 
 Moments = tuple[float, float, float, float, float, float]  # xx yy zz xy xz yz
 
-# By robot and link: mass [kg], centre of mass [m], moments [kg m2].
+# By robot and link: mass [kg], center of mass [m], moments [kg m2].
 ROUNDED: dict[str, tuple[float, tuple[float, float, float], Moments]] = {
     "icub head": (1.33687, (0.0185, -0.1108, 6.78454e-18), (0, 0, 0, 0, 2.40741e-35, 0)),
     "icub r_lower_leg": (
@@ -77,7 +77,7 @@ def runs(scene: gelenk.Scene, stop: float = 0.2) -> None:
 
 @pytest.mark.parametrize("case", ROUNDED)
 def test_rounding_is_no_fault_and_stays_to_the_bit(case: str, tmp_path: Path) -> None:
-    """Programs tell moments about the centre of mass as differences of such about the origin."""
+    """Programs tell moments about the center of mass as differences of such about the origin."""
     mass, com, moments = ROUNDED[case]
     for repair in (False, True):
         scene = gelenk.import_urdf(moving(tmp_path, part("a", *ROUNDED[case])), repair_inertia=repair)

@@ -146,7 +146,7 @@ class ForceAtPorts {
   nb::object jacobians(const Poses& poses, const Velocities& velocities, const Vector& u,
                        const Eigen::Matrix3d& R_0W) const {
     return at(poses, velocities, u, R_0W, [&](const auto& force, auto& here) -> nb::object {
-      if constexpr (requires { force.jacobians(here.ports.data(), u.data()); }) {
+      if constexpr (gelenk::HasPortJacobians<std::decay_t<decltype(force)>, std::decay_t<decltype(here.ports[0])>>) {
         return shown(force.jacobians(here.ports.data(), u.data()));
       }
       return nb::none();
@@ -220,7 +220,7 @@ class AlongOne {
   nb::object jacobians(double q, double v) const {
     return std::visit(
         [&](const auto& force) -> nb::object {
-          if constexpr (requires { force.jacobians(q, v); }) {
+          if constexpr (gelenk::HasJacobians<std::decay_t<decltype(force)>>) {
             const auto jacobians = force.jacobians(q, v);
             return nb::cast(std::vector<double>(jacobians.begin(), jacobians.end()));
           }

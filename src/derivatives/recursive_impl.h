@@ -260,7 +260,7 @@ void RecursiveJacobians<A>::tree_load_jacobians(const LinearizationPoint& at, Ja
   each_list(loads_.tree.lists, [&](const auto& list) {
     using E = std::decay_t<decltype(list.front().element)>;
     for (const auto& force : list) {
-      if constexpr (requires(const E& element) { element.jacobians(0.0, 0.0); }) {
+      if constexpr (HasJacobians<E>) {
         const auto [by_q, by_v] = force.element.jacobians(force.sign * at.q[force.q], force.sign * at.v[force.v]);
         r_q(force.v, force.q) -= by_q;
         r_v(force.v, force.v) -= by_v;

@@ -214,7 +214,7 @@ template <class A>
 template <class F>
 PortJacobians RecursiveJacobians<A>::port_jacobians(const PlacedForce<F>& force, const double* u) const {
   const auto ports = ports_at(force);
-  if constexpr (requires { force.element.jacobians(ports.data(), u); }) {
+  if constexpr (HasPortJacobians<F, std::decay_t<decltype(ports[0])>>) {
     return force.element.jacobians(ports.data(), u);
   } else {
     const int link_a = force.at.size() == 1 ? 0 : force.at.front().link;

@@ -23,6 +23,10 @@
 
 namespace gelenk {
 
+// Elements with derivatives of their own; for others dual numbers are used.
+template <class F>
+concept HasJacobians = requires(const F& f, double x) { f.jacobians(x, x); };
+
 template <class F>
 concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
 

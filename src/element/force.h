@@ -37,6 +37,10 @@ struct PortJacobians {
   bool damped = true;      // whether derivatives with respect to v and w may be nonzero
 };
 
+// Elements with derivatives of their own, given their ports; for others dual numbers are used.
+template <class F, class At>
+concept HasPortJacobians = requires(const F& f, const At* at, const double* u) { f.jacobians(at, u); };
+
 template <class F>
 concept ForceElement = requires {
   { F::kind } -> std::convertible_to<std::string_view>;

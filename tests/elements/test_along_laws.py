@@ -46,6 +46,12 @@ def has_a_kink(along: Any, q: float, v: float, u: laws.Array) -> bool:
     return not np.allclose(about, about[0], atol=1e-3)
 
 
+def test_damper_and_spring_supply_their_derivatives() -> None:
+    """Recursive Jacobians use them; without them they would silently fall back on dual numbers."""
+    supplied = {case.kind["name"] for case in CASES if case.along.jacobians(0.3, 0.2) is not None}
+    assert supplied == {"damping", "stiffness"}
+
+
 @every_case
 def test_derivatives_are_those_of_the_effort(case: Case) -> None:
     """By hand, by dual numbers and by differences, the inputs' too."""

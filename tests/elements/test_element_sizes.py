@@ -17,7 +17,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::gelenk.SceneWarning")
 
 
 def mixes_units(given: Given) -> bool:
-    """Whether a constraint ties metres to radians: which start is nearest then depends on their sizes."""
+    """Whether a constraint ties meters to radians: which start is nearest then depends on their sizes."""
     joints = [p["fits"][0] for p in given.kind["ports"] if p["kind"] == "joint"]
     return given.kind["between_bodies"] or len({JOINTS[j]["v_units"][0] for j in joints}) > 1
 

@@ -171,6 +171,16 @@ def test_derivatives_are_those_of_what_it_does(case: Case) -> None:
         assert_allclose(found, by_differences(case, place), atol=bound * scale, err_msg=place.name)
 
 
+def test_springs_and_wrenches_supply_their_derivatives() -> None:
+    """Recursive Jacobians use them; without them they would silently fall back on dual numbers."""
+    supplied = {
+        case.kind["name"]
+        for case in CASES
+        if any(place.jacobians(case.force) is not None for place in places(case.force))
+    }
+    assert supplied == {"spring_damper", "wrench"}
+
+
 @every_force
 def test_derivatives_by_hand_are_those_by_dual_numbers(case: Case) -> None:
     """And what they say of themselves: of points alone, without damping."""

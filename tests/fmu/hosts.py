@@ -72,7 +72,7 @@ def decimal_commas_are_no_concern(fmu: Fmu) -> None:
     assert life(fmu) == expected
     s = Slave(fmu).start()
     assert s.step(0.0, 0.5) == OK
-    expect(s, s.step(0.0, 0.5), ERROR, "stands at t = 0.5 s")
+    expect(s, s.step(0.0, 0.5), ERROR, "is at t = 0.5 s")
 
 
 class UnavailableError(Exception):

@@ -39,7 +39,7 @@ INSTRUMENTS = {
     ),
     "helgrind": ((*VALGRIND, "--tool=helgrind"), (), ("crowd=8", "threads=4")),
 }
-# Undefined behaviour ends the process of itself. LeakSanitizer of GCC 12 dies of the thread-local storage of
+# Undefined behavior ends the process of itself. LeakSanitizer of GCC 12 dies of the thread-local storage of
 # a library that was loaded late; memcheck looks there.
 OPTIONS = {
     "ASAN_OPTIONS": "detect_leaks=1",

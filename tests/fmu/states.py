@@ -154,7 +154,7 @@ def a_state_brings_settings_and_time_along(fmu: Fmu) -> None:
         assert everything(other) == there
         assert other.get("A.fixed", "fmi2GetBoolean", c_int) == 1
         assert go_on(other) == expected
-        expect(other, other.step(2.75, 20.0), ERROR, "past the stop time 9 s")
+        expect(other, other.step(2.75, 20.0), ERROR, "beyond the stop time 9 s")
     assert s.set({"A.damping": 0.1}) == OK
     set_state(s, state)
     assert everything(s) == there

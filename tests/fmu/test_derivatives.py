@@ -48,7 +48,7 @@ def moved(fmu: Fmu, values: Mapping[str, float], names: Sequence[str]) -> list[f
 
 
 def test_declared_derivatives_of_a_body_in_space_by_its_states(tmp_path: Path) -> None:
-    """All of der(Q), w' and the outputs, against instances set beside, their quaternions normalised.
+    """All of der(Q), w' and the outputs, against instances set beside, their quaternions normalized.
 
     Central differences of fourth order, h = 1e-3, at 11 rad/s: 1e-8 of the largest.
     """

@@ -314,7 +314,7 @@ def another(variable: Any) -> float:
 
 
 def starting(fmu: Fmu, values: dict[str, float]) -> dict[str, float]:
-    """Outputs at the end of initialisation."""
+    """Outputs at the end of initialization."""
     slave = Slave(fmu)
     for name, value in values.items():
         kind = next(v.type for v in fmu.description.modelVariables if v.name == name)

@@ -65,7 +65,7 @@ def give(s: Slave, name: str, law: Sequence[float]) -> None:
 
 
 def begin(s: Slave, name: str, law: Sequence[float], tolerance: float | None = None) -> Slave:
-    """The start is at what the input says while the slave initialises."""
+    """The start is at what the input says while the slave initializes."""
     assert s.setup(tolerance=tolerance) == OK
     assert s.enter() == OK
     give(s, name, law)

@@ -120,7 +120,7 @@ def test_a_library_that_is_no_gzip_file_is_refused(content: bytes, tmp_path: Pat
 
 
 def pixels(png: bytes) -> NDArray[np.uint8]:
-    """Rows, columns, colours of a PNG of 8-bit colours without filters; all its checksums checked."""
+    """Rows, columns, colors of a PNG of 8-bit colors without filters; all its checksums checked."""
     assert png[:8] == b"\x89PNG\r\n\x1a\n"
     chunks, at = {}, 8
     while at < len(png):
@@ -149,7 +149,7 @@ def test_every_scene_has_a_picture(file: Path, tmp_path: Path) -> None:
     assert not drawn[[0, 1, -2, -1], :].any()
     svg = ElementTree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
     circles = [e for e in svg if e.tag.endswith("circle")]
-    assert len(circles) >= len(source["bodies"])  # each has its centre of mass
+    assert len(circles) >= len(source["bodies"])  # each has its center of mass
     if len(source["joints"]) <= 12:
         assert {e.text for e in svg if e.tag.endswith("text")} >= set(source["bodies"])
 
@@ -170,7 +170,7 @@ def test_the_picture_shows_where_bodies_start(tmp_path: Path) -> None:
         image = pixels(archive.read("model.png")).astype(int)
     red = np.argwhere(image[:, :, 0] - image[:, :, 1] > 100).mean(axis=0)
     black = np.argwhere(image.max(axis=2) < 70)
-    tip = black[black[:, 0].argmin()]  # the centre of mass is the highest mark
+    tip = black[black[:, 0].argmin()]  # the center of mass is the highest mark
     up, right = red[0] - tip[0], tip[1] - red[1]
     assert math.atan2(right, up) == pytest.approx(0.3, abs=0.02)  # pixels: 2 of 280
 

@@ -36,13 +36,13 @@ def test_an_fmu_holds_a_library_for_each_platform(dll: Path, four_bar: gelenk.Sc
         "binaries/linux64/FourBar.so": gzip.decompress(export.runtime_library().read_bytes()),
         "binaries/win64/FourBar.dll": b"MZ",
     }
-    licence = "documentation/licenses/MinGW-w64.txt"
+    notice = "documentation/licenses/MinGW-w64.txt"
     with zipfile.ZipFile(fmu) as archive:
-        assert b"winpthreads" in archive.read(licence)
+        assert b"winpthreads" in archive.read(notice)
     assert list(binaries(gelenk.export_fmu(four_bar, fmu, ["win64"]))) == ["binaries/win64/FourBar.dll"]
     assert list(binaries(gelenk.export_fmu(four_bar, fmu))) == ["binaries/linux64/FourBar.so"]
     with zipfile.ZipFile(fmu) as archive:
-        assert licence not in archive.namelist()
+        assert notice not in archive.namelist()
 
 
 @pytest.mark.usefixtures("dll")

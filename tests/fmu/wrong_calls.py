@@ -155,7 +155,7 @@ def steps_that_no_clock_makes_are_refused(fmu: Fmu) -> None:
     expect(s, s.step(0.0, 0.1), ERROR, "t = 0 s", "the plant is at t = 0.1 s", "cannot go back")
     expect(s, s.step(0.3, 0.1), ERROR, "t = 0.3 s", "contiguous")
     expect(s, s.step(0.1, 1e-20), ERROR, "too small to change t = 0.1 s")
-    expect(s, s.step(0.1, 1.0), ERROR, "past the stop time 1 s")
+    expect(s, s.step(0.1, 1.0), ERROR, "beyond the stop time 1 s")
     assert s.step(0.1, 0.9) == OK
 
 

@@ -115,7 +115,7 @@ def test_rate_and_its_inverse_agree(case: Case) -> None:
 
 @every_kind
 def test_normalising_changes_no_pose(case: Case) -> None:
-    """X_FM of stretched redundant coordinates is that of the normalised ones."""
+    """X_FM of stretched redundant coordinates is that of the normalized ones."""
     joint = case.joint()
     for q in laws.coordinates(case):
         stretched = q.copy()

@@ -311,5 +311,5 @@ def test_what_holds_more_or_less_than_a_length_is_no_rod(first: str, axes: Any, 
     X_12 = np.eye(4)
     X_12[:3, 3] = p
     unit = [np.array(a, float) / np.linalg.norm(a) for a in axes]
-    with pytest.raises(ValueError, match="no rod"):
+    with pytest.raises(ValueError, match="a rod cannot be formed"):
         joints.Rod(first, unit, False, second, False, X_12, False)

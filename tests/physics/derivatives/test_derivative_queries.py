@@ -73,7 +73,7 @@ def test_derivatives_by_other_states_follow_from_the_chain_rule() -> None:
 def test_coordinate_of_the_loop_closing_joint_cannot_be_a_state() -> None:
     plant = started(CASES["four-bar in its plane"], four_bar())
     cut = next(j for j in "BC" if f"{j}.phi" not in tree_coordinates(plant))
-    with pytest.raises(gelenk.UsageError, match=rf"{cut}\.phi is no state"):
+    with pytest.raises(gelenk.UsageError, match=rf"{cut}\.phi cannot be a state"):
         plant._core._take_states([plant._output[f"{cut}.phi"]], [plant._output[f"{cut}.w"]])
 
 

@@ -15,7 +15,7 @@ struct Dial : PlainJoint<1>, AlongZ {
   static constexpr Quantity q_names[] = {{"phi", "rad", "angle of the dial"}};
   static constexpr Quantity v_names[] = {{"w", "rad/s", "angular velocity of the dial, der(phi)"}};
   static constexpr Quantity a_names[] = {{"a", "rad/s2", "angular acceleration of the dial, der(w)"}};
-  static constexpr bool turned = true;
+  static constexpr bool reverses_by_half_turn = true;
 
   double ratio = 1;  // -
 
@@ -47,7 +47,7 @@ struct Dial : PlainJoint<1>, AlongZ {
     tau[0] = T(ratio) * F.n.z();
   }
   template <class A, class T>
-  typename A::Force effort(const T*, const T* tau) const {
+  typename A::Force wrench_from_tau(const T*, const T* tau) const {
     typename A::Force F;
     F.n.z() = tau[0] / T(ratio);
     return F;
