@@ -10,7 +10,7 @@ endif()
 
 gelenk_harden(${fmu_sources})
 set(fmu_once ${fmu_sources})
-list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|states)\\.cpp$")  # called once or rarely
+list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|log|model_exchange|states|uri)\\.cpp$")  # called once or rarely
 set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 # The objects of the core, in their order: from an archive the linker takes them in the order in which they are needed, and
