@@ -67,6 +67,16 @@ def kept(before: dict[str, Any], after: dict[str, Any], path: Path = ()) -> Iter
             yield (*path, key), values[0]
 
 
+def test_a_list_that_occurs_twice_is_written_twice() -> None:
+    """Not as an anchor and an alias, whose names would clash between the parts that are inserted."""
+    twice = [1, 2]
+    after = {"a": {"a": twice, "b": twice}, "b": {"a": twice, "b": twice}}
+    found = yaml_edits.changed("a: 0\nb: 0  # kept\n", {"a": 0, "b": 0}, after)
+    assert found is not None
+    assert json.loads(yaml12.to_json(found, "")) == after
+    assert "&" not in found
+
+
 @examples(400)
 @given(pair=pairs(), braced=st.sets(KEY, min_size=2))
 def test_unchanged_values_stay_in_their_lines(

@@ -46,6 +46,10 @@ class _Dumper(yaml.SafeDumper):
         first: list(rules) for first, rules in yaml.SafeDumper.yaml_implicit_resolvers.items()
     }
 
+    def ignore_aliases(self, _data: Any) -> bool:
+        """Write a list that occurs twice in the data twice, without aliases: edits insert parts separately."""
+        return True
+
 
 for _name, (_pattern, _first) in _PATTERNS.items():
     Loader.add_implicit_resolver(_TAG + _name, re.compile(f"^(?:{_pattern})$"), _first)

@@ -68,8 +68,8 @@ def reference(steps: int) -> Array:
     found = []
     known = list(pieces())
     for t in np.linspace(0, END, steps + 1)[1:]:
-        start, in_contact, s, v = [piece for piece in known if piece[0] <= t][-1]
-        found.append(in_contact(v, t - start) if in_contact else free_fall(s, v, t - start))
+        start, touching, s, v = [piece for piece in known if piece[0] <= t][-1]
+        found.append(in_contact(v, t - start) if touching else free_fall(s, v, t - start))
     return np.array(found)
 
 
@@ -100,10 +100,10 @@ def test_reference_pieces_are_continuous() -> None:
     """
     known = list(pieces())
     assert len(known) > 6
-    for (t0, in_contact, s, v), (t1, _, s1, v1) in pairwise(known):
-        end = in_contact(v, t1 - t0) if in_contact else free_fall(s, v, t1 - t0)
+    for (t0, touching, s, v), (t1, _, s1, v1) in pairwise(known):
+        end = in_contact(v, t1 - t0) if touching else free_fall(s, v, t1 - t0)
         assert end == pytest.approx((s1, v1), abs=1e-14)
-        if in_contact:
+        if touching:
             assert force(v, 0.9 * (t1 - t0)) > 0
             assert force(v, t1 - t0) == pytest.approx(0, abs=1e-9)
 
