@@ -2,6 +2,7 @@
 #include "units.h"
 
 NB_MODULE(native_units, m) {
+  native::bind_box_complementarity(m);
   native::bind_descent(m);
   native::bind_factors(m);
   native::bind_whitened_rows(m);

@@ -14,6 +14,7 @@ namespace native {
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;
 
+void bind_box_complementarity(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/box_complementarity.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Pivots of W below this, relative to the largest, are rounding.
+constexpr double rank_threshold = 1e-11;
+
+class ActiveSet {
+ public:
+  ActiveSet(const MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper, double tolerance)
+      : W_(W), b_(b), lower_(lower), upper_(upper), x_(VectorXd::Zero(b.size())), held_(b.size(), 0) {
+    const double largest = W_.cwiseAbs().maxCoeff();
+    tolerance_ = tolerance * b_.cwiseAbs().maxCoeff();
+    for (Index i = 0; i < b.size(); ++i) {
+      held_[i] = lower_[i] == upper_[i] ? 1 : 0;  // both are 0
+      const double bound = std::max(std::abs(lower_[i]), std::abs(upper_[i]));
+      if (std::isfinite(bound)) tolerance_ = std::max(tolerance_, 1e-15 * bound * largest);  // rounding of W x
+    }
+  }
+
+  BoxSolution solve() {
+    // Each pass ends at the minimum over a face of the box, lower than those before. There are 3^n; in practice it
+    // takes about n.
+    const Index max_passes = 50 + 20 * b_.size();
+    bool found = false;
+    for (Index pass = 0; pass < max_passes && !found; ++pass) {
+      if (!descend()) break;
+      found = !release();
+    }
+    if (found) shorten();
+    return {x_, residual(), held_, found};
+  }
+
+ private:
+  VectorXd residual() const { return b_ - W_ * x_; }
+  std::vector<Index> free() const {
+    std::vector<Index> out;
+    for (Index i = 0; i < x_.size(); ++i) {
+      if (held_[i] == 0) out.push_back(i);
+    }
+    return out;
+  }
+
+  // Moves to the minimum over the free entries, holding those that reach a bound on the way. False if there is none.
+  bool descend() {
+    for (;;) {
+      const std::vector<Index> F = free();
+      if (F.empty()) return true;
+      const VectorXd r = residual()(F);
+      const MatrixXd W = W_(F, F);
+      VectorXd step = factor_of(W).solve(r);
+      // A residual that no step removes is a direction along which the objective falls without bound.
+      const VectorXd left = r - W * step;
+      const bool bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
+      if (!bounded) step = left;
+      const Reach reach = reach_of(F, step, bounded ? 1 : INFINITY);
+      if (!std::isfinite(reach.length)) return false;
+      for (Index k = 0; k < step.size(); ++k) x_[F[k]] += reach.length * step[k];
+      if (reach.stopped < 0) return true;
+      hold(F[reach.stopped], step[reach.stopped] > 0 ? 1 : -1);
+    }
+  }
+
+  // How much of a step stays within the bounds, and the entry that reaches its bound first, or -1.
+  struct Reach {
+    double length;
+    Index stopped;
+  };
+  Reach reach_of(const std::vector<Index>& F, const VectorXd& step, double length) const {
+    Reach out{length, -1};
+    for (Index k = 0; k < step.size(); ++k) {
+      const double bound = step[k] > 0 ? upper_[F[k]] : lower_[F[k]];
+      if (step[k] == 0 || !std::isfinite(bound)) continue;
+      const double fraction = std::max(0.0, (bound - x_[F[k]]) / step[k]);
+      if (fraction < out.length) out = {fraction, k};
+    }
+    return out;
+  }
+
+  void hold(Index i, int side) {
+    held_[i] = side;
+    x_[i] = side > 0 ? upper_[i] : lower_[i];
+  }
+
+  // Frees the entry whose residual points away from its bound the most. False if there is none.
+  bool release() {
+    const VectorXd r = residual();
+    Index worst = -1;
+    double most = tolerance_;
+    for (Index i = 0; i < x_.size(); ++i) {
+      if (held_[i] == 0 || lower_[i] == upper_[i]) continue;
+      const double pull = -held_[i] * r[i];
+      if (pull > most) {
+        most = pull;
+        worst = i;
+      }
+    }
+    if (worst < 0) return false;
+    held_[worst] = 0;
+    return true;
+  }
+
+  // Moves to the solution of least norm on the same face, if it lies in the box.
+  void shorten() {
+    const std::vector<Index> F = free();
+    if (F.empty()) return;
+    VectorXd fixed = x_;
+    for (const Index i : F) fixed[i] = 0;
+    const VectorXd x = factor_of(W_(F, F)).solve(VectorXd((b_ - W_ * fixed)(F)));
+    for (Index k = 0; k < x.size(); ++k) {
+      if (x[k] < lower_[F[k]] || x[k] > upper_[F[k]]) return;
+    }
+    for (Index k = 0; k < x.size(); ++k) x_[F[k]] = x[k];
+  }
+
+  static Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor_of(const MatrixXd& W) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(W.rows(), W.cols());
+    factor.setThreshold(rank_threshold);
+    factor.compute(W);
+    return factor;
+  }
+
+  MatrixXd W_;
+  VectorXd b_, lower_, upper_;
+  VectorXd x_;
+  std::vector<int> held_;  // 1: at the upper bound, -1: at the lower one, 0: free
+  double tolerance_ = 0;   // of r
+};
+
+}  // namespace
+
+BoxSolution solve_in_box(const MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                         double tolerance) {
+  if (b.size() == 0) return {.x = {}, .r = {}, .at_bound = {}, .found = true};
+  // Each unknown in a unit in which its diagonal entry is 1.
+  const VectorXd unit = W.diagonal().unaryExpr([](double w) { return w > 0 ? 1 / std::sqrt(w) : 1; });
+  BoxSolution out = ActiveSet(unit.asDiagonal() * W * unit.asDiagonal(), unit.cwiseProduct(b),
+                              lower.cwiseQuotient(unit), upper.cwiseQuotient(unit), tolerance)
+                        .solve();
+  for (Index i = 0; i < b.size(); ++i) {
+    const int at = out.at_bound[i];
+    out.x[i] = at > 0 ? upper[i] : at < 0 ? lower[i] : std::clamp(unit[i] * out.x[i], lower[i], upper[i]);
+  }
+  out.r = out.r.cwiseQuotient(unit);
+  return out;
+}
+
+}  // namespace gelenk

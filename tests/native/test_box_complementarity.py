@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Limited forces and the motions that they prevent, against their conditions and bounded least squares."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import Array
+from scipy.optimize import lsq_linear
+
+# Of numbers about 1, after some ten operations on each.
+ROUNDING = 1e-11
+
+
+def solved(units: Any, W: Any, b: Any, lower: Any, upper: Any) -> tuple[Array, Array, bool]:
+    W = np.asarray(W, float)
+    (x, r), found = units.solve_in_box(W.tolist(), list(b), list(lower), list(upper))
+    return np.array(x), np.array(r), found
+
+
+def check(W: Array, b: Array, lower: Array, upper: Array, x: Array, r: Array) -> None:
+    """The conditions of complementarity, each in the unit of its row."""
+    unit = np.sqrt(np.diag(W))
+    zero = ROUNDING * unit * (1 + np.abs(b / unit).max())
+    assert (np.abs(r - (b - W @ x)) <= zero).all()
+    assert (x >= lower).all()
+    assert (x <= upper).all()
+    assert (r <= zero)[x < upper].all()
+    assert (r >= -zero)[x > lower].all()
+
+
+def test_one_body_sticks_up_to_its_limit(units: Any) -> None:
+    for load, expected in [(0.5, 0.5), (1.0, 1.0), (-0.99, -0.99), (3.0, 1.0), (-3.0, -1.0)]:
+        x, r, found = solved(units, [[2.0]], [2 * load], [-1], [1])
+        assert found
+        assert x == pytest.approx([expected], rel=1e-15)
+        assert r == pytest.approx([2 * (load - expected)], abs=1e-15)
+
+
+def test_a_unilateral_force_does_not_pull(units: Any) -> None:
+    inf = np.inf
+    assert solved(units, [[2.0]], [-1], [0], [inf])[0] == [0]
+    assert solved(units, [[2.0]], [1], [0], [inf])[0] == [0.5]
+
+
+@pytest.mark.parametrize("rank", [1, 3, 6, 9])
+@pytest.mark.parametrize("seed", range(8))
+def test_random_problems_meet_the_conditions(units: Any, rank: int, seed: int) -> None:
+    """Definite and singular W, units that differ by a thousand, loads in the range of W as in loops."""
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(rank, 6)) * 10.0 ** rng.uniform(-1.5, 1.5, 6)
+    W, c = A.T @ A, rng.normal(size=rank)
+    b = A.T @ c
+    upper = rng.uniform(0.01, 1, 6) / np.abs(A).max(axis=0)
+    lower = -upper * rng.integers(0, 2, 6)
+    x, r, found = solved(units, W, b, lower, upper)
+    assert found
+    check(W, b, lower, upper, x, r)
+    scale = np.abs(A).max(axis=0)
+    truth = lsq_linear(A, c, (lower - 1e-300, upper), method="bvls", tol=1e-15)
+    assert r / scale == pytest.approx((b - W @ truth.x) / scale, abs=1e-9)  # bvls stops at about that
+
+
+def test_equal_forces_share_what_one_would_do(units: Any) -> None:
+    """Four joints hold a loop with one degree of freedom: their torques are those of least norm."""
+    a = np.array([1.0, -1.0, 0.5, 2.0])
+    W = np.outer(a, a)
+    x, r, found = solved(units, W, 0.3 * a, -np.ones(4), np.ones(4))
+    assert found
+    assert r == pytest.approx(np.zeros(4), abs=1e-15)
+    assert x == pytest.approx(0.3 / 4 / a, rel=1e-12)  # in units in which each diagonal entry is 1
+
+
+def test_what_slips_at_its_limit_is_no_longer_shared(units: Any) -> None:
+    a = np.ones(3)
+    x, r, found = solved(units, np.outer(a, a), a, [-0.1, -1, -1], [0.1, 1, 1])
+    assert found
+    assert r == pytest.approx(np.zeros(3), abs=1e-15)
+    assert x.sum() == pytest.approx(1, rel=1e-14)
+    assert abs(x[0]) <= 0.1
+
+
+def test_loads_beyond_all_limits_move(units: Any) -> None:
+    a = np.array([1.0, 2.0])
+    x, r, found = solved(units, np.outer(a, a), 5 * a, [-1, -1], [1, 1])
+    assert found
+    assert (x == [1, 1]).all()
+    assert r == pytest.approx(2 * a)
+
+
+def test_at_the_limit_exactly_nothing_moves(units: Any) -> None:
+    a = np.array([1.0, 2.0])
+    x, r, found = solved(units, np.outer(a, a), 3 * a, [-1, -1], [1, 1])
+    assert found
+    assert x == pytest.approx([1, 1], rel=1e-14)
+    assert r == pytest.approx([0, 0], abs=1e-14)
+
+
+def test_a_load_that_no_force_can_hold_is_not_solved(units: Any) -> None:
+    """Infinite bounds, and a motion that they do not touch."""
+    inf = np.inf
+    assert not solved(units, [[1.0, 0.0], [0.0, 0.0]], [0.0, 1.0], [-inf, -inf], [inf, inf])[2]
+
+
+def test_nothing_is_solved_by_nothing(units: Any) -> None:
+    assert solved(units, np.zeros((0, 0)), [], [], [])[2]
