@@ -13,8 +13,8 @@ set(fmu_once ${fmu_sources})
 list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|log|model_exchange|states|uri)\\.cpp$")  # called once or rarely
 set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
-# The objects of the core, in their order: from an archive the linker takes them in the order in which they are needed, and
-# which of several copies of a template it keeps would depend on that.
+# The objects of the core are linked in a fixed order (GelenkTargets.cmake). From an archive the linker would take them in
+# the order in which they are needed, which would decide which copies of shared templates it keeps.
 add_library(gelenk_fmu MODULE ${fmu_sources} $<TARGET_OBJECTS:gelenk_core>)
 add_library(gelenk::gelenk_fmu ALIAS gelenk_fmu)
 target_link_libraries(gelenk_fmu PRIVATE gelenk_flags gelenk_core gelenk_fmi)

@@ -31,9 +31,9 @@ list(REMOVE_ITEM kernels ${small})
 set_source_files_properties(${kernels} PROPERTIES COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize>")
 
-# Of a template that several files instantiate, the linker keeps the first copy: first the files compiled for speed. Dual
-# numbers, series and the search for equilibria are not needed in every step; for these the copies compiled for size come
-# before those of files that are otherwise compiled for speed (90 kB less).
+# If several files instantiate a template, the linker keeps the copy of the first one. Files compiled for speed therefore
+# come first, except those that mostly instantiate functions of dual numbers and power series: no step needs these, and
+# the copies of the files compiled for size are kept (90 kB less).
 set(source ${CMAKE_CURRENT_SOURCE_DIR}/src)
 set(dual ${source}/derivatives/residual_evaluator.cpp ${source}/derivatives/residual_kernels.cpp ${source}/analysis/equilibrium.cpp
   ${source}/joint/rod.cpp ${source}/derivatives/recursive.cpp ${source}/analysis/constrained_sensitivity.cpp)

@@ -15,16 +15,6 @@ void store_column(const std::vector<Dual>& from, int k, Matrix& to, Eigen::Index
 
 }  // namespace
 
-void Jacobians::clear(int nq, int nv, int rows, int inputs) {
-  r.setZero(nv, nq + nv);
-  c.setZero(rows, nq + nv);
-  qdot_q.setZero(nq, nq);
-  qdot_v.setZero(nq, nv);
-  if (of_rows) Phi_q.setZero(rows, nq);
-  if (of_rows) rate_q.setZero(rows, nq);
-  if (of_inputs) r_u.setZero(nv, inputs);
-}
-
 Differentiator::Differentiator(const Mechanism& mechanism, const Loads& loads, int inputs)
     : residuals_(make_residual_evaluator<Dual>(mechanism, loads)),
       q_(mechanism.nq),

@@ -47,7 +47,7 @@ class _Dumper(yaml.SafeDumper):
     }
 
     def ignore_aliases(self, _data: Any) -> bool:
-        """Write a list that occurs twice twice, without aliases: edits insert parts separately."""
+        """Write repeated lists in full: edits insert parts separately, so their anchors would clash."""
         return True
 
 

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "derivatives/jacobians.h"
+
+namespace gelenk {
+
+void Jacobians::clear(int nq, int nv, int rows, int inputs) {
+  r.setZero(nv, nq + nv);
+  c.setZero(rows, nq + nv);
+  qdot_q.setZero(nq, nq);
+  qdot_v.setZero(nq, nv);
+  if (of_rows) Phi_q.setZero(rows, nq);
+  if (of_rows) rate_q.setZero(rows, nq);
+  if (of_inputs) r_u.setZero(nv, inputs);
+}
+
+}  // namespace gelenk
