@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/constrained_sensitivity.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "analysis/dual_columns.h"
 #include "dynamics/undefined_force.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -115,11 +115,10 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
 }
 
 void ConstrainedSensitivity::find_null_multipliers() {
-  const Eigen::JacobiSVD<MatrixXd> svd(J_, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const MatrixXd U = svd.matrixU().leftCols(rank_);
+  const SingularValues svd(J_);
+  const MatrixXd U = svd.U.leftCols(rank_);
   null_multipliers_ = MatrixXd::Identity(mechanism_.rows, mechanism_.rows) - U * U.transpose();
-  inverse_ =
-      svd.matrixV().leftCols(rank_) * svd.singularValues().head(rank_).cwiseInverse().asDiagonal() * U.transpose();
+  inverse_ = svd.V.leftCols(rank_) * svd.sigma.head(rank_).cwiseInverse().asDiagonal() * U.transpose();
   x_ = inverse_ * lambda_;
 }
 

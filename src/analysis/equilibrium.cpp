@@ -2,7 +2,6 @@
 #include "analysis/equilibrium.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "analysis/independent_columns.h"
 #include "assembly/loop_closure.h"
 #include "linear/descent.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -108,11 +108,10 @@ class EquilibriumSearch {
  private:
   // Minimum-norm least-squares solution of A dx = -a.
   static VectorXd newton(const RestPose& at, const VectorXd& a) {
-    Eigen::BDCSVD<MatrixXd> svd(at.A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const double largest_stiffness = largest(svd.singularValues());
+    const SingularValues svd(at.A);
+    const double largest_stiffness = largest(svd.sigma);
     if (!(largest_stiffness > zero_stiffness_tolerance)) return VectorXd::Zero(at.A.cols());
-    svd.setThreshold(zero_stiffness_tolerance * std::max(1.0, 1 / largest_stiffness));
-    return svd.solve(-a);
+    return svd.solve(-a, svd.rank(zero_stiffness_tolerance * std::max(1.0, 1 / largest_stiffness)));
   }
 
   // Makes Newton's step or a fraction of it; returns false if none is acceptable.

@@ -9,7 +9,7 @@
 #include "assembly/assembly_problem.h"
 #include "assembly/loop_closure.h"
 #include "linear/descent.h"
-#include "linear/weak_rows.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -122,9 +122,8 @@ class BranchSearch {
 // The constraint equation with the largest component in the left singular vector of the smallest singular value of J
 // that is not zero everywhere.
 int weakest_row(const MatrixXd& J, int rank) {
-  const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeFullU);
   Index row = 0;
-  svd.matrixU().col(rank - 1).cwiseAbs().maxCoeff(&row);
+  SingularValues(J).U.col(rank - 1).cwiseAbs().maxCoeff(&row);
   return static_cast<int>(row);
 }
 

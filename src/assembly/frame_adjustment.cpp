@@ -10,6 +10,7 @@
 #include "assembly/loop_positions.h"
 #include "assembly/parallel_axes.h"
 #include "linear/descent.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -70,7 +71,7 @@ class Fit {
  private:
   struct Linearization {
     LoopGeometry::Equations equations;
-    Decomposition J;
+    SingularValues J;
   };
 
   double linearize(const Coordinates& positions) {
@@ -79,7 +80,7 @@ class Fit {
     for (const std::vector<double>& q : positions) {
       LoopGeometry::Equations equations = loops_.equations(q);
       gap = std::max(gap, largest(equations.Phi));
-      Decomposition J(equations.J);
+      SingularValues J(equations.J);
       linearizations_.push_back({std::move(equations), std::move(J)});
     }
     return gap;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/loop_positions.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "linear/descent.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
@@ -25,25 +25,9 @@ constexpr double min_rank_gap = 10;
 
 }  // namespace
 
-Decomposition::Decomposition(const MatrixXd& J) {
-  const Eigen::BDCSVD<MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  U = svd.matrixU();
-  V = svd.matrixV();
-  sigma = svd.singularValues();
-}
-
-VectorXd Decomposition::solve(const VectorXd& b, Index rank, double damping) const {
-  VectorXd along = U.leftCols(rank).transpose() * b;
-  for (Index k = 0; k < rank; ++k) {
-    const double divisor = sigma[k] * sigma[k] + damping;
-    along[k] = divisor > 0 ? along[k] * sigma[k] / divisor : 0;
-  }
-  return V.leftCols(rank) * along;
-}
-
 LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
   const auto linearized = [&](const auto& at) {
-    return [J = Decomposition(loops_.equations(at).J), this](const VectorXd& Phi, double damping) -> VectorXd {
+    return [J = SingularValues(loops_.equations(at).J), this](const VectorXd& Phi, double damping) -> VectorXd {
       if (J.sigma.size() == 0 || J.sigma[0] == 0) return {};
       return -J.solve(Phi, rank_, damping * J.sigma[0] * J.sigma[0]);
     };
@@ -54,7 +38,7 @@ LoopPositions::Position LoopPositions::closed(std::vector<double> q) const {
       q, {.min_progress = 1e-3, .max_step = longest_step, .max_steps = 80},
       [&](const auto& at) { return loops_.equations(at).Phi; }, linearized,
       [&](const auto& at, const VectorXd& step) { return loops_.displaced(at, step); });
-  return {q, largest(left), Decomposition(loops_.equations(q).J).sigma};
+  return {q, largest(left), SingularValues(loops_.equations(q).J).sigma};
 }
 
 bool LoopPositions::is_regular(const Position& position) const {
@@ -65,7 +49,7 @@ bool LoopPositions::is_regular(const Position& position) const {
 }
 
 VectorXd LoopPositions::free_direction(const std::vector<double>& q, std::mt19937& random) const {
-  const Decomposition J(loops_.equations(q).J);
+  const SingularValues J(loops_.equations(q).J);
   std::normal_distribution<double> normal;
   // At a singular position branches meet, and more motions are free than on any one of them.
   Index held = 0;

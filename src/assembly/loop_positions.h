@@ -41,14 +41,4 @@ class LoopPositions {
   double misfit_;
 };
 
-// Singular value decomposition of J with full U.
-struct Decomposition {
-  explicit Decomposition(const Eigen::MatrixXd& J);
-  Eigen::MatrixXd U, V;
-  Eigen::VectorXd sigma;
-  // The minimum-norm least-squares solution of J x = b, truncated at this rank; damped: sigma / (sigma^2 + damping)
-  // replaces 1 / sigma.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b, Eigen::Index rank, double damping = 0) const;
-};
-
 }  // namespace gelenk

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/motion_law.h"
 
-#include <Eigen/SparseLU>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,31 +16,34 @@ MotionLaw::MotionLaw(std::vector<double> polynomial, std::optional<Sine> sine, s
 
 // s'' is continuous and linear between the points; at each inner point (de Boor 1978, ch. IV)
 //   h0 s0''/6 + (h0 + h1) s1''/3 + h1 s2''/6 = (s2 - s1)/h1 - (s1 - s0)/h0.
-// At the ends s'' is 0; if the table is periodic, it is the same at both ends.
+// At the ends s'' is 0; if the table is periodic, it is the same at both ends, and the first point is an inner one.
 void MotionLaw::make_spline() {
   const std::vector<double>& t = table_->time;
   const std::vector<double>& s = table_->value;
-  const int n = static_cast<int>(t.size());
-  const int last = n - 1;
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-  const auto equation = [&](int row, int i0, int i1, int i2, double h0, double h1) {
-    entries.insert(entries.end(), {{row, i0, h0 / 6}, {row, i1, (h0 + h1) / 3}, {row, i2, h1 / 6}});
-    right[row] = (s[i2] - s[i1]) / h1 - (s[i1] - s[i0]) / h0;
-  };
-  for (int i = 1; i < last; ++i) equation(i, i - 1, i, i + 1, t[i] - t[i - 1], t[i + 1] - t[i]);
-  const bool cyclic = table_->periodic && n > 2;
-  if (cyclic) {
-    equation(0, last - 1, 0, 1, t[last] - t[last - 1], t[1] - t[0]);
-    entries.insert(entries.end(), {{last, last, 1.0}, {last, 0, -1.0}});
-  } else {
-    entries.insert(entries.end(), {{0, 0, 1.0}, {last, last, 1.0}});
+  const int last = static_cast<int>(t.size()) - 1;
+  curvature_.assign(t.size(), 0);
+  const bool cyclic = table_->periodic && last > 1;
+  const int first = cyclic ? 0 : 1;
+  const int unknowns = last - first;
+  if (unknowns == 0) return;
+  std::vector<Eigen::Triplet<double>> entries;  // of the lower triangle of the symmetric matrix
+  Eigen::VectorXd right(unknowns);
+  for (int row = 0; row < unknowns; ++row) {
+    const int i = first + row;
+    const int before = i > 0 ? i - 1 : last - 1;
+    const double h0 = i > 0 ? t[i] - t[before] : t[last] - t[before];
+    const double h1 = t[i + 1] - t[i];
+    entries.emplace_back(row, row, (h0 + h1) / 3);
+    if (row > 0) entries.emplace_back(row, row - 1, h0 / 6);
+    if (cyclic && i == 0) entries.emplace_back(unknowns - 1, 0, h0 / 6);
+    right[row] = (s[i + 1] - s[i]) / h1 - (s[i] - s[before]) / h0;
   }
-  Eigen::SparseMatrix<double> matrix(n, n);
+  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(matrix);
-  const Eigen::VectorXd curvature = lu.solve(right);
-  curvature_.assign(curvature.begin(), curvature.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
+  const Eigen::VectorXd curvature = factor.solve(right);
+  std::ranges::copy(curvature, curvature_.begin() + first);
+  if (cyclic) curvature_[last] = curvature_[0];
 }
 
 void MotionLaw::add_spline(double t, Derivatives& out) const {

@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "linear/weak_rows.h"
+#include "linear/singular_values.h"
 
 namespace gelenk {
 namespace {
