@@ -5,6 +5,7 @@
 
 #include "check/check.h"
 #include "check/fields.h"
+#include "element/friction_of.h"
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
@@ -100,8 +101,19 @@ struct Checker {
   }
 };
 
-// Dependent coordinates cannot be solved for if a constraint acts on velocities only.
+bool has_friction(const Joint& joint) {
+  return std::ranges::any_of(joint.along, [](const JointForces& forces) { return gelenk::has_friction(forces); });
+}
+
+// Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
+// coordinates at rest.
 void check_formulation(const Scene& scene, Faults& faults) {
+  const auto rubs = std::ranges::find_if(scene.joints, has_friction);
+  if (rubs != scene.joints.end() && scene.solver.formulation != "projection" && !scene.solver.formulation.empty()) {
+    faults.add("solver.formulation",
+               text::quoted(scene.solver.formulation) + " with friction in joints." + text::printable(rubs->name),
+               "the formulation projection");
+  }
   if (scene.solver.formulation != "independent") return;
   for (const Constraint& c : scene.constraints) {
     if (holds_positions(c.is)) continue;

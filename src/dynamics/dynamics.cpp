@@ -8,6 +8,7 @@
 
 #include "derivatives/forward_ad.h"
 #include "derivatives/recursive.h"
+#include "dynamics/joint_modes.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
 #include "kinematics/coordinate_derivatives.h"
@@ -49,7 +50,7 @@ std::vector<int> all_links(const Mechanism& mechanism) {
   return out;
 }
 
-class AllOfDynamics : public Dynamics, public StateReadings, public Branching {};
+class AllOfDynamics : public Dynamics, public StateReadings {};
 
 template <class A>
 class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
@@ -74,12 +75,15 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
             std::ranges::all_of(model_.links, [](const auto& link) { return link.constant_subspace || link.nv == 0; })),
         M_(model_, ws_, loads.added_inertia),
         Y_(M_, ws_.J, model_.nv),
+        modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
         max_rank_(model_.rows),
         w_(model_.nv),
         extrapolated_(model_.nv),
         zero_(model_.nv),
         tau_(model_.nv),
-        biased_gamma_(model_.rows) {}
+        biased_gamma_(model_.rows),
+        unlocked_(model_.nv),
+        holding_(modes_.locks()) {}
 
   void set_position(const double* q) override {
     if (stages_.has(Stage::position) && bitwise_equal(q, q_)) return;
@@ -105,6 +109,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (model_.rows > 0) fill_jacobian();
     if (const int k = M_.factorize(); k >= 0) throw_singular(k);
     if (model_.rows > 0) Y_.factorize(max_rank_);
+    modes_.locked().factors_changed();
     factors_.set(stages_);
   }
 
@@ -129,14 +134,13 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
-    M_.solve_transposed(w_.data());
-    if (model_.rows > 0) {
-      if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
-      regularized_ = extrapolated != nullptr;
-      Y_.solve_constrained(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
-    }
+    if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
+    regularized_ = extrapolated != nullptr;
+    const bool locks = solve_whitened(w_.data(), biased_gamma(), regularized_ ? extrapolated_.data() : nullptr);
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
+    if (locks) modes_.locked().clear(vdot);
+    modes_.set_holding_forces(holding_);
     if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
@@ -202,8 +206,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
                      bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    const LinearizationPoint at{q_.data(),       v_.data(),  u, vdot, lambda, cut_reference_.data(),
-                                targets_.data(), held_cuts()};
+    const LinearizationPoint at{q_.data(),       v_.data(),         u, vdot, lambda, cut_reference_.data(),
+                                targets_.data(), modes_.held_cuts()};
     if (!by_duals) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       (*recursive_)(at, inputs, out);
@@ -211,22 +215,23 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       if (!forward_ad_) forward_ad_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
       (*forward_ad_)(at, out);
     }
-    if (held_ != nullptr) differentiate_held(out);
+    if (modes_.held() != nullptr) differentiate_held(out);
   }
 
   void solve_linear(double* r, const double* c, double* l) const override {
     if (model_.rows > 0) M_.add_right_side(c, r);
-    M_.solve_transposed(r);
     // The derivative of the extrapolated acceleration is zero: it is a constant here.
-    if (model_.rows > 0) Y_.solve_constrained(r, c, regularized_ ? zero_.data() : nullptr);
+    const bool locks = solve_whitened(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
+    if (locks) modes_.locked().clear(r);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {
     if (model_.rows > 0) M_.add_right_side(c, r, columns);
     M_.solve_transposed(r, columns);
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
+    if (modes_.locks_any()) modes_.locked().stop(r, columns);
     M_.solve(r, columns);
   }
 
@@ -253,16 +258,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
-  Branching& branching() override { return *this; }
-
-  int count() const override {
-    int n = loads_.tree.branchings();
-    for (const JointLoads& on : loads_.cuts) n += on.branchings();
-    return n;
-  }
-  void indicators(double* g, double* gdot) const override { evaluate_branches(nullptr, g, gdot); }
-  void sides(int* sides) const override { evaluate_branches(sides, nullptr, nullptr); }
-  void hold(const int* sides) override { held_ = sides; }
+  Branching& branching() override { return modes_; }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void set_max_rank(int rank) override {
@@ -273,7 +269,10 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   void min_norm_displacement(const double* residual, double* dv) const override {
     Y_.min_norm(residual, dv);
     for (int k = 0; k < model_.nv; ++k) dv[k] = -dv[k];
+    const bool locks = modes_.locks_any();
+    if (locks) modes_.locked().stop(dv);
     M_.solve(dv);
+    if (locks) modes_.locked().clear(dv);
   }
 
   void cut_coordinates(int cut, double* q) const override {
@@ -294,29 +293,25 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     kernels::coordinate_row_jacobian(model_, ws_);
   }
 
-  // Computes the branches or, if sides is null, the indicators and their rates, at the current state.
-  void evaluate_branches(int* sides, double* g, double* gdot) const {
-    const auto look = [&](const JointLoads& on, const double* q, const double* v) {
-      on.each_branching([&](const auto& force) {
-        if (sides != nullptr) {
-          *sides++ = force.side(q, v);
-          return;
-        }
-        force.element.indicators(force.sign * q[force.q], force.sign * v[force.v], g, gdot);
-        g += 2;
-        gdot += 2;
-      });
+  // Solves the equations for w = L vdot, given the generalized forces f in its place. Returns whether coordinates are
+  // locked; their forces are then in holding_.
+  bool solve_whitened(double* f, const double* gamma, const double* extrapolated) const {
+    const auto project = [&] {
+      M_.solve_transposed(f);
+      if (model_.rows > 0) Y_.solve_constrained(f, gamma, extrapolated);
     };
-    look(loads_.tree, q_.data(), v_.data());
-    for (int c = 0; c < static_cast<int>(loads_.cuts.size()); ++c) {
-      if (!loads_.cuts[c].has_branches()) continue;
-      const auto [q, v] = kernels::counted_cut_motion(model_, ws_, c, cut_reference_.data());
-      look(loads_.cuts[c], q.data(), v.data());
+    if (!modes_.locks_any()) {
+      project();
+      return false;
     }
+    std::copy_n(f, model_.nv, unlocked_.begin());
+    project();
+    modes_.locked().forces(f, holding_.data());
+    std::ranges::copy(unlocked_, f);
+    modes_.locked().add_forces(holding_.data(), f);
+    project();
+    return true;
   }
-
-  // The branches on which forces along cut joints are held, or null.
-  const int* held_cuts() const { return held_ == nullptr ? nullptr : held_ + loads_.tree.branchings(); }
 
   // f <- tau - h.
   void forces(const double* u, double* f) {
@@ -325,17 +320,17 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         all_empty(loads_.forces) && std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
-      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, held_cuts());
+      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held_cuts());
     }
     link_loads_are_zero_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
-    loads_.tree.add(q_.data(), v_.data(), u, f, held_);
+    loads_.tree.add(q_.data(), v_.data(), u, f, modes_.held());
   }
 
   // Replaces the derivatives on the branches of the state by those on the held branches.
   void differentiate_held(Jacobians& out) const {
-    const int* side = held_;
+    const int* side = modes_.held();
     loads_.tree.each_branching([&](const auto& force) {
       const auto held = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0, side);
       const auto free = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0);
@@ -364,8 +359,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     return as.empty() || std::memcmp(x, as.data(), as.size() * sizeof *x) == 0;
   }
 
-  const int* held_ = nullptr;  // branches on which forces are held, or null
-
   // The workspace has the position of q_ and targets_, and the velocity of v_ and gravity_. They are reused: a step
   // ends at the state at which outputs are read and the next step begins.
   Stages stages_;
@@ -378,9 +371,11 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   bool qdot_is_v_;  // for all joints
   MassFactor<A> M_;
   MassWeightedJacobian<A> Y_;
+  mutable JointModes<A> modes_;
   int max_rank_;
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_;
+  mutable std::vector<double> unlocked_, holding_;  // generalized forces without those of locks; forces of the locks
   const double* constraint_bias_ = nullptr;
   mutable std::vector<double> J_;  // as last returned
   std::unique_ptr<RecursiveJacobians<A>> recursive_;

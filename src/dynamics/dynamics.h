@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "derivatives/jacobians.h"
+#include "dynamics/branching.h"
 #include "kinematics/kinematics.h"
 #include "kinematics/model.h"
 #include "kinematics/readings.h"
@@ -32,21 +33,6 @@ class StateReadings : public Readings<double> {
   virtual void set_multipliers(const double* lambda) = 0;
 };
 
-// The forces with branches (element/coordinate_force.h) along tree joints and cut joints.
-class Branching {
- public:
-  virtual ~Branching() = default;
-
-  virtual int count() const = 0;
-  // The branch of each force at the current state; count() numbers.
-  virtual void sides(int* sides) const = 0;
-  // Event indicators at the current state, two per force, whose zeros are the changes of branch; and their rates.
-  virtual void indicators(double* g, double* gdot) const = 0;
-  // Holds the forces on these branches in the equations and in differentiate(); `sides` is read at each evaluation.
-  // null: they are on the branches of the state.
-  virtual void hold(const int* sides) = 0;
-};
-
 class Dynamics : public Kinematics {
  public:
   // --- after set_position and set_velocity, to be called in this order; each uses the results of the earlier ones ---
@@ -54,7 +40,8 @@ class Dynamics : public Kinematics {
   virtual void factorize() = 0;
   // Whether M alone is positive definite at that position, beyond rounding. Allocates; invalidates the factors.
   virtual bool mass_is_definite() = 0;
-  // Solves for vdot under the inputs u. extrapolated: the vdot that replaces the constraint equations in the directions
+  // Solves for vdot under the inputs u; coordinates that friction locks (branching.h) have no acceleration, here and in
+  // the linear solutions below. extrapolated: the vdot that replaces the constraint equations in the directions
   // of weak pivots, or null: no pivot is weak.
   virtual void solve(const double* u, double* vdot, const double* extrapolated = nullptr) = 0;
   // Pivots of the constraint Jacobian near or below this ratio to the largest are weak (row_factor.h); 0: none.

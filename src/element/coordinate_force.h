@@ -15,8 +15,13 @@
 //                         rates
 //   events[2][2]          for each indicator the texts of the events at which it becomes negative and positive
 //
-// Elements among the fields of a joint (spring, damper, stop) also have `group`, the name of their mapping in the
-// joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
+// An element whose mode 0 is rest (friction) has, in place of these indicators,
+//   sticking_limit()      largest |tau| that keeps the coordinate at rest
+//   slipping_limit()      |tau| in a motion that begins
+//   indicators(side, v, x, g)   the two indicators in a given mode; x: the torque that keeps the coordinate at rest
+//
+// Elements among the fields of a joint (spring, damper, stop, friction) also have `group`, the name of their mapping in
+// the joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
 #pragma once
 
 #include "element/element.h"
@@ -29,5 +34,9 @@ concept HasJacobians = requires(const F& f, double x) { f.jacobians(x, x); };
 
 template <class F>
 concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
+
+// Elements that can keep their coordinate at rest.
+template <class F>
+concept Sticks = HasBranches<F> && requires(const F& f) { f.sticking_limit(); };
 
 }  // namespace gelenk

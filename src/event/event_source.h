@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The interface of equations that change their form (a stop engages or disengages). Between events they remain in a
+// The interface of equations that change their form (a stop engages, friction sticks). Between events they remain in a
 // mode, in which they are also smooth beyond its end, so that a step may go too far and be repeated.
 #pragma once
 
@@ -14,26 +14,33 @@ class EventSource {
  public:
   virtual ~EventSource() = default;
 
-  // Event indicators: functions of y whose signs define the mode and at whose zeros the equations change. g, gdot
-  // [1/s]: values and rates; an unknown rate is NaN.
+  // Event indicators: functions of t and y whose signs define the mode and at whose zeros the equations change. g, gdot
+  // [1/s]: values and rates at (t, y); an unknown rate is NaN.
   virtual int indicators() const { return 0; }
-  virtual void indicator_values(const double* /*y*/, double* /*g*/, double* /*gdot*/) {}
+  virtual void indicator_values(double /*t*/, const double* /*y*/, double* /*g*/, double* /*gdot*/) {}
+  // Called where a step begins: brings the modes that the equations remember up to date if inputs have jumped; and sets
+  // `positive` for their indicators, of which the signs alone do not decide.
+  virtual void recall_mode(double /*t*/, const double* /*y*/) {}
+  virtual void remembered_mode(bool* /*positive*/) const {}
   // After t [s] the equations are kept in the mode in which these indicators are positive; null: the mode follows from
-  // each state again.
+  // each state again, as far as it is not remembered.
   virtual void hold_mode(double /*t*/, const bool* /*positive*/) {}
   // The earliest time after that t at which the equations were evaluated outside the held mode [s]; infinite: never.
   virtual double mode_exit_time() const { return INFINITY; }
 
   // Called when an indicator has changed its sign at t [s]; once for each indicator.
   virtual void found_event(double /*t*/, int /*indicator*/, bool /*positive*/) {}
+  // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change
+  // the velocities.
+  virtual void change_mode(double /*t*/, double* /*y*/) {}
   // Why no more events are allowed in this communication step; otherwise empty.
   virtual std::string too_many_events() const { return {}; }
 };
 
-// Evaluates the indicators at y and determines which are positive; at zero, those with nonnegative rate.
-inline void read_mode(EventSource& source, const double* y, std::vector<double>& g, std::vector<double>& gdot,
+// Evaluates the indicators at (t, y) and determines which are positive; at zero, those with nonnegative rate.
+inline void read_mode(EventSource& source, double t, const double* y, std::vector<double>& g, std::vector<double>& gdot,
                       bool* positive) {
-  source.indicator_values(y, g.data(), gdot.data());
+  source.indicator_values(t, y, g.data(), gdot.data());
   for (std::size_t i = 0; i < g.size(); ++i) positive[i] = g[i] > 0 || (g[i] == 0 && gdot[i] >= 0);
 }
 

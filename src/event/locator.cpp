@@ -136,6 +136,7 @@ Step Locator::end_at_event(Stepping& method) {
   for (std::size_t i = 0; i < course_.size(); ++i) {
     if (course_.changed(i)) source_.found_event(high_t_, static_cast<int>(i), course_.positive(i));
   }
+  source_.change_mode(high_t_, high_y_.data());
   method.go_to(high_t_, high_y_.data());
   stop_ = high_t_;
   return source_.too_many_events().empty() ? Step::made : Step::too_many_events;

@@ -23,12 +23,18 @@ StepCourse::StepCourse(EventSource& source) : source_(source) {
 
 void StepCourse::begin(double t, const double* y) {
   start_t_ = t;
-  read_mode(source_, y, start_g_, start_gdot_, before_.get());
+  source_.recall_mode(t, y);
+  read_mode(source_, t, y, start_g_, start_gdot_, before_.get());
+  source_.remembered_mode(before_.get());
+  // At the beginning of a mode an indicator is zero, or beyond it by rounding.
+  for (std::size_t i = 0; i < size(); ++i) {
+    if ((start_g_[i] > 0) != before_[i] && start_g_[i] != 0) start_g_[i] = 0;
+  }
 }
 
 void StepCourse::end(double t, const double* y) {
   t_ = t;
-  read_mode(source_, y, g_, gdot_, after_.get());
+  read_mode(source_, t, y, g_, gdot_, after_.get());
 }
 
 bool StepCourse::any_changed() const { return !std::equal(after_.get(), after_.get() + size(), before_.get()); }

@@ -23,7 +23,7 @@ Formulation::Formulation(const FormulationContext& context)
       drives_(mechanism_, dynamics_, context.inputs),
       events_(context.events),
       projector_(mechanism_, dynamics_),
-      modes_(dynamics_, mechanism_.nq, events_),
+      modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {}
@@ -55,6 +55,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   if (!row_domain_.is_defined()) return false;
   modes_.watch(t, v);
   if (!accelerate(t, y, vdot)) return false;
+  modes_.watch_holding_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
   dynamics_.qdot_from_v(y, v, ydot);
   return all_finite(ydot, size());
@@ -62,6 +63,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
 
 bool Formulation::project_onto_constraints(double t, double* y) {
   drives_.go_to(t);
+  if (modes_.remembers()) modes_.release();  // friction exerts no impulses
   dynamics_.normalize(y);
   dynamics_.set_position(y);
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
@@ -74,7 +76,9 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
-  return projector().close_velocity(v);
+  if (!projector().close_velocity(v)) return false;
+  modes_.start(t, y);
+  return true;
 }
 
 void Formulation::set_evaluation_budget(long evaluations) {
@@ -127,9 +131,13 @@ void Formulation::accepted(double t, const double* y) {
   if (singularity_monitor_.count() > before) events_.add({singularity_monitor_.last(), Event::singular_position});
 }
 
+void Formulation::accelerations_at(double t, const double* y, double* vdot) {
+  drives_.go_to(t);
+  solve_at(t, y, vdot);
+}
+
 // Does not use the factors of the projector: reading outputs must not change the run.
-void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  drives_.go_to_outputs(t);
+void Formulation::solve_at(double t, const double* y, double* vdot) {
   dynamics_.set_position(y);
   dynamics_.factorize();
   projector().factors_changed();
@@ -137,16 +145,24 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   solve(t, vdot);
 }
 
+void Formulation::output_accelerations(double t, const double* y, double* vdot) {
+  const FrictionPreview preview(modes_, t, y);
+  drives_.go_to_outputs(t);
+  solve_at(t, y, vdot);
+}
+
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
+  modes_.start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {
   revolutions_.serialize(archive);
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
+  modes_.serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

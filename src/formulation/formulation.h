@@ -42,7 +42,7 @@ struct FormulationContext {
   FormulationOptions options{};
 };
 
-class Formulation : public Equations {
+class Formulation : public Equations, private ModeEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
@@ -56,14 +56,14 @@ class Formulation : public Equations {
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
-  EventSource& modes() final { return modes_; }
+  EventModes& modes() final { return modes_; }
 
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
-  virtual void inputs_changed(double /*t*/, const double* /*y*/) {}
+  virtual void inputs_changed(double /*t*/, const double* /*y*/) { modes_.inputs_jumped(); }
   // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
   // this is an impact. Returns false if that fails.
   bool project_onto_constraints(double t, double* y);
@@ -105,6 +105,9 @@ class Formulation : public Equations {
 
  private:
   std::string describe_dead_center();
+  void mode_changed() override {}
+  void accelerations_at(double t, const double* y, double* vdot) final;
+  void solve_at(double t, const double* y, double* vdot);
 
   EventLog& events_;
   ConstraintProjector projector_;

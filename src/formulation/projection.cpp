@@ -114,6 +114,7 @@ class Projection final : public Formulation {
   void accepted(double t, const double* y) override;
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
+  void mode_changed() override { recorded_ = 0; }  // accelerations have jumped
   void serialize(Archive& archive) override;
 
  private:
@@ -171,6 +172,7 @@ void Projection::start_on_branch(double t, const double* y) {
 }
 
 void Projection::inputs_changed(double t, const double* y) {
+  Formulation::inputs_changed(t, y);
   if (!started_on_branch_ || recorded_ != 1 || times_[0] != t) return;
   drives_.go_to(t);
   recorded_ = 0;

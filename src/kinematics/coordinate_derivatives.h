@@ -26,7 +26,8 @@ Dual::Directions derivatives_by_duals(const AlongCoordinate<F>& force, const dou
   Dual speed(force.sign * v[force.v]);
   at.derivatives()[0] = speed.derivatives()[1] = 1;  // signs cancel
   if constexpr (HasBranches<F>) {
-    return force.element.held(side == nullptr ? force.element.side(at, speed) : *side, at, speed).derivatives();
+    const bool is_held = side != nullptr && *side != JointLoads::of_state;
+    return force.element.held(is_held ? *side : force.element.side(at, speed), at, speed).derivatives();
   } else {
     return force.element.effort(at, speed, input.data()).derivatives();
   }

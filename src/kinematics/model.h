@@ -106,15 +106,18 @@ struct JointLoads {
 
   bool empty() const { return all_empty(lists); }
   bool stores_nothing() const;  // no element has potential energy
-  // Adds the generalized forces to tau. u: all inputs of the scene. sides: the branches on which the forces with
-  // branches are held, or null: each is on the branch of the state.
+  // In place of the mode of a force with modes: that of the state; and friction without effect.
+  static constexpr int of_state = 2;
+  static constexpr int released = 3;
+  // Adds the generalized forces to tau. u: all inputs of the scene. sides: the modes in which the forces with modes are
+  // held, or null: each is in that of the state.
   template <class T>
   void add(const T* q, const T* v, const T* u, T* tau, const int* sides = nullptr) const {
     each_list(lists, [&](const auto& list) {
       for (const auto& force : list) {
         if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
-          const int side = sides == nullptr ? force.side(q, v) : *sides++;
-          tau[force.v] += force.held(side, q, v);
+          const int held = sides == nullptr ? of_state : *sides++;
+          tau[force.v] += force.held(held == of_state ? force.side(q, v) : held, q, v);
         } else {
           tau[force.v] += force.effort(q, v, u);
         }

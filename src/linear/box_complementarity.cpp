@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/box_complementarity.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "linear/row_factor.h"
 
 namespace gelenk {
 namespace {
@@ -12,9 +13,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// Pivots of W below this, relative to the largest, are rounding.
-constexpr double rank_threshold = 1e-11;
 
 class ActiveSet {
  public:
@@ -59,7 +57,7 @@ class ActiveSet {
       if (F.empty()) return true;
       const VectorXd r = residual()(F);
       const MatrixXd W = W_(F, F);
-      VectorXd step = factor_of(W).solve(r);
+      VectorXd step = least_squares(W, r);
       // A residual that no step removes is a direction along which the objective falls without bound.
       const VectorXd left = r - W * step;
       const bool bounded = left.cwiseAbs().maxCoeff() <= tolerance_;
@@ -117,18 +115,11 @@ class ActiveSet {
     if (F.empty()) return;
     VectorXd fixed = x_;
     for (const Index i : F) fixed[i] = 0;
-    const VectorXd x = factor_of(W_(F, F)).solve(VectorXd((b_ - W_ * fixed)(F)));
+    const VectorXd x = least_squares(W_(F, F), (b_ - W_ * fixed)(F));
     for (Index k = 0; k < x.size(); ++k) {
       if (x[k] < lower_[F[k]] || x[k] > upper_[F[k]]) return;
     }
     for (Index k = 0; k < x.size(); ++k) x_[F[k]] = x[k];
-  }
-
-  static Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor_of(const MatrixXd& W) {
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(W.rows(), W.cols());
-    factor.setThreshold(rank_threshold);
-    factor.compute(W);
-    return factor;
   }
 
   MatrixXd W_;
@@ -139,6 +130,16 @@ class ActiveSet {
 };
 
 }  // namespace
+
+VectorXd least_squares(const MatrixXd& W, const VectorXd& b) {
+  const int n = static_cast<int>(b.size());
+  RowFactor factor(n, n);
+  for (int i = 0; i < n; ++i) VectorXd::Map(factor.column(i), n) = W.col(i);
+  factor.factorize(n);
+  VectorXd x(n);
+  factor.min_norm(b.data(), x.data());
+  return x;
+}
 
 BoxSolution solve_in_box(const MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
                          double tolerance) {

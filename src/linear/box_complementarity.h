@@ -24,4 +24,7 @@ struct BoxSolution {
 BoxSolution solve_in_box(const Eigen::MatrixXd& W, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
                          const Eigen::VectorXd& upper, double tolerance = 1e-12);
 
+// The least-squares solution of W x = b of least norm. W: symmetric.
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& W, const Eigen::VectorXd& b);
+
 }  // namespace gelenk

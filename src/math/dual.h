@@ -54,6 +54,10 @@ class Dual {
 
   friend Dual sin(const Dual& a) { return {std::sin(a.value_), std::cos(a.value_) * a.derivatives_}; }
   friend Dual cos(const Dual& a) { return {std::cos(a.value_), -std::sin(a.value_) * a.derivatives_}; }
+  friend Dual exp(const Dual& a) {
+    const double value = std::exp(a.value_);
+    return {value, value * a.derivatives_};
+  }
   // At 0 the derivatives are set to 0, not infinity: callers treat a length of zero separately.
   friend Dual sqrt(const Dual& a) {
     const double root = std::sqrt(a.value_);

@@ -52,6 +52,10 @@ class Series {
 
   friend Series sin(const Series& a) { return a.composed(std::sin(a[0]), std::cos(a[0]), -std::sin(a[0])); }
   friend Series cos(const Series& a) { return a.composed(std::cos(a[0]), -std::sin(a[0]), -std::cos(a[0])); }
+  friend Series exp(const Series& a) {
+    const double value = std::exp(a[0]);
+    return a.composed(value, value, value);
+  }
   // At 0 the derivatives are set to 0, not infinity: callers treat a length of zero separately.
   friend Series sqrt(const Series& a) {
     const double root = std::sqrt(a[0]);

@@ -118,7 +118,11 @@ void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
 void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Note>& notes);
 
 // Edges of the spanning tree in the order in which they reach new groups, from the ground (tree.cpp).
-std::vector<int> spanning_tree(const Scene& scene, const Graph& graph);
+std::vector<int> spanning_tree(const Scene& scene, const Graph& graph, bool planar);
+// Whether friction can keep a coordinate of the joint at rest; and whether the joint can be cut nevertheless, because
+// the rate of its coordinate is a sum of velocities with constant factors.
+bool has_friction(const Joint& joint);
+bool may_be_cut_with_friction(const Joint& joint, bool planar);
 
 // The mechanism of one island; registers bodies and joints in `places` (links.cpp). normal: of the plane, in the world,
 // if the graph is aligned to one.

@@ -20,7 +20,7 @@ struct MechanismBuilder {
   void run() {
     link_of.assign(graph.groups.size(), -1);
     X_LG.resize(graph.groups.size());
-    const std::vector<int> tree = spanning_tree(scene, graph);
+    const std::vector<int> tree = spanning_tree(scene, graph, out.planar);
     add_ground();
     add_links(tree);
     std::vector<bool> in_tree(graph.edges.size(), false);
@@ -113,6 +113,13 @@ struct MechanismBuilder {
   }
 
   void add_joint_cut(const Edge& edge) {
+    const Joint& joint = scene.joints[edge.scene_joint];
+    if (has_friction(joint) && !may_be_cut_with_friction(joint, out.planar)) {
+      throw SceneError(
+          {(scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name +
+           ".friction: found friction in every joint at which the loop can be cut; expected a loop with at "
+           "least one joint without friction, motion, gear and rack"});
+    }
     Cut cut;
     cut.joint = cut_joint(edge.joint);
     cut.joint_rows = (out.planar ? 3 : 6) - kind_of(edge.joint).nv;

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <unordered_set>
 
+#include "element/friction_of.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -14,19 +15,23 @@ namespace {
 // Must be in the tree; connects a massless part; few velocities; no quaternion; driven or held.
 using Preference = std::tuple<bool, bool, int, bool, bool>;
 
-// Edges with larger preference enter the tree first. Two criteria are necessary: joints with motor inertia and joints
-// whose coordinate is constrained must be in the tree, and a massless part must carry a part with mass there, since a
-// cut next to it would leave it at the end of a branch, and M would be singular. The other criteria are the choice of
-// cuts: few velocities in the tree mean few constraint equations at the cuts, since the joints there permit more
-// motions. The greedy choice of edges is optimal (Kruskal 1956).
+// Edges with larger preference enter the tree first. Two criteria are necessary: joints with motor inertia, joints
+// whose coordinate is constrained and, with an exception in the plane, joints with friction must be in the tree, and a
+// massless part must carry a part with mass there, since a cut next to it would leave it at the end of a branch, and M
+// would be singular. The other criteria are the choice of cuts: few velocities in the tree mean few constraint
+// equations at the cuts, since the joints there permit more motions. The greedy choice of edges is optimal (Kruskal
+// 1956).
 class Preferences {
  public:
-  Preferences(const Scene& scene, const Graph& graph) : scene_(scene), graph_(graph) {
+  Preferences(const Scene& scene, const Graph& graph, bool planar) : scene_(scene), graph_(graph) {
     for (const Motor& motor : scene.motors) {
       driven_or_held_.insert(motor.joints.front());
       if (inertia_of(motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
+    for (const Joint& joint : scene.joints) {
+      if (has_friction(joint) && !may_be_cut_with_friction(joint, planar)) must_be_in_tree_.insert(joint.name);
+    }
   }
 
   Preference operator()(const Edge& edge) const {
@@ -50,8 +55,16 @@ class Preferences {
 
 }  // namespace
 
-std::vector<int> spanning_tree(const Scene& scene, const Graph& graph) {
-  const Preferences preference(scene, graph);
+bool has_friction(const Joint& joint) {
+  return std::ranges::any_of(joint.along, [](const JointForces& forces) { return gelenk::has_friction(forces); });
+}
+
+bool may_be_cut_with_friction(const Joint& joint, bool planar) {
+  return planar && kind_of(joint.is).planar == PlanarRole::normal && kind_of(joint.is).nv == 1;
+}
+
+std::vector<int> spanning_tree(const Scene& scene, const Graph& graph, bool planar) {
+  const Preferences preference(scene, graph, planar);
   const auto edges_of = graph.edges_of_groups();
   std::vector<int> tree;
   std::vector<int> depth(graph.groups.size(), -1);

@@ -15,7 +15,7 @@ namespace {
 
 // Words of other formats that scenes do not have, and what to use instead.
 constexpr std::pair<Words, std::string_view> unsupported[] = {
-    {"friction frictionloss coulomb", "dry friction is not modeled; `damping` is viscous"},
+    {"frictionloss coulomb", "dry friction is `friction: {coulomb: ...}`"},
     {"effort velocity max_force max_torque", "limits of torque, force and velocity are not modeled"},
     {"visual collision geometry geom mesh shape color", "a scene has no shapes: leave it out"},
     {"density", "give `mass` and `inertia`"},

@@ -98,7 +98,8 @@ class Island {
   std::vector<double> y_, vdot_;
   double backup_time_;
   std::vector<double> backup_;
-  bool follows_ = false;  // whether an input prescribes a coordinate
+  std::vector<int> backup_friction_;  // modes of joint friction before the last advance
+  bool follows_ = false;              // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, backup_followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs

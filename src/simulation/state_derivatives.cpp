@@ -102,6 +102,15 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
                    std::to_string(expected));
 }
 
+// Whether a coordinate with joint friction is at rest.
+bool rests_by_friction(Island& island) {
+  const Branching& forces = island.dynamics().branching();
+  for (int i = 0; i < forces.locks(); ++i) {
+    if (forces.speed(i, island.reading().v) == 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
@@ -144,6 +153,13 @@ template <class Evaluate>
 auto StateDerivatives::differentiate(Evaluate evaluate) {
   Simulation::Impl& s = impl_;
   if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
+  for (const auto& island : s.islands) {
+    if (rests_by_friction(*island)) {
+      throw NotDifferentiable(
+          "a joint with friction is at rest, where derivatives are not available yet; they are for "
+          "motions, and for scenes without `friction`");
+    }
+  }
   if (!s.sensitivity) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());

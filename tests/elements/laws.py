@@ -47,8 +47,8 @@ def dimension(unit: str, angle: bool = True) -> tuple[int, int, int]:
 
 
 def is_damping(field: Kind) -> bool:
-    """Whether it multiplies a speed: its unit is that of a stiffness times s, or s^2."""
-    return bool(re.search(r"\.s\d?\b", field["unit"]))
+    """Whether it multiplies a speed, with a unit of a stiffness times s, or s^2, or is dry friction."""
+    return bool(re.search(r"\.s\d?\b", field["unit"])) or field["name"] in ("coulomb", "static")
 
 
 def is_load(field: Kind) -> bool:

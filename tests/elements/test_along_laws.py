@@ -41,9 +41,12 @@ def inputs_of(along: Any) -> laws.Array:
 
 
 def has_a_kink(along: Any, q: float, v: float, u: laws.Array) -> bool:
-    """Whether its derivatives jump within a step of differences."""
-    about = [along.derivatives_by_duals(q + a, v + b, u) for a in (-STEP, 0, STEP) for b in (-STEP, 0, STEP)]
-    return not np.allclose(about, about[0], atol=1e-3)
+    """Whether the effort or its derivatives jump within a step of differences."""
+    near = [(q + a, v + b) for a in (-STEP, 0, STEP) for b in (-STEP, 0, STEP)]
+    about = [along.derivatives_by_duals(*at, u) for at in near]
+    efforts = [along.effort(*at, u) for at in near]
+    slope = 1 + float(np.abs(about).max())
+    return not np.allclose(about, about[0], atol=1e-3) or np.ptp(efforts) > 10 * STEP * slope
 
 
 def test_damper_and_spring_supply_their_derivatives() -> None:

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Coordinates that friction keeps at rest. A locked coordinate s adds the constraint equation S v = 0 with a constant
+// row S, and its force x to the equations of motion,
+//   M vdot + J^T lambda = f + S^T x,   J vdot = gamma,   S vdot = 0.
+// The factors of the equations without locks remain in use: with y = L^-T S^T, M = L^T L, and z = its part that the
+// constraint equations J permit, locks demand z^T w = z^T w0 - y^T w0 of w = L vdot, where w0 solves the equations
+// without them. Several locks may be redundant with each other and with J; then x is of minimum norm.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "dynamics/mass_factor.h"
+#include "dynamics/mass_weighted_jacobian.h"
+#include "linear/row_factor.h"
+
+namespace gelenk {
+
+template <class A>
+class LockedCoordinates {
+ public:
+  // A row whose permitted part is below this fraction of it is determined by other constraints.
+  static constexpr double rank_threshold = 1e-10;
+
+  // A constant row: speed of the coordinate = sum of factor times velocity.
+  struct Term {
+    int v;
+    double factor;
+  };
+  using Row = std::vector<Term>;
+
+  // M and Y must outlive it. rows: of all coordinates that can be locked.
+  LockedCoordinates(const MassFactor<A>& M, const MassWeightedJacobian<A>& Y, int nv, int constraints,
+                    std::vector<Row> rows)
+      : M_(M),
+        Y_(Y),
+        n_(nv),
+        rows_(std::move(rows)),
+        locked_(rows_.size(), 0),
+        y_(rows_.size(), std::vector<double>(static_cast<std::size_t>(nv))),
+        inverse_size_(rows_.size()),
+        zero_(static_cast<std::size_t>(constraints)),
+        gap_(rows_.size()),
+        w_(static_cast<std::size_t>(nv)),
+        column_(static_cast<std::size_t>(nv)),
+        factor_(nv, static_cast<int>(rows_.size())) {}
+
+  int count() const { return static_cast<int>(rows_.size()); }
+  bool any() const { return locked_count_ > 0; }
+  bool is_locked(int i) const { return locked_[i] != 0; }
+  // Number of locks that act independently of each other and of the constraint equations, and of all.
+  int rank() const { return factor_.rank(); }
+  int locked_count() const { return locked_count_; }
+
+  // Locks coordinate i or releases it.
+  void lock(int i, bool on) {
+    if ((locked_[i] != 0) == on) return;
+    locked_[i] = on ? 1 : 0;
+    locked_count_ += on ? 1 : -1;
+    is_current_ = false;
+  }
+  // Call after M and Y have been factorized again.
+  void factors_changed() { is_current_ = false; }
+  // Factorizes the locked rows with the present factors of M and Y.
+  void factorize() {
+    if (is_current_) return;
+    is_current_ = true;
+    for (int i = 0; i < count(); ++i) {
+      double* z = factor_.column(i);
+      std::fill(z, z + n_, 0.0);
+      if (locked_[i] == 0) continue;
+      whiten(i, y_[i].data());
+      const double size = norm(y_[i].data());
+      inverse_size_[i] = 1 / size;
+      permitted_part(y_[i].data(), z);
+      if (!(norm(z) > rank_threshold * size)) {
+        std::fill(z, z + n_, 0.0);  // other constraints determine this coordinate
+      } else {
+        for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
+      }
+    }
+    factor_.factorize(count());
+  }
+
+  // w <- w changed by the least amount that stops the locked coordinates; it satisfies the constraint equations.
+  void stop(double* w) const {
+    find_gaps(w);
+    std::fill(w_.begin(), w_.end(), 0.0);
+    factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
+    for (int k = 0; k < n_; ++k) w[k] += w_[k];
+  }
+  // The same for each column of w (n x columns), stored row by row.
+  void stop(double* w, int columns) const {
+    for (int j = 0; j < columns; ++j) {
+      for (int k = 0; k < n_; ++k) column_[k] = w[k * columns + j];
+      stop(column_.data());
+      for (int k = 0; k < n_; ++k) w[k * columns + j] = column_[k];
+    }
+  }
+  // x: the forces (0 where not locked) that stop them; w solves the equations without locks.
+  void forces(const double* w, double* x) const {
+    find_gaps(w);
+    std::fill(w_.begin(), w_.end(), 0.0);
+    factor_.solve_constrained(w_.data(), gap_.data(), nullptr);
+    factor_.multipliers(x);
+    for (int i = 0; i < count(); ++i) x[i] = locked_[i] != 0 ? -x[i] * inverse_size_[i] : 0;
+  }
+  // Adds S^T x to the generalized forces f.
+  void add_forces(const double* x, double* f) const {
+    for (int i = 0; i < count(); ++i) {
+      if (locked_[i] == 0) continue;
+      for (const Term& term : rows_[i]) f[term.v] += term.factor * x[i];
+    }
+  }
+  // Sets the velocities or accelerations of locked tree coordinates to exactly 0, which they are within rounding.
+  void clear(double* v) const {
+    for (int i = 0; i < count(); ++i) {
+      if (locked_[i] != 0 && rows_[i].size() == 1) v[rows_[i].front().v] = 0;
+    }
+  }
+  // The speed (acceleration) of coordinate i for these velocities (accelerations).
+  double speed(int i, const double* v) const {
+    double sum = 0;
+    for (const Term& term : rows_[i]) sum += term.factor * v[term.v];
+    return sum;
+  }
+  // out <- L^-T of the row, and the part of y that the constraint equations permit.
+  void whiten(int i, double* out) const {
+    std::fill(out, out + n_, 0.0);
+    for (const Term& term : rows_[i]) out[term.v] += term.factor;
+    M_.solve_transposed(out);
+  }
+  void permitted_part(const double* y, double* z) const {
+    std::copy(y, y + n_, z);
+    if (!zero_.empty()) Y_.solve_constrained(z, zero_.data(), nullptr);
+  }
+
+ private:
+  double norm(const double* x) const { return std::sqrt(dot(x, x)); }
+  double dot(const double* x, const double* y) const {
+    double sum = 0;
+    for (int k = 0; k < n_; ++k) sum += x[k] * y[k];
+    return sum;
+  }
+  void find_gaps(const double* w) const {
+    for (int i = 0; i < count(); ++i) gap_[i] = locked_[i] != 0 ? -dot(y_[i].data(), w) * inverse_size_[i] : 0;
+  }
+
+  const MassFactor<A>& M_;
+  const MassWeightedJacobian<A>& Y_;
+  int n_;
+  std::vector<Row> rows_;
+  std::vector<char> locked_;
+  int locked_count_ = 0;
+  bool is_current_ = false;
+  std::vector<std::vector<double>> y_;
+  std::vector<double> inverse_size_;  // 1 / |y|
+  std::vector<double> zero_;
+  mutable std::vector<double> gap_, w_, column_;
+  RowFactor factor_;  // of z / |y|
+};
+
+}  // namespace gelenk

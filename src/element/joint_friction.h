@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "element/coordinate_force.h"
+#include "util/text.h"
+
+namespace gelenk {
+
+// Dry friction of a joint coordinate, a set-valued law (Coulomb; Stribeck 1902): at rest the torque takes the value,
+// up to `static`, that keeps the coordinate at rest; in motion it is opposite to the speed v, with the magnitude
+// coulomb + (static - coulomb) exp(-(v / stribeck)^2).
+struct JointFriction {
+  static constexpr std::string_view group = "friction";
+  static constexpr std::string_view summary = "dry friction, which keeps the coordinate at rest up to a limit";
+  static constexpr std::string_view misfit = "has more than one degree of freedom";  // of a joint with coordinates
+  static bool fits(const JointKind& kind) { return kind.stops(); }
+
+  double coulomb = 0;                                              // N m (N), in motion
+  double static_limit = std::numeric_limits<double>::quiet_NaN();  // N m (N), at rest; NaN: coulomb
+  double stribeck = 0;                                             // rad/s (m/s); 0: only at rest is it larger
+
+  static std::span<const Field> fields() {
+    static constexpr Field all[] = {
+        field<&JointFriction::coulomb>({.name = "coulomb",
+                                        .unit = "{f}",
+                                        .text = "sliding friction on {coordinate}",
+                                        .range = Range::not_negative,
+                                        .required = true,
+                                        .tunable = true}),
+        field<&JointFriction::static_limit>({.name = "static",
+                                             .unit = "{f}",
+                                             .text = "largest static friction on {coordinate}",
+                                             .range = Range::not_negative,
+                                             .optional = true,
+                                             .tunable = true}),
+        field<&JointFriction::stribeck>({.name = "stribeck",
+                                         .unit = "{v}",
+                                         .text = "Stribeck velocity of the friction on {coordinate}",
+                                         .range = Range::not_negative,
+                                         .tunable = true})};
+    return all;
+  }
+
+  std::optional<ElementFault> fault(const Coordinate& at) const {
+    if (!(static_limit < coulomb)) return {};
+    const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{f}", at))); };
+    return {{"static", shown(static_limit), "at least coulomb, which is " + shown(coulomb)}};
+  }
+
+  // Largest magnitude at rest [N m, N], and magnitude in a motion that begins.
+  double sticking_limit() const { return std::isnan(static_limit) ? coulomb : static_limit; }
+  double slipping_limit() const { return stribeck > 0 ? sticking_limit() : coulomb; }
+
+  // Modes: 1 and -1 in motion with positive and negative speed, 0 at rest, where the equations of motion determine the
+  // torque (dynamics/locked_coordinates.h).
+  template <class T>
+  T held(int side, const T&, const T& v) const {
+    using std::exp;
+    if (side != 1 && side != -1) return T(0);
+    T magnitude(coulomb);
+    if (stribeck > 0 && sticking_limit() > coulomb) {
+      const T relative = v * T(1 / stribeck);
+      magnitude += T(sticking_limit() - coulomb) * exp(T(-(relative * relative)));
+    }
+    return T(-side) * magnitude;
+  }
+  template <class T>
+  int side(const T&, const T& v) const {
+    return v > T(0) ? 1 : v < T(0) ? -1 : 0;
+  }
+  template <class T>
+  T effort(const T& q, const T& v, const T*) const {
+    return held(side(q, v), q, v);
+  }
+  // The event indicators in a mode: of motion with positive and with negative speed. x: the torque that keeps the
+  // coordinate at rest, in mode 0.
+  void indicators(int side, double v, double x, double* g) const {
+    g[0] = side > 0 ? v : side < 0 ? -1 : -x - sticking_limit();
+    g[1] = side < 0 ? -v : side > 0 ? -1 : x - sticking_limit();
+  }
+  // For each indicator, the texts of the events at which this motion ends at rest, and at which it begins.
+  static constexpr std::string_view events[2][2] = {
+      {"{joint}.{coordinate} sticks", "{joint}.{coordinate} slips in its positive direction"},
+      {"{joint}.{coordinate} sticks", "{joint}.{coordinate} slips in its negative direction"}};
+};
+
+}  // namespace gelenk
