@@ -14,7 +14,11 @@ import gelenk
 
 pytest.importorskip("yourdfpy", reason="yourdfpy (the extra urdf) is not installed")
 
-ROBOTS = {"panda": "panda_description/urdf/panda.urdf", "ur5": "ur_description/urdf/ur5_robot.urdf"}
+ROBOTS = {
+    "panda": "panda_description/urdf/panda.urdf",
+    "ur5": "ur_description/urdf/ur5_robot.urdf",
+    "z1": "z1_description/urdf/z1.urdf",  # with dry friction
+}
 
 
 def robot_file(name: str) -> Path:
@@ -57,7 +61,8 @@ def test_forward_dynamics_of_real_arms_equal_pinocchios(name: str) -> None:
     data = model.createData()
     names = list(model.names)[1:]
     kinds = scene.to_dict()["joints"]
-    damping = np.array([kinds[n]["damping"] for n in names])
+    damping = np.array([kinds[n].get("damping", 0.0) for n in names])
+    friction = np.array([kinds[n].get("friction", {"coulomb": 0.0})["coulomb"] for n in names])
     letters = [
         {"revolute": ("phi", "w", "tau"), "prismatic": ("s", "v", "f")}[kinds[n]["type"]] for n in names
     ]
@@ -74,9 +79,9 @@ def test_forward_dynamics_of_real_arms_equal_pinocchios(name: str) -> None:
         for n, (_, _, effort), i in zip(names, letters, at, strict=True):
             plant.set_input(f"{n}_motor.{effort}", tau[i])
         plant.initialize()
-        # aba knows no damping: it enters as a torque
+        # aba has neither damping nor friction: they are added as torques
         drag = np.zeros(model.nv)
-        drag[at] = damping * v[at]
+        drag[at] = damping * v[at] + friction * np.sign(v[at])
         expected = pin.aba(model, data, q, v, tau - drag)[at]
         found = plant.values([f"{n}.a" for n in names])
         assert np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
@@ -211,16 +216,41 @@ def test_names_become_identifiers_each_used_once(tmp_path: Path) -> None:
 def test_friction_mimic_and_transmissions_are_told(tmp_path: Path) -> None:
     body = (
         link("base") + link("a") + link("b")
-        + joint("j", "revolute", "base", "a", '<dynamics damping="0.5" friction="0.2"/>')
-        + joint("k", "planar", "a", "b", '<dynamics damping="0.3"/><mimic joint="j"/>')
+        + joint("j", "revolute", "base", "a", '<dynamics damping="0.5" friction="0.0"/>')
+        + joint("k", "planar", "a", "b", '<dynamics damping="0.3" friction="0.2"/><mimic joint="j"/>')
     )  # fmt: skip
     scene = gelenk.import_urdf(write(tmp_path, body))
     assert scene.to_dict()["joints"]["j"]["damping"] == 0.5
+    assert "friction" not in scene.to_dict()["joints"]["j"]
     assert list(scene.report) == [
         "joint k: follows j in the file (mimic); here it moves freely",
-        "joint j: its dry friction of 0.2 is not modeled",
+        "joint k: its dry friction of 0.2 is not modeled",
         "joint k: its damping of 0.3 is not modeled",
     ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "push", "speed"), [("revolute", "tau", "w"), ("continuous", "tau", "w"), ("prismatic", "f", "v")]
+)
+def test_friction_holds_a_joint_and_brakes_its_motion(
+    kind: str, push: str, speed: str, tmp_path: Path
+) -> None:
+    """Unit mass and inertia on a horizontal axis through the center of mass: only the motor acts."""
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    body = link("base") + link("a") + joint("j", kind, "base", "a", f'{limit}<dynamics friction="0.2"/>')
+    scene = gelenk.import_urdf(write(tmp_path, body))
+    assert scene.to_dict()["joints"]["j"]["friction"]["coulomb"] == 0.2
+    assert scene.report[0] == (
+        "joints with dry friction: j; equilibria and linear models at rest require a scene without `friction`"
+    )
+    plant = gelenk.Simulation(scene)
+    plant.set_input(f"j_motor.{push}", 0.19)
+    plant.initialize()
+    plant.step_to(1.0)
+    assert plant.output(f"j.{speed}") == 0
+    plant.set_input(f"j_motor.{push}", 0.7)
+    plant.step_to(2.0)
+    assert plant.output(f"j.{speed}") == pytest.approx(0.7 - 0.2, rel=1e-6)  # the default tolerance
 
 
 def robot(*parts: str) -> str:
@@ -258,6 +288,11 @@ KINDS = "revolute, continuous, prismatic, fixed, floating, planar"
         (one_link("<mass value='1'/><inertia ixx='1'/>"),
          [f": link a: inertia: found no {key}, expected one" for key in ("iyy", "izz")]),
         (one_link(""), [": link a: inertial: found no mass value, expected one"]),
+        (robot(BASE, A, joint("j", "continuous", "base", "a", '<dynamics friction="-1"/>')),
+         [": joints.j.friction.coulomb: found -1 N m, expected 0 N m or more"]),
+        (robot(BASE, A, joint("j", "continuous", "base", "a", '<dynamics damping="low" friction=""/>')),
+         [": joint j: dynamics: damping: found 'low', expected a number",
+          ": joint j: dynamics: friction: found '', expected a number"]),
         (one_link("<mass value='heavy'/>"), [": could not convert string to float: 'heavy'"]),
         (robot(BASE, A, WELDED_TWICE), [": link a: is the child of 2 joints, expected at most one"]),
         (robot(BASE, A),

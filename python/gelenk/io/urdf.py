@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Import of URDF robot descriptions as scenes (requires the extra `urdf`).
 
-A link becomes a body in the link's own frame, a joint keeps its name, frame, axis and viscous damping, and
-every joint that can be driven gets a motor `JOINT_motor`. Everything that is not converted is listed in the
-scene's report.
+A link becomes a body in the link's own frame, a joint keeps its name, frame, axis, viscous damping and dry
+friction, and every joint that can be driven gets a motor `JOINT_motor`. Everything that is not converted is
+listed in the scene's report.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ def import_urdf(
         assembly_tolerance: the scene's `assembly.tolerance`, for loops that are closed by joints added to it.
 
     Returns:
-        Scene: its `report` lists, line by line, what was not converted, and what was repaired by how much.
+        Scene: its `report` lists, line by line, what was not converted, which joints have dry friction, and
+            what was repaired by how much.
 
     Raises:
         SceneError: the file is not URDF, or its robot is invalid.
@@ -130,7 +131,19 @@ def _joint_faults(where: str, joint: ET.Element, links: Sequence[str | None]) ->
         link = None if element is None else element.get("link")
         if link not in links:
             faults.append(f"{where}: {role}: found {link!r}, expected the name of a link")
+    dynamics = joint.find("dynamics")
+    for name, value in () if dynamics is None else dynamics.items():
+        if name in ("damping", "friction") and not _is_number(value):
+            faults.append(f"{where}: dynamics: {name}: found {value!r}, expected a number")
     return faults
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _inertial_faults(where: str, inertial: ET.Element | None) -> list[str]:
@@ -181,7 +194,7 @@ def _convert(file: Path, robot: Any, floating: bool) -> tuple[dict[str, Any], st
     scene["joints"] |= {joints[j.name]: _joint(j, bodies) for j in robot.joints}
     driven = [joints[j.name] for j in robot.joints if KINDS[j.type] in DRIVEN]
     scene["motors"] = {names.take("motor", f"{name}_motor", "motor"): {"joint": name} for name in driven}
-    notes += _left_out(robot)
+    notes += _remarks(robot)
     return scene, str(file), notes
 
 
@@ -237,6 +250,9 @@ def _joint(joint: Any, bodies: dict[str, str]) -> dict[str, Any]:
     damping = _loss(joint, "damping")
     if damping and kind in DRIVEN:
         entry["damping"] = damping
+    friction = _loss(joint, "friction")
+    if friction and kind in DRIVEN:
+        entry["friction"] = {"coulomb": friction}
     return entry
 
 
@@ -263,11 +279,17 @@ def _rpy_matrix(rpy: list[float]) -> NDArray[np.float64]:
     return np.asarray(z @ y @ x)
 
 
-def _left_out(robot: Any) -> list[str]:
-    """Return the notes on what the scene does not contain, one line for each kind of element."""
+def _remarks(robot: Any) -> list[str]:
+    """Return the notes on what the scene does not contain, and on what limits its use."""
     movable = [j for j in robot.joints if j.type != "fixed"]
     notes = [_mimicry(j) for j in movable if j.mimic is not None]
     notes += _losses(movable)
+    rubbing = [j.name for j in movable if KINDS[j.type] in DRIVEN and _loss(j, "friction")]
+    if rubbing:
+        notes.append(
+            f"joints with dry friction: {_list(rubbing)}; "
+            "equilibria and linear models at rest require a scene without `friction`"
+        )
     limited = [j.name for j in movable if j.limit is not None]
     if limited:
         notes.append(
@@ -291,13 +313,11 @@ def _mimicry(joint: Any) -> str:
 
 
 def _losses(movable: Sequence[Any]) -> list[str]:
-    frictions = {j.name: _loss(j, "friction") for j in movable}
-    dampings = {j.name: _loss(j, "damping") for j in movable if KINDS[j.type] not in DRIVEN}
     return [
-        f"joint {name}: its {what} of {number:g} is not modeled"
-        for what, losses in (("dry friction", frictions), ("damping", dampings))
-        for name, number in losses.items()
-        if number
+        f"joint {j.name}: its {what} of {_loss(j, name):g} is not modeled"
+        for what, name in (("dry friction", "friction"), ("damping", "damping"))
+        for j in movable
+        if KINDS[j.type] not in DRIVEN and _loss(j, name)
     ]
 
 
