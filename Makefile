@@ -8,7 +8,7 @@
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
 # make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
-# make tutorial  draw the figures of docs/tutorial-lqr.md and docs/tutorial-wheels.md
+# make tutorial  draw the figures of docs/tutorial-*.md
 # make real-time  measure control loops that step FMUs: table of docs/fmu.md
 # make growth   measure how cost scales with the size of a scene: table of docs/performance.md
 # make bench    benchmark kernels and runs against other engines: docs/performance.md; QUICK=1: a subset

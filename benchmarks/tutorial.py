@@ -15,7 +15,11 @@ from gelenk.chart.style import save
 from gelenk.extras import pyplot
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = {"tutorial-lqr": "balancer.yaml", "tutorial-wheels": "robot.yaml"}  # page -> its scene file
+PAGES = {  # page -> its scene file
+    "tutorial-lqr": "balancer.yaml",
+    "tutorial-wheels": "robot.yaml",
+    "tutorial-stiction": "axis.yaml",
+}
 BLUE, RED, GREEN, GRAY = "#0072B2", "#D55E00", "#009E73", "#4B4B4B"
 UPPER, LOWER, STICK = 0.25, 0.35, 0.6  # m
 PUSHED = (0.5, 0.6)  # s
@@ -122,8 +126,48 @@ def robot(axes: Any) -> None:
     axes[2].set(xlabel="time [s]", title="Standing, pushed at the left shoulder")
 
 
+# --- the axis that hunts ---
+
+
+def error(result: Any) -> Any:
+    """Return the distance of the carriage from its final set point in millimeters."""
+    return 1e3 * (0.02 - result["guide.s"])
+
+
+def axis_with_friction(axes: Any) -> None:
+    names = computed("tutorial-stiction")
+    hunting = names["hunting"]
+    shown = (hunting["time"] > 0.4) & (hunting["time"] < 10)
+    predicted = 1e3 * names["amplitude"]
+    axes[0].plot(hunting["time"][shown], error(hunting)[shown], color=BLUE)
+    for y in (-predicted, predicted):
+        axes[0].axhline(y, color="black", ls="--", lw=1)
+    axes[0].text(9.9, predicted + 0.01, f"predicted: {predicted:.3f} mm", ha="right", va="bottom")
+    axes[0].set(xlabel="time [s]", title="PID: position error [mm]", xlim=(0, 10), ylim=(-0.3, 0.3))
+    force = hunting["motor.tau"] / names["pitch"]
+    axes[1].plot(hunting["time"], force, color=BLUE, lw=1, label="at rest")
+    slipping = np.where(hunting["guide.v"] == 0, np.nan, force)
+    axes[1].plot(hunting["time"], slipping, color=RED, lw=3, label="slipping")
+    for y in (-names["Fs"], names["Fs"]):
+        axes[1].axhline(y, color="black", ls="--", lw=1)
+    axes[1].text(5.1, names["Fs"] + 4, "static friction", va="bottom")
+    axes[1].legend(frameon=False, loc="lower left")
+    axes[1].set(xlabel="time [s]", title="PID: force on the carriage [N]", xlim=(5, 10), ylim=(-120, 120))
+    for run, label, color in (("coarse", "dead band", BLUE), ("fine", "reset", GREEN)):
+        axes[2].plot(names[run]["time"], error(names[run]), color=color, label=label)
+    axes[2].axvspan(4.0, 4.1, color="#eeeeee")
+    axes[2].legend(frameon=False, loc="lower right")
+    axes[2].annotate("push", (3.95, -0.9), (2.2, -0.9), va="center", arrowprops={"arrowstyle": "->"})
+    axes[2].set(xlabel="time [s]", title="Both cures: position error [mm]", xlim=(0, 8), ylim=(-1.4, 0.8))
+
+
 def main() -> None:
-    for page, draw in (("tutorial-lqr", balancer), ("tutorial-wheels", robot)):
+    pages = (
+        ("tutorial-lqr", balancer),
+        ("tutorial-wheels", robot),
+        ("tutorial-stiction", axis_with_friction),
+    )
+    for page, draw in pages:
         figure, axes = pyplot().subplots(1, 3, figsize=(12, 4), width_ratios=(0.8, 1.2, 1))
         draw(axes)
         for axis in axes:

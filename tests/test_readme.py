@@ -12,39 +12,19 @@ import re
 import shlex
 import subprocess
 import sys
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import element_tables
 import joint_table
-import numpy as np
 import pytest
+from pages import blocks
 
 import gelenk
 from gelenk import _core
 
 MODULES = [m.name for m in pkgutil.walk_packages(gelenk.__path__, "gelenk.") if m.name != "gelenk.__main__"]
-
-
-def blocks(page: Path, language: str) -> list[str]:
-    """The fenced blocks of a page in one language."""
-    return re.findall(
-        rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
-    )
-
-
-@pytest.fixture
-def folder(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in, with the scenes of the repository and the files that README and tutorial make."""
-    (tmp_path / "scenes").symlink_to(root / "scenes")
-    (tmp_path / "four_bar.yaml").write_text(blocks(root / "README.md", "yaml")[0], encoding="utf-8")
-    for page, name in (("tutorial-lqr", "balancer"), ("tutorial-wheels", "robot")):
-        pieces = blocks(root / "docs" / f"{page}.md", "yaml")
-        (tmp_path / f"{name}.yaml").write_text("".join(pieces), encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk.Scene) -> None:
@@ -62,6 +42,7 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
         ("docs/assembly.md", 2),
         ("docs/tutorial-lqr.md", 1),
         ("docs/tutorial-wheels.md", 1),
+        ("docs/tutorial-stiction.md", 1),
     ],
 )
 def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Path) -> None:
@@ -134,33 +115,6 @@ def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.Capt
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
-def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Numbers of the page, to the digits they have there."""
-    names: dict[str, Any] = {}
-    for block in blocks(root / "docs" / "tutorial-lqr.md", "python"):
-        exec(compile(block, "tutorial-lqr.md", "exec"), names)
-    trim, plant, poles, lean = (names[n] for n in ("trim", "plant", "poles", "lean"))
-    assert list(trim.inputs.values())[:2] == pytest.approx([-2.31, 2.84], abs=0.005)  # N m
-    assert trim.values["foot.phi"] == pytest.approx(1.06, abs=0.005)
-    assert (plant.poles().real > 0).sum() == 3
-    assert plant.poles().real.max() == pytest.approx(7.3, abs=0.05)
-    slow = min(np.log(poles) / names["step"], key=lambda s: abs(s.real))
-    assert (slow.real, abs(slow.imag)) == pytest.approx((-2.3, 1.6), abs=0.05)
-    assert "\n6\n" in capsys.readouterr().out  # the rank
-    calm, hard, counted = (names[n] for n in ("calm", "hard", "counted"))
-    assert abs(lean(calm)).max() == pytest.approx(5.7, abs=0.05)
-    assert np.ptp(calm["bottom.r[1]"]) == pytest.approx(0.07, abs=0.005)
-    assert abs(lean(calm)[-1]) < 1e-4
-    assert abs(lean(hard)).max() == pytest.approx(18.8, abs=0.05)
-    assert np.ptp(hard["bottom.r[1]"]) == pytest.approx(0.32, abs=0.005)
-    assert abs(lean(hard)[-1]) < 0.1
-    assert abs(names["measured"] / names["predicted"] - 1) < 0.01
-    assert abs(lean(counted)).max() == pytest.approx(6.1, abs=0.3)  # noise: counts of the encoders
-    assert 0.01 < abs(lean(counted)[-200:]).max() < 0.3
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
 def test_python_of_the_modes_page_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     names: dict[str, Any] = {}
@@ -182,54 +136,6 @@ def test_python_of_the_assembly_page_takes_the_other_branch(root: Path) -> None:
     assert plant.output("C.phi") == pytest.approx(-1.36701, abs=5e-6)  # as the page says
 
 
-def test_scene_of_the_tutorial_with_wheels_is_the_one_of_scenes(folder: Path) -> None:
-    ready = gelenk.load(folder / "scenes" / "balancing_robot.yaml")
-    assert gelenk.load(folder / "robot.yaml").to_dict() == ready.to_dict()
-
-
-@pytest.fixture
-def wheels(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    """What the code of the tutorial with wheels leaves behind, and in "told" what it printed."""
-    names: dict[str, Any] = {}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", gelenk.OperatingPointWarning)
-        for block in blocks(root / "docs" / "tutorial-wheels.md", "python"):
-            exec(compile(block, "tutorial-wheels.md", "exec"), names)
-    assert folder == Path.cwd()
-    return names | {"told": capsys.readouterr().out}
-
-
-def test_tutorial_with_wheels_stands_and_follows_the_line(wheels: dict[str, Any]) -> None:
-    """Numbers of the page, to the digits they have there."""
-    lines = wheels["told"].splitlines()
-    assert lines[0] == str(wheels["plant"].state_labels)
-    assert float(lines[1]) == pytest.approx(7.3, abs=0.05)
-    ranks = [line for line in lines if line in {"6", "7"}]
-    assert ranks == ["6", "6", "7"]
-    pushed, near = wheels["pushed"], wheels["near"]
-    assert np.degrees(abs(pushed["pitch.phi"]).max()) == pytest.approx(14, abs=0.5)
-    assert np.degrees(abs(pushed["ride.phi"]).max()) == pytest.approx(6, abs=0.5)
-    assert abs(pushed["ride.s_x"]).max() == pytest.approx(0.28, abs=0.005)
-    assert pushed["ride.s_x"][-1] == pytest.approx(5e-5, abs=5e-6)
-    assert abs(pushed["ride.phi"][-1]) < 1e-6
-    assert pushed["ride.s_y"][-1] == pytest.approx(-0.0198, abs=5e-5)
-    assert wheels["drive"].inputs["motor_left.tau"] == pytest.approx(0.2, abs=1e-9)
-    advancing = {"ride.s_x": 1.0, "hub_left.phi": 10.0, "hub_right.phi": 10.0}
-    assert wheels["drive"].advancing == pytest.approx(advancing, rel=1e-9)
-    assert wheels["moving"].A[1, 2] == pytest.approx(1, abs=1e-12)
-    assert np.degrees(near["ride.phi"].min()) == pytest.approx(-37, abs=0.5)
-    assert 0 < near["ride.s_y"][-1] < 1e-5
-    poles = np.sort(np.log(wheels["poles"]).real / wheels["step"])
-    assert poles == pytest.approx([-60.7, -14.6, -10.7, -4.91, -2.06, -1.66], rel=5e-3)
-    seen = float(lines[-3])
-    assert seen == pytest.approx(poles[-2], rel=1e-3)
-
-
-def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -> None:
-    assert wheels["near"]["tyre_right.f_n"].min() == pytest.approx(9.4, abs=0.05)
-    assert wheels["far"]["tyre_right.f_n"].min() == pytest.approx(-26, abs=0.5)
-
-
 def test_cmake_of_the_readme_is_what_the_user_test_builds(root: Path) -> None:
     tested = (root / "tests" / "cmake_user" / "CMakeLists.txt").read_text().splitlines()
     for line in blocks(root / "README.md", "cmake")[0].splitlines():
@@ -244,7 +150,7 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
-    "tutorial-wheels", "internals/architecture", "internals/notation",
+    "tutorial-wheels", "tutorial-stiction", "internals/architecture", "internals/notation",
 )  # fmt: skip
 
 
