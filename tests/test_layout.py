@@ -25,7 +25,8 @@ BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
 BELOW["derivatives"] = {"kinematics", *BELOW["kinematics"]}
 BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
 BELOW["event"] = {"math", "util"}
-BELOW["formulation"] = {"dynamics", "event", *BELOW["dynamics"]}
+BELOW["modes"] = {"dynamics", "event", *BELOW["dynamics"]}
+BELOW["formulation"] = {"modes", *BELOW["modes"]}
 BELOW["integrator"] = {"formulation", *BELOW["formulation"]}
 BELOW["assembly"] = {"dynamics", *BELOW["dynamics"]}
 BELOW["analysis"] = {"assembly", *BELOW["assembly"]}
@@ -289,7 +290,7 @@ def element_words() -> tuple[str, str]:
     """Likewise of the kinds of elements."""
     text = "".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "src" / "element").glob("*.h")))
     kinds = re.findall(r'std::string_view kind = "(\w+)"', text)
-    lists = re.findall(r"using (?:Any\w+|JointForces) = std::(?:variant|tuple)<([^;]+)>;", text)
+    lists = re.findall(r"using (?:Any\w+|JointForces)\s*=\s*std::(?:variant|tuple)<([^;]+)>;", text)
     structs = re.findall(r"\b(?!std\b|optional\b)\w+", " ".join(lists))
     return "|".join(sorted(set(kinds))), "|".join(sorted(set(structs)))
 

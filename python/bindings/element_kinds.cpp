@@ -22,7 +22,7 @@ const char* type_name(Field::Type type) {
   return names[static_cast<int>(type)];
 }
 const char* range_name(Range range) {
-  static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero"};
+  static constexpr const char* names[] = {"any", "not_negative", "positive", "not_zero", "fraction"};
   return names[static_cast<int>(range)];
 }
 const char* kind_name(Port::Kind kind) {

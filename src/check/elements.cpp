@@ -5,7 +5,6 @@
 
 #include "check/check.h"
 #include "check/fields.h"
-#include "element/friction_of.h"
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
@@ -101,18 +100,18 @@ struct Checker {
   }
 };
 
-bool has_friction(const Joint& joint) {
-  return std::ranges::any_of(joint.along, [](const JointForces& forces) { return gelenk::has_friction(forces); });
-}
-
 // Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
 // coordinates at rest.
 void check_formulation(const Scene& scene, Faults& faults) {
-  const auto rubs = std::ranges::find_if(scene.joints, has_friction);
-  if (rubs != scene.joints.end() && scene.solver.formulation != "projection" && !scene.solver.formulation.empty()) {
-    faults.add("solver.formulation",
-               text::quoted(scene.solver.formulation) + " with friction in joints." + text::printable(rubs->name),
-               "the formulation projection");
+  if (scene.solver.formulation != "projection" && !scene.solver.formulation.empty()) {
+    for (const Joint& joint : scene.joints) {
+      if (joint.locking_element().empty()) continue;
+      faults.add("solver.formulation",
+                 text::quoted(scene.solver.formulation) + " with joints." + text::printable(joint.name) + "." +
+                     std::string(joint.locking_element()),
+                 "the formulation projection");
+      break;
+    }
   }
   if (scene.solver.formulation != "independent") return;
   for (const Constraint& c : scene.constraints) {

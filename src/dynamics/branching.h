@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The interface to forces along tree joints and cut joints that have modes (element/coordinate_force.h): stops, and
-// joint friction, which can keep its coordinate at rest ("lock" it).
+// friction and limits, which can keep their coordinate at rest ("lock" it).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,27 +17,44 @@ class Branching {
   // The mode of each force at the current state; count() numbers.
   virtual void sides(int* sides) const = 0;
   // Event indicators at the current state, two per force, whose zeros are the changes of mode, and their rates.
-  // Friction is in its held mode, at rest with the forces of the last solve().
-  virtual void indicators(double* g, double* gdot) const = 0;
+  // Friction and limits are in their held modes. holding: by lock, the force that keeps it at rest. vdot: the
+  // accelerations, or null.
+  virtual void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const = 0;
   // Holds the forces in these modes (or JointLoads::of_state, JointLoads::released) in the equations and in
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
 
-  // --- friction, by lock: values have the user's signs ---
+  // --- coordinates with friction or a limit, by lock: values have the user's signs ---
+  struct Lock {
+    int friction = -1, limit = -1;  // indices in all forces with modes; -1: it has none
+    double sign = 1;                // user's speed = sign times the mechanism's
+    // See element/coordinate_force.h; 0 without friction, without a limit.
+    double sticking_limit = 0, slipping_limit = 0, restitution = 0;
+  };
   virtual int locks() const = 0;
-  virtual int force_of(int lock) const = 0;           // its index in all forces with modes
-  virtual double sticking_limit(int lock) const = 0;  // element/coordinate_force.h
-  virtual double slipping_limit(int lock) const = 0;
+  virtual Lock lock(int lock) const = 0;
+  // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close
+  // to it counts as contact [rad, m].
+  struct Depth {
+    double depth, tolerance;
+  };
+  virtual Depth depth(int lock, int side) const = 0;
   virtual double speed(int lock, const double* v) const = 0;  // of its coordinate; or its acceleration, from vdot
   // The forces in the last solve() that keep coordinates at rest; 0 for others. Where several are redundant, those of
   // least norm.
   virtual const std::vector<double>& holding_forces() const = 0;
   // Whether all held coordinates can be held independently of each other.
   virtual bool is_redundant() const = 0;
-  // The accelerations of the coordinates of these locks (rows) per force along them (columns), all released, with the
-  // factors of the last solve(). Allocates.
-  virtual void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W) = 0;
+  // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
+  virtual double slack(int lock) const = 0;
+  // W: the accelerations of the coordinates of these locks (rows) per force along them (columns), all released, with
+  // the factors of the last solve(). scale: the accelerations to which its rounding is relative. Allocates.
+  virtual void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) = 0;
+  // Adds to v the effect of impulses along these coordinates, all released, with the same factors.
+  virtual void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) = 0;
+  // Sets the velocities of locked tree coordinates to 0.
+  virtual void clear(double* v) = 0;
   // Changes v by the least amount in the mass metric that stops the locked coordinates.
   virtual void stop(double* v) = 0;
 };

@@ -133,6 +133,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
+    modes_.set_force_size(w_);
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
     regularized_ = extrapolated != nullptr;
@@ -206,8 +207,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
                      bool by_duals) override {
     if (model_.rows > 0 && lambda == nullptr) Y_.multipliers(ws_.lambda.data());
     if (lambda == nullptr) lambda = ws_.lambda.data();
-    const LinearizationPoint at{q_.data(),       v_.data(),         u, vdot, lambda, cut_reference_.data(),
-                                targets_.data(), modes_.held_cuts()};
+    const LinearizationPoint at{q_.data(),       v_.data(),        u, vdot, lambda, cut_reference_.data(),
+                                targets_.data(), modes_.held(true)};
     if (!by_duals) {
       if (!recursive_) recursive_ = std::make_unique<RecursiveJacobians<A>>(model_, ws_, loads_);
       (*recursive_)(at, inputs, out);
@@ -233,6 +234,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (model_.rows > 0) Y_.solve_constrained(r, c, columns, regularized_);
     if (modes_.locks_any()) modes_.locked().stop(r, columns);
     M_.solve(r, columns);
+    // Exactly 0 also in an implicit method's iterations, lest a coordinate at rest on the bound of a stop cross it.
+    if (modes_.locks_any()) modes_.locked().clear(r, columns);
   }
 
   const std::vector<double>& Phi() const override { return ws_.Phi; }
@@ -320,7 +323,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         all_empty(loads_.forces) && std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
-      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held_cuts());
+      kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));
     }
     link_loads_are_zero_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());

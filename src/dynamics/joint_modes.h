@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Implementation of Branching: the modes of the forces along joints, and the coordinates that friction locks.
+// Implementation of Branching: the modes of the forces along joints, and the coordinates that friction and limits lock.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "dynamics/branching.h"
@@ -24,23 +27,44 @@ class JointModes final : public Branching {
   };
 
   JointModes(const State& state, const MassFactor<A>& M, const MassWeightedJacobian<A>& Y)
-      : state_(state), M_(M), locks_(M, Y, state.model.nv, state.model.rows, find_locks()), x_(holders_.size()) {}
+      : state_(state),
+        M_(M),
+        locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
+        x_(found_.size()),
+        work_(static_cast<std::size_t>(state.model.nv)) {
+    double mass = 0;
+    for (const auto& link : state.model.links) mass += link.G.m;
+    sqrt_mass_ = std::sqrt(mass);
+  }
 
-  // The modes in which forces are held, or null; of the tree, and from the first cut on.
-  const int* held() const { return held_; }
-  const int* held_cuts() const { return held_ == nullptr ? nullptr : held_ + state_.loads.tree.branchings(); }
+  // The modes in which forces are held, or null: of the tree and the cuts, or from the first cut on.
+  const int* held(bool of_cuts = false) const {
+    return held_ == nullptr || !of_cuts ? held_ : held_ + state_.loads.tree.branchings();
+  }
   // Whether coordinates are locked; if so, the locks are those of the held modes, factorized.
   bool locks_any() {
-    if (holders_.empty()) return false;
-    for (int i = 0; i < locks(); ++i) locks_.lock(i, held_ != nullptr && held_[holders_[i].force] == 0);
+    if (found_.empty()) return false;
+    for (int i = 0; i < locks(); ++i) locks_.lock(i, is_held(found_[i]));
     if (locks_.any()) locks_.factorize();
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
-  const LockedCoordinates<A>& locked() const { return locks_; }
+  // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
+  // which may cancel in f.
+  void set_force_size(const std::vector<double>& f) {
+    if (found_.empty()) return;
+    const Eigen::Index n = state_.model.nv;
+    Eigen::Map<Eigen::VectorXd> w(work_.data(), n);
+    w = Eigen::Map<const Eigen::VectorXd>(f.data(), n);
+    M_.solve_transposed(w.data());
+    const Eigen::Map<const Eigen::VectorXd> v(state_.v.data(), n);
+    force_size_ = w.norm() + sqrt_mass_ * state_.loads.gravity.norm();
+    M_.multiply(v.data(), w.data());
+    force_size_ += w.norm() * v.cwiseAbs().maxCoeff();
+  }
   // Records the forces of the locks, in the mechanism's signs.
   void set_holding_forces(const std::vector<double>& x) {
-    for (int i = 0; i < locks(); ++i) x_[i] = holders_[i].sign * x[i];
+    for (int i = 0; i < locks(); ++i) x_[i] = found_[i].sign * x[i];
   }
 
   int count() const override {
@@ -51,17 +75,23 @@ class JointModes final : public Branching {
   void sides(int* sides) const override {
     each([&](const auto& force, const double* q, const double* v) { *sides++ = force.side(q, v); });
   }
-  void indicators(double* g, double* gdot) const override {
+  void indicators(const std::vector<double>& holding, const double* vdot, double* g, double* gdot) const override {
     int index = 0;
-    int lock = 0;
     each([&](const auto& force, const double* q, const double* v) {
+      using Element = std::decay_t<decltype(force.element)>;
+      const double at = force.sign * q[force.q];
       const double speed = force.sign * v[force.v];
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        force.element.indicators(held_ == nullptr ? force.side(q, v) : held_[index], speed, x_[lock], g);
-        gdot[0] = gdot[1] = NAN;
-        ++lock;
+      const int side = held_ == nullptr ? force.side(q, v) : held_[index];
+      const int lock = lock_of_[index];
+      if constexpr (Sticks<Element>) {
+        const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
+        force.element.indicators(side, speed, acceleration, holding[lock], slack(lock), g, gdot);
+        if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
+      } else if constexpr (Blocks<Element>) {
+        const double adhesion = this->lock(lock).sticking_limit + slack(lock);
+        force.element.indicators(side, at, speed, holding[lock], adhesion, g, gdot);
       } else {
-        force.element.indicators(force.sign * q[force.q], speed, g, gdot);
+        force.element.indicators(at, speed, g, gdot);
       }
       ++index;
       g += 2;
@@ -70,48 +100,101 @@ class JointModes final : public Branching {
   }
   void hold(const int* sides) override { held_ = sides; }
 
-  int locks() const override { return static_cast<int>(holders_.size()); }
-  int force_of(int lock) const override { return holders_[lock].force; }
-  double sticking_limit(int lock) const override {
-    return of_lock(lock, [](const auto& element) { return element.sticking_limit(); });
+  int locks() const override { return static_cast<int>(found_.size()); }
+  Lock lock(int lock) const override {
+    Lock out = found_[lock];
+    int index = 0;
+    const auto look = [&](const auto& force) {
+      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
+        if (index == out.friction) {
+          out.sticking_limit = force.element.sticking_limit();
+          out.slipping_limit = force.element.slipping_limit();
+        }
+      } else if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
+        if (index == out.limit) out.restitution = force.element.restitution;
+      }
+      ++index;
+    };
+    state_.loads.tree.each_branching(look);
+    for (const JointLoads& on : state_.loads.cuts) on.each_branching(look);
+    return out;
   }
-  double slipping_limit(int lock) const override {
-    return of_lock(lock, [](const auto& element) { return element.slipping_limit(); });
+  Depth depth(int lock, int side) const override {
+    Depth out{-INFINITY, 0};
+    int index = 0;
+    each([&](const auto& force, const double* q, const double*) {
+      if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
+        if (index == found_[lock].limit)
+          out = {force.element.depth(side, force.sign * q[force.q]), force.element.touch_tolerance(side)};
+      }
+      ++index;
+    });
+    return out;
   }
-  double speed(int lock, const double* v) const override { return holders_[lock].sign * locks_.speed(lock, v); }
+  double speed(int lock, const double* v) const override { return found_[lock].sign * locks_.speed(lock, v); }
   const std::vector<double>& holding_forces() const override { return x_; }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
-  void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W) override {
+  // Without any forces, more than 0.
+  double slack(int lock) const override {
+    return slack_fraction * force_size_ * locks_.inverse_mobility(lock) + std::numeric_limits<double>::min();
+  }
+
+  void compliance(const std::vector<int>& locks, Eigen::MatrixXd& W, Eigen::VectorXd& scale) override {
     const auto size = static_cast<Eigen::Index>(locks.size());
     Eigen::MatrixXd y(state_.model.nv, size);
     Eigen::MatrixXd z(state_.model.nv, size);
+    scale.resize(size);
     for (Eigen::Index i = 0; i < size; ++i) {
       locks_.whiten(locks[i], y.col(i).data());
       locks_.permitted_part(y.col(i).data(), z.col(i).data());
       if (z.col(i).norm() <= LockedCoordinates<A>::rank_threshold * y.col(i).norm()) z.col(i).setZero();
-      z.col(i) *= holders_[locks[i]].sign;
+      z.col(i) *= found_[locks[i]].sign;
+      scale[i] = force_size_ * y.col(i).norm();
     }
     W = z.transpose() * z;
+  }
+
+  void strike(const std::vector<int>& locks, const Eigen::VectorXd& impulses, double* v) override {
+    Eigen::VectorXd y(state_.model.nv);
+    Eigen::VectorXd z(state_.model.nv);
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(state_.model.nv);
+    for (std::size_t i = 0; i < locks.size(); ++i) {
+      locks_.whiten(locks[i], y.data());
+      locks_.permitted_part(y.data(), z.data());
+      w += found_[locks[i]].sign * impulses[static_cast<Eigen::Index>(i)] * z;
+    }
+    M_.solve(w.data());
+    for (Eigen::Index k = 0; k < w.size(); ++k) v[k] += w[k];
+  }
+
+  void clear(double* v) override {
+    if (locks_any()) locks_.clear(v);
   }
 
   void stop(double* v) override {
     if (!locks_any()) return;
     std::vector<double>& w = work_;
-    w.resize(static_cast<std::size_t>(state_.model.nv));
-    M_.multiply(v, w.data());
-    locks_.stop(w.data());
-    M_.solve(w.data());
-    std::ranges::copy(w, v);
-    locks_.clear(v);
+    for (int i = 0; i < 2; ++i) {  // the second time removes the rounding of the first
+      M_.multiply(v, w.data());
+      locks_.stop(w.data());
+      M_.solve(w.data());
+      std::ranges::copy(w, v);
+      locks_.clear(v);
+    }
   }
 
  private:
-  // A force that can lock its coordinate.
-  struct Holder {
-    int force;
-    double sign;  // user's speed = sign * mechanism's
-  };
+  // Part of the forces that may be rounding: far more than that of some hundred operations.
+  static constexpr double slack_fraction = 4e-11;
+
+  bool is_in_contact(int lock) const {
+    return held_ != nullptr && found_[lock].limit >= 0 && held_[found_[lock].limit] != 0;
+  }
+  bool is_held(const Lock& lock) const {
+    if (held_ == nullptr) return false;
+    return (lock.friction >= 0 && held_[lock.friction] == 0) || (lock.limit >= 0 && held_[lock.limit] != 0);
+  }
 
   // Calls visit(force, q, v) for all forces with modes, with the coordinates and velocities to which they refer.
   template <class Visit>
@@ -124,35 +207,28 @@ class JointModes final : public Branching {
     }
   }
 
-  template <class Of>
-  double of_lock(int lock, Of of) const {
-    double out = 0;
-    int index = 0;
-    const auto look = [&](const auto& force) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        if (index++ == lock) out = of(force.element);
-      }
-    };
-    state_.loads.tree.each_branching(look);
-    for (const JointLoads& on : state_.loads.cuts) on.each_branching(look);
-    return out;
-  }
-
-  // The rows of all locks; fills holders_.
+  // The rows of all locks; fills found_ and lock_of_.
   std::vector<typename LockedCoordinates<A>::Row> find_locks() {
     std::vector<typename LockedCoordinates<A>::Row> rows;
-    int index = 0;
+    std::map<std::pair<int, int>, int> lock_at;  // by cut (-1: tree) and velocity
     int cut = -1;
     const auto look = [&](const auto& force) {
-      if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        holders_.push_back({index, force.sign});
-        if (cut < 0) {
-          rows.push_back({{force.v, 1}});
-        } else {
-          rows.push_back(rotation_row(cut));
+      using Element = std::decay_t<decltype(force.element)>;
+      lock_of_.push_back(-1);
+      if constexpr (Sticks<Element> || Blocks<Element>) {
+        const auto [place, is_new] = lock_at.try_emplace({cut, force.v}, locks());
+        if (is_new) {
+          found_.push_back({.sign = force.sign});
+          if (cut < 0) {
+            rows.push_back({{force.v, 1}});
+          } else {
+            rows.push_back(rotation_row(cut));
+          }
         }
+        lock_of_.back() = place->second;
+        (Sticks<Element> ? found_[place->second].friction : found_[place->second].limit) =
+            static_cast<int>(lock_of_.size()) - 1;
       }
-      ++index;
     };
     state_.loads.tree.each_branching(look);
     for (cut = 0; cut < static_cast<int>(state_.loads.cuts.size()); ++cut) state_.loads.cuts[cut].each_branching(look);
@@ -183,9 +259,12 @@ class JointModes final : public Branching {
   State state_;
   const MassFactor<A>& M_;
   const int* held_ = nullptr;
-  std::vector<Holder> holders_;  // by lock
+  std::vector<Lock> found_;
+  std::vector<int> lock_of_;  // by force with modes; -1: it cannot lock
   LockedCoordinates<A> locks_;
   std::vector<double> x_;  // forces of the last solve(), user's signs
+  double sqrt_mass_ = 0;   // of the whole mechanism
+  double force_size_ = 0;  // |L^-T f| for a force f that acts on the whole mechanism
   std::vector<double> work_;
 };
 

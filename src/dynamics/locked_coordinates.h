@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coordinates that friction keeps at rest. A locked coordinate s adds the constraint equation S v = 0 with a constant
-// row S, and its force x to the equations of motion,
+// Coordinates that friction and limits keep at rest. A locked coordinate s adds the constraint equation S v = 0 with a
+// constant row S, and its force x to the equations of motion,
 //   M vdot + J^T lambda = f + S^T x,   J vdot = gamma,   S vdot = 0.
 // The factors of the equations without locks remain in use: with y = L^-T S^T, M = L^T L, and z = its part that the
 // constraint equations J permit, locks demand z^T w = z^T w0 - y^T w0 of w = L vdot, where w0 solves the equations
 // without them. Several locks may be redundant with each other and with J; then x is of minimum norm.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -39,6 +40,7 @@ class LockedCoordinates {
         locked_(rows_.size(), 0),
         y_(rows_.size(), std::vector<double>(static_cast<std::size_t>(nv))),
         inverse_size_(rows_.size()),
+        inverse_mobility_(rows_.size(), INFINITY),
         zero_(static_cast<std::size_t>(constraints)),
         gap_(rows_.size()),
         w_(static_cast<std::size_t>(nv)),
@@ -51,6 +53,9 @@ class LockedCoordinates {
   // Number of locks that act independently of each other and of the constraint equations, and of all.
   int rank() const { return factor_.rank(); }
   int locked_count() const { return locked_count_; }
+
+  // Force per |L^-T f| that has the same effect on a locked coordinate; infinite if other constraints determine it.
+  double inverse_mobility(int i) const { return inverse_mobility_[i]; }
 
   // Locks coordinate i or releases it.
   void lock(int i, bool on) {
@@ -73,7 +78,10 @@ class LockedCoordinates {
       const double size = norm(y_[i].data());
       inverse_size_[i] = 1 / size;
       permitted_part(y_[i].data(), z);
-      if (!(norm(z) > rank_threshold * size)) {
+      const double permitted = norm(z);
+      inverse_mobility_[i] = size / (permitted * permitted);
+      if (!(permitted > rank_threshold * size)) {
+        inverse_mobility_[i] = INFINITY;
         std::fill(z, z + n_, 0.0);  // other constraints determine this coordinate
       } else {
         for (int k = 0; k < n_; ++k) z[k] *= inverse_size_[i];
@@ -118,6 +126,12 @@ class LockedCoordinates {
       if (locked_[i] != 0 && rows_[i].size() == 1) v[rows_[i].front().v] = 0;
     }
   }
+  // The same for each column of v (n x columns), stored row by row.
+  void clear(double* v, int columns) const {
+    for (int i = 0; i < count(); ++i) {
+      if (locked_[i] != 0 && rows_[i].size() == 1) std::fill_n(v + rows_[i].front().v * columns, columns, 0.0);
+    }
+  }
   // The speed (acceleration) of coordinate i for these velocities (accelerations).
   double speed(int i, const double* v) const {
     double sum = 0;
@@ -155,6 +169,7 @@ class LockedCoordinates {
   bool is_current_ = false;
   std::vector<std::vector<double>> y_;
   std::vector<double> inverse_size_;  // 1 / |y|
+  std::vector<double> inverse_mobility_;
   std::vector<double> zero_;
   mutable std::vector<double> gap_, w_, column_;
   RowFactor factor_;  // of z / |y|

@@ -15,13 +15,17 @@
 //                         rates
 //   events[2][2]          for each indicator the texts of the events at which it becomes negative and positive
 //
-// An element whose mode 0 is rest (friction) has, in place of these indicators,
+// Elements that can keep their coordinate at rest, with a force that is not theirs to compute, have indicators for a
+// given mode; x: the generalized force that keeps the coordinate at rest. One whose mode 0 is rest (friction) has
 //   sticking_limit()      largest |tau| that keeps the coordinate at rest
 //   slipping_limit()      |tau| in a motion that begins
-//   indicators(side, v, x, g)   the two indicators in a given mode; x: the torque that keeps the coordinate at rest
+//   indicators(side, v, a, x, slack, g, gdot)    a: acceleration, or NaN
+// and one whose modes 1 and -1 are contact (limit) has
+//   depth(side, q), touch_tolerance(side), restitution
+//   indicators(side, q, v, x, adhesion, g, gdot)
 //
-// Elements among the fields of a joint (spring, damper, stop, friction) also have `group`, the name of their mapping in
-// the joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
+// Elements among the fields of a joint (spring, damper, stop, friction, limit) also have `group`, the name of their
+// mapping in the joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
 #pragma once
 
 #include "element/element.h"
@@ -35,8 +39,10 @@ concept HasJacobians = requires(const F& f, double x) { f.jacobians(x, x); };
 template <class F>
 concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
 
-// Elements that can keep their coordinate at rest.
+// Elements that can keep their coordinate at rest, by friction and in contact.
 template <class F>
 concept Sticks = HasBranches<F> && requires(const F& f) { f.sticking_limit(); };
+template <class F>
+concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
 
 }  // namespace gelenk

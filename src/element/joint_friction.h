@@ -76,11 +76,13 @@ struct JointFriction {
   T effort(const T& q, const T& v, const T*) const {
     return held(side(q, v), q, v);
   }
-  // The event indicators in a mode: of motion with positive and with negative speed. x: the torque that keeps the
-  // coordinate at rest, in mode 0.
-  void indicators(int side, double v, double x, double* g) const {
-    g[0] = side > 0 ? v : side < 0 ? -1 : -x - sticking_limit();
-    g[1] = side < 0 ? -v : side > 0 ? -1 : x - sticking_limit();
+  // The event indicators in a mode: of motion with positive and with negative speed. a: the acceleration. x: the torque
+  // that keeps the coordinate at rest, in mode 0. slack: how far it may exceed the limit by rounding.
+  void indicators(int side, double v, double a, double x, double slack, double* g, double* gdot) const {
+    g[0] = side > 0 ? v : side < 0 ? -1 : -x - sticking_limit() - slack;
+    g[1] = side < 0 ? -v : side > 0 ? -1 : x - sticking_limit() - slack;
+    gdot[0] = side > 0 ? a : NAN;
+    gdot[1] = side < 0 ? -a : NAN;
   }
   // For each indicator, the texts of the events at which this motion ends at rest, and at which it begins.
   static constexpr std::string_view events[2][2] = {

@@ -16,6 +16,7 @@
 #include "element/gear.h"
 #include "element/joint_damper.h"
 #include "element/joint_friction.h"
+#include "element/joint_limit.h"
 #include "element/joint_spring.h"
 #include "element/knife_edge.h"
 #include "element/moment.h"
@@ -36,7 +37,8 @@ using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 
 // Elements along each coordinate of a joint; those in std::optional need not be present.
-using JointForces = std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>>;
+using JointForces =
+    std::tuple<JointDamper, JointSpring, std::optional<Stop>, std::optional<JointFriction>, std::optional<JointLimit>>;
 
 // Description of an element type for code that does not depend on particular elements.
 struct ElementKind {

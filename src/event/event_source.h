@@ -18,9 +18,10 @@ class EventSource {
   // [1/s]: values and rates at (t, y); an unknown rate is NaN.
   virtual int indicators() const { return 0; }
   virtual void indicator_values(double /*t*/, const double* /*y*/, double* /*g*/, double* /*gdot*/) {}
-  // Called where a step begins: brings the modes that the equations remember up to date if inputs have jumped; and sets
-  // `positive` for their indicators, of which the signs alone do not decide.
-  virtual void recall_mode(double /*t*/, const double* /*y*/) {}
+  // Called where a step begins: brings the modes that the equations remember up to date if inputs have jumped, and
+  // returns whether velocities in y have changed, because something has come to rest; and sets `positive` for their
+  // indicators, of which the signs alone do not decide.
+  virtual bool recall_mode(double /*t*/, double* /*y*/) { return false; }
   virtual void remembered_mode(bool* /*positive*/) const {}
   // After t [s] the equations are kept in the mode in which these indicators are positive; null: the mode follows from
   // each state again, as far as it is not remembered.

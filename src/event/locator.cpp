@@ -32,9 +32,12 @@ Locator::Locator(EventSource& source, int size) : source_(source), course_(sourc
   high_y_.resize(static_cast<std::size_t>(size));
 }
 
-void Locator::save_start(const Stepping& method) {
+// end: of the step to come.
+void Locator::save_start(Stepping& method, double end) {
   std::copy_n(method.state(), start_y_.size(), start_y_.begin());
-  course_.begin(method.time(), start_y_.data());
+  if (!course_.begin(method.time(), start_y_.data())) return;
+  method.go_to(method.time(), start_y_.data());
+  method.stop_at(end);
 }
 
 void Locator::save_high(const Stepping& method) {
@@ -43,14 +46,14 @@ void Locator::save_high(const Stepping& method) {
 }
 
 Step Locator::step(Stepping& method, double end) {
-  stop_ = end;
+  stop_ = end_ = end;
   const Step step = step_in_mode(method, end);
   if (stop_ != end) method.stop_at(end);
   return step;
 }
 
 Step Locator::step_across(Stepping& method, double end) {
-  save_start(method);
+  save_start(method, end);
   const Step step = method.step_towards(end);
   if (step != Step::made) return step;
   course_.end(method.time(), method.state());
@@ -61,7 +64,7 @@ Step Locator::step_across(Stepping& method, double end) {
 }
 
 Step Locator::step_in_mode(Stepping& method, double end) {
-  save_start(method);
+  save_start(method, end);
   const HeldMode held(source_, course_.start(), course_.mode());
   const bool approaches = course_.start() < event_ahead_ && event_ahead_ < end;
   if (approaches) stop_at(event_ahead_, method);
@@ -96,7 +99,8 @@ void Locator::stop_at(double end, Stepping& method) {
 // Whether the step has evaluated the equations beyond an event before `end`.
 bool Locator::has_left_mode(double end) const {
   const double left = source_.mode_exit_time();
-  return left < end && left > course_.start() + rounding(end);
+  const double resolution = std::max(resolution_fraction * (end - course_.start()), rounding(end));
+  return left < end && left > course_.start() + resolution;
 }
 
 // Repeats the step, to `end` or less far.
@@ -136,6 +140,7 @@ Step Locator::end_at_event(Stepping& method) {
   for (std::size_t i = 0; i < course_.size(); ++i) {
     if (course_.changed(i)) source_.found_event(high_t_, static_cast<int>(i), course_.positive(i));
   }
+  if (end_ - high_t_ <= rounding(end_)) high_t_ = end_;  // no method can make so short a step
   source_.change_mode(high_t_, high_y_.data());
   method.go_to(high_t_, high_y_.data());
   stop_ = high_t_;

@@ -50,12 +50,13 @@ class Locator {
   Step search(std::size_t i, Stepping& method);
   Step repeat_step(Stepping& method, double end);
   bool has_left_mode(double end) const;
-  void save_start(const Stepping& method);
+  void save_start(Stepping& method, double end);
   void save_high(const Stepping& method);
   Step end_at_event(Stepping& method);
   void stop_at(double end, Stepping& method);
 
   EventSource& source_;
+  double end_ = 0;          // s: end of the step asked for
   double stop_ = 0;         // s: time at which the steps of the method stop
   double event_ahead_ = 0;  // s: approximate time of an event that several steps approach
   StepCourse course_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gelenk {
 namespace {
@@ -11,6 +12,8 @@ namespace {
 constexpr double cubic_error_fraction = 0.05;
 // Fraction of the step: an extremum nearer to an end is not resolved from it.
 constexpr double min_end_distance = 1e-3;
+// In place of a zero of which the sign is known.
+constexpr double smallest = std::numeric_limits<double>::min();
 
 }  // namespace
 
@@ -21,15 +24,16 @@ StepCourse::StepCourse(EventSource& source) : source_(source) {
   after_ = std::make_unique<bool[]>(n);
 }
 
-void StepCourse::begin(double t, const double* y) {
+bool StepCourse::begin(double t, double* y) {
   start_t_ = t;
-  source_.recall_mode(t, y);
+  const bool changed = source_.recall_mode(t, y);
   read_mode(source_, t, y, start_g_, start_gdot_, before_.get());
   source_.remembered_mode(before_.get());
   // At the beginning of a mode an indicator is zero, or beyond it by rounding.
   for (std::size_t i = 0; i < size(); ++i) {
-    if ((start_g_[i] > 0) != before_[i] && start_g_[i] != 0) start_g_[i] = 0;
+    if (start_g_[i] == 0 || (start_g_[i] > 0) != before_[i]) start_g_[i] = before_[i] ? smallest : -smallest;
   }
+  return changed;
 }
 
 void StepCourse::end(double t, const double* y) {
@@ -49,6 +53,7 @@ double StepCourse::zero(std::size_t i) const { return start_t_ + cubic(i).zero()
 double StepCourse::touch() const {
   double first = INFINITY;
   for (std::size_t i = 0; i < size(); ++i) {
+    if (std::abs(start_g_[i]) <= smallest) continue;  // its mode begins here
     const bool approaches = before_[i] ? start_gdot_[i] < 0 : start_gdot_[i] > 0;
     const Cubic course = cubic(i);
     if (!approaches || !course.has_extremum()) continue;

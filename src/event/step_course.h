@@ -16,8 +16,8 @@ class StepCourse {
   explicit StepCourse(EventSource& source);
 
   std::size_t size() const { return g_.size(); }
-  // Sets the start and the end of the step.
-  void begin(double t, const double* y);
+  // Set the start and the end of the step; begin() returns whether y has changed (EventSource::recall_mode).
+  bool begin(double t, double* y);
   void end(double t, const double* y);
 
   double start() const { return start_t_; }           // s

@@ -38,6 +38,8 @@ bool permits(Range allowed, double x) {
       return x > 0;
     case Range::not_zero:
       return x != 0;
+    case Range::fraction:
+      return x >= 0 && x <= 1;
     case Range::any:
       break;
   }
@@ -52,6 +54,8 @@ std::string bound(Range allowed, std::string_view unit) {
       return "more than " + text::with_unit("0", unit);
     case Range::not_zero:
       return "a number other than 0";
+    case Range::fraction:
+      return "0 to 1";
     case Range::any:
       break;
   }

@@ -25,7 +25,7 @@
 namespace gelenk {
 
 // Permitted range of a number.
-enum class Range { any, not_negative, positive, not_zero };
+enum class Range { any, not_negative, positive, not_zero, fraction };
 
 // Index of one of a field's words, or none.
 struct Choice {

@@ -63,7 +63,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
 
 bool Formulation::project_onto_constraints(double t, double* y) {
   drives_.go_to(t);
-  if (modes_.remembers()) modes_.release();  // friction exerts no impulses
+  if (!modes_.locks().empty()) modes_.locks().release();  // friction exerts no impulses
   dynamics_.normalize(y);
   dynamics_.set_position(y);
   projector().refactorize();  // an impact is no small correction, so former factors are not accurate enough
@@ -77,7 +77,7 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  modes_.start(t, y);
+  modes_.locks().start(t, y);
   return true;
 }
 
@@ -146,7 +146,7 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  const FrictionPreview preview(modes_, t, y);
+  const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
 }
@@ -155,14 +155,14 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
-  modes_.start(t, y);
+  modes_.locks().start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {
   revolutions_.serialize(archive);
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
-  modes_.serialize(archive);
+  modes_.locks().serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

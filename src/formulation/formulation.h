@@ -18,9 +18,9 @@
 #include "formulation/constraint_projector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
-#include "formulation/event_modes.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
+#include "modes/event_modes.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -63,7 +63,7 @@ class Formulation : public Equations, private ModeEquations {
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
-  virtual void inputs_changed(double /*t*/, const double* /*y*/) { modes_.inputs_jumped(); }
+  virtual void inputs_changed(double /*t*/, const double* /*y*/) { modes_.locks().inputs_jumped(); }
   // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
   // this is an impact. Returns false if that fails.
   bool project_onto_constraints(double t, double* y);

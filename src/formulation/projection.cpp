@@ -326,8 +326,9 @@ bool Projection::project(double t, double* y) {
   drives_.go_to(t);
   if (corrections_ > 0 && mechanism_.rows > 0) return apply_fixed_corrections(y, y + mechanism_.nq);
   if (!rows_.is_regular()) rows_.update_singularity_status();  // the last accelerations used another weak fraction
-  if (close(y)) return true;
-  return !rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq);
+  const bool closed = close(y) || (!rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq));
+  modes().locks().clear_rest(y + mechanism_.nq);
+  return closed;
 }
 
 void Projection::accepted(double t, const double* y) {

@@ -121,8 +121,8 @@ class StartedMultistep final : public Integrator {
   // Makes a step of the multistep method in the mode in which it begins; returns whether it went beyond the end of the
   // mode.
   bool step_in_mode(double end) {
+    if (course_.begin(t_, y_.data())) multistep_->restart(t_, y_.data());
     y_before_ = y_;
-    course_.begin(t_, y_.data());
     const HeldMode held(system_.modes(), t_, course_.mode());
     t_ = multistep_->advance_some(end, y_.data(), 1);
     course_.end(t_, y_.data());

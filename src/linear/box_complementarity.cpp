@@ -37,7 +37,12 @@ class ActiveSet {
       found = !release();
     }
     if (found) shorten();
-    return {x_, residual(), held_, found};
+    const VectorXd r = residual();
+    // Where both bounds are 0, the residual decides which of them acts.
+    for (Index i = 0; i < r.size(); ++i) {
+      if (lower_[i] == upper_[i] && r[i] < 0) held_[i] = -1;
+    }
+    return {x_, r, held_, found};
   }
 
  private:

@@ -6,10 +6,11 @@
 
 namespace gelenk {
 
-// Returns the solution x of W x = b with the smallest largest |x_i| / limit_i, in which all forces are below their
-// limits as long as any distribution is. W: symmetric and positive semidefinite, b in its range; limits: positive. By
-// Dinkelbach's method (1967): the forces at their limits times a fraction permit a motion, whose power gives the next
-// fraction.
-Eigen::VectorXd least_load(const Eigen::MatrixXd& W, const Eigen::VectorXd& b, const Eigen::VectorXd& limits);
+// Returns the solution x of W x = b with the smallest largest fraction of a finite bound, lower <= 0 <= upper, in which
+// all forces are within their bounds as long as any distribution is; infinite bounds may be used freely. W: symmetric
+// and positive semidefinite, b in its range. By Dinkelbach's method (1967): the forces at their bounds times a fraction
+// permit a motion, whose power gives the next fraction.
+Eigen::VectorXd least_load(const Eigen::MatrixXd& W, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
+                           const Eigen::VectorXd& upper);
 
 }  // namespace gelenk

@@ -119,10 +119,9 @@ void replace_rods(const Scene& scene, bool planar, Graph& graph, std::vector<Not
 
 // Edges of the spanning tree in the order in which they reach new groups, from the ground (tree.cpp).
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph, bool planar);
-// Whether friction can keep a coordinate of the joint at rest; and whether the joint can be cut nevertheless, because
-// the rate of its coordinate is a sum of velocities with constant factors.
-bool has_friction(const Joint& joint);
-bool may_be_cut_with_friction(const Joint& joint, bool planar);
+// Whether friction or a limit can keep a coordinate of the joint at rest, unless its rate would be a sum of velocities
+// with constant factors.
+bool must_not_be_cut(const Joint& joint, bool planar);
 
 // The mechanism of one island; registers bodies and joints in `places` (links.cpp). normal: of the plane, in the world,
 // if the graph is aligned to one.

@@ -114,11 +114,12 @@ struct MechanismBuilder {
 
   void add_joint_cut(const Edge& edge) {
     const Joint& joint = scene.joints[edge.scene_joint];
-    if (has_friction(joint) && !may_be_cut_with_friction(joint, out.planar)) {
+    if (must_not_be_cut(joint, out.planar)) {
       throw SceneError(
-          {(scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name +
-           ".friction: found friction in every joint at which the loop can be cut; expected a loop with at "
-           "least one joint without friction, motion, gear and rack"});
+          {(scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name + "." +
+           std::string(joint.locking_element()) +
+           ": found friction or limits in every joint at which the loop can be cut; expected a loop with at "
+           "least one joint without friction, limit, motion, gear and rack"});
     }
     Cut cut;
     cut.joint = cut_joint(edge.joint);

@@ -6,7 +6,6 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "element/friction_of.h"
 #include "mechanism/graph.h"
 
 namespace gelenk {
@@ -30,7 +29,7 @@ class Preferences {
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
     for (const Joint& joint : scene.joints) {
-      if (has_friction(joint) && !may_be_cut_with_friction(joint, planar)) must_be_in_tree_.insert(joint.name);
+      if (must_not_be_cut(joint, planar)) must_be_in_tree_.insert(joint.name);
     }
   }
 
@@ -55,12 +54,10 @@ class Preferences {
 
 }  // namespace
 
-bool has_friction(const Joint& joint) {
-  return std::ranges::any_of(joint.along, [](const JointForces& forces) { return gelenk::has_friction(forces); });
-}
-
-bool may_be_cut_with_friction(const Joint& joint, bool planar) {
-  return planar && kind_of(joint.is).planar == PlanarRole::normal && kind_of(joint.is).nv == 1;
+bool must_not_be_cut(const Joint& joint, bool planar) {
+  if (joint.locking_element().empty()) return false;
+  const bool turns_in_plane = planar && kind_of(joint.is).planar == PlanarRole::normal && kind_of(joint.is).nv == 1;
+  return !turns_in_plane;
 }
 
 std::vector<int> spanning_tree(const Scene& scene, const Graph& graph, bool planar) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "element/locking.h"
 #include "element/registry.h"
 #include "joint/registry.h"
 #include "math/spatial.h"
@@ -60,6 +61,13 @@ struct Joint {
   AnyJoint is;                     // joint of that type, with these axes and its own parameters
   std::vector<JointForces> along;  // forces along each velocity, such as springs, dampers and stops
 
+  // The group of an element that can keep one of its coordinates at rest (element/locking.h); empty: there is none.
+  std::string_view locking_element() const {
+    for (const JointForces& forces : along) {
+      if (const std::string_view found = gelenk::locking_element(forces); !found.empty()) return found;
+    }
+    return {};
+  }
   // True if no force acts along any of its velocities.
   bool is_idle() const {
     for (const JointForces& forces : along) {

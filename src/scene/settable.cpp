@@ -158,8 +158,8 @@ std::string SettableNumber::description(const Scene& scene) const {
 double SettableNumber::min() const {
   constexpr double none = -std::numeric_limits<double>::infinity();
   if (of_ == Of::inertia) return i_ < 3 ? 0 : none;
-  const bool positive = field_ != nullptr && (field_->range == Range::not_negative || field_->range == Range::positive);
-  return positive ? 0 : none;
+  if (field_ == nullptr || field_->range == Range::any || field_->range == Range::not_zero) return none;
+  return 0;
 }
 
 double& SettableNumber::place(Scene& scene) const {

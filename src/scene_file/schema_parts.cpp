@@ -6,7 +6,8 @@ namespace gelenk::schema {
 Json number(const std::string& unit, const std::string& description, Range allowed) {
   Json out;
   out["type"] = "number";
-  if (allowed == Range::not_negative) out["minimum"] = 0;
+  if (allowed == Range::not_negative || allowed == Range::fraction) out["minimum"] = 0;
+  if (allowed == Range::fraction) out["maximum"] = 1;
   if (allowed == Range::positive) out["exclusiveMinimum"] = 0;
   if (allowed == Range::not_zero) out["not"] = {{"const", 0}};
   out["description"] = unit.empty() ? description : description + " [" + unit + "]";

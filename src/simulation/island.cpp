@@ -101,7 +101,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   backup_ = y_;
   backup_time_ = time_;
   backup_followed_ = followed_;
-  backup_friction_ = equations_->modes().modes();
+  if (const LockModes& locks = equations_->modes().locks(); !locks.empty()) backup_modes_ = locks.state();
   realized_ = Stage::position;
   if (!continues) events_.begin(time_);
   events_.begin_part();
@@ -184,7 +184,7 @@ void Island::roll_back() {
   events_.undo_part();
   realized_ = Stage::position;
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
-  equations_->modes().set_modes(backup_friction_);
+  if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
   if (integrator_) integrator_->restart(time_, y_.data());
   replay_.clear();
 }

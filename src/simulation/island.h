@@ -63,7 +63,7 @@ class Island {
   const PreparedIsland& prepared() const { return prepared_; }
   const Loads& loads() const { return loads_; }
   Dynamics& dynamics() { return *dynamics_; }
-  const Formulation& formulation() const { return *equations_; }
+  Formulation& formulation() const { return *equations_; }
   // Prescribed values and derivatives of all coordinate rows at time() (Targets::derivatives).
   std::vector<MotionLaw::Derivatives> targets() const;
 
@@ -98,8 +98,8 @@ class Island {
   std::vector<double> y_, vdot_;
   double backup_time_;
   std::vector<double> backup_;
-  std::vector<int> backup_friction_;  // modes of joint friction before the last advance
-  bool follows_ = false;              // whether an input prescribes a coordinate
+  LockModes::State backup_modes_;  // before the last advance
+  bool follows_ = false;           // whether an input prescribes a coordinate
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, backup_followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs

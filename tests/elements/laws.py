@@ -61,6 +61,8 @@ def drawn(field: Kind, rng: np.random.Generator) -> Any:
     signs = (1.0,) if field["range"] in ("positive", "not_negative") else (-1.0, 1.0)
 
     def number() -> float:
+        if field["range"] == "fraction":
+            return float(rng.uniform(0.3, 0.7))
         return float(rng.choice(signs) * rng.uniform(0.3, 2.0))
 
     if field["type"] == "number":

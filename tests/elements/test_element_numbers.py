@@ -47,11 +47,23 @@ def places() -> Iterator[tuple[str, list[Scene], tuple[str, ...], Given]]:
         for joint in force.kind["fits"]:
             fields = {name: for_each_speed(x, joint) for name, x in force.fields.items()}
             fields = {group: fields} if group else fields
-            starts = [
-                scenes.one_joint(joint, position, **copy.deepcopy(fields)) for position in (0.4, 3.0, -3.0)
-            ]
+            starts = [starting(joint, *state, copy.deepcopy(fields)) for state in states(force)]
             at = ("joints", "J", group) if group else ("joints", "J")
             yield f"{force}-{joint}", starts, at, force
+
+
+def states(force: Given) -> list[tuple[float, float]]:
+    """Coordinates and speeds at the start: within and beyond bounds of a stop, before those of a limit."""
+    if force.kind["name"] != "limit":
+        return [(0.4, 0.7), (3.0, 0.7), (-3.0, 0.7)]
+    return [(force.fields["lower"] + 1e-3, -0.7), (force.fields["upper"] - 1e-3, 0.7)]
+
+
+def starting(joint: str, position: float, speed: float, fields: dict[str, Any]) -> Scene:
+    source = scenes.one_joint(joint, position, **fields)
+    start = source["joints"]["J"].get("start", {})
+    start |= {name: speed for name in JOINTS[joint]["v"] if name in start}
+    return source
 
 
 def for_each_speed(value: float, joint: str) -> Any:

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <tuple>
+
+#include "element/registry.h"
+
+namespace gelenk {
+
+// The group of the element that can keep the coordinate at rest, with a force that the equations of motion determine:
+// dry friction or a hard limit; empty if there is none.
+inline std::string_view locking_element(const JointForces& forces) {
+  if (std::get<std::optional<JointFriction>>(forces)) return JointFriction::group;
+  if (std::get<std::optional<JointLimit>>(forces)) return JointLimit::group;
+  return {};
+}
+
+}  // namespace gelenk

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modes/event_modes.h"
+
+namespace gelenk {
+
+EventModes::EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log)
+    : dynamics_(dynamics),
+      forces_(dynamics.branching()),
+      nq_(nq),
+      log_(log),
+      sides_(static_cast<std::size_t>(forces_.count()), JointLoads::of_state),
+      present_sides_(sides_.size()),
+      g_(2 * sides_.size()),
+      gdot_(g_.size()),
+      locks_(equations, dynamics, nq, nv, log, sides_) {}
+
+void EventModes::indicator_values(double t, const double* y, double* g, double* gdot) {
+  const double* vdot = locks_.accelerations(t, y);
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + nq_);
+  locks_.indicators(vdot, g, gdot);
+}
+
+EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {
+  if (locks_.empty()) return {};
+  const ModePreview preview(locks_, t, y);
+  const int boundary = locks_.treat(friction, t, y);
+  return {sides_, boundary};
+}
+
+void EventModes::remembered_mode(bool* positive) const {
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (!locks_.owns(static_cast<int>(i))) continue;
+    positive[2 * i] = sides_[i] == 1;
+    positive[2 * i + 1] = sides_[i] == -1;
+  }
+}
+
+void EventModes::hold_mode(double t, const bool* positive) {
+  held_ = positive != nullptr;
+  held_from_ = t;
+  mode_exit_time_ = INFINITY;
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (locks_.owns(static_cast<int>(i))) continue;
+    sides_[i] = !held_ ? JointLoads::of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
+  }
+  forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
+}
+
+void EventModes::check(double t, const double* v) {
+  dynamics_.set_velocity(v);
+  forces_.sides(present_sides_.data());
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (locks_.keeps_mode(static_cast<int>(i), v)) present_sides_[i] = sides_[i];
+  }
+  if (present_sides_ != sides_ && is_outside()) mode_exit_time_ = t;
+}
+
+// At the boundary of the mode a state belongs to either side, as rounding decides.
+bool EventModes::is_outside() {
+  locks_.indicators(nullptr, g_.data(), gdot_.data());
+  for (std::size_t i = 0; i < g_.size(); ++i) {
+    if (present_sides_[i / 2] == sides_[i / 2]) continue;
+    const bool held = sides_[i / 2] == (i % 2 == 0 ? 1 : -1);
+    if (held ? g_[i] < 0 : g_[i] > 0) return true;
+  }
+  return false;
+}
+
+void EventModes::found_event(double t, int indicator, bool positive) {
+  if (!locks_.found_event(indicator)) log_.add({t, indicator, positive});
+}
+
+}  // namespace gelenk

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The modes of forces with several (stops, friction, limits), held from one event to the next. The mode of a stop
+// follows from the state; those of friction and limits are remembered, and change at events.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "event/event_log.h"
+#include "event/event_source.h"
+#include "modes/lock_modes.h"
+
+namespace gelenk {
+
+class EventModes final : public EventSource {
+ public:
+  // nq, nv: number of coordinates and velocities in y. log: receives the events.
+  EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log);
+
+  // Two indicators for each force with modes. A stop or limit: for its upper and its lower bound, positive while it is
+  // in contact. Friction: of motion in the positive and in the negative direction, positive during it.
+  int indicators() const override { return 2 * static_cast<int>(sides_.size()); }
+  void indicator_values(double t, const double* y, double* g, double* gdot) override;
+  bool recall_mode(double t, double* y) override { return locks_.recall(t, y); }
+  void remembered_mode(bool* positive) const override;
+  void hold_mode(double t, const bool* positive) override;
+  double mode_exit_time() const override { return mode_exit_time_; }
+  void found_event(double t, int indicator, bool positive) override;
+  void change_mode(double t, double* y) override { locks_.change(t, y); }
+  std::string too_many_events() const override { return log_.too_many(); }
+
+  // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
+  void watch(double t, const double* v) {
+    if (held_ && t > held_from_ && t < mode_exit_time_) check(t, v);
+  }
+  // The same after the accelerations have been solved for: whether what is kept at rest can no longer be.
+  void watch_holding_forces(double t) {
+    if (held_ && t > held_from_ && t < mode_exit_time_ && locks_.are_overloaded()) mode_exit_time_ = t;
+  }
+
+  LockModes& locks() { return locks_; }
+  // The modes of all forces with modes in which derivatives are taken at (t, y), the present state: those in which a
+  // step would begin; empty: those of the state. boundary: see LockModes::treat().
+  struct Present {
+    std::vector<int> sides;
+    int boundary = -1;
+  };
+  Present present(double t, const double* y, FrictionTreatment friction);
+
+ private:
+  void check(double t, const double* v);
+  bool is_outside();
+
+  Dynamics& dynamics_;
+  Branching& forces_;
+  int nq_;
+  EventLog& log_;
+  std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
+  std::vector<double> g_, gdot_;            // indicators
+  bool held_ = false;                       // a mode is held
+  double held_from_ = 0;                    // s: start of the held mode
+  double mode_exit_time_ = INFINITY;        // s: see EventSource
+  LockModes locks_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modes/lock_modes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linear/least_load.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Speeds up to this fraction of the largest, or of 1, are rest: the rounding of a speed that changes its sign.
+constexpr double rest_tolerance = 1e-12;
+
+// Friction at rest that uses this fraction of its limit is about to slip.
+constexpr double boundary_fraction = 1e-9;
+// A bound within this fraction of what counts as contact has been reached.
+constexpr double reached_fraction = 1e-2;
+// What leaves a bound may be beyond it by rounding, and go further by this fraction of what counts as contact before it
+// meets the bound again.
+constexpr double leaving_fraction = 0.1;
+// Values of triggered_.
+constexpr char by_friction = 1;
+constexpr char by_limit = 2;
+
+}  // namespace
+
+LockModes::LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log,
+                     std::vector<int>& sides)
+    : equations_(equations),
+      dynamics_(dynamics),
+      forces_(dynamics.branching()),
+      nq_(nq),
+      nv_(nv),
+      log_(log),
+      sides_(sides),
+      lock_of_(sides.size(), -1),
+      modes_{std::vector<int>(static_cast<std::size_t>(forces_.locks())),
+             std::vector<int>(static_cast<std::size_t>(forces_.locks())),
+             std::vector<double>(static_cast<std::size_t>(forces_.locks()))},
+      triggered_(modes_.motions.size()),
+      holding_(modes_.motions.size()),
+      vdot_(static_cast<std::size_t>(nv)) {
+  for (int i = 0; i < count(); ++i) {
+    const Branching::Lock lock = forces_.lock(i);
+    any_friction_ = any_friction_ || lock.friction >= 0;
+    for (const int force : {lock.friction, lock.limit}) {
+      if (force >= 0) lock_of_[static_cast<std::size_t>(force)] = i;
+    }
+  }
+  if (!empty()) release();
+}
+
+bool LockModes::is_slow(int lock, const double* v) const {
+  double fastest = 1;
+  for (int k = 0; k < nv_; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  return std::abs(forces_.speed(lock, v)) <= rest_tolerance * fastest;
+}
+
+bool LockModes::keeps_mode(int force, const double* v) const {
+  if (!owns(force)) return false;
+  const int lock = lock_of_[static_cast<std::size_t>(force)];
+  return rests(lock) || (forces_.lock(lock).friction == force && is_slow(lock, v));
+}
+
+// The side on which the coordinate is in contact or touches a bound at the position of `dynamics`; otherwise 0.
+int LockModes::touched_side(int lock) const {
+  if (modes_.contacts[lock] != 0) return modes_.contacts[lock];
+  for (const int side : {1, -1}) {
+    const Branching::Depth at = forces_.depth(lock, side);
+    if (at.depth >= -at.tolerance) return side;
+  }
+  return 0;
+}
+
+// The forces that can keep coordinates at rest: friction up to its limit, and contact, which does not pull.
+LockModes::Bounds LockModes::bounds_of(const std::vector<int>& locks, const std::vector<int>& contacts) const {
+  const auto n = static_cast<Index>(locks.size());
+  Bounds out{VectorXd(n), VectorXd(n)};
+  for (Index i = 0; i < n; ++i) {
+    const double limit = forces_.lock(locks[i]).sticking_limit;
+    const int side = contacts[locks[i]];
+    out.lower[i] = side > 0 ? -std::numeric_limits<double>::infinity() : -limit;
+    out.upper[i] = side < 0 ? std::numeric_limits<double>::infinity() : limit;
+  }
+  return out;
+}
+
+const double* LockModes::accelerations(double t, const double* y) {
+  if (!any_at_rest_ && !any_friction_) return nullptr;
+  find_holding_forces(t, y);
+  return vdot_.data();
+}
+
+// Brings the holding forces to (t, y); where they are redundant, distributed so that limits are used the least.
+void LockModes::find_holding_forces(double t, const double* y) {
+  equations_.accelerations_at(t, y, vdot_.data());
+  holding_ = forces_.holding_forces();
+  if (!forces_.is_redundant()) return;
+  std::vector<int> locks;
+  for (int i = 0; i < count(); ++i) {
+    if (rests(i)) locks.push_back(i);
+  }
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance(locks, W, scale);
+  VectorXd x(static_cast<Index>(locks.size()));
+  for (Index i = 0; i < x.size(); ++i) x[i] = holding_[static_cast<std::size_t>(locks[i])];
+  const Bounds bounds = bounds_of(locks, modes_.contacts);
+  x = least_load(W, W * x, bounds.lower, bounds.upper);
+  for (Index i = 0; i < x.size(); ++i) holding_[static_cast<std::size_t>(locks[i])] = x[i];
+}
+
+bool LockModes::exceed(const std::vector<double>& holding) const {
+  for (int i = 0; i < count(); ++i) {
+    if (!rests(i)) continue;
+    const double limit = forces_.lock(i).sticking_limit + forces_.slack(i);
+    if ((holding[i] > limit && modes_.contacts[i] >= 0) || (holding[i] < -limit && modes_.contacts[i] <= 0))
+      return true;
+  }
+  return false;
+}
+
+bool LockModes::recall(double t, double* y) {
+  if (empty()) return false;
+  find_events_at_start(t, y);
+  bool changed = change_any(t, y);
+  const bool settled = update(t, y, jumped_, true) || started_;
+  jumped_ = started_ = false;
+  double* v = y + nq_;
+  for (int i = 0; i < count() && settled; ++i) {
+    if (!rests(i) || forces_.speed(i, v) == 0) continue;
+    stop(v);
+    changed = true;
+    break;
+  }
+  return changed;
+}
+
+double LockModes::leaving_depth(int lock) const {
+  const int side = touched_side(lock);
+  if (side == 0) return 0;
+  const Branching::Depth at = forces_.depth(lock, side);
+  return std::max(0.0, at.depth) + leaving_fraction * at.tolerance;
+}
+
+void LockModes::indicators(const double* vdot, double* g, double* gdot) const {
+  forces_.indicators(holding_, vdot, g, gdot);
+  for (int i = 0; i < count(); ++i) {
+    if (modes_.leaves_from[i] == 0 || modes_.contacts[i] != 0) continue;
+    for (const int side : {0, 1}) g[2 * forces_.lock(i).limit + side] -= modes_.leaves_from[i];
+  }
+}
+
+// Finds events at the very start of a step, which cannot be located within it: a speed that is zero and about to
+// change its sign, and a bound that is reached.
+void LockModes::find_events_at_start(double t, const double* y) {
+  const double* v = y + nq_;
+  dynamics_.set_position(y);
+  bool evaluated = false;
+  for (int i = 0; i < count(); ++i) {
+    if (rests(i)) continue;
+    const Branching::Lock lock = forces_.lock(i);
+    const double speed = forces_.speed(i, v);
+    bool away = true;
+    for (const int side : {1, -1}) {
+      if (lock.limit < 0) break;
+      const Branching::Depth at = forces_.depth(i, side);
+      away = away && at.depth < 0;
+      const bool reached = modes_.leaves_from[i] == 0 && at.depth >= -reached_fraction * at.tolerance;
+      if (reached && side * speed > 0 && !is_slow(i, v)) triggered_[i] = by_limit;
+    }
+    if (away) modes_.leaves_from[i] = 0;
+    if (lock.friction < 0 || !is_slow(i, v)) continue;
+    if (!evaluated) equations_.accelerations_at(t, y, vdot_.data());
+    evaluated = true;
+    if (modes_.motions[i] * forces_.speed(i, vdot_.data()) < 0) triggered_[i] = by_friction;
+  }
+}
+
+void LockModes::preview(double t, const double* y) {
+  const long ambiguous = ambiguous_;
+  update(t, y, true, false);
+  ambiguous_ = ambiguous;
+}
+
+// jumped: inputs may have jumped since the modes were determined. Returns whether they have changed.
+bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
+  const double* v = y + nq_;
+  bool doubtful = false;
+  for (int i = 0; i < count() && !doubtful; ++i) {
+    // What a prescribed motion moves cannot be held; what is about to move may be kept from it by other inputs.
+    doubtful = rests(i) ? !is_slow(i, v) : jumped && is_slow(i, v);
+  }
+  if (!doubtful && jumped && any_at_rest_) {
+    find_holding_forces(t, y);
+    doubtful = exceed(holding_);
+  }
+  return doubtful && settle(t, y, false, logs);
+}
+
+// Writes the modes where the equations read them.
+void LockModes::hold() {
+  any_at_rest_ = false;
+  for (int i = 0; i < count(); ++i) {
+    const Branching::Lock lock = forces_.lock(i);
+    if (lock.friction >= 0) sides_[static_cast<std::size_t>(lock.friction)] = modes_.motions[i];
+    if (lock.limit >= 0) sides_[static_cast<std::size_t>(lock.limit)] = modes_.contacts[i];
+    any_at_rest_ = any_at_rest_ || rests(i);
+  }
+  forces_.hold(sides_.data());
+}
+
+void LockModes::release() {
+  std::ranges::fill(modes_.motions, JointLoads::released);
+  std::ranges::fill(modes_.contacts, 0);
+  std::ranges::fill(modes_.leaves_from, 0);
+  hold();
+}
+
+void LockModes::set_state(const State& state) {
+  modes_ = state;
+  hold();
+}
+
+bool LockModes::found_event(int indicator) {
+  if (!owns(indicator / 2)) return false;
+  const int lock = lock_of_[static_cast<std::size_t>(indicator / 2)];
+  triggered_[lock] = forces_.lock(lock).limit == indicator / 2 ? by_limit : by_friction;
+  return true;
+}
+
+// Returns whether there were any.
+bool LockModes::change_any(double t, double* y) {
+  dynamics_.set_position(y);
+  for (int i = 0; i < count(); ++i) {
+    // A rebound may still be beyond the bound by rounding.
+    const bool rebounds =
+        modes_.contacts[i] == 0 && !is_slow(i, y + nq_) && touched_side(i) * forces_.speed(i, y + nq_) < 0;
+    if (triggered_[i] == by_limit && rebounds) triggered_[i] = 0;
+  }
+  bool any = false;
+  bool breaks_away = false;
+  for (int i = 0; i < count(); ++i) {
+    any = any || triggered_[i] != 0;
+    breaks_away = breaks_away || (triggered_[i] != 0 && rests(i));
+  }
+  if (!any) return false;
+  strike(t, y);
+  if (!settle(t, y, breaks_away, true) && breaks_away) force_away(t);
+  std::ranges::fill(triggered_, 0);
+  if (any_at_rest_) stop(y + nq_);
+  return true;
+}
+
+// Stops what has come to rest, and removes what impacts have left in the constraint equations.
+void LockModes::stop(double* v) {
+  forces_.stop(v);
+  dynamics_.set_velocity(v);
+  dynamics_.min_norm_displacement(dynamics_.row_rates().data(), vdot_.data());
+  for (int k = 0; k < nv_; ++k) v[k] += vdot_[k];
+}
+
+void LockModes::start(double t, const double* y) {
+  if (empty()) return;
+  release();
+  jumped_ = false;
+  started_ = true;
+  settle(t, y, false, false);
+}
+
+int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
+  if (friction == FrictionTreatment::present) return on_boundary(t, y);
+  State out = modes_;
+  for (int i = 0; i < count(); ++i) {
+    if (!has_friction(i) || modes_.contacts[i] != 0) continue;
+    int& motion = out.motions[i];
+    if (friction == FrictionTreatment::locked) motion = 0;
+    if (friction == FrictionTreatment::off || (friction == FrictionTreatment::sliding && motion == 0))
+      motion = JointLoads::released;
+  }
+  set_state(out);
+  return -1;
+}
+
+int LockModes::on_boundary(double t, const double* y) {
+  if (any_at_rest_) find_holding_forces(t, y);
+  dynamics_.set_position(y);
+  const double* v = y + nq_;
+  for (int i = 0; i < count(); ++i) {
+    const Branching::Lock lock = forces_.lock(i);
+    if (!rests(i)) {
+      if (has_friction(i) && is_slow(i, v)) return lock.friction;
+      if (lock.limit >= 0 && touched_side(i) != 0) return lock.limit;
+      continue;
+    }
+    const double limit =
+        forces_.lock(i).sticking_limit - std::max(boundary_fraction * forces_.lock(i).sticking_limit, forces_.slack(i));
+    const bool may_rise = holding_[i] >= limit && modes_.contacts[i] >= 0;
+    const bool may_fall = holding_[i] <= -limit && modes_.contacts[i] <= 0;
+    if (may_rise || may_fall) return modes_.contacts[i] != 0 ? lock.limit : lock.friction;
+  }
+  return -1;
+}
+
+void LockModes::enter(double t, State next, bool logs) {
+  const bool changed = next != state();
+  for (int i = 0; i < count() && logs; ++i) {
+    const Branching::Lock lock = forces_.lock(i);
+    const int motion = next.motions[i];
+    if (lock.friction >= 0 && motion != modes_.motions[i]) {
+      const int direction = motion != 0 ? motion : modes_.motions[i];
+      log_.add({t, 2 * lock.friction + (direction < 0 ? 1 : 0), motion != 0});
+    }
+    if (modes_.contacts[i] != 0 && next.contacts[i] == 0) {
+      log_.add({t, 2 * lock.limit + (modes_.contacts[i] < 0 ? 1 : 0), false});
+    }
+  }
+  for (int i = 0; i < count(); ++i) {
+    if (next.contacts[i] != 0) next.leaves_from[i] = 0;
+  }
+  set_state(next);
+  if (changed) equations_.mode_changed();
+}
+
+void LockModes::serialize(Archive& archive) {
+  if (empty()) return;
+  for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, JointLoads::released);
+  for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
+  archive.serialize(modes_.leaves_from);
+  archive.serialize(jumped_, started_, impacts_, closed_series_, ambiguous_);
+  hold();
+}
+
+}  // namespace gelenk

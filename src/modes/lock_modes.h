@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The modes of coordinates with dry friction or a limit: which rest, which slip in what direction, which are in contact
+// with a bound. They do not follow from the state, so they are remembered from one event to the next.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "dynamics/dynamics.h"
+#include "event/event_log.h"
+#include "util/archive.h"
+
+namespace gelenk {
+
+// The equations of motion as modes need them.
+class ModeEquations {
+ public:
+  // vdot (nv) at (t, y) in the held modes, without effect on the run; `dynamics` is left there.
+  virtual void accelerations_at(double t, const double* y, double* vdot) = 0;
+  // Called when a remembered mode has changed.
+  virtual void mode_changed() = 0;
+
+ protected:
+  ~ModeEquations() = default;
+};
+
+// What dry friction does where derivatives are taken: what it does there; nothing moves; everything moves, and what is
+// at rest moves against a constant friction; nothing.
+enum class FrictionTreatment { present, locked, sliding, off };
+
+class LockModes {
+ public:
+  // sides: the held modes of all forces with modes; those of friction and limits are written here.
+  LockModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log, std::vector<int>& sides);
+
+  bool empty() const { return modes_.motions.empty(); }
+  // Whether the force with this index is friction or a limit; and whether it keeps its mode at any v: of a
+  // coordinate at rest, or so slow that rounding decides on its direction.
+  bool owns(int force) const { return lock_of_[static_cast<std::size_t>(force)] >= 0; }
+  bool keeps_mode(int force, const double* v) const;
+  // Sets the speeds of coordinates at rest to exactly 0, which they are within rounding.
+  void clear_rest(double* v) const {
+    if (any_at_rest_) forces_.clear(v);
+  }
+  // Brings the forces that keep coordinates at rest to (t, y), and returns the accelerations; null: neither is needed.
+  const double* accelerations(double t, const double* y);
+  // The event indicators of all forces at the present state of `dynamics`, with these forces.
+  void indicators(const double* vdot, double* g, double* gdot) const;
+  // Whether the last solve() needed forces that friction and contact cannot exert.
+  bool are_overloaded() const { return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces()); }
+
+  // Determines the modes from the state alone.
+  void start(double t, const double* y);
+  // Call when inputs have jumped.
+  void inputs_jumped() { jumped_ = true; }
+  // Brings the modes up to date where a step begins at (t, y); returns whether velocities in y have changed, because
+  // something has come to rest.
+  bool recall(double t, double* y);
+  // Enters the modes that a step at (t, y) would begin in, without recording it.
+  void preview(double t, const double* y);
+  // Friction and limits are without effect until start().
+  void release();
+
+  // Records that an indicator has changed its sign; returns whether it is one of a remembered mode.
+  bool found_event(int indicator);
+  // Enters the modes that follow from the events found; impacts and sticking change the velocities in y.
+  void change(double t, double* y) { change_any(t, y); }
+
+  struct State {
+    std::vector<int> motions;   // by lock; 1, -1: friction opposes motion in this direction; 0: it keeps at rest
+    std::vector<int> contacts;  // by lock; 1, -1: with the upper, the lower bound; 0: none
+    // By lock: depth up to which a coordinate leaves a bound that it still touches; 0: it does not.
+    std::vector<double> leaves_from;
+    bool operator==(const State&) const = default;
+  };
+  const State& state() const { return modes_; }
+  void set_state(const State& state);
+  // Enters the modes in which friction is treated in this way. Returns the index of a force of which the present mode
+  // ends at any change of the state (t, y) or the inputs; -1: there is none.
+  int treat(FrictionTreatment friction, double t, const double* y);
+  void serialize(Archive& archive);
+
+ private:
+  struct Bounds {
+    Eigen::VectorXd lower, upper;
+  };
+
+  int count() const { return static_cast<int>(modes_.motions.size()); }
+  bool has_friction(int lock) const { return forces_.lock(lock).friction >= 0; }
+  bool rests(int lock) const { return modes_.motions[lock] == 0 || modes_.contacts[lock] != 0; }
+  bool is_slow(int lock, const double* v) const;
+  int touched_side(int lock) const;
+  Bounds bounds_of(const std::vector<int>& locks, const std::vector<int>& contacts) const;
+  void find_holding_forces(double t, const double* y);
+  bool exceed(const std::vector<double>& holding) const;
+  int on_boundary(double t, const double* y);
+  double leaving_depth(int lock) const;
+  void find_events_at_start(double t, const double* y);
+  void hold();
+  bool update(double t, const double* y, bool jumped, bool logs);
+  bool settle(double t, const double* y, bool breaks_away, bool logs);
+  void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
+  bool change_any(double t, double* y);
+  void force_away(double t);
+  void stop(double* v);
+  void enter(double t, State next, bool logs);
+  void take_up(State& next, int lock, bool leaves, int direction);
+  void strike(double t, double* y);
+  double rebound(int lock, int side, double speed);
+  bool ends_series(int lock, int side, double speed) const;
+
+  ModeEquations& equations_;
+  Dynamics& dynamics_;
+  Branching& forces_;
+  int nq_, nv_;
+  EventLog& log_;
+  std::vector<int>& sides_;
+  std::vector<int> lock_of_;  // by force with modes; -1: none
+  State modes_;
+  std::vector<char> triggered_;  // by lock: which indicator has changed its sign, or 0
+  std::vector<double> holding_, vdot_;
+  bool any_friction_ = false;
+  bool any_at_rest_ = false;
+  bool jumped_ = false, started_ = false;  // since the last recall()
+  long impacts_ = 0, closed_series_ = 0, ambiguous_ = 0;
+};
+
+// During its lifetime the modes are those in which a step at (t, y) would begin with the present inputs; reading
+// outputs does not change the run.
+class ModePreview {
+ public:
+  ModePreview(LockModes& modes, double t, const double* y) : modes_(modes) {
+    if (modes_.empty()) return;
+    before_.emplace(modes_.state());
+    modes_.preview(t, y);
+  }
+  ~ModePreview() {
+    if (before_) modes_.set_state(*before_);
+  }
+  ModePreview(const ModePreview&) = delete;
+  ModePreview& operator=(const ModePreview&) = delete;
+
+ private:
+  LockModes& modes_;
+  std::optional<LockModes::State> before_;
+};
+
+}  // namespace gelenk

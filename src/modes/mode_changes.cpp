@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What follows when coordinates come to rest, strike a bound, or are let go: the part of LockModes that decides.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ranges>
+#include <utility>
+
+#include "linear/box_complementarity.h"
+#include "modes/lock_modes.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+// Where friction at rest reaches its limit, everything slips whose limit is used up to this fraction, so that what
+// breaks away at the same instant does so together.
+constexpr double break_away_fraction = 1e-9;
+// Relative tolerance of accelerations, less than the slack of holding forces (Branching::slack).
+constexpr double acceleration_tolerance = 1e-11;
+// A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
+// are lost in the rounding of the position. Their impulses would add up to that of the contact force.
+constexpr double lowest_rebound = 2;
+
+// Of the terms of the energy of an impact.
+constexpr double energy_rounding = 1e-12;
+
+// Newton's law may add energy where contacts with different restitutions are struck together; inelastic impulses never
+// do. Of the impulses between both, returns those nearest to Newton's law that do not. speeds: before the impact.
+VectorXd without_gain(const Eigen::MatrixXd& W, const VectorXd& speeds, const VectorXd& inelastic,
+                      const VectorXd& newton) {
+  const VectorXd d = newton - inelastic;
+  // Kinetic energy gained by inelastic + s d, a parabola in s that is not positive at 0.
+  const double a = d.dot(W * d) / 2;
+  const double b = d.dot(speeds + W * inelastic);
+  const double c = std::min(0.0, inelastic.dot(speeds + W * inelastic / 2));
+  if (!(a + b + c > energy_rounding * (a + std::abs(b) - c))) return newton;
+  return inelastic + (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a) * d;
+}
+
+}  // namespace
+
+// Lets go what is no longer held, where rounding hides it.
+void LockModes::force_away(double t) {
+  State next = state();
+  for (int i = 0; i < count(); ++i) {
+    if (triggered_[i] == 0 || !rests(i)) continue;
+    next.motions[i] = modes_.contacts[i] != 0 ? -modes_.contacts[i] : holding_[i] > 0 ? -1 : 1;
+    next.contacts[i] = 0;
+    next.leaves_from[i] = leaving_depth(i);
+    if (!has_friction(i)) next.motions[i] = JointLoads::released;
+  }
+  enter(t, next, true);
+}
+
+// Impacts: the impulses of all contacts together, such that each coordinate in contact leaves it with at least its
+// restitution times the speed of its approach (Newton; Moreau 1988).
+void LockModes::strike(double t, double* y) {
+  double* v = y + nq_;
+  dynamics_.set_position(y);
+  std::vector<int> struck;
+  std::vector<int> sides;
+  for (int i = 0; i < count(); ++i) {
+    const int side = forces_.lock(i).limit < 0 ? 0 : touched_side(i);
+    if (side == 0) continue;
+    struck.push_back(i);
+    sides.push_back(side);
+  }
+  const auto n = static_cast<Index>(struck.size());
+  const auto approaches = [&](Index i) { return sides[i] * forces_.speed(struck[i], v) > 0 && !is_slow(struck[i], v); };
+  if (std::ranges::none_of(std::views::iota(Index{0}, n), approaches)) return;
+  equations_.accelerations_at(t, y, vdot_.data());
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance(struck, W, scale);
+  VectorXd speeds(n);
+  VectorXd b(n);
+  VectorXd lower(n);
+  VectorXd upper(n);
+  for (Index i = 0; i < n; ++i) {
+    speeds[i] = forces_.speed(struck[i], v);
+    b[i] = -(speeds[i] + sides[i] * rebound(struck[i], sides[i], speeds[i]));
+    lower[i] = sides[i] > 0 ? -unlimited : 0;
+    upper[i] = sides[i] > 0 ? 0 : unlimited;
+    if (!approaches(i)) continue;
+    ++impacts_;
+    log_.add({t, 2 * forces_.lock(struck[i]).limit + (sides[i] > 0 ? 0 : 1), true});
+  }
+  const BoxSolution inelastic = solve_in_box(W, -speeds, lower, upper);
+  const BoxSolution newton = solve_in_box(W, b, lower, upper);
+  if (!newton.found) ++ambiguous_;  // no velocities permit all rebounds
+  forces_.strike(struck, newton.found ? without_gain(W, speeds, inelastic.x, newton.x) : inelastic.x, v);
+  for (int i = 0; i < count(); ++i) {
+    if (!is_slow(i, v)) triggered_[i] = 0;
+  }
+  for (const int lock : struck) modes_.leaves_from[lock] = modes_.contacts[lock] == 0 ? leaving_depth(lock) : 0;
+  equations_.mode_changed();
+}
+
+// The speed at which the coordinate rebounds from a bound that it reaches with this speed.
+double LockModes::rebound(int lock, int side, double speed) {
+  const double out = forces_.lock(lock).restitution * std::max(0.0, side * speed);
+  if (!(out > 0) || !ends_series(lock, side, out)) return out;
+  ++closed_series_;
+  return 0;
+}
+
+// Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at
+// the impact.
+bool LockModes::ends_series(int lock, int side, double speed) const {
+  const double acceleration = side * forces_.speed(lock, vdot_.data());
+  const Branching::Depth at = forces_.depth(lock, side);
+  return acceleration > 0 && speed * speed / (2 * acceleration) <= lowest_rebound * at.tolerance;
+}
+
+// Determines the modes at (t, y). What moves keeps moving; of what rests, friction and contact hold what they can, and
+// the accelerations decide on the others. breaks_away: a force has reached its bound. Returns whether a mode has
+// changed.
+bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
+  const State before = state();
+  const double* v = y + nq_;
+  State next = before;
+  std::vector<int> undecided;
+  dynamics_.set_position(y);
+  for (int i = 0; i < count(); ++i) {
+    const bool slow = is_slow(i, v) || triggered_[i] != 0;
+    next.contacts[i] = slow ? touched_side(i) : 0;
+    const double speed = forces_.speed(i, v);
+    next.motions[i] = slow || !has_friction(i) ? JointLoads::released : speed > 0 ? 1 : -1;
+    if (slow && (has_friction(i) || next.contacts[i] != 0)) undecided.push_back(i);
+  }
+  if (!undecided.empty()) {
+    const std::vector<int> contacts = std::move(next.contacts);
+    next.contacts.assign(contacts.size(), 0);
+    set_state(next);
+    equations_.accelerations_at(t, y, vdot_.data());
+    next.contacts = contacts;
+    set_state(before);
+    decide(next, undecided, breaks_away);
+  }
+  enter(t, next, logs);
+  return state() != before;
+}
+
+// next: in, the contacts that are possible; out, the modes of the undecided coordinates. vdot_: their accelerations
+// when all are released.
+void LockModes::decide(State& next, const std::vector<int>& undecided, bool breaks_away) {
+  Eigen::MatrixXd W;
+  VectorXd scale;
+  forces_.compliance(undecided, W, scale);
+  Bounds bounds = bounds_of(undecided, next.contacts);
+  const auto n = static_cast<Index>(undecided.size());
+  VectorXd b(n);
+  VectorXd limits(n);
+  const auto limit_to = [&](Index i, double limit) {
+    limits[i] = limit;
+    if (std::isfinite(bounds.lower[i])) bounds.lower[i] = -limit;
+    if (std::isfinite(bounds.upper[i])) bounds.upper[i] = limit;
+  };
+  for (Index i = 0; i < n; ++i) {
+    b[i] = -forces_.speed(undecided[i], vdot_.data());
+    limit_to(i, forces_.lock(undecided[i]).sticking_limit * (breaks_away ? 1 - break_away_fraction : 1));
+  }
+  scale = scale.cwiseMax(W.cwiseAbs() * limits);
+  std::vector<char> leaves(undecided.size(), 0);
+  BoxSolution found;
+  const auto is_held = [&](Index i) {
+    return found.at_bound[i] == 0 || std::abs(found.r[i]) <= acceleration_tolerance * scale[i];
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    found = solve_in_box(W, b, bounds.lower, bounds.upper);
+    for (Index i = 0; i < n; ++i) {
+      if (leaves[i] != 0 || is_held(i)) continue;
+      leaves[i] = 1;
+      const double slipping = forces_.lock(undecided[i]).slipping_limit;
+      if (!(limits[i] > slipping)) continue;
+      limit_to(i, slipping);
+      changed = true;
+    }
+  }
+  for (Index i = 0; i < n; ++i) take_up(next, undecided[i], leaves[i] != 0, -found.at_bound[i]);
+}
+
+// leaves: whether the coordinate does not remain at rest; direction: of the motion that begins, which forces oppose, or
+// to which the force is at its bound.
+void LockModes::take_up(State& next, int lock, bool leaves, int direction) {
+  if (leaves && direction != 0) {
+    next.motions[lock] = has_friction(lock) ? direction : JointLoads::released;
+    next.contacts[lock] = 0;
+    next.leaves_from[lock] = leaving_depth(lock);
+    return;
+  }
+  if (leaves) ++ambiguous_;
+  if (!has_friction(lock)) return;
+  const bool keeps =
+      direction != 0 && direction == modes_.motions[lock] && triggered_[lock] == 0 && next.contacts[lock] == 0;
+  next.motions[lock] = keeps ? modes_.motions[lock] : 0;
+}
+
+}  // namespace gelenk
