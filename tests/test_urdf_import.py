@@ -104,7 +104,7 @@ def test_panda_tells_what_it_left_out() -> None:
         "here it moves freely and has a motor"
     )
     assert report[1].startswith("limits of position, velocity and effort are not modeled: panda_joint1, ")
-    assert report[1].endswith("limits the position, with a stiffness that URDF does not specify")
+    assert report[1].endswith("a joint's `limit` in the scene limits the position")
     assert report[2] == "links without mass: panda_link8, panda_hand_tcp"
     assert report[3].startswith("shapes and meshes are not converted: ")
 
@@ -241,7 +241,8 @@ def test_friction_holds_a_joint_and_brakes_its_motion(
     scene = gelenk.import_urdf(write(tmp_path, body))
     assert scene.to_dict()["joints"]["j"]["friction"]["coulomb"] == 0.2
     assert scene.report[0] == (
-        "joints with dry friction: j; equilibria and linear models at rest require a scene without `friction`"
+        "joints with dry friction: j; linear models at rest are those of locked joints, "
+        "and the search for equilibria ignores friction"
     )
     plant = gelenk.Simulation(scene)
     plant.set_input(f"j_motor.{push}", 0.19)

@@ -5,10 +5,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -165,8 +167,12 @@ Vector flattened(const Eigen::MatrixXd& from) {
   return to_numpy(std::vector<double>(from.data(), from.data() + from.size()));
 }
 
-std::vector<Vector> linearize(Plant& plant) {
-  const gelenk::Linearization l = plant.with([](Simulation& s) { return gelenk::StateDerivatives(s).linearize(); });
+// friction: name of a FrictionTreatment.
+std::vector<Vector> linearize(Plant& plant, const std::string& friction) {
+  static constexpr std::string_view names[] = {"present", "locked", "sliding", "off"};
+  const auto treatment = static_cast<gelenk::FrictionTreatment>(std::ranges::find(names, friction) - names);
+  const gelenk::Linearization l =
+      plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).linearize(treatment); });
   return {flattened(l.A), flattened(l.B), flattened(l.C), flattened(l.D), flattened(l.xdot)};
 }
 
@@ -263,7 +269,8 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
             p.with([&](Simulation& s) { gelenk::StateDerivatives(s).take_states({coordinates, speeds}); });
           },
           nb::arg("coordinates"), nb::arg("speeds"), "Select the states with respect to which derivatives are taken.")
-      .def("_linearize", linearize, "The matrices A, B, C, D column by column, and xdot.")
+      .def("_linearize", linearize, nb::arg("friction") = "present",
+           "The matrices A, B, C, D column by column, and xdot.")
       .def("_directional_derivative", directional_derivative, nb::arg("dx"), nb::arg("du"),
            "Derivatives of the outputs and of the state derivatives in the direction (dx, du).")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),

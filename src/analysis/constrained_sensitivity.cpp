@@ -114,6 +114,25 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   if (redundant_) find_null_multipliers();
 }
 
+void ConstrainedSensitivity::hold(std::vector<int> sides) {
+  sides_ = std::move(sides);
+  dynamics_->branching().hold(sides_.empty() ? nullptr : sides_.data());
+}
+
+// The given velocities: those of the independent coordinates that are not locked.
+MatrixXd ConstrainedSensitivity::given_velocities(const MatrixXd& dv) const {
+  MatrixXd out = dv;
+  for (const int k : of_speeds_.dependent) out.row(k).setZero();
+  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->branching().clear(out.col(k).data());
+  return out;
+}
+
+// The same velocities, but nothing that is locked moves.
+MatrixXd ConstrainedSensitivity::stopped(MatrixXd dv) const {
+  for (Index k = 0; k < dv.cols() && !sides_.empty(); ++k) dynamics_->branching().stop(dv.col(k).data());
+  return dv;
+}
+
 void ConstrainedSensitivity::find_null_multipliers() {
   const SingularValues svd(J_);
   const MatrixXd U = svd.U.leftCols(rank_);
@@ -235,8 +254,7 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
   auto q = out.y.topRows(nq);
   auto v = out.y.middleRows(nq, nv);
   q = complete_dq(dq, du);
-  v = dv;
-  for (const int k : of_speeds_.dependent) v.row(k).setZero();
+  v = given_velocities(dv);
   RowMatrix r = RowMatrix::Zero(nv, n);
   RowMatrix c(mechanism_.rows, n);
   if (mechanism_.rows > 0) {
@@ -247,6 +265,9 @@ MovedState ConstrainedSensitivity::state_derivative(const MatrixXd& dq, const Ma
       rates.row(mechanism_.first_coordinate_row() + static_cast<Index>(i)) -= du.row(row.input);
     }
     v += of_speeds_.solve(rates, nv);
+  }
+  v = stopped(v);
+  if (mechanism_.rows > 0) {
     c.noalias() = jacobians_.c * out.y.topRows(nq + nv);
   }
   add_product(jacobians_.r, out.y, nq + nv, r);
@@ -286,13 +307,13 @@ CarriedState<Dual>& ConstrainedSensitivity::directional_derivative(const MatrixX
 }
 
 void ConstrainedSensitivity::differentiate_velocity(const MatrixXd& dv) {
-  MatrixXd given = dv;
-  for (const int k : of_speeds_.dependent) given.row(k).setZero();
+  MatrixXd given = given_velocities(dv);
   set_derivatives(given, dual_state_.v);
   dual_state_.equations->set_velocity(dual_state_.v.data());
-  if (of_speeds_.dependent.empty()) return;
-  given += of_speeds_.solve(derivative_columns(dual_state_.equations->row_rates(), dv.cols()), mechanism_.nv);
-  set_derivatives(given, dual_state_.v);
+  if (of_speeds_.dependent.empty() && sides_.empty()) return;
+  if (!of_speeds_.dependent.empty())
+    given += of_speeds_.solve(derivative_columns(dual_state_.equations->row_rates(), dv.cols()), mechanism_.nv);
+  set_derivatives(stopped(given), dual_state_.v);
   dual_state_.equations->set_velocity(dual_state_.v.data());
 }
 

@@ -26,12 +26,13 @@ namespace gelenk {
 class NotDifferentiablePoint : public std::runtime_error {
  public:
   // rows: the constraint Jacobian has lost rank; partition: the independent velocities do not determine the others;
-  // spring: the ends of a spring coincide.
-  enum class What { rows, partition, spring };
+  // spring: the ends of a spring coincide; mode: the mode of friction or of a limit is about to change.
+  enum class What { rows, partition, spring, mode };
   explicit NotDifferentiablePoint(What what, int force = -1)
       : std::runtime_error("derivatives do not exist"), what_(what), force_(force) {}
   What reason() const { return what_; }
-  int force() const { return force_; }  // index of the spring among the forces of the scene
+  // Index of the spring among the forces of the scene, or of the force among those with modes of its island.
+  int force() const { return force_; }
 
  private:
   What what_;
@@ -70,6 +71,9 @@ class ConstrainedSensitivity {
   void set_point(const double* q, const double* v, const double* u, const double* cut_q,
                  const std::vector<MotionLaw::Derivatives>& targets);
 
+  // Holds the forces with modes in these (Branching::hold) from the next set_point() on; empty: in those of the state.
+  // What they keep at rest remains at rest: the derivatives of its velocities are 0.
+  void hold(std::vector<int> sides);
   // The present point: (q, v, vdot) stacked, and qdot.
   Eigen::VectorXd point() const;
   Eigen::VectorXd qdot() const;
@@ -99,6 +103,8 @@ class ConstrainedSensitivity {
   };
   template <class T, class Target>
   void set_targets(CarriedState<T>& at, Target target);
+  Eigen::MatrixXd given_velocities(const Eigen::MatrixXd& dv) const;
+  Eigen::MatrixXd stopped(Eigen::MatrixXd dv) const;
   void differentiate_targets(const Eigen::MatrixXd& du);
   void expand_targets(const double* udot, const double* uddot);
   void update_partition();
@@ -115,6 +121,7 @@ class ConstrainedSensitivity {
   const Loads& loads_;
   int inputs_;
   std::unique_ptr<Dynamics> dynamics_;
+  std::vector<int> sides_;  // held modes
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;

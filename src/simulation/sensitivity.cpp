@@ -36,6 +36,9 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
   current_island_ = island;
   const Island& from = *islands_[island];
   const double* y = from.reading().q;
+  const EventModes::Present modes = from.formulation().modes().present(from.time(), y, friction_);
+  if (modes.boundary >= 0) throw NotDifferentiablePoint(NotDifferentiablePoint::What::mode, modes.boundary);
+  sensitivities_[island]->hold(modes.sides);
   sensitivities_[island]->set_point(y, y + from.prepared().mechanism.nq, u_.data(),
                                     from.formulation().revolutions().coordinates().data(), from.targets());
   return *sensitivities_[island];
@@ -132,6 +135,7 @@ DirectionalDerivative zero_derivative(std::size_t outputs, std::size_t states, I
 }  // namespace
 
 DirectionalDerivative Sensitivity::along(const std::vector<double>& dx, const std::vector<double>& du) {
+  friction_ = FrictionTreatment::present;
   DirectionalDerivative out = zero_derivative(signals_.size(), states_.size(), 1);
   MatrixXd direction(static_cast<Index>(dx.size() + du.size()), 1);
   std::copy(du.begin(), du.end(), std::copy(dx.begin(), dx.end(), direction.data()));
@@ -152,7 +156,8 @@ std::vector<int> Sensitivity::columns_of(int island) const {
   return out;
 }
 
-Linearization Sensitivity::linearize() {
+Linearization Sensitivity::linearize(FrictionTreatment friction) {
+  friction_ = friction;
   const auto nx = static_cast<Index>(states_.size());
   const auto nu = static_cast<Index>(u_.size());
   DirectionalDerivative all = zero_derivative(signals_.size(), states_.size(), nx + nu);
@@ -184,6 +189,7 @@ Linearization Sensitivity::linearize() {
 }
 
 Eigen::MatrixX2d Sensitivity::in_time(const std::vector<double>& udot, const std::vector<double>& uddot) {
+  friction_ = FrictionTreatment::present;
   Eigen::MatrixX2d out = Eigen::MatrixX2d::Zero(static_cast<Index>(signals_.size()), 2);
   for (int i = 0; i < static_cast<int>(islands_.size()); ++i) {
     CarriedState<Series>& path = set_point(i).time_derivatives(udot.data(), uddot.data());

@@ -42,7 +42,7 @@ class Sensitivity {
               const std::vector<Independent>& independent, const std::vector<double>& u);
 
   // All three throw NotDifferentiablePoint and SingularMass; faulty_island() is then the island concerned.
-  Linearization linearize();
+  Linearization linearize(FrictionTreatment friction);
   // The derivative in one direction: dx (states), du (inputs).
   DirectionalDerivative along(const std::vector<double>& dx, const std::vector<double>& du);
   // First (column 0) and second (column 1) time derivatives of all outputs along the motion. udot, uddot: those of the
@@ -72,6 +72,7 @@ class Sensitivity {
   const std::vector<double>& u_;
   std::vector<std::unique_ptr<ConstrainedSensitivity>> sensitivities_;
   int current_island_ = 0;
+  FrictionTreatment friction_ = FrictionTreatment::present;
 };
 
 }  // namespace gelenk

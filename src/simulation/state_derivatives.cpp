@@ -7,6 +7,7 @@
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "simulation/simulation_impl.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -102,13 +103,17 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
                    std::to_string(expected));
 }
 
-// Whether a coordinate with joint friction is at rest.
-bool rests_by_friction(Island& island) {
+// force: index among all forces with modes of the island.
+std::string describe_mode_boundary(const Scene& scene, Island& island, int force, double t) {
   const Branching& forces = island.dynamics().branching();
+  const char* group = "friction";
   for (int i = 0; i < forces.locks(); ++i) {
-    if (forces.speed(i, island.reading().v) == 0) return true;
+    if (forces.lock(i).limit == force) group = "limit";
   }
-  return false;
+  const IndicatorText of = indicator_texts(island.loads())[2 * static_cast<std::size_t>(force)];
+  return "t = " + text::rounded(t) + " s: joints." + scene.joints[static_cast<std::size_t>(of.joint)].name + "." +
+         group +
+         " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
 }
 
 }  // namespace
@@ -153,13 +158,6 @@ template <class Evaluate>
 auto StateDerivatives::differentiate(Evaluate evaluate) {
   Simulation::Impl& s = impl_;
   if (!s.initialized) throw UsageError("derivatives cannot be computed before initialize()");
-  for (const auto& island : s.islands) {
-    if (rests_by_friction(*island)) {
-      throw NotDifferentiable(
-          "a joint with friction is at rest, where derivatives are not available yet; they are for "
-          "motions, and for scenes without `friction`");
-    }
-  }
   if (!s.sensitivity) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());
@@ -168,6 +166,10 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
     s.u.go_to(s.time);
     return evaluate(*s.sensitivity);
   } catch (const NotDifferentiablePoint& fault) {
+    if (fault.reason() == NotDifferentiablePoint::What::mode) {
+      Island& island = *s.islands[static_cast<std::size_t>(s.sensitivity->faulty_island())];
+      throw NotDifferentiable(describe_mode_boundary(s.scene, island, fault.force(), s.time));
+    }
     throw NotDifferentiable(
         describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));
   } catch (const SingularMass& fault) {
@@ -175,8 +177,8 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
   }
 }
 
-Linearization StateDerivatives::linearize() {
-  Linearization out = differentiate([](Sensitivity& s) { return s.linearize(); });
+Linearization StateDerivatives::linearize(FrictionTreatment friction) {
+  Linearization out = differentiate([&](Sensitivity& s) { return s.linearize(friction); });
   const Simulation::Impl& s = impl_;
   if (s.scene.units.is_si()) return out;
   const Sizes x = s.sizes_of_states();

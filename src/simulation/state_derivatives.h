@@ -29,7 +29,7 @@ class StateDerivatives {
   // Derivatives at the present state and inputs, in SI units. All throw NotDifferentiable if the states do not
   // determine the mechanism there. The Jacobians of all outputs and state derivatives with respect to states and
   // inputs.
-  Linearization linearize();
+  Linearization linearize(FrictionTreatment friction = FrictionTreatment::present);
   // Their derivative in the direction (dx, du), in the order of states() and inputs().
   DirectionalDerivative directional_derivative(const std::vector<double>& dx, const std::vector<double>& du);
   // First (column 0) and second (column 1) time derivatives of all outputs along the motion. udot, uddot: time

@@ -80,6 +80,9 @@ def linearize(
     tolerance: Annotated[
         float | None, typer.Option(help="Relative tolerance of the integrator if --at is a time.")
     ] = None,
+    friction: Annotated[
+        str, typer.Option(help="What joints with dry friction do: present, locked, sliding or off.")
+    ] = "present",
     as_json: AsJson = False,
 ) -> None:
     """Print the linear model of a scene or an FMU.
@@ -91,6 +94,7 @@ def linearize(
         plant, at=parse_operating_point(at or []), input_values=parse_input_values(given or []),
         inputs=split_names(inputs), outputs=split_all_names(outputs), states=split_names(states),
         parameters=parse_parameters(settings or [], assembly_tolerance), tolerance=tolerance,
+        friction=friction,
     )  # fmt: skip
     if model.residual_rates:
         print(model.residual_rates, file=sys.stderr)

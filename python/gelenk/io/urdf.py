@@ -288,13 +288,13 @@ def _remarks(robot: Any) -> list[str]:
     if rubbing:
         notes.append(
             f"joints with dry friction: {_list(rubbing)}; "
-            "equilibria and linear models at rest require a scene without `friction`"
+            "linear models at rest are those of locked joints, and the search for equilibria ignores friction"
         )
     limited = [j.name for j in movable if j.limit is not None]
     if limited:
         notes.append(
             f"limits of position, velocity and effort are not modeled: {_list(limited)}; "
-            "a joint's `stop` in the scene limits the position, with a stiffness that URDF does not specify"
+            "a joint's `limit` in the scene limits the position"
         )
     massless = [link.name for link in robot.links if link.inertial is None or not link.inertial.mass]
     if massless:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 type Names = Sequence[str]
 
+TREATMENTS = ("present", "locked", "sliding", "off")  # of friction, see linearize()
+
 
 def linearize(
     source: Mechanism | OperatingPoint,
@@ -36,6 +38,7 @@ def linearize(
     states: Names | None = None,
     parameters: Mapping[str, Value] | None = None,
     tolerance: float | None = None,
+    friction: str = "present",
 ) -> control.StateSpace:
     """Linearize a scene or an FMU about an operating point, for python-control.
 
@@ -57,6 +60,9 @@ def linearize(
             omitted if none of the named states and outputs depends on them.
         parameters: values by FMU parameter name.
         tolerance: relative tolerance of the integrator, if `at` is a time.
+        friction: what joints with dry friction do. "present": what they do at the operating point; what is at
+            rest, or in contact with a limit, is locked and not among the states. "locked": none moves.
+            "sliding": all move, those at rest against a constant friction. "off": there is no friction.
 
     Returns:
         control.StateSpace: with the state names of Gelenk, and inputs and outputs with "_" for "." (drive_f).
@@ -75,7 +81,7 @@ def linearize(
     (['track.s', 'hinge.phi', 'track.v', 'hinge.w'], ['drive_f'], ['hinge_phi'])
     """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
-    model = model_at(point, inputs, outputs, states)
+    model = model_at(point, inputs, outputs, states, friction)
     if model.residual_rates:
         warnings.warn(model.residual_rates, OperatingPointWarning, stacklevel=2)
     return model.to_control()
@@ -91,6 +97,7 @@ def linear_model(
     states: Names | None = None,
     parameters: Mapping[str, Value] | None = None,
     tolerance: float | None = None,
+    friction: str = "present",
 ) -> LinearModel:
     """Return the linear model as matrices with its operating point, without a warning.
 
@@ -105,7 +112,7 @@ def linear_model(
     ((4, 4), '')
     """
     point = OperatingPoint.given(source, at, input_values, parameters, tolerance)
-    return model_at(point, inputs, outputs, states)
+    return model_at(point, inputs, outputs, states, friction)
 
 
 def model_at(
@@ -113,6 +120,7 @@ def model_at(
     inputs: Names | None = None,
     outputs: Names | None = None,
     states: Names | None = None,
+    friction: str = "present",
 ) -> LinearModel:
     """Return the linear model about an operating point.
 
@@ -121,18 +129,40 @@ def model_at(
         inputs: names of the inputs; None: all.
         outputs: names or patterns of the outputs; None: all.
         states: names of the states; None: those chosen by the plant.
+        friction: see `linearize`.
 
     Raises:
         SceneError, UsageError, AssemblyError, StepError, OSError: as for `linearize`.
     """
+    if friction not in TREATMENTS:
+        raise UsageError(f"friction: found {friction!r}, expected one of {', '.join(TREATMENTS)}")
     plant = open_plant(point.source, (), whole=outputs is not None)
     try:
         reached = point.reach(plant)
-        found = plant.derivatives(states or ())
+        found = plant.derivatives(states or (), friction)
     finally:
         plant.close()
     reached.check(found)
-    return _assembled(plant.name, point.time, found, inputs, outputs, states)
+    model = _assembled(plant.name, point.time, found, inputs, outputs, states)
+    model = replace(model, friction=friction)
+    return _without_locked(model, found.rates) if states is None else model
+
+
+def _without_locked(model: LinearModel, rates: Mapping[str, str]) -> LinearModel:
+    """Remove the coordinates that friction or a limit keeps at rest, and their velocities.
+
+    Args:
+        model: the model.
+        rates: names of the velocities of coordinates.
+    """
+    place = {name: i for i, name in enumerate(model.states)}
+    pairs = [(place[q], place[v]) for q, v in rates.items() if q in place and v in place]
+    locked = [i for q, v in pairs if model.A[q, v] == 0 for i in (q, v)]
+    kept = np.delete(np.arange(len(place)), locked)
+    return replace(
+        model, states=tuple(model.states[i] for i in kept), x0=model.x0[kept], rates=model.rates[kept],
+        A=model.A[np.ix_(kept, kept)], B=model.B[kept], C=model.C[:, kept],
+    )  # fmt: skip
 
 
 def _assembled(

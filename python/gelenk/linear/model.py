@@ -49,6 +49,7 @@ class LinearModel:
         rates: rates of the states at the operating point; 0 at an equilibrium.
         units: units of states, inputs and outputs, by name.
         scales: the mechanism's own units, in which tolerances apply.
+        friction: what joints with dry friction do: "present", "locked", "sliding" or "off".
     """
 
     name: str
@@ -66,6 +67,7 @@ class LinearModel:
     rates: Array
     units: Mapping[str, str]
     scales: Scales = field(default_factory=Scales)
+    friction: str = "present"
 
     unrest = DeprecatedAlias("residual_rates")
     unrest_of_states = DeprecatedAlias("residual_state_rates")
@@ -100,7 +102,14 @@ class LinearModel:
         lists = {key: getattr(self, key).tolist() for key in ("A", "B", "C", "D", "x0", "u0", "y0", "rates")}
         names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
         units = {name: self.units[name] for key in names for name in names[key]}
-        return {"name": self.name, "time": self.time, **names, "units": units, **lists}
+        return {
+            "name": self.name,
+            "time": self.time,
+            "friction": self.friction,
+            **names,
+            "units": units,
+            **lists,
+        }
 
     @property
     def residual_rates(self) -> str:

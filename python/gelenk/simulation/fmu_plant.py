@@ -166,7 +166,11 @@ class FmuPlant(Plant):
             return np.array(self._slave.getReal(self._references) if self._references else [])
 
     @override
-    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+    def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:
+        if friction != "present":
+            raise UsageError(
+                f"friction: found {friction!r} with an FMU, expected 'present'; others require the scene"
+            )
         if not getattr(self._description.coSimulation, "providesDirectionalDerivative", False):
             raise UsageError(
                 f"{self._file}: this FMU provides no directional derivatives, which linearization requires"

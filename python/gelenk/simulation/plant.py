@@ -82,11 +82,12 @@ class Plant(Protocol):
     def read(self) -> NDArray[np.float64]:
         """Return the present values of the selected quantities, shape (selected,)."""
 
-    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+    def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:
         """Return the derivatives of all readings at the present state, after `start`.
 
         Args:
             coordinates: used as states if derivatives with respect to the plant's own states do not exist.
+            friction: what joints with dry friction do, see `gelenk.linearize`; of an FMU, "present".
 
         Raises:
             UsageError: the configuration is singular, or the plant provides no derivatives.

@@ -101,7 +101,7 @@ class ScenePlant(Plant):
         return np.insert(values, places, [self._simulation.diagnostic(name) for _, name in self._diagnostics])
 
     @override
-    def derivatives(self, coordinates: Sequence[str]) -> Derivatives:
+    def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:
         plant = self._simulation
         output = {s.name: i for i, s in enumerate(plant._signals)}
         rates = {}
@@ -110,14 +110,14 @@ class ScenePlant(Plant):
             if of in output:
                 rates[of] = signal.name
         try:
-            found = plant._core._linearize()
+            found = plant._core._linearize(friction)
         except UsageError:  # a dead center for the plant's own states, maybe not for the requested ones
             taken = [output[name] for name in coordinates if name in output]
             speeds = [output[rates[name]] for name in coordinates if name in rates]
             if not taken:
                 raise
             plant._core._take_states(taken, speeds)
-            found = plant._core._linearize()
+            found = plant._core._linearize(friction)
         _, _, C, D, _ = found
         states = [self.readings[i] for i in plant._core._states()[0]]
         ny = len(self.readings)
