@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measure dry friction and hard limits for docs/friction.md: `make nonsmooth`.
+
+Pictures are written to docs/pictures/, all figures as CSV to out/nonsmooth/. MuJoCo and EXUDYN run if
+they are installed. `--quick` runs a small part of everything and writes to out/nonsmooth/ only, as a test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import dataclasses
+import sys
+import warnings
+from pathlib import Path
+
+from benchmarks.nonsmooth import draw, engines, judge, laws, page, problems, runs, trials
+from benchmarks.page_parts import put
+
+from gelenk.chart.progress import status_line
+from gelenk.errors import SceneWarning, StartWarning
+
+ROOT = Path(__file__).resolve().parents[2]
+NUMBERS = ROOT / "out" / "nonsmooth"
+MAKER = "benchmarks/nonsmooth"
+INTEGRATORS = ("auto", "cvode", "ida", "dirk")  # of the map; fixed steps have no tolerance
+
+
+def charts(pictures: Path, quick: bool) -> dict[str, str]:
+    """Return the parts of the page with the work-precision diagrams."""
+    parts, found, chosen = {}, [], problems.problems()
+    for problem in chosen:
+        mine = [
+            *runs.event_driven(problem, quick),
+            *laws.regularized(problem, quick),
+            *engines.engines(problem, quick),
+        ]
+        picture = pictures / f"friction-{problem.name}.png"
+        draw.draw(problem, mine, picture)
+        parts[problem.name] = page.chart(problem, mine, picture.name)
+        print(f"{picture.relative_to(ROOT)}: {len(mine)} runs", flush=True)
+        found += mine
+    with (NUMBERS / "runs.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, [field.name for field in dataclasses.fields(runs.Run)])
+        table.writeheader()
+        table.writerows(dataclasses.asdict(run) for run in found)
+    return parts | {"goals": page.goals(chosen, found)} if not quick else parts
+
+
+def failure_map(pictures: Path, quick: bool) -> dict[str, str]:
+    """Return the parts of the page with the failure map."""
+    chosen = trials.trials()[:: 25 if quick else 1]
+    integrators = INTEGRATORS[:2] if quick else INTEGRATORS
+    verdicts = []
+    with status_line(sys.stderr) as progress:
+        for k, trial in enumerate(chosen):
+            progress(trial.family, k / len(chosen))
+            verdicts += [judge.judged(trial, name) for name in integrators]
+    picture = pictures / "friction-map.png"
+    draw.draw_map(verdicts, integrators, picture)
+    with (NUMBERS / "map.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(
+            ["trials", "row", "column", "integrator", "outcome", "error", "events", "exact", "message"]
+        )
+        for v in verdicts:
+            t = v.trial
+            table.writerow(
+                [t.family, t.row, t.column, v.integrator, v.outcome, v.error, v.events, t.events, v.words]
+            )
+    print(f"{picture.relative_to(ROOT)}: {len(verdicts)} runs")
+    return {
+        "map": f"![outcomes of {len(chosen)} trials](pictures/{picture.name})",
+        "outcomes": page.outcomes(verdicts, integrators),
+        "findings": page.findings(verdicts),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", choices=["charts", "map"])
+    given = parser.parse_args()
+    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
+    NUMBERS.mkdir(parents=True, exist_ok=True)
+    for expected in (SceneWarning, StartWarning):  # tolerances below those that ida and cvode achieve
+        warnings.simplefilter("ignore", expected)
+    warnings.filterwarnings("ignore", "lsoda", UserWarning)
+    parts: dict[str, str] = {}
+    if given.only in (None, "charts"):
+        parts |= charts(pictures, given.quick)
+    if given.only in (None, "map"):
+        parts |= failure_map(pictures, given.quick)
+    target = NUMBERS / "friction.md" if given.quick else ROOT / "docs" / "friction.md"
+    put(target, MAKER, parts)
+    print(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
+
+
+if __name__ == "__main__":
+    main()
