@@ -271,6 +271,7 @@ void LockModes::start(double t, const double* y) {
   jumped_ = false;
   started_ = true;
   settle(t, y, false, false);
+  equations_.mode_changed();
 }
 
 int LockModes::treat(FrictionTreatment friction, double t, const double* y) {
@@ -324,7 +325,7 @@ void LockModes::enter(double t, State next, bool logs) {
     if (next.contacts[i] != 0) next.leaves_from[i] = 0;
   }
   set_state(next);
-  if (changed) equations_.mode_changed();
+  if (changed && logs) equations_.mode_changed();  // a preview is without effect on the run
 }
 
 void LockModes::serialize(Archive& archive) {
