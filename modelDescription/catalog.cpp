@@ -96,13 +96,13 @@ void Catalog::add_inputs(const Scene& scene) {
 
 void Catalog::add_outputs(const Scene& scene) {
   outputs_begin_ = static_cast<int>(variables_.size());
-  int next = 0;
-  for (const Joint& joint : scene.joints) {
-    kinds_.push_back(find_joint_kind(joint.type));
-    first_output_.push_back(next);
-    next += kinds_.back()->nq + 2 * kinds_.back()->nv;
-  }
   const std::vector<Signal> signals = output_signals(scene);
+  int next = 0;
+  for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+    kinds_.push_back(find_joint_kind(scene.joints[static_cast<std::size_t>(j)].type));
+    first_output_.push_back(next);
+    while (next < static_cast<int>(signals.size()) && signals[static_cast<std::size_t>(next)].joint == j) ++next;
+  }
   for (std::size_t i = 0; i < signals.size(); ++i) {
     variables_.push_back(described(signals[i], Causality::output, Source::output, i));
     joint_of_.push_back(signals[i].joint);

@@ -178,7 +178,7 @@ class DependencyAnalysis {
     const IslandKnowns& p = knowns_of(moves ? place.island : -1);
     if (p.states.contains(variable)) return of_state(signal, variable);
     if (!structure_is_known_) return all_knowns_;
-    if (signal.level == 2) {
+    if (signal.level >= 2) {
       const ElementPlace at{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
       return moves ? of_accelerations(moving_bodies(scene_, numbers_, at), place.island) : no_knowns_;
     }

@@ -25,6 +25,13 @@ int state_of(const std::vector<StateVariable>& states, int output) {
   return found == states.end() ? StateVariable::none : static_cast<int>(found - states.begin());
 }
 
+void check_determined(const Simulation& simulation, int output, double derivative) {
+  if (!std::isnan(derivative)) return;
+  throw NotDifferentiable(simulation.outputs()[static_cast<std::size_t>(output)].name +
+                          ": its derivatives are not determined, since friction and limits hold the joints of its loop "
+                          "redundantly");
+}
+
 class Directions {
  public:
   Directions(const Catalog& catalog, Simulation& simulation)
@@ -61,8 +68,10 @@ class Directions {
   void run(const std::vector<Eigen::Index>& rows, double* out) {
     const DirectionalDerivative derivative = derivatives_.directional_derivative(dx_, du_);
     for (const Eigen::Index r : rows) {
-      *out++ =
-          r < derivative.outputs.rows() ? derivative.outputs(r, 0) : derivative.rates(r - derivative.outputs.rows(), 0);
+      const bool of_output = r < derivative.outputs.rows();
+      *out = of_output ? derivative.outputs(r, 0) : derivative.rates(r - derivative.outputs.rows(), 0);
+      if (of_output) check_determined(simulation_, static_cast<int>(r), *out);
+      ++out;
     }
   }
 
@@ -98,7 +107,10 @@ void output_derivatives(Plant& plant, References outputs, const int* orders, dou
     indices.push_back(v.index);
   }
   const Eigen::MatrixX2d found = StateDerivatives(plant.simulation()).output_derivatives();
-  for (std::size_t i = 0; i < indices.size(); ++i) out[i] = found(indices[i], orders[i] - 1);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    out[i] = found(indices[i], orders[i] - 1);
+    check_determined(plant.simulation(), indices[i], out[i]);
+  }
 }
 
 }  // namespace gelenk

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "analysis/constrained_sensitivity.h"
+#include "analysis/constrained_sensitivity_impl.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +97,7 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
   d.factorize();
   d.set_velocity(v);
   d.solve(u, vdot_.data());
+  holding_ = d.branching().holding_forces().values();
   if (!all_empty(loads_.forces)) {
     d.readings().set_root_poses();
     const int force = undefined_force(loads_, d.readings());
@@ -116,7 +117,11 @@ void ConstrainedSensitivity::set_point(const double* q, const double* v, const d
 
 void ConstrainedSensitivity::hold(std::vector<int> sides) {
   sides_ = std::move(sides);
-  dynamics_->branching().hold(sides_.empty() ? nullptr : sides_.data());
+  const int* held = sides_.empty() ? nullptr : sides_.data();
+  dynamics_->branching().hold(held);
+  dual_state_.equations->hold(held);
+  series_state_.equations->hold(held);
+  dual_state_.modes = series_state_.modes = held;
 }
 
 // The given velocities: those of the independent coordinates that are not locked.
@@ -141,23 +146,13 @@ void ConstrainedSensitivity::find_null_multipliers() {
   x_ = inverse_ * lambda_;
 }
 
-// Sets `at` to the point without derivatives.
-template <class T>
-void ConstrainedSensitivity::begin(CarriedState<T>& at) {
-  at.q.assign(q_.begin(), q_.end());
-  at.v.assign(v_.begin(), v_.end());
-  at.u.assign(u_.begin(), u_.end());
-  at.vdot.assign(vdot_.begin(), vdot_.end());
-  at.lambda.assign(lambda_.begin(), lambda_.end());
-  at.equations->set_cut_reference(cut_q_.data());
-}
-
-// Solves [M J^T; J 0] [x; l] = -[r; c]; x is stored in r.
-void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l) const {
+// Solves [M J^T; J 0] [x; l] = -[r; c]; x is stored in r. holding: the change of the holding forces.
+void ConstrainedSensitivity::solve(VectorXd& r, const VectorXd& c, VectorXd& l, VectorXd& holding) const {
   r = -r;
   const VectorXd target = -c;
   l.resize(mechanism_.rows);
-  dynamics_->solve_linear(r.data(), target.data(), l.data());
+  holding.setZero(dynamics_->branching().locks());
+  dynamics_->solve_linear(r.data(), target.data(), l.data(), holding.data());
 }
 
 void ConstrainedSensitivity::Partition::compute(const MatrixXd& J, int rank) {
@@ -173,16 +168,6 @@ MatrixXd ConstrainedSensitivity::Partition::solve(const MatrixXd& residuals, Ind
   MatrixXd out = MatrixXd::Zero(nv, residuals.cols());
   if (!dependent.empty()) out(dependent, Eigen::all) = -factor.solve(residuals(rows, Eigen::all));
   return out;
-}
-
-// target(row, order): target of a coordinate row or its time derivative of that order.
-template <class T, class Target>
-void ConstrainedSensitivity::set_targets(CarriedState<T>& at, Target target) {
-  at.targets.clear();
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    for (int order = 0; order < 3; ++order) at.targets.push_back(target(i, order));
-  }
-  at.equations->set_targets(at.targets.data());
 }
 
 // Targets given by inputs change with them.
@@ -322,78 +307,24 @@ void ConstrainedSensitivity::differentiate_acceleration(const MatrixXd& null_mul
   e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
   MatrixXd dvdot(mechanism_.nv, null_multipliers.cols());
   MatrixXd dlambda(mechanism_.rows, null_multipliers.cols());
+  std::vector<Dual> holding(holding_.begin(), holding_.end());
   VectorXd l;
+  VectorXd x;
   for (Index k = 0; k < null_multipliers.cols(); ++k) {
     VectorXd r = derivatives_along(e.force_residual(), static_cast<int>(k));
-    solve(r, derivatives_along(e.acceleration_residual(), static_cast<int>(k)), l);
+    solve(r, derivatives_along(e.acceleration_residual(), static_cast<int>(k)), l, x);
     dvdot.col(k) = r;
     dlambda.col(k) = l + null_multipliers.col(k);
+    for (std::size_t i = 0; i < holding.size(); ++i) holding[i].derivatives()[k] = x[static_cast<Index>(i)];
+  }
+  if (dynamics_->branching().is_redundant()) {
+    dlambda.setConstant(undetermined);
+    for (Dual& force : holding) force.derivatives().setConstant(undetermined);
   }
   set_derivatives(dvdot, dual_state_.vdot);
   set_derivatives(dlambda, dual_state_.lambda);
   e.set_acceleration(dual_state_.u.data(), dual_state_.vdot.data(), dual_state_.lambda.data());
-}
-
-CarriedState<Series>& ConstrainedSensitivity::time_derivatives(const double* udot, const double* uddot) {
-  begin(series_state_);
-  ResidualEvaluator<Series>& e = *series_state_.equations;
-  for (int i = 0; i < inputs_; ++i) series_state_.u[i] = Series({u_[i], udot[i], uddot[i] / 2});
-  expand_targets(udot, uddot);
-  if (redundant_) set_values(x_, x_in_time_);
-  // If q and v are known to order k - 1, qdot = N v and vdot give them to order k, and the residuals give vdot and
-  // lambda.
-  for (int k = 1; k <= series_order; ++k) {
-    for (int i = 0; i < mechanism_.nv; ++i) series_state_.v[i][k] = series_state_.vdot[i][k - 1] / k;
-    e.set_position(series_state_.q.data());
-    e.set_velocity(series_state_.v.data());
-    for (int i = 0; i < mechanism_.nq; ++i) series_state_.q[i][k] = e.qdot()[i][k - 1] / k;
-    e.set_position(series_state_.q.data());
-    expand_acceleration(k);
-  }
-  e.set_velocity(series_state_.v.data());
-  e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
-  return series_state_;
-}
-
-// Targets given by inputs have the inputs' time derivatives.
-void ConstrainedSensitivity::expand_targets(const double* udot, const double* uddot) {
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    const CoordinateRow& row = mechanism_.coordinate_rows[i];
-    if (row.input < 0) continue;
-    const int first = row.holds_position ? 0 : 1;
-    targets_[i][first + 1] = udot[row.input];
-    targets_[i][first + 2] = uddot[row.input];
-  }
-  set_targets(series_state_, [&](std::size_t i, int order) {
-    const MotionLaw::Derivatives& s = targets_[i];
-    return Series({s[order], s[order + 1], s[order + 2] / 2});
-  });
-}
-
-// Computes vdot and lambda to order k from q and v to that order.
-void ConstrainedSensitivity::expand_acceleration(int k) {
-  ResidualEvaluator<Series>& e = *series_state_.equations;
-  VectorXd projected_rates = VectorXd::Zero(mechanism_.rows);
-  if (redundant_) {
-    const std::vector<Series> targets = series_state_.targets;
-    set_targets(series_state_, [](std::size_t, int) { return Series(0); });
-    e.set_velocity(x_in_time_.data());
-    projected_rates = derivatives_along(e.row_rates(), k);
-    series_state_.targets = targets;
-    e.set_targets(series_state_.targets.data());
-  }
-  e.set_velocity(series_state_.v.data());
-  e.set_acceleration(series_state_.u.data(), series_state_.vdot.data(), series_state_.lambda.data());
-  VectorXd r = derivatives_along(e.force_residual(), k);
-  VectorXd l;
-  solve(r, derivatives_along(e.acceleration_residual(), k), l);
-  if (redundant_) {
-    l += null_multipliers_ * projected_rates;
-    const VectorXd x = inverse_ * (l - projected_rates);
-    for (Index i = 0; i < x.size(); ++i) x_in_time_[i][k] = x[i];
-  }
-  for (Index i = 0; i < r.size(); ++i) series_state_.vdot[i][k] = r[i];
-  for (Index i = 0; i < l.size(); ++i) series_state_.lambda[i][k] = l[i];
+  set_forces(dual_state_, holding);
 }
 
 }  // namespace gelenk

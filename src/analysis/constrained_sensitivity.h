@@ -49,6 +49,10 @@ Eigen::MatrixXd displacements(const Mechanism& mechanism, const double* q, const
 template <class T>
 struct CarriedState {
   std::vector<T> q, v, u, vdot, lambda, targets;
+  // Of all forces with modes, if they are held, and their modes. The derivatives of forces that hold redundantly, and
+  // of the multipliers then, are not a number: nothing determines them.
+  std::vector<T> forces;
+  const int* modes = nullptr;
   std::unique_ptr<ResidualEvaluator<T>> equations;
 };
 
@@ -112,7 +116,9 @@ class ConstrainedSensitivity {
   void differentiate_velocity(const Eigen::MatrixXd& dv);
   void differentiate_acceleration(const Eigen::MatrixXd& null_multipliers);
   void expand_acceleration(int k);
-  void solve(Eigen::VectorXd& r, const Eigen::VectorXd& c, Eigen::VectorXd& l) const;
+  void solve(Eigen::VectorXd& r, const Eigen::VectorXd& c, Eigen::VectorXd& l, Eigen::VectorXd& holding) const;
+  template <class T>
+  void set_forces(CarriedState<T>& at, const std::vector<T>& holding);
   void find_null_multipliers();
 
   const Mechanism& mechanism_;
@@ -121,7 +127,9 @@ class ConstrainedSensitivity {
   const Loads& loads_;
   int inputs_;
   std::unique_ptr<Dynamics> dynamics_;
-  std::vector<int> sides_;  // held modes
+  std::vector<int> sides_;       // held modes
+  std::vector<double> holding_;  // forces, by lock
+  std::vector<Series> holding_in_time_;
   Eigen::VectorXd q_, v_, u_, vdot_, lambda_;
   std::vector<double> cut_q_;
   Eigen::MatrixXd J_;

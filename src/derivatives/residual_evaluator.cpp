@@ -44,6 +44,8 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     kernels::coordinate_row_positions(model_, q, targets_, ws_);
   }
 
+  void hold(const int* sides) override { sides_ = sides; }
+
   void set_targets(const T* targets) override { std::copy_n(targets, targets_.size(), targets_.begin()); }
 
   void set_velocity(const T* v) override {
@@ -61,7 +63,8 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
 
   void set_acceleration(const T* u, const T* vdot, const T* lambda) override {
     kernels::link_loads(model_, loads_, u, ws_);
-    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_);
+    const int* of_cuts = sides_ == nullptr ? nullptr : sides_ + loads_.tree.branchings();
+    kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, of_cuts);
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::accelerations(model_, vdot, ws_);
     kernels::loop_accelerations(model_, ws_, c_.data());
@@ -69,7 +72,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
     // accelerations() sets ws_.F to the wrench that each joint transmits; along S it consists of motors, springs and
     // the forces of coordinate constraints.
     std::ranges::fill(r_, T(0));
-    loads_.tree.add(q_.data(), v_.data(), u, r_.data());
+    loads_.tree.add(q_.data(), v_.data(), u, r_.data(), sides_);
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       const auto& link = model_.links[i];
       for (int k = link.iv; k < link.iv + link.nv; ++k) {
@@ -98,6 +101,7 @@ class ResidualEvaluatorOf final : public WithReadings<A, ResidualEvaluator<typen
 
  private:
   std::vector<int> links_;
+  const int* sides_ = nullptr;
   std::vector<T> r_, c_, qdot_, cut_q_;
 };
 

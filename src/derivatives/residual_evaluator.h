@@ -18,6 +18,8 @@ class ResidualEvaluator : public Readings<T> {
  public:
   // See Kinematics::set_targets; effective from the next set_position().
   virtual void set_targets(const T* targets) = 0;
+  // Holds the forces with modes in these (JointLoads::add), read at each evaluation; null: in those of the state.
+  virtual void hold(const int* sides) = 0;
   // --- to be called in this order; each uses the results of the earlier ones, and any may be called again ---
   virtual void set_position(const T* q) = 0;
   virtual void set_velocity(const T* v) = 0;

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
+
+#include "dynamics/holding_forces.h"
 
 namespace gelenk {
 
@@ -41,10 +44,9 @@ class Branching {
   };
   virtual Depth depth(int lock, int side) const = 0;
   virtual double speed(int lock, const double* v) const = 0;  // of its coordinate; or its acceleration, from vdot
-  // The forces in the last solve() that keep coordinates at rest; 0 for others. Where several are redundant, those of
-  // least norm.
-  virtual const std::vector<double>& holding_forces() const = 0;
-  // Whether all held coordinates can be held independently of each other.
+  // The forces in the last solve() that keep coordinates at rest.
+  virtual HoldingForces& holding_forces() = 0;
+  // Whether some held coordinates would remain at rest without their holding forces.
   virtual bool is_redundant() const = 0;
   // A holding force beyond its bound by less than this is rounding of the forces in the last solve().
   virtual double slack(int lock) const = 0;
@@ -58,5 +60,22 @@ class Branching {
   // Changes v by the least amount in the mass metric that stops the locked coordinates.
   virtual void stop(double* v) = 0;
 };
+
+// The forces of friction and limits at rest, by force with modes, from the holding forces x (T), by lock: a limit
+// pushes, and what pulls is friction. sides: the held modes.
+template <class T>
+void share_holding_forces(const Branching& branching, const int* sides, const T* x, T* by_force) {
+  std::fill_n(by_force, branching.count(), T(0));
+  for (int i = 0; i < branching.locks(); ++i) {
+    const Branching::Lock lock = branching.lock(i);
+    const int contact = lock.limit < 0 ? 0 : sides[lock.limit];
+    const bool pushes = contact > 0 ? x[i] < T(0) : x[i] > T(0);
+    if (contact != 0 && (pushes || lock.friction < 0)) {
+      by_force[lock.limit] = x[i];
+    } else if (lock.friction >= 0 && sides[lock.friction] == 0) {
+      by_force[lock.friction] = x[i];
+    }
+  }
+}
 
 }  // namespace gelenk

@@ -141,7 +141,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
     if (locks) modes_.locked().clear(vdot);
-    modes_.set_holding_forces(holding_);
+    modes_.holding_forces().set(holding_);
     if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
@@ -161,6 +161,8 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   void set_acceleration(const double* vdot) override {
     if (model_.rows > 0) Y_.multipliers(ws_.lambda.data());
+    const double* redistribution = modes_.holding_forces().redistribution();
+    if (redistribution != nullptr) modes_.locked().add_multipliers(redistribution, ws_.lambda.data());
     kernels::accelerations(model_, vdot, ws_);
     stages_.fall_back_to(Stage::position);  // the bias accelerations of cuts are overwritten
   }
@@ -219,13 +221,14 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     if (modes_.held() != nullptr) differentiate_held(out);
   }
 
-  void solve_linear(double* r, const double* c, double* l) const override {
+  void solve_linear(double* r, const double* c, double* l, double* holding) const override {
     if (model_.rows > 0) M_.add_right_side(c, r);
     // The derivative of the extrapolated acceleration is zero: it is a constant here.
     const bool locks = solve_whitened(r, c, regularized_ ? zero_.data() : nullptr);
     if (model_.rows > 0 && l != nullptr) Y_.multipliers(l);
     M_.solve(r);
     if (locks) modes_.locked().clear(r);
+    if (locks && holding != nullptr) modes_.holding_forces().in_users_signs(holding_, holding);
   }
 
   void solve_linear_columns(double* r, const double* c, int columns) const override {

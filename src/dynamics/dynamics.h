@@ -59,8 +59,9 @@ class Dynamics : public Kinematics {
   virtual void differentiate(const double* u, int inputs, const double* vdot, Jacobians& out,
                              const double* lambda = nullptr, bool by_duals = false) = 0;
   // Solves [M J^T; J 0] [x; l] = [r; c] with the last factors; overwrites r with x. If the last solve() had an
-  // extrapolated vdot, x = 0 is the extrapolation here. l: of minimum norm, or null.
-  virtual void solve_linear(double* r, const double* c, double* l = nullptr) const = 0;
+  // extrapolated vdot, x = 0 is the extrapolation here. l: of minimum norm, or null. holding: the holding forces
+  // (Branching), if coordinates are locked, or null.
+  virtual void solve_linear(double* r, const double* c, double* l = nullptr, double* holding = nullptr) const = 0;
   // The same without l for many right-hand sides: r (nv x columns) and c (rows x columns), stored row by row.
   virtual void solve_linear_columns(double* r, const double* c, int columns) const = 0;
   // dv <- the smallest displacement (in the mass metric, with the last factors) that cancels the residual of the

@@ -30,7 +30,7 @@ class JointModes final : public Branching {
       : state_(state),
         M_(M),
         locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
-        x_(found_.size()),
+        holding_(signs()),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
     for (const auto& link : state.model.links) mass += link.G.m;
@@ -62,11 +62,6 @@ class JointModes final : public Branching {
     M_.multiply(v.data(), w.data());
     force_size_ += w.norm() * v.cwiseAbs().maxCoeff();
   }
-  // Records the forces of the locks, in the mechanism's signs.
-  void set_holding_forces(const std::vector<double>& x) {
-    for (int i = 0; i < locks(); ++i) x_[i] = found_[i].sign * x[i];
-  }
-
   int count() const override {
     int n = state_.loads.tree.branchings();
     for (const JointLoads& on : state_.loads.cuts) n += on.branchings();
@@ -132,7 +127,7 @@ class JointModes final : public Branching {
     return out;
   }
   double speed(int lock, const double* v) const override { return found_[lock].sign * locks_.speed(lock, v); }
-  const std::vector<double>& holding_forces() const override { return x_; }
+  HoldingForces& holding_forces() override { return holding_; }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
   // Without any forces, more than 0.
@@ -199,12 +194,8 @@ class JointModes final : public Branching {
   // Calls visit(force, q, v) for all forces with modes, with the coordinates and velocities to which they refer.
   template <class Visit>
   void each(Visit visit) const {
-    state_.loads.tree.each_branching([&](const auto& force) { visit(force, state_.q.data(), state_.v.data()); });
-    for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) {
-      if (!state_.loads.cuts[c].has_branches()) continue;
-      const auto [q, v] = kernels::counted_cut_motion(state_.model, state_.ws, c, state_.cut_reference.data());
-      state_.loads.cuts[c].each_branching([&](const auto& force) { visit(force, q.data(), v.data()); });
-    }
+    kernels::each_branching(state_.model, state_.loads, state_.ws, state_.q.data(), state_.v.data(),
+                            state_.cut_reference.data(), visit);
   }
 
   // The rows of all locks; fills found_ and lock_of_.
@@ -235,6 +226,12 @@ class JointModes final : public Branching {
     return rows;
   }
 
+  std::vector<double> signs() const {
+    std::vector<double> out;
+    for (const Lock& lock : found_) out.push_back(lock.sign);
+    return out;
+  }
+
   // In the plane, the angle of a cut revolute joint is a sum of angles of tree joints (mechanism/tree.cpp cuts no other
   // joint with friction).
   typename LockedCoordinates<A>::Row rotation_row(int cut) const {
@@ -262,7 +259,7 @@ class JointModes final : public Branching {
   std::vector<Lock> found_;
   std::vector<int> lock_of_;  // by force with modes; -1: it cannot lock
   LockedCoordinates<A> locks_;
-  std::vector<double> x_;  // forces of the last solve(), user's signs
+  HoldingForces holding_;
   double sqrt_mass_ = 0;   // of the whole mechanism
   double force_size_ = 0;  // |L^-T f| for a force f that acts on the whole mechanism
   std::vector<double> work_;

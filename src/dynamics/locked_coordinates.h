@@ -120,6 +120,17 @@ class LockedCoordinates {
       for (const Term& term : rows_[i]) f[term.v] += term.factor * x[i];
     }
   }
+  // Adds to lambda the multipliers of constraint equations that balance the forces x of the locks.
+  void add_multipliers(const double* x, double* lambda) const {
+    if (zero_.empty()) return;
+    std::fill(w_.begin(), w_.end(), 0.0);
+    add_forces(x, w_.data());
+    M_.solve_transposed(w_.data());
+    Y_.solve_constrained(w_.data(), zero_.data(), nullptr);
+    std::vector<double> balancing(zero_.size());
+    Y_.multipliers(balancing.data());
+    for (std::size_t r = 0; r < balancing.size(); ++r) lambda[r] += balancing[r];
+  }
   // Sets the velocities or accelerations of locked tree coordinates to exactly 0, which they are within rounding.
   void clear(double* v) const {
     for (int i = 0; i < count(); ++i) {

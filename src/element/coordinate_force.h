@@ -24,6 +24,8 @@
 //   depth(side, q), touch_tolerance(side), restitution
 //   indicators(side, q, v, x, adhesion, g, gdot)
 //
+// An element with modes may have two output signals: its force and its mode.
+//
 // Elements among the fields of a joint (spring, damper, stop, friction, limit) also have `group`, the name of their
 // mapping in the joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
 #pragma once

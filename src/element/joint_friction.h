@@ -45,6 +45,12 @@ struct JointFriction {
     return all;
   }
 
+  static constexpr SignalGroup outputs[] = {
+      {"{effort}", 0, "{f}", "dry friction on {joint}.{coordinate}, in its direction"},
+      {"mode", 0, "1",
+       "1, -1: {joint}.{coordinate} slips in its positive, negative direction; 0: friction or a limit keeps it at "
+       "rest"}};
+
   std::optional<ElementFault> fault(const Coordinate& at) const {
     if (!(static_limit < coulomb)) return {};
     const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{f}", at))); };

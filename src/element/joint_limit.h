@@ -43,6 +43,10 @@ struct JointLimit {
     return all;
   }
 
+  static constexpr SignalGroup outputs[] = {
+      {"{effort}", 0, "{f}", "contact {torque} on {joint}.{coordinate} at a limit, in its direction, without impacts"},
+      {"mode", 0, "1", "1, -1: {joint}.{coordinate} is in contact with its upper, lower limit; 0: with none"}};
+
   std::optional<ElementFault> fault(const Coordinate& at) const {
     if (!(lower >= upper)) return {};
     const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{q}", at))); };

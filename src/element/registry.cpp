@@ -16,9 +16,15 @@ template <OfWhole E>
 constexpr bool of_whole<E> = true;
 
 template <class E>
+std::span<const SignalGroup> own_outputs() {
+  if constexpr (requires { E::outputs; }) return E::outputs;
+  return {};
+}
+
+template <class E>
 ElementKind describe() {
-  ElementKind out{.kind = E::kind, .summary = E::summary, .ports = E::ports, .fields = E::fields(), .outputs = {}};
-  if constexpr (requires { E::outputs; }) out.outputs = E::outputs;
+  ElementKind out{
+      .kind = E::kind, .summary = E::summary, .ports = E::ports, .fields = E::fields(), .outputs = own_outputs<E>()};
   out.reads_reaction = reads_reaction<E>;
   out.of_whole = of_whole<E>;
   out.is_between_bodies = BodyConstraint<E>;
@@ -68,6 +74,7 @@ JointForceKind describe_joint_force() {
           .summary = Element::summary,
           .misfit = Element::misfit,
           .fields = Element::fields(),
+          .outputs = own_outputs<Element>(),
           .fits = Element::fits,
           .find = Access::find,
           .defaults = []() -> const void* {

@@ -12,6 +12,9 @@ namespace {
 constexpr std::size_t capacity_without_stops = 8;
 constexpr std::size_t capacity_with_stops = 256;
 
+constexpr const char* ambiguous_remark =
+    ", although friction and limits permit more than one motion from there, or none exactly";
+
 }  // namespace
 
 void EventLog::describe(std::vector<std::array<std::string, 2>> texts, long max_events) {
@@ -54,7 +57,8 @@ void EventLog::add(const Event& event) {
 }
 
 EventReport EventLog::report(const Event& event) const {
-  return {event.time, std::string(text(event)), event.indicator == Event::singular_position};
+  const bool doubtful = event.is_ambiguous || event.indicator == Event::singular_position;
+  return {event.time, std::string(text(event)) + (event.is_ambiguous ? ambiguous_remark : ""), doubtful};
 }
 
 std::string EventLog::too_many() const {

@@ -14,15 +14,16 @@ namespace gelenk {
 struct Event {
   static constexpr int singular_position = -1;
 
-  double time = 0;       // s
-  int indicator = 0;     // index of the indicator that changed sign, or singular_position
-  bool positive = true;  // the new sign
+  double time = 0;            // s
+  int indicator = 0;          // index of the indicator that changed sign, or singular_position
+  bool positive = true;       // the new sign
+  bool is_ambiguous = false;  // more than one outcome is consistent, or none
 };
 
 struct EventReport {
   double time;       // s
   std::string text;  // "A.phi meets the stop at its upper bound"
-  bool is_doubtful;  // the motion afterwards is uncertain: a singular configuration was crossed
+  bool is_doubtful;  // the motion afterwards is uncertain: a singular configuration was crossed, or modes are ambiguous
 };
 
 class EventLog {

@@ -149,6 +149,10 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
+  modes_.record_outputs();
+  if (!dynamics_.branching().is_redundant()) return;
+  solve_at(t, y, vdot);
+  modes_.apply_recorded_forces();
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {

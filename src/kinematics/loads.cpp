@@ -244,10 +244,14 @@ double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
   return sum;
 }
 
-std::vector<IndicatorText> indicator_texts(const Loads& loads) {
-  std::vector<IndicatorText> out;
+std::vector<BranchingForce> branching_forces(const Loads& loads) {
+  std::vector<BranchingForce> out;
   const auto add = [&](const auto& force) {
-    for (const auto& texts : force.element.events) out.push_back({force.joint, force.component, {texts[0], texts[1]}});
+    const auto& events = force.element.events;
+    out.push_back({force.joint,
+                   force.component,
+                   force.element.group,
+                   {{{events[0][0], events[0][1]}, {events[1][0], events[1][1]}}}});
   };
   loads.tree.each_branching(add);
   for (const JointLoads& on : loads.cuts) on.each_branching(add);

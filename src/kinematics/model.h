@@ -167,14 +167,17 @@ struct Loads {
   double potential_offset = 0;
 };
 
-// Texts of an event indicator, with placeholders (element/element.h): the event when it becomes negative, and positive.
-struct IndicatorText {
-  int joint, component;  // joint of the scene, and which of its coordinates
-  std::array<std::string_view, 2> texts;
+// A force with modes.
+struct BranchingForce {
+  int joint, component;    // joint of the scene, and which of its coordinates
+  std::string_view group;  // key of the element in the joint
+  // For each of its two event indicators the events at which it becomes negative and positive, with placeholders
+  // (element/element.h).
+  std::array<std::array<std::string_view, 2>, 2> events;
 };
 
-// Texts of all indicators, in the order of Branching::indicators().
-std::vector<IndicatorText> indicator_texts(const Loads& loads);
+// All forces with modes, in the order of Branching.
+std::vector<BranchingForce> branching_forces(const Loads& loads);
 
 // The scene's loads by island, with their signs and positions. Inputs are numbered as in scene/signals.h. Allocates.
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced);

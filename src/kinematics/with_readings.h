@@ -73,6 +73,14 @@ class WithReadings : public Base {
   Force cut_reaction(int cut) const override { return kernels::force3<A>(kernels::cut_reaction(model_, ws_, cut)); }
   T contact_force(int cut, int i) const override { return -ws_.lambda[model_.cuts[cut].first_row + i]; }
   T coordinate_force(int row) const override { return -ws_.lambda[model_.first_coordinate_row + row]; }
+  void branching_forces(const int* sides, const T* holding, T* out) const override {
+    kernels::each_branching(model_, loads_, ws_, q_.data(), v_.data(), cut_reference_.data(),
+                            [&](const auto& force, const T* q, const T* v) {
+                              const int side = *sides == JointLoads::of_state ? force.side(q, v) : *sides;
+                              *out++ = T(force.sign) * force.held(side, q, v) + *holding++;
+                              ++sides;
+                            });
+  }
   Pose plane_pose(int cut) const override {
     const auto& c = model_.cuts[cut];
     return kernels::pose3<A>(ws_.X_0L[c.link_a] * c.X_AF, 0);  // contacts are spatial

@@ -12,6 +12,10 @@ EventModes::EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int
       present_sides_(sides_.size()),
       g_(2 * sides_.size()),
       gdot_(g_.size()),
+      recorded_sides_(sides_.size()),
+      recorded_forces_(sides_.size()),
+      holding_(sides_.size()),
+      recorded_holding_(static_cast<std::size_t>(forces_.locks())),
       locks_(equations, dynamics, nq, nv, log, sides_) {}
 
 void EventModes::indicator_values(double t, const double* y, double* g, double* gdot) {
@@ -26,6 +30,14 @@ EventModes::Present EventModes::present(double t, const double* y, FrictionTreat
   const ModePreview preview(locks_, t, y);
   const int boundary = locks_.treat(friction, t, y);
   return {sides_, boundary};
+}
+
+void EventModes::record_outputs() {
+  if (locks_.empty()) return;
+  recorded_sides_ = sides_;
+  recorded_holding_ = locks_.distribute_holding_forces();
+  share_holding_forces(forces_, sides_.data(), recorded_holding_.data(), holding_.data());
+  dynamics_.readings().branching_forces(sides_.data(), holding_.data(), recorded_forces_.data());
 }
 
 void EventModes::remembered_mode(bool* positive) const {

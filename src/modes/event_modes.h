@@ -47,6 +47,13 @@ class EventModes final : public EventSource {
     int boundary = -1;
   };
   Present present(double t, const double* y, FrictionTreatment friction);
+  // Records what outputs show, the forces and modes of friction and limits, after the accelerations have been solved
+  // for in a ModePreview.
+  void record_outputs();
+  // Makes constraint forces follow the recorded forces, after another solve() at the same state.
+  void apply_recorded_forces() { forces_.holding_forces().redistribute(recorded_holding_); }
+  const std::vector<double>& recorded_forces() const { return recorded_forces_; }
+  const std::vector<int>& recorded_sides() const { return recorded_sides_; }
 
  private:
   void check(double t, const double* v);
@@ -58,9 +65,12 @@ class EventModes final : public EventSource {
   EventLog& log_;
   std::vector<int> sides_, present_sides_;  // of the forces: held, and those of the present state
   std::vector<double> g_, gdot_;            // indicators
-  bool held_ = false;                       // a mode is held
-  double held_from_ = 0;                    // s: start of the held mode
-  double mode_exit_time_ = INFINITY;        // s: see EventSource
+  std::vector<int> recorded_sides_;
+  std::vector<double> recorded_forces_, holding_;  // by force
+  std::vector<double> recorded_holding_;           // by lock
+  bool held_ = false;                              // a mode is held
+  double held_from_ = 0;                           // s: start of the held mode
+  double mode_exit_time_ = INFINITY;               // s: see EventSource
   LockModes locks_;
 };
 

@@ -96,11 +96,15 @@ const double* LockModes::accelerations(double t, const double* y) {
   return vdot_.data();
 }
 
-// Brings the holding forces to (t, y); where they are redundant, distributed so that limits are used the least.
+// Brings the holding forces to (t, y).
 void LockModes::find_holding_forces(double t, const double* y) {
   equations_.accelerations_at(t, y, vdot_.data());
-  holding_ = forces_.holding_forces();
-  if (!forces_.is_redundant()) return;
+  distribute_holding_forces();
+}
+
+const std::vector<double>& LockModes::distribute_holding_forces() {
+  holding_ = forces_.holding_forces().values();
+  if (!any_at_rest_ || !forces_.is_redundant()) return holding_;
   std::vector<int> locks;
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) locks.push_back(i);
@@ -113,6 +117,7 @@ void LockModes::find_holding_forces(double t, const double* y) {
   const Bounds bounds = bounds_of(locks, modes_.contacts);
   x = least_load(W, W * x, bounds.lower, bounds.upper);
   for (Index i = 0; i < x.size(); ++i) holding_[static_cast<std::size_t>(locks[i])] = x[i];
+  return holding_;
 }
 
 bool LockModes::exceed(const std::vector<double>& holding) const {
@@ -182,11 +187,7 @@ void LockModes::find_events_at_start(double t, const double* y) {
   }
 }
 
-void LockModes::preview(double t, const double* y) {
-  const long ambiguous = ambiguous_;
-  update(t, y, true, false);
-  ambiguous_ = ambiguous;
-}
+void LockModes::preview(double t, const double* y) { update(t, y, true, false); }
 
 // jumped: inputs may have jumped since the modes were determined. Returns whether they have changed.
 bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
@@ -325,7 +326,7 @@ void LockModes::enter(double t, State next, bool logs) {
     if (next.contacts[i] != 0) next.leaves_from[i] = 0;
   }
   set_state(next);
-  if (changed && logs) equations_.mode_changed();  // a preview is without effect on the run
+  if (changed && logs) equations_.mode_changed();
 }
 
 void LockModes::serialize(Archive& archive) {
@@ -333,7 +334,7 @@ void LockModes::serialize(Archive& archive) {
   for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, JointLoads::released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
   archive.serialize(modes_.leaves_from);
-  archive.serialize(jumped_, started_, impacts_, closed_series_, ambiguous_);
+  archive.serialize(jumped_, started_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
   hold();
 }
 

@@ -45,10 +45,15 @@ class LockModes {
   }
   // Brings the forces that keep coordinates at rest to (t, y), and returns the accelerations; null: neither is needed.
   const double* accelerations(double t, const double* y);
+  // Brings them up to the last solve() of `dynamics`, distributed so that limits are used the least where they are
+  // redundant. By lock. Overwrites the multipliers of that solve().
+  const std::vector<double>& distribute_holding_forces();
   // The event indicators of all forces at the present state of `dynamics`, with these forces.
   void indicators(const double* vdot, double* g, double* gdot) const;
   // Whether the last solve() needed forces that friction and contact cannot exert.
-  bool are_overloaded() const { return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces()); }
+  bool are_overloaded() const {
+    return any_at_rest_ && !forces_.is_redundant() && exceed(forces_.holding_forces().values());
+  }
 
   // Determines the modes from the state alone.
   void start(double t, const double* y);
@@ -75,6 +80,12 @@ class LockModes {
     bool operator==(const State&) const = default;
   };
   const State& state() const { return modes_; }
+  struct Counts {
+    long impacts = 0;        // of coordinates on their bounds
+    long closed_series = 0;  // series of impacts that have ended in contact
+    long ambiguous = 0;      // decisions with more than one consistent outcome, or none
+  };
+  const Counts& counts() const { return counts_; }
   void set_state(const State& state);
   // Enters the modes in which friction is treated in this way. Returns the index of a force of which the present mode
   // ends at any change of the state (t, y) or the inputs; -1: there is none.
@@ -123,7 +134,8 @@ class LockModes {
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool jumped_ = false, started_ = false;  // since the last recall()
-  long impacts_ = 0, closed_series_ = 0, ambiguous_ = 0;
+  Counts counts_;
+  std::vector<int> doubtful_;  // locks of which the last decision is ambiguous
 };
 
 // During its lifetime the modes are those in which a step at (t, y) would begin with the present inputs; reading

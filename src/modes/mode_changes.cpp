@@ -87,12 +87,14 @@ void LockModes::strike(double t, double* y) {
     lower[i] = sides[i] > 0 ? -unlimited : 0;
     upper[i] = sides[i] > 0 ? 0 : unlimited;
     if (!approaches(i)) continue;
-    ++impacts_;
-    log_.add({t, 2 * forces_.lock(struck[i]).limit + (sides[i] > 0 ? 0 : 1), true});
+    ++counts_.impacts;
   }
   const BoxSolution inelastic = solve_in_box(W, -speeds, lower, upper);
   const BoxSolution newton = solve_in_box(W, b, lower, upper);
-  if (!newton.found) ++ambiguous_;  // no velocities permit all rebounds
+  if (!newton.found) ++counts_.ambiguous;  // no velocities permit all rebounds
+  for (Index i = 0; i < n; ++i) {
+    if (approaches(i)) log_.add({t, 2 * forces_.lock(struck[i]).limit + (sides[i] > 0 ? 0 : 1), true, !newton.found});
+  }
   forces_.strike(struck, newton.found ? without_gain(W, speeds, inelastic.x, newton.x) : inelastic.x, v);
   for (int i = 0; i < count(); ++i) {
     if (!is_slow(i, v)) triggered_[i] = 0;
@@ -105,7 +107,7 @@ void LockModes::strike(double t, double* y) {
 double LockModes::rebound(int lock, int side, double speed) {
   const double out = forces_.lock(lock).restitution * std::max(0.0, side * speed);
   if (!(out > 0) || !ends_series(lock, side, out)) return out;
-  ++closed_series_;
+  ++counts_.closed_series;
   return 0;
 }
 
@@ -142,6 +144,13 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
     set_state(before);
     decide(next, undecided, breaks_away);
   }
+  for (const int lock : doubtful_) {
+    if (!logs) break;  // a preview is without effect on the run
+    ++counts_.ambiguous;
+    const int friction = forces_.lock(lock).friction;
+    log_.add({t, 2 * (friction >= 0 ? friction : forces_.lock(lock).limit), friction < 0, true});
+  }
+  doubtful_.clear();
   enter(t, next, logs);
   return state() != before;
 }
@@ -195,7 +204,7 @@ void LockModes::take_up(State& next, int lock, bool leaves, int direction) {
     next.leaves_from[lock] = leaving_depth(lock);
     return;
   }
-  if (leaves) ++ambiguous_;
+  if (leaves) doubtful_.push_back(lock);
   if (!has_friction(lock)) return;
   const bool keeps =
       direction != 0 && direction == modes_.motions[lock] && triggered_[lock] == 0 && next.contacts[lock] == 0;

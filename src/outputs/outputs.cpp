@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sources of the outputs, and their values as double; outputs_dual.cpp has the types for automatic differentiation.
+#include <algorithm>
+
 #include "outputs/outputs_impl.h"
 
 namespace gelenk {
-Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals)
+Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
+                 const std::vector<std::vector<BranchingForce>>& branching)
     : reduced_(reduced) {
   for (const Sensor& sensor : scene.sensors) {
     sensors_.push_back(sensor.is);
@@ -11,7 +14,9 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
   }
   for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
   for (const Signal& signal : signals) {
-    sources_.push_back(signal.joint >= 0 ? joint_source(signal) : element_source(scene, signal));
+    sources_.push_back(signal.level == 3   ? joint_force_source(signal, branching)
+                       : signal.joint >= 0 ? joint_source(signal)
+                                           : element_source(scene, signal));
   }
 }
 
@@ -54,6 +59,26 @@ Outputs::Source Outputs::joint_source(const Signal& signal) const {
   source.stage = cut_stages[signal.level];
   source.index = signal.level == 0 ? place.iq + c : place.index;
   source.component = place.iv - mechanism.cuts[place.index].iv + c;
+  return source;
+}
+
+// Of an immobile joint the force is 0: its bodies are held without it.
+Outputs::Source Outputs::joint_force_source(const Signal& signal,
+                                            const std::vector<std::vector<BranchingForce>>& branching) const {
+  Source source;
+  source.sign = 0;
+  const JointPlace& place = reduced_.joints[signal.joint];
+  if (place.role == JointPlace::Role::merged) return source;
+  const std::string_view group = joint_force_kinds()[static_cast<std::size_t>(signal.element)].group;
+  const std::vector<BranchingForce>& among = branching[static_cast<std::size_t>(place.island)];
+  const auto found = std::ranges::find_if(among, [&](const BranchingForce& of) {
+    return of.joint == signal.joint && of.component == signal.component && of.group == group;
+  });
+  if (found == among.end()) return source;
+  source.kind = signal.group == 0 ? Kind::joint_force : Kind::joint_mode;
+  source.stage = Stage::acceleration;
+  source.island = place.island;
+  source.index = static_cast<int>(found - among.begin());
   return source;
 }
 

@@ -21,12 +21,17 @@ struct ReadingOf {
   const T* vdot;
   const T* cut_q;
   const T* cut_v = nullptr;
+  // Of each force with modes (Branching) its force in the user's sign and its mode; null: there is none.
+  const T* forces = nullptr;
+  const int* modes = nullptr;
 };
 using Reading = ReadingOf<double>;
 
 class Outputs {
  public:
-  Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals);
+  // branching: the forces with modes of each island.
+  Outputs(const Scene& scene, const ReducedScene& reduced, const std::vector<Signal>& signals,
+          const std::vector<std::vector<BranchingForce>>& branching);
 
   // Stage up to which the island must be evaluated before value() is called.
   Stage stage(int output) const { return sources_[output].stage; }
@@ -61,6 +66,8 @@ class Outputs {
     cut_q,
     cut_v,
     cut_a,
+    joint_force,
+    joint_mode,
     sensor,
     whole,  // a sensor of the whole mechanism
     constraint,
@@ -69,12 +76,13 @@ class Outputs {
     Kind kind = Kind::constant;
     Stage stage = Stage::position;
     int island = none;
-    int index = 0;      // in q, v or vdot (tree) or cut_q; else index of the cut, sensor or constraint
+    int index = 0;      // in q, v or vdot (tree), cut_q or the forces with modes; or of the cut, sensor or constraint
     int group = 0;      // group among the outputs of an element
     int component = 0;  // within a cut joint, or a group
     double sign = 1;    // the value, for a constant
   };
   Source joint_source(const Signal& signal) const;
+  Source joint_force_source(const Signal& signal, const std::vector<std::vector<BranchingForce>>& branching) const;
   // Not inline, so that value(), which is called for each joint state, remains short. dynamics: nullptr if all ports
   // are fixed in the world.
   template <class T>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdlib>
+
 #include "math/pose_in.h"
 #include "outputs/outputs.h"
 
@@ -29,6 +31,10 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return component([&](T* joint) { reading.dynamics.cut_speeds(s.index, joint); });
     case Kind::cut_a:
       return component([&](T* joint) { reading.dynamics.cut_accelerations(s.index, joint); });
+    case Kind::joint_force:
+      return reading.forces[s.index];
+    case Kind::joint_mode:
+      return T(std::abs(reading.modes[s.index]) == 1 ? reading.modes[s.index] : 0);
     case Kind::sensor:
       return sensor_value<T>(s, &reading.dynamics);
     case Kind::constraint:

@@ -50,6 +50,31 @@ void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int 
   }
 }
 
+// Appends the signals of the elements along the velocities of a joint.
+void add_along(std::vector<Signal>& signals, const Joint& joint, int index) {
+  const ElementPlace place{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
+  for (std::size_t i = 0; i < joint.along.size(); ++i) {
+    const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
+    for (std::size_t k = 0; k < joint_force_kinds().size(); ++k) {
+      const JointForceKind& kind = joint_force_kinds()[k];
+      if (kind.outputs.empty() || kind.in(joint.along[i]) == nullptr) continue;
+      for (std::size_t g = 0; g < kind.outputs.size(); ++g) {
+        const SignalGroup& group = kind.outputs[g];
+        signals.push_back(
+            {.name = joint.name + "." + std::string(kind.group) + "." + filled_in(group.name, place, coordinate),
+             .unit = unit_of(group.unit, coordinate),
+             .description = joint.name + ": " + filled_in(group.text, place, coordinate),
+             .stage = group.stage,
+             .joint = index,
+             .level = 3,
+             .component = static_cast<int>(i),
+             .element = static_cast<int>(k),
+             .group = static_cast<int>(g)});
+      }
+    }
+  }
+}
+
 double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace& element) {
   if (start == SignalGroup::Start::zero) return 0;
   const Joint& joint = *std::ranges::find(scene.joints, element.joints.front(), &Joint::name);
@@ -108,6 +133,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
     add_level(signals, joint, static_cast<int>(j), 0, kind.q);
     add_level(signals, joint, static_cast<int>(j), 1, kind.v);
     add_level(signals, joint, static_cast<int>(j), 2, kind.a);
+    add_along(signals, joint, static_cast<int>(j));
   }
   const auto groups = [](const auto& element) { return kind_of(element.is).outputs; };
   add_section(signals, scene, sections::sensors, scene.sensors, groups);
@@ -141,7 +167,12 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::singular_positions, "solver.singular_positions", "1",
       "singular configurations crossed since initialization, at which branches of motion meet");
   set(Diagnostic::events, "solver.events", "1",
-      "events since initialization: stops engaged or disengaged, singular configurations crossed");
+      "events since initialization: stops, friction and limits that engage or disengage, singular configurations "
+      "crossed");
+  set(Diagnostic::impacts, "solver.impacts", "1", "impacts on limits since initialization");
+  set(Diagnostic::zeno, "solver.zeno", "1", "infinite series of impacts since initialization, ended in contact");
+  set(Diagnostic::ambiguous, "solver.ambiguous", "1",
+      "events since initialization at which friction and limits permit more than one motion, or none exactly");
   return signals;
 }
 

@@ -16,11 +16,13 @@ struct Signal {
   std::string description;  // one sentence
   double start = 0;         // start value of an input
   Stage stage = Stage::position;
-  // Joint states only: joint; level 0 (coordinate), 1 (velocity) or 2 (acceleration); index within the joint. Else -1.
+  // Signals of joints only: joint; level 0 (coordinate), 1 (velocity), 2 (acceleration) or 3 (of an element along it);
+  // index within the joint. Else -1.
   int joint = -1;
   int level = -1;
   int component = -1;  // also the index within a group of an element
-  // Signals of elements only: section, index of the element in it, group of signals. Else -1.
+  // Signals of elements only: section, index of the element in it (level 3: its kind among joint_force_kinds()), group
+  // of signals. Else -1.
   int section = -1;
   int element = -1;
   int group = -1;
@@ -31,8 +33,8 @@ std::vector<Signal> input_signals(const Scene& scene);
 // Returns, for each section and element, the index of the element's first input.
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
-// Returns the outputs: joints in file order (coordinates, velocities, accelerations), then sensors, motors, forces and
-// constraints in file order.
+// Returns the outputs: joints in file order (coordinates, velocities, accelerations, friction and limits), then
+// sensors, motors, forces and constraints in file order.
 std::vector<Signal> output_signals(const Scene& scene);
 
 // Outputs that describe the computation itself; the same for every scene, in the order of diagnostic_signals().
@@ -48,9 +50,12 @@ enum class Diagnostic : int {
   jacobians,            // evaluations of the exact Jacobian df/dy since initialize()
   singular_positions,   // singular configurations crossed since initialize(), where the constraint Jacobian momentarily
                         // loses rank
-  events,               // since initialize(): stops engaged or disengaged, singular configurations crossed
+  events,               // since initialize(): changes of mode and singular configurations crossed
+  impacts,              // since initialize(): of coordinates on their limits
+  zeno,                 // since initialize(): series of impacts that have ended in contact
+  ambiguous,            // since initialize(): changes of mode with more than one consistent outcome, or none
 };
-inline constexpr int diagnostic_count = 11;
+inline constexpr int diagnostic_count = 14;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

@@ -61,11 +61,12 @@ void Island::start_integrator(double tolerance) {
 
 std::vector<std::array<std::string, 2>> Island::event_texts() const {
   std::vector<std::array<std::string, 2>> out;
-  for (const IndicatorText& of : indicator_texts(loads_)) {
+  for (const BranchingForce& of : branching_forces(loads_)) {
     const Joint& joint = scene_.joints[static_cast<std::size_t>(of.joint)];
     const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
     const ElementPlace place{.name = {}, .frames = {}, .joints = {joint.name}, .coordinate = {}};
-    out.push_back({filled_in(of.texts[0], place, coordinate), filled_in(of.texts[1], place, coordinate)});
+    for (const auto& texts : of.events)
+      out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
   return out;
 }
@@ -227,7 +228,9 @@ Reading Island::reading() const {
           v(),
           vdot_.data(),
           equations_->revolutions().coordinates().data(),
-          equations_->revolutions().speeds().data()};
+          equations_->revolutions().speeds().data(),
+          equations_->modes().recorded_forces().data(),
+          equations_->modes().recorded_sides().data()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
@@ -239,12 +242,13 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
 }
 
 RunCounts Island::counts() const {
-  return {.steps = integrator_ ? integrator_->steps() : 0,
-          .rejected_steps = integrator_ ? integrator_->rejected_steps() : 0,
-          .evaluations = evaluations(),
-          .jacobians = equations_->jacobians(),
-          .events = events_.count(),
-          .singular_positions = equations_->singularity_monitor().count()};
+  return {equations_->modes().locks().counts(),
+          integrator_ ? integrator_->steps() : 0,
+          integrator_ ? integrator_->rejected_steps() : 0,
+          evaluations(),
+          equations_->jacobians(),
+          events_.count(),
+          equations_->singularity_monitor().count()};
 }
 
 }  // namespace gelenk

@@ -17,7 +17,7 @@
 namespace gelenk {
 
 // Counts since the start of a run.
-struct RunCounts {
+struct RunCounts : LockModes::Counts {
   long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
 };
 

@@ -48,7 +48,13 @@ ConstrainedSensitivity& Sensitivity::set_point(int island) {
 template <class T, class Take>
 void Sensitivity::read(int i, CarriedState<T>& at, Take take) const {
   const ResidualEvaluator<T>& e = *at.equations;
-  const ReadingOf<T> reading{e, at.q.data(), at.v.data(), at.vdot.data(), at.equations->cut_coordinates().data()};
+  const ReadingOf<T> reading{.dynamics = e,
+                             .q = at.q.data(),
+                             .v = at.v.data(),
+                             .vdot = at.vdot.data(),
+                             .cut_q = at.equations->cut_coordinates().data(),
+                             .forces = at.forces.data(),
+                             .modes = at.modes};
   const EnergyOf<T> energy = e.energy();
   for (int k = 0; k < static_cast<int>(signals_.size()); ++k) {
     if (readings_.is_of_whole(k)) {

@@ -35,12 +35,12 @@ void find_violated_limits(const Scene& scene, Island& island, std::vector<std::s
   const Branching& forces = island.dynamics().branching();
   if (forces.locks() == 0) return;
   island.dynamics().set_position(island.reading().q);
-  const std::vector<IndicatorText> texts = indicator_texts(island.loads());
+  const std::vector<BranchingForce> places = branching_forces(island.loads());
   for (int i = 0; i < forces.locks(); ++i) {
     for (const int side : {1, -1}) {
       const Branching::Depth at = forces.depth(i, side);
       if (!(at.depth > at.tolerance)) continue;
-      const IndicatorText& of = texts[2 * static_cast<std::size_t>(forces.lock(i).limit)];
+      const BranchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
       const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
       const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
       messages.push_back((scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name + ".limit." +
@@ -71,7 +71,9 @@ void Simulation::Impl::make_islands() {
     size.free_coordinates += of.mechanism.nv - of.mobility.position_rank;
   }
   size.degrees_of_freedom = size.speeds - size.rank;
-  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs);
+  std::vector<std::vector<BranchingForce>> branching;
+  for (const auto& island : islands) branching.push_back(branching_forces(island->loads()));
+  readings = std::make_unique<Outputs>(scene, prepared.reduced, outputs, branching);
   immobile_energy = gelenk::immobile_energy(scene, prepared.reduced);
 }
 

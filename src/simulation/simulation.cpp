@@ -189,6 +189,12 @@ double Simulation::diagnostic(int index) {
     return static_cast<double>(sum);
   };
   switch (static_cast<Diagnostic>(index)) {
+    case Diagnostic::impacts:
+      return total(&RunCounts::impacts);
+    case Diagnostic::zeno:
+      return total(&RunCounts::closed_series);
+    case Diagnostic::ambiguous:
+      return total(&RunCounts::ambiguous);
     case Diagnostic::steps:
       return total(&RunCounts::steps);
     case Diagnostic::rejected_steps:

@@ -104,15 +104,10 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 }
 
 // force: index among all forces with modes of the island.
-std::string describe_mode_boundary(const Scene& scene, Island& island, int force, double t) {
-  const Branching& forces = island.dynamics().branching();
-  const char* group = "friction";
-  for (int i = 0; i < forces.locks(); ++i) {
-    if (forces.lock(i).limit == force) group = "limit";
-  }
-  const IndicatorText of = indicator_texts(island.loads())[2 * static_cast<std::size_t>(force)];
+std::string describe_mode_boundary(const Scene& scene, const Island& island, int force, double t) {
+  const BranchingForce of = branching_forces(island.loads())[static_cast<std::size_t>(force)];
   return "t = " + text::rounded(t) + " s: joints." + scene.joints[static_cast<std::size_t>(of.joint)].name + "." +
-         group +
+         std::string(of.group) +
          " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
 }
 
@@ -167,7 +162,7 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
     return evaluate(*s.sensitivity);
   } catch (const NotDifferentiablePoint& fault) {
     if (fault.reason() == NotDifferentiablePoint::What::mode) {
-      Island& island = *s.islands[static_cast<std::size_t>(s.sensitivity->faulty_island())];
+      const Island& island = *s.islands[static_cast<std::size_t>(s.sensitivity->faulty_island())];
       throw NotDifferentiable(describe_mode_boundary(s.scene, island, fault.force(), s.time));
     }
     throw NotDifferentiable(

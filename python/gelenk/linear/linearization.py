@@ -54,7 +54,8 @@ def linearize(
             of a joint ("hinge.phi", attained exactly), a parameter ("hinge.phi_start", "pole.m") or an input.
         input_values: see `gelenk.simulation.inputs.functions`; inputs that are not named are 0.
         inputs: names of the model's inputs, in this order; by default all. The others remain constant.
-        outputs: names or patterns of the model's outputs, in this order; by default all.
+        outputs: names or patterns of the model's outputs, in this order; by default all that are
+            differentiable.
         states: names of coordinates, or of coordinates and velocities, in this order; by default those chosen
             by the plant. Rotation coordinates of a spherical or free joint are `J.theta[1..3]`. States may be
             omitted if none of the named states and outputs depends on them.
@@ -127,7 +128,7 @@ def model_at(
     Args:
         point: the operating point.
         inputs: names of the inputs; None: all.
-        outputs: names or patterns of the outputs; None: all.
+        outputs: names or patterns of the outputs; None: all that have derivatives.
         states: names of the states; None: those chosen by the plant.
         friction: see `linearize`.
 
@@ -175,6 +176,15 @@ def _assembled(
 ) -> LinearModel:
     u = _selected(inputs, found.inputs, "input")
     y = _selected(None if outputs is None else expanded(outputs, found.outputs), found.outputs, "output")
+    undetermined = found.undetermined_outputs()
+    if outputs is None:
+        y = tuple(name for name in y if name not in undetermined)
+    elif asked := [name for name in y if name in undetermined]:
+        raise UsageError(
+            f"outputs: {', '.join(asked)}: found no derivatives, since friction and limits hold the joints "
+            "of a loop redundantly; expected other outputs"
+        )
+    found = found.without(undetermined)
     minimal = MinimalRealization(found.in_own_units())
     x = chosen_states(minimal, states)
     check_complete(minimal)

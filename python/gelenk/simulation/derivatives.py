@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -48,6 +48,19 @@ class Derivatives:
     def size(self, name: str) -> float:
         """Return the SI value of 1 own unit of an input or reading."""
         return self.scales.size(self.units.get(name, "1"))
+
+    def undetermined_outputs(self) -> frozenset[str]:
+        """Return the outputs without derivatives: forces that hold the joints of a loop redundantly."""
+        rows = np.isnan(self.C).any(axis=1) | np.isnan(self.D).any(axis=1)
+        return frozenset(name for name, row in zip(self.readings, rows, strict=True) if row)
+
+    def without(self, outputs: Collection[str]) -> Derivatives:
+        """Return the same without some of the outputs."""
+        kept = [i for i, name in enumerate(self.readings) if name not in outputs]
+        return replace(
+            self, outputs=tuple(name for name in self.outputs if name not in outputs),
+            readings=tuple(self.readings[i] for i in kept), C=self.C[kept], D=self.D[kept],
+        )  # fmt: skip
 
     def in_own_units(self) -> Derivatives:
         """Convert derivatives and values to the mechanism's own units; `units` and `scales` are unchanged."""

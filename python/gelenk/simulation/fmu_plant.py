@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import tempfile
@@ -30,6 +31,7 @@ from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
 
 _WARNING = 1  # fmi2Warning; larger statuses are failures
+_DISCARD = 2  # fmi2Discard: the values are not available
 
 
 class FmuPlant(Plant):
@@ -210,11 +212,33 @@ class FmuPlant(Plant):
         return int(order.get("states", "0")), Scales(*scales)
 
     def _jacobian(self, unknowns: list[str], knowns: list[str]) -> NDArray[np.float64]:
-        asked = self._references_of(unknowns)
-        columns = [
-            self._slave.getDirectionalDerivative(asked, self._references_of([name]), [1.0]) for name in knowns
-        ]
+        columns = [self._column(unknowns, name) for name in knowns]
         return np.array(columns, np.float64).reshape(len(knowns), len(unknowns)).T
+
+    def _column(self, unknowns: list[str], known: str) -> list[float]:
+        """Return the derivatives with respect to an input or state, NaN where the FMU cannot give them."""
+        references = self._references_of([known])
+
+        def derivatives(of: list[str]) -> list[float]:
+            return list(self._slave.getDirectionalDerivative(self._references_of(of), references, [1.0]))
+
+        try:
+            return derivatives(unknowns)
+        except fmpy.fmi1.FMICallException as e:
+            if e.status != _DISCARD:
+                raise
+            fault = e
+        out = []
+        for name in unknowns:
+            try:
+                out += derivatives([name])
+            except fmpy.fmi1.FMICallException as e:
+                if e.status != _DISCARD:
+                    raise
+                out.append(math.nan)
+        if all(map(math.isnan, out)):
+            raise fault
+        return out
 
     def _references_of(self, names: Sequence[str]) -> list[int]:
         return [self._variables[name].valueReference for name in names]
