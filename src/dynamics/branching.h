@@ -34,6 +34,7 @@ class Branching {
     double sign = 1;                // user's speed = sign times the mechanism's
     // See element/coordinate_force.h; 0 without friction, without a limit.
     double sticking_limit = 0, slipping_limit = 0, restitution = 0;
+    bool poisson = false;
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;

@@ -21,7 +21,7 @@
 //   slipping_limit()      |tau| in a motion that begins
 //   indicators(side, v, a, x, slack, g, gdot)    a: acceleration, or NaN
 // and one whose modes 1 and -1 are contact (limit) has
-//   depth(side, q), touch_tolerance(side), restitution
+//   depth(side, q), touch_tolerance(side), restitution, is_poisson()
 //   indicators(side, q, v, x, adhesion, g, gdot)
 //
 // An element with modes may have two output signals: its force and its mode.

@@ -12,7 +12,9 @@
 namespace gelenk {
 
 // Hard limits of a joint coordinate, a set-valued law (Moreau 1988): at a bound the force takes the value, never
-// pulling, that keeps the coordinate within it; an impact with the speed v ends with -restitution v (Newton).
+// pulling, that keeps the coordinate within it; an impact with the speed v ends with -restitution v (Newton); or
+// its impulse is 1 + restitution times that which ends the approach (Poisson). Both differ only where several bounds
+// are struck together.
 struct JointLimit {
   static constexpr std::string_view group = "limit";
   static constexpr std::string_view summary = "hard limits of the coordinate, with impacts";
@@ -22,6 +24,8 @@ struct JointLimit {
   double lower = -std::numeric_limits<double>::infinity();  // rad (m); infinite if there is no bound
   double upper = std::numeric_limits<double>::infinity();   // rad (m)
   double restitution = 0;
+  static constexpr std::string_view laws[] = {"newton", "poisson"};
+  Choice law = {0};  // index in laws
 
   static std::span<const Field> fields() {
     static constexpr Field all[] = {
@@ -39,9 +43,12 @@ struct JointLimit {
                                          .unit = "1",
                                          .text = "coefficient of restitution of its hard limit, on {coordinate}",
                                          .range = Range::fraction,
-                                         .tunable = true})};
+                                         .tunable = true}),
+        field<&JointLimit::law>({.name = "law", .text = "law of impact of its hard limit", .words = laws})};
     return all;
   }
+
+  bool is_poisson() const { return law.index == 1; }
 
   static constexpr SignalGroup outputs[] = {
       {"{effort}", 0, "{f}", "contact {torque} on {joint}.{coordinate} at a limit, in its direction, without impacts"},

@@ -9,6 +9,7 @@
 
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
+#include "modes/impact.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -118,7 +119,8 @@ class LockModes {
   void enter(double t, State next, bool logs);
   void take_up(State& next, int lock, bool leaves, int direction);
   void strike(double t, double* y);
-  double rebound(int lock, int side, double speed);
+  Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
+                                     std::vector<StruckContact>& contacts);
   bool ends_series(int lock, int side, double speed) const;
 
   ModeEquations& equations_;

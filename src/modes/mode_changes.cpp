@@ -2,7 +2,6 @@
 // What follows when coordinates come to rest, strike a bound, or are let go: the part of LockModes that decides.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <ranges>
 #include <utility>
 
@@ -15,8 +14,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
-
 // Where friction at rest reaches its limit, everything slips whose limit is used up to this fraction, so that what
 // breaks away at the same instant does so together.
 constexpr double break_away_fraction = 1e-9;
@@ -25,22 +22,6 @@ constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
 // are lost in the rounding of the position. Their impulses would add up to that of the contact force.
 constexpr double lowest_rebound = 2;
-
-// Of the terms of the energy of an impact.
-constexpr double energy_rounding = 1e-12;
-
-// Newton's law may add energy where contacts with different restitutions are struck together; inelastic impulses never
-// do. Of the impulses between both, returns those nearest to Newton's law that do not. speeds: before the impact.
-VectorXd without_gain(const Eigen::MatrixXd& W, const VectorXd& speeds, const VectorXd& inelastic,
-                      const VectorXd& newton) {
-  const VectorXd d = newton - inelastic;
-  // Kinetic energy gained by inelastic + s d, a parabola in s that is not positive at 0.
-  const double a = d.dot(W * d) / 2;
-  const double b = d.dot(speeds + W * inelastic);
-  const double c = std::min(0.0, inelastic.dot(speeds + W * inelastic / 2));
-  if (!(a + b + c > energy_rounding * (a + std::abs(b) - c))) return newton;
-  return inelastic + (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a) * d;
-}
 
 }  // namespace
 
@@ -57,45 +38,34 @@ void LockModes::force_away(double t) {
   enter(t, next, true);
 }
 
-// Impacts: the impulses of all contacts together, such that each coordinate in contact leaves it with at least its
-// restitution times the speed of its approach (Newton; Moreau 1988).
+// Impacts: the impulses of all contacts together.
 void LockModes::strike(double t, double* y) {
   double* v = y + nq_;
   dynamics_.set_position(y);
   std::vector<int> struck;
-  std::vector<int> sides;
+  std::vector<StruckContact> contacts;
   for (int i = 0; i < count(); ++i) {
-    const int side = forces_.lock(i).limit < 0 ? 0 : touched_side(i);
+    const Branching::Lock lock = forces_.lock(i);
+    const int side = lock.limit < 0 ? 0 : touched_side(i);
     if (side == 0) continue;
     struck.push_back(i);
-    sides.push_back(side);
+    contacts.push_back({side, forces_.speed(i, v), lock.restitution, lock.poisson});
   }
   const auto n = static_cast<Index>(struck.size());
-  const auto approaches = [&](Index i) { return sides[i] * forces_.speed(struck[i], v) > 0 && !is_slow(struck[i], v); };
+  const auto approaches = [&](Index i) { return contacts[i].side * contacts[i].speed > 0 && !is_slow(struck[i], v); };
   if (std::ranges::none_of(std::views::iota(Index{0}, n), approaches)) return;
   equations_.accelerations_at(t, y, vdot_.data());
   Eigen::MatrixXd W;
   VectorXd scale;
   forces_.compliance(struck, W, scale);
-  VectorXd speeds(n);
-  VectorXd b(n);
-  VectorXd lower(n);
-  VectorXd upper(n);
+  const Impact impact = solve_impact_without_series(W, struck, contacts);
+  if (!impact.found) ++counts_.ambiguous;
   for (Index i = 0; i < n; ++i) {
-    speeds[i] = forces_.speed(struck[i], v);
-    b[i] = -(speeds[i] + sides[i] * rebound(struck[i], sides[i], speeds[i]));
-    lower[i] = sides[i] > 0 ? -unlimited : 0;
-    upper[i] = sides[i] > 0 ? 0 : unlimited;
     if (!approaches(i)) continue;
     ++counts_.impacts;
+    log_.add({t, 2 * forces_.lock(struck[i]).limit + (contacts[i].side > 0 ? 0 : 1), true, !impact.found});
   }
-  const BoxSolution inelastic = solve_in_box(W, -speeds, lower, upper);
-  const BoxSolution newton = solve_in_box(W, b, lower, upper);
-  if (!newton.found) ++counts_.ambiguous;  // no velocities permit all rebounds
-  for (Index i = 0; i < n; ++i) {
-    if (approaches(i)) log_.add({t, 2 * forces_.lock(struck[i]).limit + (sides[i] > 0 ? 0 : 1), true, !newton.found});
-  }
-  forces_.strike(struck, newton.found ? without_gain(W, speeds, inelastic.x, newton.x) : inelastic.x, v);
+  forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
     if (!is_slow(i, v)) triggered_[i] = 0;
   }
@@ -103,12 +73,24 @@ void LockModes::strike(double t, double* y) {
   equations_.mode_changed();
 }
 
-// The speed at which the coordinate rebounds from a bound that it reaches with this speed.
-double LockModes::rebound(int lock, int side, double speed) {
-  const double out = forces_.lock(lock).restitution * std::max(0.0, side * speed);
-  if (!(out > 0) || !ends_series(lock, side, out)) return out;
-  ++counts_.closed_series;
-  return 0;
+// Contacts of which the rebound would be lost in rounding have no restitution.
+Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
+                                              std::vector<StruckContact>& contacts) {
+  Impact impact;
+  for (bool closed = true; closed;) {
+    closed = false;
+    impact = solve_impact(W, contacts);
+    const VectorXd changes = W * impact.impulses;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      StruckContact& contact = contacts[i];
+      const double rebound = -contact.side * (contact.speed + changes[static_cast<Index>(i)]);
+      if (!(contact.restitution > 0 && rebound > 0) || !ends_series(struck[i], contact.side, rebound)) continue;
+      contact.restitution = 0;
+      closed = true;
+      if (contact.side * contact.speed > 0) ++counts_.closed_series;
+    }
+  }
+  return impact;
 }
 
 // Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at

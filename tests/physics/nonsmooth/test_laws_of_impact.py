@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Newton's and Poisson's laws of impact where several limits are struck together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import GRAVITY, Scene, body, frame, joint, scene
+from models.running import assert_close
+
+import gelenk
+
+from .test_joint_limits import ball, plant, read
+
+
+def two_blocks(law: str, lower: float, upper: float, masses: tuple[float, float]) -> Scene:
+    """A block that rests on its lower limit, and one that flies towards it at 2 m/s; no gravity."""
+
+    def guide(parent: str, child: str, restitution: float, v: float) -> dict[str, Any]:
+        limit = {"lower": 0.0, "restitution": restitution, "law": law}
+        return joint(
+            "prismatic", frame(parent), frame(child), limit=limit, start={"s": 0.0, "v": v, "fixed": True}
+        )
+
+    source = scene(
+        {"low": body(masses[0]), "high": body(masses[1])},
+        {"A": guide("ground", "low", lower, 0.0), "B": guide("low", "high", upper, -2.0)},
+    )
+    source["joints"]["B"]["start"]["s"] = 1e-3
+    return source
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(0.8, 0.5), (0.5, 0.5), (0.3, 0.9), (0.0, 0.5), (1.0, 1.0)])
+def test_laws_of_impact_of_two_blocks(lower: float, upper: float) -> None:
+    """Newton: the lower block stays. Poisson: both impulses of compression, m v, grow by restitution."""
+    m, M, v = 0.5, 2.0, 2.0
+    newton = plant(two_blocks("newton", lower, upper, (M, m)))
+    newton.step_to(0.001)
+    assert (read(newton, "A.v"), newton.diagnostic("solver.impacts")) == (0, 1)
+    assert_close("B.v", read(newton, "B.v"), upper * v, 1e-12, "rounding")
+    poisson = plant(two_blocks("poisson", lower, upper, (M, m)))
+    poisson.step_to(0.001)
+    # The lower limit may need more than its part, lest the block passes it.
+    of_block = max(0.0, (lower - upper) * m * v / M)
+    assert_close("A.v", read(poisson, "A.v"), of_block, 1e-12, "rounding")
+    assert_close("B.v", read(poisson, "B.v"), upper * v - of_block, 1e-12, "rounding")
+
+
+def test_both_laws_agree_for_a_single_bound() -> None:
+    source = ball(0.7)
+    found = []
+    for law in ("newton", "poisson"):
+        source["joints"]["J"]["limit"]["law"] = law
+        simulation = plant(source)
+        simulation.step_to(3.0)
+        found.append(
+            (read(simulation, "J.s"), read(simulation, "J.v"), simulation.diagnostic("solver.impacts"))
+        )
+    assert found[0] == pytest.approx(found[1], abs=1e-9)  # the rounding of some ten impacts
+
+
+@pytest.mark.parametrize(("law", "most"), [("newton", 25), ("poisson", 900)])
+def test_impacts_of_two_blocks_under_gravity_come_to_rest(law: str, most: int) -> None:
+    """With Newton's law the lower block stays; with Poisson's, each of some 20 impacts throws it up, and
+    it bounces some 40 times.
+    """
+    source = two_blocks(law, 0.8, 0.5, (2.0, 0.5))
+    source["gravity"] = [0, 0, -GRAVITY]
+    source["joints"]["B"]["start"]["s"] = 0.3
+    simulation = plant(source)
+    energy = [simulation.diagnostic("energy.total")]
+    for k in range(1, 81):
+        simulation.step_to(0.05 * k)
+        energy.append(simulation.diagnostic("energy.total"))
+    assert np.diff(energy).max() <= 1e-11  # the weight times what counts as contact
+    assert (read(simulation, "A.v"), read(simulation, "B.v")) == (0, 0)
+    assert_close("A", read(simulation, "A.limit.f"), 2.5 * GRAVITY, 1e-11, "rounding")
+    assert_close("B", read(simulation, "B.limit.f"), 0.5 * GRAVITY, 1e-11, "rounding")
+    assert 10 < simulation.diagnostic("solver.impacts") < most
+
+
+def test_a_series_under_constant_push_with_poisson() -> None:
+    source = ball(0.5)
+    source["joints"]["J"]["limit"]["law"] = "poisson"
+    simulation = plant(source)
+    simulation.step_to(3.0)
+    assert read(simulation, "J.v") == 0
+    assert_close("J.s", read(simulation, "J.s"), 0.1, 1e-11, "what counts as contact")
+    assert simulation.diagnostic("solver.zeno") == 1
+
+
+def test_unknown_law_of_impact_is_refused() -> None:
+    source = ball(0.5)
+    source["joints"]["J"]["limit"]["law"] = "hertz"
+    with pytest.raises(gelenk.SceneError, match=r"limit.law: found 'hertz', expected .*newton.*poisson"):
+        plant(source)
