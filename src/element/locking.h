@@ -17,4 +17,10 @@ inline std::string_view locking_element(const JointForces& forces) {
   return {};
 }
 
+// Removes these elements.
+inline void erase_locking_elements(JointForces& forces) {
+  std::get<std::optional<JointFriction>>(forces).reset();
+  std::get<std::optional<JointLimit>>(forces).reset();
+}
+
 }  // namespace gelenk

@@ -16,6 +16,7 @@ struct Group {
   std::vector<int> bodies;  // of the scene
   std::vector<Pose3> X_GB;  // by member: pose of its frame in the group's
   Spatial::Inertia G;       // about the group's frame
+  int half_of = -1;         // the group from which it has been split (split_bodies.cpp)
 };
 
 // A joint between two groups, with its canonical frames: X_AF in the parent's group, X_BM in the child's.
@@ -26,6 +27,7 @@ struct Edge {
   Pose3 X_AF, X_BM;
   Eigen::Matrix3d R_UC = Eigen::Matrix3d::Identity();
   bool opposes_normal = false;  // planar: the user's axis is opposite to the plane's normal
+  bool opens_beside = false;    // not that joint but the weld of a body that is split beside it
 };
 
 // A massless rod: a group without mass and its two joints, replaced by one loop-closing joint.
@@ -122,6 +124,9 @@ std::vector<int> spanning_tree(const Scene& scene, const Graph& graph, bool plan
 // Whether friction or a limit can keep a coordinate of the joint at rest, unless its rate would be a sum of velocities
 // with constant factors.
 bool must_not_be_cut(const Joint& joint, bool planar);
+
+// The graph with bodies split where a loop cannot be cut otherwise, unless they have no mass (split_bodies.cpp).
+Graph with_split_bodies(const Scene& scene, const Graph& graph, bool planar);
 
 // The mechanism of one island; registers bodies and joints in `places` (links.cpp). normal: of the plane, in the world,
 // if the graph is aligned to one.

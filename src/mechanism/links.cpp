@@ -27,7 +27,7 @@ struct MechanismBuilder {
     for (const int e : tree) in_tree[e] = true;
     for (int e = 0; e < static_cast<int>(graph.edges.size()); ++e) {
       if (!in_tree[e]) add_joint_cut(graph.edges[e]);
-      out.joints.push_back(graph.edges[e].scene_joint);
+      if (!graph.edges[e].opens_beside) out.joints.push_back(graph.edges[e].scene_joint);
     }
     place_bodies();
     for (const RodEdge& rod : graph.rods) add_rod(rod);
@@ -114,18 +114,23 @@ struct MechanismBuilder {
 
   void add_joint_cut(const Edge& edge) {
     const Joint& joint = scene.joints[edge.scene_joint];
-    if (must_not_be_cut(joint, out.planar)) {
+    if (!edge.opens_beside && must_not_be_cut(joint, out.planar)) {
       throw SceneError(
           {(scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name + "." +
            std::string(joint.locking_element()) +
-           ": found friction or limits in every joint at which the loop can be cut; expected a loop with at "
-           "least one joint without friction, limit, motion, gear and rack"});
+           ": found friction or limits in every joint at which the loop can be cut; expected a loop with a body "
+           "with mass, or with at least one joint without friction, limit, motion, gear and rack"});
     }
     Cut cut;
     cut.joint = cut_joint(edge.joint);
     cut.joint_rows = (out.planar ? 3 : 6) - kind_of(edge.joint).nv;
     add_ends(edge.group_a, edge.X_AF, edge.group_b, edge.X_BM, cut);
-    add_coordinates(edge, JointPlace::Role::cut, cut);
+    cut.opens_beside = edge.opens_beside;
+    if (edge.opens_beside) {
+      cut.scene_joints.push_back(edge.scene_joint);
+    } else {
+      add_coordinates(edge, JointPlace::Role::cut, cut);
+    }
     out.cuts.push_back(cut);
   }
 
@@ -230,6 +235,8 @@ struct MechanismBuilder {
   }
 
   std::string name_of(int group) const {
+    const int whole = graph.groups[group].half_of;
+    if (whole >= 0) return name_of(whole);
     const auto& bodies = graph.groups[group].bodies;
     const auto heaviest =
         std::ranges::max_element(bodies, [&](int a, int b) { return scene.bodies[a].mass < scene.bodies[b].mass; });

@@ -33,6 +33,7 @@ inline constexpr int max_cut_nv = Rod::max_nv;
 // A loop-closing joint: constraint equations between frame F on link a and frame M on link b.
 struct Cut {
   std::vector<int> scene_joints;  // one; for a rod those at its two ends; for a contact none
+  bool opens_beside = false;      // not that joint but the weld of a body that is split beside it
   int constraint = -1;            // contacts: index in the scene
   CutJoint joint;
   int link_a = 0, link_b = 0;

@@ -57,7 +57,8 @@ struct Reducer {
       const int island = static_cast<int>(out.islands.size());
       Graph in_space = graph;
       if (may_replace_rods(graph)) replace_rods(scene, false, in_space, out.notes);
-      out.islands.push_back(make_mechanism(scene, in_space, island, std::nullopt, out));
+      out.islands.push_back(
+          make_mechanism(scene, with_split_bodies(scene, in_space, false), island, std::nullopt, out));
     }
     check_drives(graph);
     report_cuts(out.islands.back());
@@ -84,7 +85,7 @@ struct Reducer {
     if (may_replace_rods(graph)) replace_rods(scene, true, aligned, rods);
     const int island = static_cast<int>(out.islands.size());
     const Eigen::Vector3d& n = plane.normals[0];
-    Mechanism mechanism = make_mechanism(scene, aligned, island, n, out);
+    Mechanism mechanism = make_mechanism(scene, with_split_bodies(scene, aligned, true), island, n, out);
     if (const Cut* cut = cut_at_two_heights(mechanism)) {
       return in_space("the two frames of joint " + scene.joints[cut->scene_joints.front()].name +
                       " are at different heights above the plane");
@@ -121,7 +122,7 @@ struct Reducer {
     for (const Cut& cut : mechanism.cuts) {
       if (cut.is_rod() || cut.is_contact()) continue;
       const Joint& joint = scene.joints[cut.scene_joints.front()];
-      names.push_back(joint.name + " (" + joint.type + ")");
+      names.push_back(cut.opens_beside ? "a body at " + joint.name : joint.name + " (" + joint.type + ")");
     }
     if (names.empty()) return;
     note(Reduction::cut_choice,

@@ -34,6 +34,7 @@ class Preferences {
   }
 
   Preference operator()(const Edge& edge) const {
+    if (edge.opens_beside) return {false, false, -7, false, false};  // last of all
     const Joint& joint = scene_.joints[edge.scene_joint];
     const bool required = must_be_in_tree_.contains(joint.name);
     const bool massless = without_mass(edge.group_a) || without_mass(edge.group_b);

@@ -8,6 +8,7 @@
 #include "math/rotations.h"
 #include "mechanism/mechanism.h"
 #include "preparation/start.h"
+#include "scene/locking_elements.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -19,6 +20,7 @@ ReducedScene reduce_in_space(const Scene& scene) {
   for (const Reduction pass : {Reduction::planar, Reduction::massless}) {
     literal.solver.reductions[static_cast<std::size_t>(pass)] = false;
   }
+  erase_locking_elements(literal);  // so that all cuts are joints
   return reduce(literal);
 }
 

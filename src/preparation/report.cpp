@@ -147,6 +147,7 @@ std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
   for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
   for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
   std::ranges::sort(out);
+  out.erase(std::ranges::unique(out).begin(), out.end());
   return out;
 }
 

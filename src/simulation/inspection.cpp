@@ -11,6 +11,7 @@
 #include "mechanism/wanted_part.h"
 #include "outputs/port_readings.h"
 #include "preparation/report.h"
+#include "scene/locking_elements.h"
 #include "scene/words.h"
 #include "simulation/start_report.h"
 #include "util/text.h"
@@ -51,6 +52,7 @@ Scene in_space(Simulation& simulation) {
   for (const Reduction pass : {Reduction::planar, Reduction::fixed, Reduction::redundant_rows}) {
     scene.solver.reductions[static_cast<std::size_t>(pass)] = false;
   }
+  erase_locking_elements(scene);
   const std::vector<Signal>& signals = simulation.outputs();
   for (int i = 0; i < static_cast<int>(signals.size()); ++i) {
     const Signal& s = signals[i];

@@ -106,8 +106,7 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
 // force: index among all forces with modes of the island.
 std::string describe_mode_boundary(const Scene& scene, const Island& island, int force, double t) {
   const BranchingForce of = branching_forces(island.loads())[static_cast<std::size_t>(force)];
-  return "t = " + text::rounded(t) + " s: joints." + scene.joints[static_cast<std::size_t>(of.joint)].name + "." +
-         std::string(of.group) +
+  return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +
          " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
 }
 
