@@ -56,7 +56,7 @@ def test_forward_dynamics_of_real_arms_equal_pinocchios(name: str) -> None:
     """
     pin = pytest.importorskip("pinocchio", reason="pinocchio (PyPI: pin) is not installed")
     path = robot_file(name)
-    scene = gelenk.import_urdf(path)
+    scene = gelenk.import_urdf(path, limits=False)  # random positions are beyond them
     model = pin.buildModelFromUrdf(str(path))
     data = model.createData()
     names = list(model.names)[1:]
@@ -103,10 +103,11 @@ def test_panda_tells_what_it_left_out() -> None:
         "joint panda_finger_joint2: follows panda_finger_joint1 in the file (mimic); "
         "here it moves freely and has a motor"
     )
-    assert report[1].startswith("limits of position, velocity and effort are not modeled: panda_joint1, ")
-    assert report[1].endswith("a joint's `limit` in the scene limits the position")
-    assert report[2] == "links without mass: panda_link8, panda_hand_tcp"
-    assert report[3].startswith("shapes and meshes are not converted: ")
+    assert report[1].startswith("joints with hard limits: panda_joint1, ")
+    assert report[2] == "joint panda_joint4: starts at -1.5708 rad, since its limits do not contain 0"
+    assert report[3].startswith("limits of velocity and effort are not modeled: panda_joint1, ")
+    assert report[4] == "links without mass: panda_link8, panda_hand_tcp"
+    assert report[5].startswith("shapes and meshes are not converted: ")
 
 
 def test_saved_import_is_the_same_scene(tmp_path: Path) -> None:
@@ -252,6 +253,56 @@ def test_friction_holds_a_joint_and_brakes_its_motion(
     plant.set_input(f"j_motor.{push}", 0.7)
     plant.step_to(2.0)
     assert plant.output(f"j.{speed}") == pytest.approx(0.7 - 0.2, rel=1e-6)  # the default tolerance
+
+
+LIMITED = '<limit lower="{}" upper="{}" effort="9" velocity="9"/>'
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_limits_stop_a_joint(kind: str, tmp_path: Path) -> None:
+    """A constant force drives a joint to its limit, where it remains."""
+    body = link("base") + link("a") + joint("j", kind, "base", "a", LIMITED.format(-0.5, 1.25))
+    scene = gelenk.import_urdf(write(tmp_path, body))
+    limit = scene.to_dict()["joints"]["j"]["limit"]
+    assert (limit["lower"], limit["upper"]) == (-0.5, 1.25)
+    assert list(scene.report) == [
+        "joints with hard limits: j",
+        "limits of velocity and effort are not modeled: j",
+    ]
+    q, effort = {"revolute": ("phi", "tau"), "prismatic": ("s", "f")}[kind]
+    plant = gelenk.Simulation(scene)
+    for push, bound in ((1.0, 1.25), (-2.0, -0.5)):
+        plant.set_input(f"j_motor.{effort}", push)
+        if push > 0:
+            plant.initialize()
+        plant.step_to(plant.time + 5.0)
+        assert plant.output(f"j.{q}") == pytest.approx(bound, abs=1e-11)  # what counts as contact
+        assert plant.output(f"j.limit.{effort}") == pytest.approx(-push, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "limited", "start"),
+    [
+        (-3.0, -1.0, True, -2.0),
+        (0.0, 1.0, True, None),  # starts at its bound
+        (0.0, 0.0, False, None),  # the default: none is given
+        (1.0, -1.0, False, None),
+    ],
+)
+def test_limits_around_the_start(
+    lower: float, upper: float, limited: bool, start: float | None, tmp_path: Path
+) -> None:
+    body = link("base") + link("a") + joint("j", "revolute", "base", "a", LIMITED.format(lower, upper))
+    scene = gelenk.import_urdf(write(tmp_path, body))
+    entry = scene.to_dict()["joints"]["j"]
+    assert ("limit" in entry) == limited
+    assert entry.get("start", {}).get("phi") == start
+    assert ("its lower limit exceeds" in " ".join(scene.report)) == (lower > upper)
+    gelenk.Simulation(scene).initialize()
+    without = gelenk.import_urdf(write(tmp_path, body), limits=False)
+    assert "limit" not in without.to_dict()["joints"]["j"]
+    if limited:
+        assert without.report[0] == "limits of position are not converted: j"
 
 
 def robot(*parts: str) -> str:

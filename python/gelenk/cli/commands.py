@@ -195,6 +195,9 @@ def import_(
             "--repair-inertia", help="Replace physically impossible inertias by the nearest possible ones."
         ),
     ] = False,
+    limits: Annotated[
+        bool, typer.Option("--limits/--no-limits", help="Convert limits of position to hard limits.")
+    ] = True,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
     """Convert a URDF robot description to a scene.
@@ -202,8 +205,9 @@ def import_(
     What is not converted is listed on stderr.
     """
     scene = gelenk.import_urdf(
-        robot, floating=floating, repair_inertia=repair_inertia, assembly_tolerance=assembly_tolerance
-    )
+        robot, floating=floating, repair_inertia=repair_inertia, limits=limits,
+        assembly_tolerance=assembly_tolerance,
+    )  # fmt: skip
     scene.save(output)
     for line in scene.report:
         print(line, file=sys.stderr)

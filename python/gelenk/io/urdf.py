@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Import of URDF robot descriptions as scenes (requires the extra `urdf`).
 
-A link becomes a body in the link's own frame, a joint keeps its name, frame, axis, viscous damping and dry
-friction, and every joint that can be driven gets a motor `JOINT_motor`. Everything that is not converted is
-listed in the scene's report.
+A link becomes a body in the link's own frame, a joint keeps its name, frame, axis, viscous damping, dry
+friction and limits of position, and every joint that can be driven gets a motor `JOINT_motor`. Everything
+that is not converted is listed in the scene's report.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from gelenk.errors import SceneError
 from gelenk.extras import extra
 from gelenk.io.urdf_inertia import impossible_inertias, repaired
+from gelenk.io.urdf_limits import bounds_of, limit_notes, start_within
 from gelenk.model import foreign
 from gelenk.model.scene import Scene, from_dict
 
@@ -42,6 +43,7 @@ def import_urdf(
     *,
     floating: bool = False,
     repair_inertia: bool = False,
+    limits: bool = True,
     assembly_tolerance: float | None = None,
 ) -> Scene:
     """Convert a URDF file to a scene; meshes and shapes are ignored.
@@ -53,6 +55,8 @@ def import_urdf(
             possible one: negative second moments about the center of mass are raised to a millionth of the
             largest. A movable link without mass and inertia gets a millionth of those of its carrier. All
             other masses and inertias are unchanged.
+        limits: whether the limits of position of revolute and prismatic joints become hard limits, without
+            restitution. A joint of which the limits do not contain 0 starts in the middle between them.
         assembly_tolerance: the scene's `assembly.tolerance`, for loops that are closed by joints added to it.
 
     Returns:
@@ -66,7 +70,7 @@ def import_urdf(
     """
     file = Path(path)
     _check(file)
-    scene, name, notes = _convert(file, _read(file), floating)
+    scene, name, notes = _convert(file, _read(file), floating, limits)
     if assembly_tolerance is not None:
         scene["assembly"] = {"tolerance": assembly_tolerance}
     if repair_inertia:
@@ -171,7 +175,7 @@ def _read(file: Path) -> Any:
         raise SceneError(f"{file}: {' '.join(str(e).split()) or type(e).__name__}") from e
 
 
-def _convert(file: Path, robot: Any, floating: bool) -> tuple[dict[str, Any], str, list[str]]:
+def _convert(file: Path, robot: Any, floating: bool, limits: bool) -> tuple[dict[str, Any], str, list[str]]:
     notes: list[str] = []
     names = _Names(notes)
     bodies = {link.name: names.take("link", link.name, "link") for link in robot.links}
@@ -191,10 +195,10 @@ def _convert(file: Path, robot: Any, floating: bool) -> tuple[dict[str, Any], st
             }
         },
     }
-    scene["joints"] |= {joints[j.name]: _joint(j, bodies) for j in robot.joints}
+    scene["joints"] |= {joints[j.name]: _joint(j, bodies, limits) for j in robot.joints}
     driven = [joints[j.name] for j in robot.joints if KINDS[j.type] in DRIVEN]
     scene["motors"] = {names.take("motor", f"{name}_motor", "motor"): {"joint": name} for name in driven}
-    notes += _remarks(robot)
+    notes += _remarks(robot, limits)
     return scene, str(file), notes
 
 
@@ -232,7 +236,7 @@ def _body(link: Any) -> dict[str, Any]:
     return body
 
 
-def _joint(joint: Any, bodies: dict[str, str]) -> dict[str, Any]:
+def _joint(joint: Any, bodies: dict[str, str], limits: bool) -> dict[str, Any]:
     kind = KINDS[joint.type]
     entry: dict[str, Any] = {"type": kind}
     if kind in ("revolute", "prismatic", "planar"):
@@ -253,6 +257,10 @@ def _joint(joint: Any, bodies: dict[str, str]) -> dict[str, Any]:
     friction = _loss(joint, "friction")
     if friction and kind in DRIVEN:
         entry["friction"] = {"coulomb": friction}
+    if limits and (bounds := bounds_of(joint)):
+        entry["limit"] = {"lower": bounds[0], "upper": bounds[1]}
+        if (start := start_within(bounds)) != 0:
+            entry["start"] = {"phi" if kind == "revolute" else "s": start}
     return entry
 
 
@@ -279,7 +287,7 @@ def _rpy_matrix(rpy: list[float]) -> NDArray[np.float64]:
     return np.asarray(z @ y @ x)
 
 
-def _remarks(robot: Any) -> list[str]:
+def _remarks(robot: Any, limits: bool) -> list[str]:
     """Return the notes on what the scene does not contain, and on what limits its use."""
     movable = [j for j in robot.joints if j.type != "fixed"]
     notes = [_mimicry(j) for j in movable if j.mimic is not None]
@@ -290,12 +298,7 @@ def _remarks(robot: Any) -> list[str]:
             f"joints with dry friction: {_list(rubbing)}; "
             "linear models at rest are those of locked joints, and the search for equilibria ignores friction"
         )
-    limited = [j.name for j in movable if j.limit is not None]
-    if limited:
-        notes.append(
-            f"limits of position, velocity and effort are not modeled: {_list(limited)}; "
-            "a joint's `limit` in the scene limits the position"
-        )
+    notes += limit_notes(movable, limits)
     massless = [link.name for link in robot.links if link.inertial is None or not link.inertial.mass]
     if massless:
         notes.append(f"links without mass: {_list(massless)}")
