@@ -23,27 +23,6 @@
 namespace gelenk {
 namespace {
 
-// Links whose poses in the root frame are required by the loads, and their ancestors.
-std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
-  std::vector<bool> needed(mechanism.links.size(), false);
-  each_list(loads.forces, [&](const auto& list) {
-    for (const auto& force : list) {
-      if constexpr (requires { force.element.is_local(); }) {
-        if (force.element.is_local()) continue;
-      }
-      for (const Attachment& at : force.at) needed[at.link] = true;
-    }
-  });
-  for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
-    if (needed[i]) needed[mechanism.links[i].parent] = true;
-  }
-  std::vector<int> out;
-  for (int i = 1; i < static_cast<int>(needed.size()); ++i) {
-    if (needed[i]) out.push_back(i);
-  }
-  return out;
-}
-
 std::vector<int> all_links(const Mechanism& mechanism) {
   std::vector<int> out(mechanism.links.size() - 1);
   std::iota(out.begin(), out.end(), 1);
@@ -133,7 +112,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
 
   void solve(const double* u, double* vdot, const double* extrapolated) override {
     forces(u, w_.data());
-    modes_.set_force_size(w_);
+    if (modes_.locks() > 0) modes_.set_force_size(w_);
     if (model_.rows > 0) M_.add_right_side(biased_gamma(), w_.data());
     if (extrapolated != nullptr) M_.multiply(extrapolated, extrapolated_.data());
     regularized_ = extrapolated != nullptr;
@@ -141,7 +120,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     std::ranges::copy(w_, vdot);
     M_.solve(vdot);
     if (locks) modes_.locked().clear(vdot);
-    modes_.holding_forces().set(holding_);
+    if (modes_.locks() > 0) modes_.holding_forces().set(holding_);
     if (!compute_all_outputs_) return;
     set_root_poses();
     set_acceleration(vdot);
@@ -302,28 +281,26 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // Solves the equations for w = L vdot, given the generalized forces f in its place. Returns whether coordinates are
   // locked; their forces are then in holding_.
   bool solve_whitened(double* f, const double* gamma, const double* extrapolated) const {
-    const auto project = [&] {
-      M_.solve_transposed(f);
-      if (model_.rows > 0) Y_.solve_constrained(f, gamma, extrapolated);
-    };
-    if (!modes_.locks_any()) {
-      project();
-      return false;
+    if (modes_.locks() > 0 && modes_.locks_any()) {
+      std::copy_n(f, model_.nv, unlocked_.begin());
+      project(unlocked_.data(), gamma, extrapolated);
+      modes_.locked().forces(unlocked_.data(), holding_.data());
+      modes_.locked().add_forces(holding_.data(), f);
+      project(f, gamma, extrapolated);
+      return true;
     }
-    std::copy_n(f, model_.nv, unlocked_.begin());
-    project();
-    modes_.locked().forces(f, holding_.data());
-    std::ranges::copy(unlocked_, f);
-    modes_.locked().add_forces(holding_.data(), f);
-    project();
-    return true;
+    project(f, gamma, extrapolated);
+    return false;
+  }
+  void project(double* f, const double* gamma, const double* extrapolated) const {
+    M_.solve_transposed(f);
+    if (model_.rows > 0) Y_.solve_constrained(f, gamma, extrapolated);
   }
 
   // f <- tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    const bool none =
-        all_empty(loads_.forces) && std::ranges::all_of(loads_.cuts, [](const JointLoads& on) { return on.empty(); });
+    const bool none = loads_.only_along_tree;
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
       kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));

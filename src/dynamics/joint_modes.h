@@ -52,7 +52,6 @@ class JointModes final : public Branching {
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
   void set_force_size(const std::vector<double>& f) {
-    if (found_.empty()) return;
     const Eigen::Index n = state_.model.nv;
     Eigen::Map<Eigen::VectorXd> w(work_.data(), n);
     w = Eigen::Map<const Eigen::VectorXd>(f.data(), n);
@@ -106,7 +105,10 @@ class JointModes final : public Branching {
           out.slipping_limit = force.element.slipping_limit();
         }
       } else if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        if (index == out.limit) out.restitution = force.element.restitution;
+        if (index == out.limit) {
+          out.restitution = force.element.restitution;
+          out.poisson = force.element.is_poisson();
+        }
       }
       ++index;
     };

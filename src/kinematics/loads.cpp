@@ -176,6 +176,10 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
     collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
   }
   collector.motions();
+  for (Loads& of : loads) {
+    of.only_along_tree =
+        all_empty(of.forces) && std::ranges::all_of(of.cuts, [](const JointLoads& on) { return on.empty(); });
+  }
 }
 
 std::vector<Loads> make_loads(const Scene& scene, const ReducedScene& reduced) {
@@ -242,6 +246,26 @@ double immobile_energy(const Scene& scene, const ReducedScene& reduced) {
   }
   for (const Force& force : scene.forces) sum += immobile_energy(scene, reduced, force);
   return sum;
+}
+
+std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads) {
+  std::vector<bool> needed(mechanism.links.size(), false);
+  each_list(loads.forces, [&](const auto& list) {
+    for (const auto& force : list) {
+      if constexpr (requires { force.element.is_local(); }) {
+        if (force.element.is_local()) continue;
+      }
+      for (const Attachment& at : force.at) needed[at.link] = true;
+    }
+  });
+  for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
+    if (needed[i]) needed[mechanism.links[i].parent] = true;
+  }
+  std::vector<int> out;
+  for (int i = 1; i < static_cast<int>(needed.size()); ++i) {
+    if (needed[i]) out.push_back(i);
+  }
+  return out;
 }
 
 std::vector<BranchingForce> branching_forces(const Loads& loads) {

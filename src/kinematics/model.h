@@ -162,10 +162,14 @@ struct Loads {
   std::vector<JointLoads> cuts;       // by cut
   std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
   std::vector<int> inputs;            // indices of the scene's inputs that act on this island
+  bool only_along_tree = false;       // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root
   // and, in planar mechanisms, along the normal.
   double potential_offset = 0;
 };
+
+// Links whose poses in the root frame are required by the loads, and their ancestors.
+std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads);
 
 // A force with modes.
 struct BranchingForce {

@@ -82,7 +82,27 @@ class Job:
     solver: dict[str, Any] = field(default_factory=dict)
 
 
+def planar_four_bar(friction: float = 0.0) -> Callable[[], Scene]:
+    """The shipped four-bar without sensors; with dry friction in all joints [N m]."""
+
+    def made() -> Scene:
+        source = shipped("four_bar")()
+        source.pop("sensors", None)
+        for entry in source["joints"].values():
+            if friction > 0:
+                entry["friction"] = {"coulomb": friction}
+        return source
+
+    return made
+
+
 RK4 = {"integrator": "rk4", "step": 1e-3}
+
+# Pairs of jobs: with friction in motion, and without.
+FRICTION = {
+    "rk4": tuple(Job(planar_four_bar(f), 500, solver=RK4) for f in (0.01, 0.0)),
+    "auto": tuple(Job(planar_four_bar(f), 1000) for f in (0.01, 0.0)),
+}
 
 # rk4: four evaluations and a projection a step, so that its instructions are those of the kernels.
 JOBS = {

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from .counting import Prepared, counts_of, instructions_of, machine, prepared, valgrind, written
-from .jobs import JOBS
+from .jobs import FRICTION, JOBS
 
 # Rounding differs from compiler to compiler, alignment from build to build: counts follow by less than this.
 MARGIN = 0.05
@@ -42,6 +42,18 @@ def test_instructions(job: tuple[str, Prepared]) -> None:
     if here != there:
         pytest.skip(f"figures.json is of {there}, this is {here}")
     judge(title, "instructions", instructions_of(ready))
+
+
+# Friction in all joints of a four-bar, away from events, may cost half as much as the rest of an evaluation.
+COST_OF_FRICTION = 1.5
+
+
+@pytest.mark.skipif(sys.platform != "linux" or not valgrind(), reason="valgrind is not installed")
+@pytest.mark.parametrize("pair", FRICTION)
+def test_friction_costs_little(pair: str, host: Path, tmp_path: Path) -> None:
+    jobs = [prepared(job, host, tmp_path / str(i)) for i, job in enumerate(FRICTION[pair])]
+    ours, plain = (instructions_of(job) / counts_of(job)["evaluations"] for job in jobs)
+    assert ours <= COST_OF_FRICTION * plain, f"{ours / plain:.3f} times the instructions of an evaluation"
 
 
 def test_figures_are_of_the_jobs() -> None:
