@@ -5,7 +5,9 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <tuple>
 
 #include "bindings.h"
@@ -77,6 +79,25 @@ void gelenk::bind_scene(nb::module_& m) {
               "Whether parts that no requested output depends on have already been removed.")
       .def_prop_ro("formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.");
 
+  m.def(
+      "without_friction_and_limits",
+      [](Scene scene) {
+        for (gelenk::Joint& joint : scene.joints) {
+          for (gelenk::JointForces& forces : joint.along) {
+            std::get<std::optional<gelenk::JointFriction>>(forces).reset();
+            std::get<std::optional<gelenk::JointLimit>>(forces).reset();
+          }
+        }
+        return scene;
+      },
+      nb::arg("scene"), "The scene without dry friction and hard limits.");
+  m.def(
+      "has_friction_or_limits",
+      [](const Scene& scene) {
+        return std::ranges::any_of(scene.joints,
+                                   [](const gelenk::Joint& joint) { return !joint.locking_element().empty(); });
+      },
+      nb::arg("scene"), "Whether any of its joints has dry friction or a hard limit.");
   m.def("check_size", &gelenk::check_size, nb::arg("size"), nb::arg("file"),
         "Raise SceneError if a scene file of this size [bytes] is too large to be read.");
   m.def(

@@ -3,6 +3,7 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "scene/wanted_outputs.h"
 #include "simulation/inspection.h"
 #include "simulation/probe.h"
+#include "simulation/rest_forces.h"
 #include "simulation/start_report.h"
 #include "simulation/state_derivatives.h"
 
@@ -198,6 +201,19 @@ Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const s
       plant.with([&](Simulation& s) { return gelenk::StateDerivatives(s).output_derivatives(udot, uddot); }));
 }
 
+// Of each coordinate with friction or a limit: its name, the unit of its forces, the force that keeps it at rest, the
+// limit of its friction, and the side of the bound that it touches; then whether these forces balance the load, and
+// whether friction and contact can exert them.
+using RestForce = std::tuple<std::string, std::string, double, double, int>;
+std::tuple<std::vector<RestForce>, bool, bool> rest_forces(Plant& plant) {
+  const gelenk::RestForces found = plant.with([](Simulation& s) { return gelenk::find_rest_forces(s); });
+  std::vector<RestForce> out;
+  for (const gelenk::RestForces::Of& of : found.coordinates) {
+    out.emplace_back(of.coordinate, of.unit, of.force, of.limit, of.side);
+  }
+  return {out, found.is_balanced, found.is_held};
+}
+
 // Indices of the outputs that are the states, and of those that are their derivatives (-1: none).
 std::vector<std::vector<int>> states_of(Plant& plant) {
   return plant.with([](Simulation& s) {
@@ -271,6 +287,9 @@ void bind_derivatives(nb::class_<Plant>& simulation) {
           nb::arg("coordinates"), nb::arg("speeds"), "Select the states with respect to which derivatives are taken.")
       .def("_linearize", linearize, nb::arg("friction") = "present",
            "The matrices A, B, C, D column by column, and xdot.")
+      .def("_rest_forces", rest_forces,
+           "What friction and limits have to do to keep the present position at rest, whether that balances the load, "
+           "and whether they can.")
       .def("_directional_derivative", directional_derivative, nb::arg("dx"), nb::arg("du"),
            "Derivatives of the outputs and of the state derivatives in the direction (dx, du).")
       .def("_output_derivatives", output_derivatives, nb::arg("udot"), nb::arg("uddot"),

@@ -4,13 +4,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
-#include "analysis/independent_columns.h"
-#include "assembly/loop_closure.h"
+#include "analysis/rest_pose.h"
+#include "linear/box_complementarity.h"
 #include "linear/descent.h"
+#include "linear/least_load.h"
 #include "linear/singular_values.h"
 
 namespace gelenk {
@@ -29,56 +29,34 @@ constexpr double min_step_fraction = 1.0 / 64;  // of a Newton step, before it i
 constexpr double zero_stiffness_tolerance = 1e-10;
 constexpr double converged_step = 1e-9;  // rad or relative to length; the error is then of the order of its square
 constexpr double max_rotation = 0.3;     // rad: limit on joint rotations per step, so that loops stay on their branch
+constexpr int max_releases = 50;         // of contacts that would pull, before the search gives up
 
-// Whether velocity i of a joint is an angular velocity. Rods rotate at both ends.
-template <class Joint>
-bool is_turn(const Joint& joint, int i) {
-  return std::visit(
-      [i](const auto& j) {
-        if constexpr (requires { j.v_names; }) return j.v_names[static_cast<std::size_t>(i)].unit == "rad/s";
-        return true;
-      },
-      joint);
+// Orthonormal columns: the changes of the independent coordinates that leave all contacts at their bounds.
+MatrixXd along_bounds(const SingularValues& contact_rows) {
+  const Index rank = contact_rows.rank(zero_stiffness_tolerance);
+  return contact_rows.V.rightCols(contact_rows.V.cols() - rank);
 }
 
-// A closed position at zero velocity. Its independent coordinates are those that determine the others best there: the
-// acceleration of another one would vanish at its dead center, too, regardless of the other joints.
-struct RestPose {
-  std::vector<double> q, cut_q;
-  VectorXd vdot{};  // of all velocities, in the mechanism's time scale, as are the members below
-  // Set by differentiate():
-  std::vector<int> speeds{};         // indices of the independent velocities
-  VectorXd a{};                      // their accelerations
-  MatrixXd A{};                      // Jacobian of a with respect to the independent coordinates
-  MatrixXd displacement_jacobian{};  // displacements of all by independent coordinates
-  MatrixXd velocity_jacobian{};      // all velocities by independent velocities
-  MatrixXd coordinate_rates{};       // rates of the independent coordinates by independent velocities
-};
-
-bool is_equilibrium(const RestPose& at) {
-  const VectorXd terms = at.A.cwiseAbs().rowwise().sum();
-  return (at.a.array().abs() <= equilibrium_rate_tolerance + equilibrium_rounding_tolerance * terms.array()).all();
+// Minimum-norm least-squares solution of A dx = -a.
+VectorXd min_norm_step(const MatrixXd& A, const VectorXd& a) {
+  const SingularValues svd(A);
+  const double largest_stiffness = largest(svd.sigma);
+  if (!(largest_stiffness > zero_stiffness_tolerance)) return VectorXd::Zero(A.cols());
+  return svd.solve(-a, svd.rank(zero_stiffness_tolerance * std::max(1.0, 1 / largest_stiffness)));
 }
 
 class EquilibriumSearch {
  public:
-  explicit EquilibriumSearch(const EquilibriumProblem& of)
-      : of_(of),
-        mechanism_(of.mechanism),
-        dynamics_(make_dynamics(of.mechanism, of.loads)),
-        zero_velocity_(mechanism_.nv, 0.0),
-        time_scale_squared_(of.time * of.time) {
-    dynamics_->set_max_rank(of.mobility.rank);
-    dynamics_->set_targets(with_two_derivatives(of.targets).data());
-  }
+  explicit EquilibriumSearch(const EquilibriumProblem& of) : time_scale_squared_(of.time * of.time), poses_(of) {}
 
   Equilibrium run(const std::vector<double>& q, const std::vector<double>& cut_q) {
     RestPose here{.q = q, .cut_q = cut_q};
-    evaluate(here);
+    poses_.evaluate(here);
+    poses_.touch(here);
     try {
-      differentiate(here);
+      poses_.differentiate(here);
     } catch (const NotDifferentiablePoint&) {
-      if (largest(here.vdot) > equilibrium_rate_tolerance) throw;
+      if (largest(here.vdot) > equilibrium_rate_tolerance || !here.is_on_bounds() || lets_go(here)) throw;
       return {std::move(here.q), std::move(here.cut_q)};
     }
     bool converged = here.a.size() == 0;
@@ -88,9 +66,13 @@ class EquilibriumSearch {
       const VectorXd dx = newton(here, here.a);
       if (largest(dx) < converged_step) {
         if (largest(dx) > 0) {  // otherwise the position stays bitwise the same
-          if (auto there = closed_neighbor(here, here.displacement_jacobian * dx)) here = std::move(*there);
+          move(here, here.displacement_jacobian * dx);
         }
-        converged = is_equilibrium(here) || !descend_pseudo_transient(here);
+        if (!here.is_on_bounds()) continue;
+        const bool balanced = here.is_balanced();
+        if (balanced && !lets_go(here)) break;
+        if (balanced && ++releases_ > max_releases) break;
+        converged = !descend_pseudo_transient(here);
         continue;
       }
       // Damped steps may oscillate between two poses if A is singular between them.
@@ -101,31 +83,30 @@ class EquilibriumSearch {
       if (!descend_pseudo_transient(here)) break;
       least = INFINITY;
     }
-    if (!is_equilibrium(here)) throw NoEquilibrium(here.vdot / time_scale_squared_);
+    if (!here.is_balanced() || !here.is_on_bounds()) throw NoEquilibrium(here.vdot / time_scale_squared_);
     return {std::move(here.q), std::move(here.cut_q)};
   }
 
  private:
-  // Minimum-norm least-squares solution of A dx = -a.
-  static VectorXd newton(const RestPose& at, const VectorXd& a) {
-    const SingularValues svd(at.A);
-    const double largest_stiffness = largest(svd.sigma);
-    if (!(largest_stiffness > zero_stiffness_tolerance)) return VectorXd::Zero(at.A.cols());
-    return svd.solve(-a, svd.rank(zero_stiffness_tolerance * std::max(1.0, 1 / largest_stiffness)));
+  // The step along the bounds, after that onto the bounds of all contacts, or a share of it.
+  static VectorXd newton(const RestPose& at, const VectorXd& a, double share = 1) {
+    if (at.contact_rows.rows() == 0) return min_norm_step(at.A, a);
+    const SingularValues rows(at.contact_rows);
+    const MatrixXd along = along_bounds(rows);
+    const VectorXd onto = rows.solve(share * at.contact_gaps, rows.rank(zero_stiffness_tolerance));
+    if (along.cols() == 0) return onto;
+    return onto + along * min_norm_step(at.A * along, a + at.A * onto);
   }
 
   // Makes Newton's step or a fraction of it; returns false if none is acceptable.
   bool damped_newton_step(RestPose& here, const VectorXd& dx) {
-    double fraction = step_limit(joint_rotations(here, here.displacement_jacobian * dx));
+    double fraction = step_limit(poses_.joint_rotations(here, here.displacement_jacobian * dx));
     const double least = min_step_fraction * fraction;
     while (fraction >= least) {
       const auto is_acceptable = [&](const RestPose& there) {
-        return largest(newton(here, there.vdot(here.speeds))) <= (1 - fraction / 4) * largest(dx);
+        return largest(newton(here, there.vdot(here.speeds), 1 - fraction)) <= (1 - fraction / 4) * largest(dx);
       };
-      if (auto there = closed_neighbor(here, here.displacement_jacobian * (fraction * dx), is_acceptable)) {
-        here = std::move(*there);
-        return true;
-      }
+      if (move(here, here.displacement_jacobian * (fraction * dx), is_acceptable)) return true;
       fraction /= 2;
     }
     return false;
@@ -140,37 +121,19 @@ class EquilibriumSearch {
       const MatrixXd A = here.A * here.coordinate_rates;
       const double max_real_part = A.eigenvalues().real().maxCoeff();
       const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
-      if (is_equilibrium(here) || (stable && moved && !repeated)) return moved;
+      if (here.is_balanced() || (stable && moved && !repeated)) return moved;
       const double size = largest(here.a);
       const MatrixXd shifted = (2 * std::max(max_real_part, 0.0) + size) * MatrixXd::Identity(A.rows(), A.cols()) - A;
       const VectorXd z = here.velocity_jacobian * shifted.partialPivLu().solve(here.a);
-      auto there = closed_neighbor(here, step_limit(joint_rotations(here, z)) * z);
-      if (!there) return moved;
-      const bool unchanged = largest(there->a) == size;  // a constant force that does not depend on the coordinates
-      here = std::move(*there);
-      if (unchanged) return false;
+      const VectorXd step = step_limit(poses_.joint_rotations(here, z)) * z;
+      const std::vector<int> contacts = here.contacts;
+      const bool meets_bound = room(here, step, INFINITY).lock >= 0;
+      if (!move(here, step)) return moved;
+      // A constant force that does not depend on the coordinates, and that no limit will ever balance.
+      if (largest(here.a) == size && here.contacts == contacts && !meets_bound) return false;
       moved = true;
     }
     return moved;
-  }
-
-  // Rotations of the joints by a displacement [rad].
-  VectorXd joint_rotations(const RestPose& here, const VectorXd& z) {
-    std::vector<double> out;
-    const auto add = [&](const auto& joint, int nv, const double* v) {
-      for (int i = 0; i < nv; ++i) {
-        if (is_turn(joint, i)) out.push_back(v[i]);
-      }
-    };
-    for (const Link& link : mechanism_.links) add(link.joint, link.nv, z.data() + link.iv);
-    dynamics_->set_position(here.q.data());
-    dynamics_->set_velocity(z.data());
-    double v[max_cut_nv];
-    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) {
-      dynamics_->readings().cut_speeds(c, v);
-      add(mechanism_.cuts[static_cast<std::size_t>(c)].joint, mechanism_.cuts[static_cast<std::size_t>(c)].nv, v);
-    }
-    return Eigen::Map<const VectorXd>(out.data(), static_cast<Index>(out.size()));
   }
 
   // The fraction of a step that rotates no joint by more than max_rotation.
@@ -179,90 +142,159 @@ class EquilibriumSearch {
     return largest_rotation > max_rotation ? max_rotation / largest_rotation : 1;
   }
 
-  // The closed position next to `here` displaced by z; empty if closing fails, derivatives do not exist there, or it is
-  // not acceptable.
+  // The fraction of a displacement, at most `limit`, at which the first coordinate meets a bound, and its lock; -1:
+  // none does.
+  struct Room {
+    double fraction;
+    int lock = -1;
+    int side = 0;
+  };
+  Room room(const RestPose& here, const VectorXd& z, double limit) {
+    Room out{limit};
+    for (int i = 0; i < poses_.locks(); ++i) {
+      if (here.contacts[static_cast<std::size_t>(i)] != 0) continue;
+      const double speed = poses_.forces().speed(i, z.data());
+      const int side = speed > 0 ? 1 : -1;
+      const double left = std::max(0.0, -here.depth(i, side).depth);
+      if (left < out.fraction * std::abs(speed)) out = {left / std::abs(speed), i, side};
+    }
+    return out;
+  }
+
+  // Displaces `here` by z, or up to the first bound, where contact begins. Returns false, and leaves it unchanged, if
+  // closing the loops fails, derivatives do not exist there, or the step is not acceptable.
   template <class Accept>
-  std::optional<RestPose> closed_neighbor(const RestPose& here, const VectorXd& z, Accept is_acceptable) {
-    RestPose there{.q = here.q, .cut_q = here.cut_q};
-    dynamics_->displace(there.q.data(), z.data());
-    if (!close_rows(mechanism_, *dynamics_, there.q)) return {};
+  bool move(RestPose& here, const VectorXd& z, Accept is_acceptable) {
+    const Room to = room(here, z, 1);
+    auto there = poses_.closed_neighbor(here, to.fraction * z);
+    if (!there) return false;
     try {
-      evaluate(there);
-      if (!is_acceptable(there)) return {};
-      differentiate(there);
+      if (to.lock >= 0) {
+        there->contacts[static_cast<std::size_t>(to.lock)] = to.side;
+        poses_.evaluate(*there);
+      } else if (!is_acceptable(*there)) {
+        return false;
+      }
+      poses_.touch(*there);
+      poses_.differentiate(*there);
     } catch (const NotDifferentiablePoint&) {
-      return {};
+      return false;
     } catch (const SingularMass&) {
-      return {};
+      return false;
     }
-    return there;
+    here = std::move(*there);
+    return true;
   }
-  std::optional<RestPose> closed_neighbor(const RestPose& here, const VectorXd& z) {
-    return closed_neighbor(here, z, [](const RestPose&) { return true; });
-  }
-
-  void evaluate(RestPose& at) {
-    dynamics_->set_cut_reference(at.cut_q.data());
-    dynamics_->set_position(at.q.data());
-    dynamics_->factorize();
-    dynamics_->set_velocity(zero_velocity_.data());
-    at.vdot.resize(mechanism_.nv);
-    dynamics_->solve(of_.u.data(), at.vdot.data());
-    at.vdot *= time_scale_squared_;
-    for (int c = 0; c < static_cast<int>(mechanism_.cuts.size()); ++c) unwrap_angles(c, at.cut_q);
+  bool move(RestPose& here, const VectorXd& z) {
+    return move(here, z, [](const RestPose&) { return true; });
   }
 
-  // Unwraps the angles of a cut joint: they are continued from their previous values.
-  void unwrap_angles(int c, std::vector<double>& cut_q) const {
-    const Cut& cut = mechanism_.cuts[static_cast<std::size_t>(c)];
-    double found[max_cut_nq];
-    std::copy_n(cut_q.data() + cut.iq, cut.nq, found);
-    dynamics_->cut_coordinates(c, found);
-    for (int i = 0; i < cut.nq; ++i) {
-      double& q = cut_q[cut.iq + i];
-      q = cut.is_angle[static_cast<std::size_t>(i)] ? q + std::remainder(found[i] - q, 2 * std::numbers::pi) : found[i];
+  // Ends the contacts that would have to pull, and returns whether there are any.
+  bool lets_go(RestPose& here) {
+    std::vector<int> locks;
+    for (int i = 0; i < poses_.locks(); ++i) {
+      if (here.contacts[static_cast<std::size_t>(i)] != 0) locks.push_back(i);
     }
-  }
-
-  // Derivatives at the present position of dynamics_.
-  void differentiate(RestPose& at) {
-    const int nv = mechanism_.nv;
-    const std::vector<bool> any(static_cast<std::size_t>(nv), false);
-    const Independent by = independent_at(mechanism_, *dynamics_, of_.mobility, any, any);
-    ConstrainedSensitivity sensitivity(mechanism_, of_.loads, of_.mobility, by, static_cast<int>(of_.u.size()));
-    sensitivity.set_point(at.q.data(), zero_velocity_.data(), of_.u.data(), at.cut_q.data(), of_.targets);
-    const auto n = static_cast<Index>(by.coordinates.size());
-    const auto m = static_cast<Index>(by.speeds.size());
-    MatrixXd dq = MatrixXd::Zero(mechanism_.nq, n + m);
-    MatrixXd dv = MatrixXd::Zero(nv, n + m);
-    for (Index k = 0; k < n; ++k) {
-      const VectorXd z = VectorXd::Unit(nv, by.coordinates[static_cast<std::size_t>(k)]);
-      dynamics_->qdot_from_v(at.q.data(), z.data(), dq.col(k).data());
+    if (locks.empty()) return false;
+    poses_.evaluate(here);
+    const auto n = static_cast<Index>(locks.size());
+    VectorXd x(n);
+    VectorXd lower = VectorXd::Zero(n);
+    VectorXd upper = VectorXd::Zero(n);
+    for (Index i = 0; i < n; ++i) {
+      const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
+      x[i] = poses_.forces().holding_forces()[lock];
+      (here.contacts[lock] > 0 ? lower : upper)[i] = here.contacts[lock] > 0 ? -INFINITY : INFINITY;
     }
-    for (Index k = 0; k < m; ++k) dv(by.speeds[static_cast<std::size_t>(k)], n + k) = 1;
-    const MatrixXd moved =
-        sensitivity.state_derivative(dq, dv, MatrixXd::Zero(static_cast<Index>(of_.u.size()), n + m)).y;
-    at.speeds = by.speeds;
-    at.a = at.vdot(by.speeds);
-    at.A = time_scale_squared_ * moved.bottomRows(nv)(by.speeds, Eigen::seqN(0, n));
-    at.displacement_jacobian = displacements(mechanism_, at.q.data(), moved.topLeftCorner(mechanism_.nq, n));
-    at.velocity_jacobian = moved.block(mechanism_.nq, n, nv, m);
-    at.coordinate_rates = at.velocity_jacobian(by.coordinates, Eigen::all);
+    MatrixXd W;
+    VectorXd scale;
+    poses_.forces().compliance(locks, W, scale);
+    const VectorXd motion = solve_in_box(W, W * x, lower, upper).r * time_scale_squared_;
+    bool any = false;
+    for (Index i = 0; i < n; ++i) {
+      if (std::abs(motion[i]) <= equilibrium_rate_tolerance) continue;
+      here.contacts[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])] = 0;
+      any = true;
+    }
+    if (any) {
+      poses_.evaluate(here);
+      poses_.differentiate(here);
+    }
+    return any;
   }
 
-  const EquilibriumProblem& of_;
-  const Mechanism& mechanism_;
-  std::unique_ptr<Dynamics> dynamics_;
-  std::vector<double> zero_velocity_;
   double time_scale_squared_;  // s2
-  int descent_steps_ = 0;
+  RestPoses poses_;
+  int descent_steps_ = 0, releases_ = 0;
 };
+
+// Whether W x = b, up to rounding.
+bool balances(const MatrixXd& W, const VectorXd& x, const VectorXd& b) {
+  constexpr double balance_tolerance = 1e-10;
+  return (b - W * x).lpNorm<Eigen::Infinity>() <= balance_tolerance * b.lpNorm<Eigen::Infinity>();
+}
 
 }  // namespace
 
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
                              const std::vector<double>& cut_q) {
   return EquilibriumSearch(of).run(q, cut_q);
+}
+
+HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vector<double>& q,
+                                  const std::vector<double>& cut_q) {
+  RestPoses poses(of);
+  RestPose at{.q = q, .cut_q = cut_q};
+  poses.evaluate(at);
+  poses.touch(at);
+  poses.hold_friction();
+  poses.evaluate(at);
+  HoldingForces out;
+  std::vector<int> locks;
+  for (int i = 0; i < poses.locks(); ++i) {
+    const int side = at.contacts[static_cast<std::size_t>(i)];
+    const Branching::Lock lock = poses.forces().lock(i);
+    out.coordinates.push_back({.side = side, .force = 0, .limit = lock.sticking_limit});
+    out.coordinates.back().slack = poses.forces().slack(i);
+    if (side != 0 || lock.sticking_limit > 0) locks.push_back(i);
+  }
+  const auto n = static_cast<Index>(locks.size());
+  VectorXd x(n);
+  VectorXd lower(n);
+  VectorXd upper(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
+    const HoldingForces::Of& of_lock = out.coordinates[lock];
+    x[i] = poses.forces().holding_forces()[lock];
+    lower[i] = of_lock.side > 0 ? -INFINITY : -of_lock.limit;
+    upper[i] = of_lock.side < 0 ? INFINITY : of_lock.limit;
+  }
+  out.is_held = true;
+  if (poses.forces().is_redundant()) {
+    MatrixXd W;
+    VectorXd scale;
+    poses.forces().compliance(locks, W, scale);
+    const VectorXd b = W * x;
+    const VectorXd least = least_load(W, b, lower, upper);
+    out.is_held = balances(W, least, b);
+    if (out.is_held) x = least;
+  }
+  for (Index i = 0; i < n; ++i) {
+    HoldingForces::Of& of_lock = out.coordinates[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
+    of_lock.force = x[i];
+    out.is_held = out.is_held && x[i] <= upper[i] + of_lock.slack && x[i] >= lower[i] - of_lock.slack;
+  }
+  // The rounding of the coordinates is known where derivatives exist.
+  out.is_balanced = largest(at.vdot) <= equilibrium_rate_tolerance;
+  if (!out.is_balanced) {
+    try {
+      poses.differentiate(at);
+      out.is_balanced = at.is_balanced();
+    } catch (const NotDifferentiablePoint&) {
+      return out;
+    }
+  }
+  return out;
 }
 
 }  // namespace gelenk

@@ -38,15 +38,35 @@ struct Equilibrium {
   std::vector<double> q, cut_q;  // of the tree joints; of the cut joints, full turns counted
 };
 
-// Finds an equilibrium from the closed position q by Newton's method on the independent coordinates. Steps are limited
+// Finds an equilibrium without dry friction, from the closed position q by Newton's method on the independent
+// coordinates. Steps are limited
 // so that loops stay on their branch, and shortened until the next one would be shorter (natural monotonicity test:
 // Deuflhard 2004, ch. 3). If this fails, for example at a maximum of the accelerations, pseudo-transient continuation
 // descends to a stable pose, from which Newton's method continues; the second time it descends to the minimum.
-// Directions without stiffness are left unchanged. The equilibrium may be unstable. gelenk.equilibrium begins with this
-// search; its further features (fixed coordinates, inputs, steady motion, any FMU) use the same method in Python with
-// the derivatives that a plant provides (python/gelenk/equilibria/newton.py).
-// Throws NoEquilibrium, and NotDifferentiablePoint or SingularMass if q has no derivatives and is no equilibrium.
+// Directions without stiffness are left unchanged. The equilibrium may be unstable. Coordinates that meet a hard limit
+// remain at it while it has to push (active-set method: Nocedal & Wright 2006, ch. 16). gelenk.equilibrium begins with
+// this search; its further features (fixed coordinates, inputs, steady motion, any FMU) use the same method in Python
+// with the derivatives that a plant provides (python/gelenk/equilibria/newton.py). Throws NoEquilibrium, and
+// NotDifferentiablePoint or SingularMass if q has no derivatives and is no equilibrium.
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
                              const std::vector<double>& cut_q);
+
+// What dry friction and hard limits have to do to keep a mechanism at rest.
+struct HoldingForces {
+  struct Of {
+    int side = 0;      // touches its upper (1) or its lower bound (-1), or none (0)
+    double force = 0;  // along the coordinate, of friction and contact together
+    double limit = 0;  // of static friction
+    double slack = 0;  // what the rounding of the forces may exceed the limit by
+  };
+  std::vector<Of> coordinates{};  // by lock (dynamics/branching.h), with the user's signs
+  bool is_balanced = false;       // with these forces nothing accelerates
+  bool is_held = false;           // friction and contact can exert them
+};
+
+// At the closed position q, at rest. Where several coordinates hold redundantly, the forces are distributed so that the
+// largest fraction of a limit is least (linear/least_load.h).
+HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vector<double>& q,
+                                  const std::vector<double>& cut_q);
 
 }  // namespace gelenk

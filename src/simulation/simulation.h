@@ -57,6 +57,8 @@ struct ModelSize {
 // Sizes before initialize(): rank and degrees_of_freedom are 0, since they are not known yet.
 ModelSize size_of(const ReducedScene& reduced);
 
+struct RestForces;
+
 // A running scene: state, inputs, outputs and steps. Not thread-safe; different simulations may run in different
 // threads.
 class Simulation {
@@ -119,9 +121,10 @@ class Simulation {
   std::vector<EventReport> events() const;
 
  private:
-  friend class StateDerivatives;  // state_derivatives.h
-  friend class StartReport;       // start_report.h
-  friend class Probe;             // probe.h
+  friend class StateDerivatives;                       // state_derivatives.h
+  friend class StartReport;                            // start_report.h
+  friend class Probe;                                  // probe.h
+  friend RestForces find_rest_forces(Simulation& of);  // rest_forces.h
 
   struct Impl;
   std::unique_ptr<Impl> impl_;
