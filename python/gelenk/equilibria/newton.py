@@ -63,7 +63,7 @@ class Search:
             AssemblyError: the loops cannot be closed with the held values.
             EquilibriumError: the held values cannot be reached.
         """
-        self._approach()
+        self.approach()
         shortest, in_vain = np.inf, 0  # step length since the last descent; steps without a shorter one
         while self.steps < MAX_STEPS and not self.converged:
             dq, du = self._newton(self.pose.accelerations, self._hold_error())
@@ -84,8 +84,13 @@ class Search:
         if self._names:
             self._minimize_inputs()
 
-    def _approach(self) -> None:
-        """Move to the held values in steps that remain on the branch."""
+    def approach(self) -> None:
+        """Move to the held values in steps that remain on the branch.
+
+        Raises:
+            AssemblyError: the loops cannot be closed with the held values.
+            EquilibriumError: the held values cannot be reached.
+        """
         held = list(self.plant.hold)
         fraction = 0.0
         while fraction < 1:

@@ -175,7 +175,7 @@ class PosedPlant:
             speeds: velocities that are held, and their values.
             conditions: velocities whose accelerations have to vanish; None: all.
         """
-        self._plant = plant
+        self.plant = plant
         self._size = size
         self._held = list(hold)
         self.hold = {**hold, **(speeds or {})}
@@ -281,10 +281,10 @@ class PosedPlant:
     def _put(
         self, settings: Mapping[str, Value], inputs: Mapping[str, float], start: str = "as_given"
     ) -> LinearizedPose:
-        self._plant.reset()
-        self._plant.set_parameters({**settings, **({START: start} if self._has_equilibrium_search else {})})
-        self._plant.start(None, self.in_si(inputs))
-        return linearized_pose(self._plant.derivatives(()), self.conditions)
+        self.plant.reset()
+        self.plant.set_parameters({**settings, **({START: start} if self._has_equilibrium_search else {})})
+        self.plant.start(None, self.in_si(inputs))
+        return linearized_pose(self.plant.derivatives(()), self.conditions)
 
     def settings(self, starts: Mapping[str, float]) -> dict[str, Value]:
         """Return the parameters, in SI units, that bring the plant to these start values."""

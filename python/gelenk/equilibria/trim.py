@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from gelenk.equilibria.holding import Holding, RestingScene
 from gelenk.equilibria.newton import Search
 from gelenk.equilibria.pose import LinearizedPose, PosedPlant, linearized_pose
 from gelenk.equilibria.steady import (
@@ -16,17 +18,20 @@ from gelenk.equilibria.steady import (
     driven_rates,
     steady_given,
 )
-from gelenk.errors import EquilibriumError
+from gelenk.errors import AssemblyError, EquilibriumError, UsageError
 from gelenk.linear.minimal_realization import MinimalRealization
 from gelenk.linear.operating_point import At, Mechanism, OperatingPoint
+from gelenk.model.scene import Scene
 from gelenk.model.values import Value, check_names, number
 from gelenk.simulation.inputs import Inputs
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.run import open_plant
+from gelenk.simulation.scene_plant import ScenePlant
 
 # Largest driven velocity or acceleration after a communication step, in own units; rounding leaves less than
 # 1e-9.
 STEADY_TOLERANCE = 1e-6
+TREATMENTS = ("off", "present")  # of friction, see equilibrium()
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,9 @@ class Equilibrium:
         at: the operating point for `gelenk.linearize(source, at=...)`: start values, parameters and inputs.
         units: units of outputs and inputs.
         advancing: coordinates that advance in a steady motion, with their velocities; empty at rest.
+        held: by coordinate, what keeps it at rest: contact with a hard limit and, with `friction="present"`,
+            dry friction. Several joints of a loop may hold redundantly; then no distribution of their
+            friction has a smaller largest fraction of a limit than this one.
     """
 
     name: str
@@ -52,10 +60,26 @@ class Equilibrium:
     at: Mapping[str, Value]
     units: Mapping[str, str]
     advancing: Mapping[str, float] = field(default_factory=dict)
+    held: Mapping[str, Holding] = field(default_factory=dict)
+
+    @property
+    def margin(self) -> float:
+        """The smallest unused part of static friction: 1 if none is used, 0 just before break-away."""
+        return min((holding.margin for holding in self.held.values()), default=1.0)
+
+    @property
+    def load_factor(self) -> float:
+        """The factor by which all loads can be multiplied before a joint slips; infinite without friction."""
+        return 1 / (1 - self.margin) if self.margin < 1 else math.inf
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON."""
-        out = {key: dict(getattr(self, key)) for key in ("values", "inputs", "at", "units", "advancing")}
+        out: dict[str, Any] = {
+            key: dict(getattr(self, key)) for key in ("values", "inputs", "at", "units", "advancing")
+        }
+        if self.held:
+            held = {name: asdict(holding) | {"margin": holding.margin} for name, holding in self.held.items()}
+            out |= {"held": held, "margin": self.margin}
         return {"name": self.name, "residual": self.residual, "iterations": self.iterations, **out}
 
     def __str__(self) -> str:
@@ -71,6 +95,9 @@ class Equilibrium:
             for name, value in values.items():
                 unit = self.units.get(name, "1")
                 lines.append(f"  {name:{width}}  {value + 0.0:12.6g}{'' if unit == '1' else '  ' + unit}")
+        if self.held:
+            width = max(map(len, self.held))
+            lines += ["", "held", *(f"  {name:{width}}  {holding}" for name, holding in self.held.items())]
         return "\n".join(lines)
 
 
@@ -83,12 +110,17 @@ def equilibrium(
     solve_for: Sequence[str] | str = (),
     input_values: Inputs | None = None,
     parameters: Mapping[str, Value] | None = None,
+    friction: str | None = None,
 ) -> Equilibrium:
     """Find an equilibrium or a steady motion of a scene or an FMU, or the inputs that hold it (trim).
 
     Newton's method with exact Jacobians is applied to the independent coordinates, starting at an initial
     pose and remaining on its assembly branch. The equilibrium may be unstable. Without `hold`, `solve_for`
-    and `steady`, it is the one at which a simulation with `solver.start: equilibrium` begins.
+    and `steady`, it is the one at which a simulation with `solver.start: equilibrium` begins. It is within
+    the hard limits of joints: what meets a limit rests against it.
+
+    With `friction="present"` nothing is searched: the initial pose is returned, with what holds it and the
+    margin until a joint slips, if dry friction and contact with limits can hold it.
 
     Args:
         source: a .fmu file, anything `gelenk.load` accepts, or an operating point, which already contains the
@@ -101,12 +133,15 @@ def equilibrium(
         solve_for: inputs to determine; if there are several solutions, the one with the least sum of squares.
         input_values: the other inputs, and initial guesses of those in `solve_for`; 0 by default.
         parameters: values by FMU parameter name.
+        friction: what dry friction does. "off": nothing, which is the default for equilibria at rest.
+            "present": it holds what it can; the default for steady motions, in which moving joints slip.
 
     Returns:
         Equilibrium: its `at` is an operating point for `gelenk.linearize`.
 
     Raises:
-        EquilibriumError: there is no equilibrium nearby, or the inputs cannot hold the pose.
+        EquilibriumError: there is no equilibrium nearby or none within the limits, the inputs cannot hold the
+            pose, or friction cannot.
         SceneError, UsageError: the scene, a name or a value is invalid, or the configuration is singular.
         AssemblyError: the loops cannot be closed with these values.
         StepError: the motion cannot be computed up to `at`.
@@ -117,27 +152,113 @@ def equilibrium(
     True
     """
     solve_for = [solve_for] if isinstance(solve_for, str) else solve_for
+    if friction not in (None, *TREATMENTS):
+        raise UsageError(f"friction: found {friction!r}, expected one of {', '.join(TREATMENTS)}")
     point = OperatingPoint.given(source, at, input_values, parameters)
     plant = open_plant(point.source, ())
     try:
         check_names(solve_for, plant.inputs, "input")
         wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
+        scene = plant.scene
+        if steady is None and friction == "present":
+            if scene is None:
+                raise UsageError("friction: found 'present' with an FMU of another tool, expected 'off'")
+            return _held_pose(point, scene, wanted, solve_for)
+        if scene is not None and scene.has_friction_or_limits:
+            if steady is None:
+                return _within_limits(point, scene, wanted, solve_for)
+            if friction == "off":
+                plant.close()
+                plant = ScenePlant(scene.without_friction_and_limits())
         settings = point.reach(plant).settings
         first, posed = _initial_pose(plant, settings, wanted, steady)
         posed.check_hold(first)
         values = {name: first.found.values[name] for name in first.found.inputs}
         if not solve_for:
             first = posed.native_equilibrium(first, None if point.time else settings, values)
-        search = Search(posed, first, values, solve_for)
-        search.run()
-        if not search.pose.is_equilibrium or not search.holds():
-            raise EquilibriumError(_failure(search, solve_for))
-        _check_steady(search.pose)
-        if driven_rates(search.pose):
-            _check_prescribed_motions(plant, search)
+        search = _searched(plant, Search(posed, first, values, solve_for), solve_for)
     finally:
         plant.close()
     return _result(plant.name, search)
+
+
+def _searched(plant: Plant, search: Search, solve_for: Sequence[str]) -> Search:
+    search.run()
+    if not search.pose.is_equilibrium or not search.holds():
+        raise EquilibriumError(_failure(search, solve_for))
+    _check_steady(search.pose)
+    if driven_rates(search.pose):
+        _check_prescribed_motions(plant, search)
+    return search
+
+
+def _held_pose(
+    point: OperatingPoint, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
+) -> Equilibrium:
+    """Return the initial pose, with held coordinates, if friction and contact keep it at rest."""
+    if solve_for:
+        raise UsageError(
+            f"solve_for: found {', '.join(solve_for)} with friction='present', under which a range of inputs "
+            "holds a pose; expected given inputs"
+        )
+    resting = _reached(point, scene)
+    starts, steps = resting.starts(), 0
+    if hold:
+        search = _smooth_search(resting, scene, hold, ())
+        search.approach()
+        starts, steps = search.plant.settings(search.starts), search.steps
+    holding = resting.put(starts, resting.inputs)
+    resting.check_held(holding)
+    return _rest_result(resting, holding, steps)
+
+
+def _within_limits(
+    point: OperatingPoint, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
+) -> Equilibrium:
+    """Return an equilibrium without dry friction, within the hard limits."""
+    resting = _reached(point, scene)
+    starts = resting.starts()
+    if not hold and not solve_for:
+        try:
+            return _rest_result(resting, _contacts(resting.put(starts, resting.inputs, "equilibrium")), 0)
+        except AssemblyError:
+            resting.put(starts, resting.inputs)
+    search = _smooth_search(resting, scene, hold, solve_for)
+    _searched(search.plant.plant, search, solve_for)
+    found = search.plant.settings(search.starts), search.plant.in_si(search.inputs)
+    return _rest_result(resting, _contacts(resting.put(*found)), search.steps)
+
+
+def _reached(point: OperatingPoint, scene: Scene) -> RestingScene:
+    plant = ScenePlant(scene)
+    return RestingScene(plant, point.reach(plant).settings)
+
+
+def _smooth_search(
+    resting: RestingScene, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
+) -> Search:
+    smooth = resting.smooth_plant(scene)
+    known = set(smooth.parameters)
+    settings = {name: value for name, value in resting.settings.items() if name in known}
+    first, posed = _initial_pose(smooth, settings, hold, None)
+    posed.check_hold(first)
+    return Search(posed, first, {n: first.found.values[n] for n in first.found.inputs}, solve_for)
+
+
+def _contacts(holding: Mapping[str, Holding]) -> dict[str, Holding]:
+    return {name: of for name, of in holding.items() if of.bound}
+
+
+def _rest_result(resting: RestingScene, holding: Mapping[str, Holding], steps: int) -> Equilibrium:
+    plant = resting.plant
+    values, inputs = plant.values, plant.input_values
+    _, acceleration = resting.largest_acceleration()
+    return Equilibrium(
+        plant.name, {name: values[name] for name in plant.outputs}, inputs, abs(acceleration), steps,
+        {**resting.settings, **resting.starts(), **inputs},
+        {name: plant.unit(name) for name in (*plant.outputs, *inputs)},
+        held=holding,
+    )  # fmt: skip
 
 
 def _initial_pose(

@@ -143,6 +143,15 @@ class Scene:
             return self
         return self._with_core(_core.with_outputs(_core.wanted_part(self._core), []))
 
+    @property
+    def has_friction_or_limits(self) -> bool:
+        """Whether any joint has dry friction or a hard limit."""
+        return _core.has_friction_or_limits(self._core)
+
+    def without_friction_and_limits(self) -> Scene:
+        """Return a copy without dry friction and hard limits."""
+        return self._with_core(_core.without_friction_and_limits(self._core))
+
     def without(self, reductions: Iterable[str]) -> Scene:
         """Return a copy in which reductions are switched off.
 

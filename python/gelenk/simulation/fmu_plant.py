@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from gelenk import _core
 from gelenk.errors import AssemblyError, GelenkError, StartWarning, StepError, UsageError
 from gelenk.model.scales import Scales
+from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, number
 from gelenk.simulation.derivatives import Derivatives, differentiated_name
 from gelenk.simulation.fmu_slave import instantiated
@@ -69,6 +70,12 @@ class FmuPlant(Plant):
 
     def _names(self, causality: str) -> list[str]:
         return [v.name for v in self._description.modelVariables if v.causality == causality]
+
+    @property
+    @override
+    def scene(self) -> Scene | None:
+        file = Path(self._folder) / "resources" / "scene.json"
+        return load(file) if file.exists() else None
 
     @property
     @override

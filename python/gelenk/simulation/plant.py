@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.model.scene import Scene
 from gelenk.model.values import Value
 from gelenk.simulation.derivatives import Derivatives
 
@@ -39,6 +40,10 @@ class Plant(Protocol):
     readings: list[str]
     units: dict[str, str]
     assembly_report: str
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene that the plant is made of; None if unknown."""
 
     @property
     def events(self) -> list[tuple[float, str]]:

@@ -32,13 +32,19 @@ class ScenePlant(Plant):
         self.readings = [s.name for s in self._simulation._signals]
         self.idle = scene.inputs_beyond(self.inputs)
         diagnostics = self._simulation.diagnostic_signals
-        self._units = {s.name: s.unit for s in (*self._simulation._signals, *diagnostics)}
+        signals = (*self._simulation._signals, *diagnostics, *self._simulation.inputs)
+        self._units = {s.name: s.unit for s in signals}
         self.units = {name: self._units[name] for name in (*self.outputs, *(s.name for s in diagnostics))}
         self.parameters = list(scene.parameters)
         self.assembly_report = ""
         self._scales = Scales(*scene._core.scales)
         self._selection: list[str] = []
         self._diagnostics: list[tuple[int, str]] = []
+
+    @property
+    @override
+    def scene(self) -> Scene:
+        return self._scene
 
     @property
     @override
@@ -104,11 +110,7 @@ class ScenePlant(Plant):
     def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:
         plant = self._simulation
         output = {s.name: i for i, s in enumerate(plant._signals)}
-        rates = {}
-        for signal in plant._signals:
-            of = differentiated_name(signal.name, signal.description)
-            if of in output:
-                rates[of] = signal.name
+        rates = self.rates
         try:
             found = plant._core._linearize(friction)
         except UsageError:  # a dead center for the plant's own states, maybe not for the requested ones
@@ -121,14 +123,49 @@ class ScenePlant(Plant):
         _, _, C, D, _ = found
         states = [self.readings[i] for i in plant._core._states()[0]]
         ny = len(self.readings)
-        values = dict(zip(self.readings, plant._core.read_outputs(range(ny)).tolist(), strict=True))
         return Derivatives(
             tuple(states), tuple(self.inputs), tuple(self.outputs), tuple(self.readings),
             C.reshape((len(states), ny)).T, D.reshape((len(self.inputs), ny)).T,
-            values | {name: plant.input(name) for name in self.inputs}, rates,
-            self._units | {s.name: s.unit for s in plant.inputs},
+            self.values | self.input_values, rates,
+            self._units,
             plant.size.degrees_of_freedom + plant.size.free_coordinates, self._scales,
         )  # fmt: skip
+
+    @property
+    def rates(self) -> dict[str, str]:
+        """Names of readings, and of the readings that are their time derivatives."""
+        known = set(self.readings)
+        of = {s.name: differentiated_name(s.name, s.description) for s in self._simulation._signals}
+        return {name: rate for rate, name in of.items() if name in known}
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The present values of all readings."""
+        found = self._simulation._core.read_outputs(range(len(self.readings)))
+        return dict(zip(self.readings, found.tolist(), strict=True))
+
+    @property
+    def input_values(self) -> dict[str, float]:
+        """The present values of the inputs."""
+        return {name: self._simulation.input(name) for name in self.inputs}
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a reading."""
+        return self._units.get(name, "1")
+
+    def size(self, name: str) -> float:
+        """Return the value of 1 of the mechanism's own units of a reading, in SI units."""
+        return self._scales.size(self.unit(name))
+
+    def rest_forces(self) -> tuple[list[tuple[str, str, float, float, int]], bool, bool]:
+        """Return what dry friction and hard limits have to do to keep the present pose at rest.
+
+        Returns:
+            Of each coordinate with friction or a limit its name, the unit of its forces, the force along it,
+            the largest static friction, and the bound that it touches: 1 for the upper, -1 for the lower one;
+            whether nothing accelerates under these forces; and whether friction and contact can exert them.
+        """
+        return self._simulation._core._rest_forces()
 
     @override
     def close(self) -> None:
