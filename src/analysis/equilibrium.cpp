@@ -228,12 +228,6 @@ class EquilibriumSearch {
   int descent_steps_ = 0, releases_ = 0;
 };
 
-// Whether W x = b, up to rounding.
-bool balances(const MatrixXd& W, const VectorXd& x, const VectorXd& b) {
-  constexpr double balance_tolerance = 1e-10;
-  return (b - W * x).lpNorm<Eigen::Infinity>() <= balance_tolerance * b.lpNorm<Eigen::Infinity>();
-}
-
 }  // namespace
 
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
@@ -274,10 +268,7 @@ HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vecto
     MatrixXd W;
     VectorXd scale;
     poses.forces().compliance(locks, W, scale);
-    const VectorXd b = W * x;
-    const VectorXd least = least_load(W, b, lower, upper);
-    out.is_held = balances(W, least, b);
-    if (out.is_held) x = least;
+    x = least_load(W, W * x, lower, upper);
   }
   for (Index i = 0; i < n; ++i) {
     HoldingForces::Of& of_lock = out.coordinates[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];

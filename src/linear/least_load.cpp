@@ -2,6 +2,9 @@
 #include "linear/least_load.h"
 
 #include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "linear/box_complementarity.h"
 
@@ -14,24 +17,31 @@ using Eigen::VectorXd;
 constexpr int max_iterations = 50;
 // Of the part of b that the forces do not balance: rounding.
 constexpr double balance_tolerance = 1e-13;
+// Forces along coordinates that move at least at this fraction of the fastest are used up.
+constexpr double used_speed = 1e-9;
 
 VectorXd scaled(const VectorXd& bounds, double fraction) {
   return bounds.unaryExpr([&](double x) { return std::isfinite(x) ? fraction * x : x; });
 }
 
-}  // namespace
+// Forces that use all bounds as little as possible, and a motion against which some of them are all used up to the
+// same fraction; empty: no bound need be used.
+struct Level {
+  VectorXd x, motion;
+};
 
-VectorXd least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper) {
-  const double size = b.cwiseAbs().maxCoeff();
-  VectorXd out = least_squares(W, b);
-  if (size == 0) return out;
+// size: the magnitude of forces, for their rounding.
+Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper,
+                  double size) {
+  Level out{least_squares(W, b), {}};
   double fraction = 0;
   for (int i = 0; i < max_iterations; ++i) {
     const BoxSolution found = solve_in_box(W, b, scaled(lower, fraction), scaled(upper, fraction));
     if (!found.found) break;
-    out = found.x;
+    out.x = found.x;
     const VectorXd& motion = found.r;
     if (motion.cwiseAbs().maxCoeff() <= balance_tolerance * size) break;
+    out.motion = motion;
     // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
     double resistance = 0;
     for (Index k = 0; k < motion.size(); ++k) {
@@ -39,8 +49,39 @@ VectorXd least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd&
       if (std::isfinite(bound)) resistance += bound * motion[k];
     }
     const double next = least_squares(W, motion).dot(b) / resistance;
-    if (!(next > fraction) || !std::isfinite(next)) break;
+    if (!std::isfinite(next)) return {least_squares(W, b), {}};  // a force would have to pull that cannot
+    if (!(next > fraction)) break;
     fraction = next;
+  }
+  return out;
+}
+
+}  // namespace
+
+VectorXd least_load(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& lower, const VectorXd& upper) {
+  VectorXd out = VectorXd::Zero(b.size());
+  const double size = b.size() > 0 ? b.cwiseAbs().maxCoeff() : 0;
+  VectorXd left = b;  // what the forces that are not determined yet have to balance
+  std::vector<Index> open(static_cast<std::size_t>(b.size()));
+  std::iota(open.begin(), open.end(), Index{0});
+  while (!open.empty() && left(open).cwiseAbs().maxCoeff() > balance_tolerance * size) {
+    const Level level = least_level(W(open, open), left(open), lower(open), upper(open), size);
+    std::vector<Index> next;
+    out(open) = level.x;
+    if (level.motion.size() == 0) break;
+    const double fastest = level.motion.cwiseAbs().maxCoeff();
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Index k = open[i];
+      const double speed = level.motion[static_cast<Index>(i)];
+      const bool used = std::abs(speed) > used_speed * fastest && std::isfinite(speed > 0 ? upper[k] : lower[k]);
+      if (used) {
+        left -= out[k] * W.col(k);
+      } else {
+        next.push_back(k);
+      }
+    }
+    if (next.size() == open.size()) break;
+    open = std::move(next);
   }
   return out;
 }

@@ -162,6 +162,10 @@ def equilibrium(
     given: Given = None,
     settings: Settings = None,
     assembly_tolerance: AssemblyTolerance = None,
+    friction: Annotated[
+        str | None,
+        typer.Option(help="What dry friction does: off, or present, which asks whether it holds the pose."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find an equilibrium or a steady motion.
@@ -175,6 +179,6 @@ def equilibrium(
         hold=parse_numbers(hold or [], "--hold"),
         steady={**dict.fromkeys(free_velocities), **velocities} if steady else None,
         input_values=parse_input_values(given or []),
-        parameters=parse_parameters(settings or [], assembly_tolerance),
+        parameters=parse_parameters(settings or [], assembly_tolerance), friction=friction,
     )  # fmt: skip
     print(json.dumps(found.to_dict(), indent=2) if as_json else found)

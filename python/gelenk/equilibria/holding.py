@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gelenk.errors import EquilibriumError, SceneError
-from gelenk.linear.operating_point import START
+from gelenk.linear.operating_point import START, OperatingPoint
 from gelenk.model.scene import Scene
 from gelenk.model.values import Value, start_parameter
 from gelenk.simulation.scene_plant import ScenePlant
@@ -70,14 +70,17 @@ class RestingScene:
         inputs: values of the inputs.
     """
 
-    def __init__(self, plant: ScenePlant, settings: Mapping[str, Value]) -> None:
-        """Take over a plant that has been brought to the initial pose.
+    def __init__(self, scene: Scene, point: OperatingPoint) -> None:
+        """Bring the scene to the initial pose.
 
         Args:
-            plant: the plant.
-            settings: the parameters that were set.
+            scene: the scene.
+            point: the operating point with the initial pose.
         """
-        self.plant = plant
+        self._scene = scene
+        self.plant = plant = ScenePlant(scene)
+        settings = point.reach(plant).settings
+        self._forces, self._balanced, self._held = plant.rest_forces()
         starts = self.starts()
         flags = {name: False for name in plant.parameters if name.endswith(".fixed")}
         kept = {name: value for name, value in settings.items() if name not in starts and name != START}
@@ -94,13 +97,9 @@ class RestingScene:
                 out[start_parameter(name)] = values[name] if is_coordinate else 0.0
         return out
 
-    def smooth_plant(self, scene: Scene) -> ScenePlant:
-        """Return the plant in the same pose, without friction and limits.
-
-        Args:
-            scene: the scene of the plant.
-        """
-        smooth = ScenePlant(scene.without_friction_and_limits())
+    def smooth_plant(self) -> ScenePlant:
+        """Return the plant in the same pose, without friction and limits."""
+        smooth = ScenePlant(self._scene.without_friction_and_limits())
         known = set(smooth.parameters)
         settings = {**self.settings, **self.starts(), START: "as_given"}
         smooth.set_parameters({name: value for name, value in settings.items() if name in known})
@@ -125,9 +124,12 @@ class RestingScene:
         self.plant.set_parameters({**self.settings, **starts, START: start})
         try:
             self.plant.start(None, inputs)
-        except SceneError as fault:
+        except SceneError:
+            beyond = self._beyond_limits(starts)
+            if not beyond:
+                raise
             raise EquilibriumError(
-                "no equilibrium within the hard limits; the one found is beyond them:\n" + str(fault)
+                f"no equilibrium within the hard limits: the one found has {' and '.join(beyond)}"
             ) from None
         self._check_speeds()
         self._forces, self._balanced, self._held = self.plant.rest_forces()
@@ -139,6 +141,20 @@ class RestingScene:
                 {1: (min(force, 0.0), "upper"), -1: (max(force, 0.0), "lower"), 0: (0.0, "")}[side]
             ]
         }
+
+    def _beyond_limits(self, starts: Mapping[str, Value]) -> list[str]:
+        joints = self._scene.to_dict()["joints"]
+        out = []
+        for name, *_ in self._forces:
+            limit = joints[name.rpartition(".")[0]].get("limit", {})
+            value = float(starts[start_parameter(name)])
+            for bound, sign in (("lower", -1), ("upper", 1)):
+                if bound in limit and sign * (value - limit[bound]) > 0:
+                    unit = _spelled(self.plant.unit(name))
+                    out.append(
+                        f"{name} = {value:.6g} {unit}, beyond its {bound} limit of {limit[bound]:.6g} {unit}"
+                    )
+        return out
 
     def _check_speeds(self) -> None:
         values = self.plant.values
@@ -183,6 +199,6 @@ class RestingScene:
             )
         unit = _spelled(needed.unit)
         raise EquilibriumError(
-            f"friction does not hold this pose: {worst} would need {abs(needed.friction):.6g} {unit}, and its "
-            f"limit is {needed.limit:.6g} {unit}{moves}"
+            f"friction does not hold this pose: {worst} would need {abs(needed.friction):.6g} {unit}, "
+            f"and its limit is {needed.limit:.6g} {unit}{moves}"
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -201,10 +202,10 @@ def _held_pose(
             f"solve_for: found {', '.join(solve_for)} with friction='present', under which a range of inputs "
             "holds a pose; expected given inputs"
         )
-    resting = _reached(point, scene)
+    resting = RestingScene(scene, point)
     starts, steps = resting.starts(), 0
     if hold:
-        search = _smooth_search(resting, scene, hold, ())
+        search = _smooth_search(resting, hold, ())
         search.approach()
         starts, steps = search.plant.settings(search.starts), search.steps
     holding = resting.put(starts, resting.inputs)
@@ -216,28 +217,28 @@ def _within_limits(
     point: OperatingPoint, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
 ) -> Equilibrium:
     """Return an equilibrium without dry friction, within the hard limits."""
-    resting = _reached(point, scene)
+    resting = RestingScene(scene, point)
     starts = resting.starts()
-    if not hold and not solve_for:
-        try:
-            return _rest_result(resting, _contacts(resting.put(starts, resting.inputs, "equilibrium")), 0)
-        except AssemblyError:
+    if hold or solve_for:
+        search = _smooth_search(resting, hold, solve_for)
+        search.approach()
+        starts = search.plant.settings(search.starts)
+    if not solve_for:
+        # The scene's own search has limits, but holds nothing: it may have remained where it should.
+        with suppress(AssemblyError):
+            found = _rest_result(resting, _contacts(resting.put(starts, resting.inputs, "equilibrium")), 0)
+            if all(math.isclose(found.values[name], hold[name], rel_tol=1e-12) for name in hold):
+                return found
+        if not hold:
             resting.put(starts, resting.inputs)
-    search = _smooth_search(resting, scene, hold, solve_for)
+            search = _smooth_search(resting, hold, solve_for)
     _searched(search.plant.plant, search, solve_for)
-    found = search.plant.settings(search.starts), search.plant.in_si(search.inputs)
-    return _rest_result(resting, _contacts(resting.put(*found)), search.steps)
+    end = search.plant.settings(search.starts), search.plant.in_si(search.inputs)
+    return _rest_result(resting, _contacts(resting.put(*end)), search.steps)
 
 
-def _reached(point: OperatingPoint, scene: Scene) -> RestingScene:
-    plant = ScenePlant(scene)
-    return RestingScene(plant, point.reach(plant).settings)
-
-
-def _smooth_search(
-    resting: RestingScene, scene: Scene, hold: Mapping[str, float], solve_for: Sequence[str]
-) -> Search:
-    smooth = resting.smooth_plant(scene)
+def _smooth_search(resting: RestingScene, hold: Mapping[str, float], solve_for: Sequence[str]) -> Search:
+    smooth = resting.smooth_plant()
     known = set(smooth.parameters)
     settings = {name: value for name, value in resting.settings.items() if name in known}
     first, posed = _initial_pose(smooth, settings, hold, None)
