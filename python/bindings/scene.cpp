@@ -53,6 +53,28 @@ void bind_outputs(nb::module_& m) {
       "The scene without the parts that none of its requested outputs depends on.");
 }
 
+void bind_friction(nb::module_& m) {
+  m.def(
+      "without_friction_and_limits",
+      [](Scene scene) {
+        for (gelenk::Joint& joint : scene.joints) {
+          for (gelenk::JointForces& forces : joint.along) {
+            std::get<std::optional<gelenk::JointFriction>>(forces).reset();
+            std::get<std::optional<gelenk::JointLimit>>(forces).reset();
+          }
+        }
+        return scene;
+      },
+      nb::arg("scene"), "The scene without dry friction and hard limits.");
+  m.def(
+      "has_friction_or_limits",
+      [](const Scene& scene) {
+        return std::ranges::any_of(scene.joints,
+                                   [](const gelenk::Joint& joint) { return !joint.locking_element().empty(); });
+      },
+      nb::arg("scene"), "Whether any of its joints has dry friction or a hard limit.");
+}
+
 }  // namespace
 
 void gelenk::bind_scene(nb::module_& m) {
@@ -79,25 +101,7 @@ void gelenk::bind_scene(nb::module_& m) {
               "Whether parts that no requested output depends on have already been removed.")
       .def_prop_ro("formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.");
 
-  m.def(
-      "without_friction_and_limits",
-      [](Scene scene) {
-        for (gelenk::Joint& joint : scene.joints) {
-          for (gelenk::JointForces& forces : joint.along) {
-            std::get<std::optional<gelenk::JointFriction>>(forces).reset();
-            std::get<std::optional<gelenk::JointLimit>>(forces).reset();
-          }
-        }
-        return scene;
-      },
-      nb::arg("scene"), "The scene without dry friction and hard limits.");
-  m.def(
-      "has_friction_or_limits",
-      [](const Scene& scene) {
-        return std::ranges::any_of(scene.joints,
-                                   [](const gelenk::Joint& joint) { return !joint.locking_element().empty(); });
-      },
-      nb::arg("scene"), "Whether any of its joints has dry friction or a hard limit.");
+  bind_friction(m);
   m.def("check_size", &gelenk::check_size, nb::arg("size"), nb::arg("file"),
         "Raise SceneError if a scene file of this size [bytes] is too large to be read.");
   m.def(

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -29,7 +30,8 @@ constexpr double min_step_fraction = 1.0 / 64;  // of a Newton step, before it i
 constexpr double zero_stiffness_tolerance = 1e-10;
 constexpr double converged_step = 1e-9;  // rad or relative to length; the error is then of the order of its square
 constexpr double max_rotation = 0.3;     // rad: limit on joint rotations per step, so that loops stay on their branch
-constexpr int max_releases = 50;         // of contacts that would pull, before the search gives up
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr int max_releases = 50;  // of contacts that would pull, before the search gives up
 
 // Orthonormal columns: the changes of the independent coordinates that leave all contacts at their bounds.
 MatrixXd along_bounds(const SingularValues& contact_rows) {
@@ -65,14 +67,7 @@ class EquilibriumSearch {
     for (int i = 0; i < max_steps && !converged; ++i) {
       const VectorXd dx = newton(here, here.a);
       if (largest(dx) < converged_step) {
-        if (largest(dx) > 0) {  // otherwise the position stays bitwise the same
-          move(here, here.displacement_jacobian * dx);
-        }
-        if (!here.is_on_bounds()) continue;
-        const bool balanced = here.is_balanced();
-        if (balanced && !lets_go(here)) break;
-        if (balanced && ++releases_ > max_releases) break;
-        converged = !descend_pseudo_transient(here);
+        converged = ends(here, dx);
         continue;
       }
       // Damped steps may oscillate between two poses if A is singular between them.
@@ -88,12 +83,21 @@ class EquilibriumSearch {
   }
 
  private:
+  // Makes the last of Newton's steps; returns whether the search ends there, at an equilibrium or because nothing leads
+  // on.
+  bool ends(RestPose& here, const VectorXd& dx) {
+    if (largest(dx) > 0) move(here, here.displacement_jacobian * dx);  // otherwise the position stays bitwise the same
+    if (!here.is_on_bounds()) return false;
+    if (here.is_balanced() && (!lets_go(here) || ++releases_ > max_releases)) return true;
+    return !descend_pseudo_transient(here);
+  }
+
   // The step along the bounds, after that onto the bounds of all contacts, or a share of it.
   static VectorXd newton(const RestPose& at, const VectorXd& a, double share = 1) {
     if (at.contact_rows.rows() == 0) return min_norm_step(at.A, a);
     const SingularValues rows(at.contact_rows);
     const MatrixXd along = along_bounds(rows);
-    const VectorXd onto = rows.solve(share * at.contact_gaps, rows.rank(zero_stiffness_tolerance));
+    VectorXd onto = rows.solve(share * at.contact_gaps, rows.rank(zero_stiffness_tolerance));
     if (along.cols() == 0) return onto;
     return onto + along * min_norm_step(at.A * along, a + at.A * onto);
   }
@@ -127,7 +131,7 @@ class EquilibriumSearch {
       const VectorXd z = here.velocity_jacobian * shifted.partialPivLu().solve(here.a);
       const VectorXd step = step_limit(poses_.joint_rotations(here, z)) * z;
       const std::vector<int> contacts = here.contacts;
-      const bool meets_bound = room(here, step, INFINITY).lock >= 0;
+      const bool meets_bound = room(here, step, unlimited).lock >= 0;
       if (!move(here, step)) return moved;
       // A constant force that does not depend on the coordinates, and that no limit will ever balance.
       if (largest(here.a) == size && here.contacts == contacts && !meets_bound) return false;
@@ -204,7 +208,7 @@ class EquilibriumSearch {
     for (Index i = 0; i < n; ++i) {
       const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
       x[i] = poses_.forces().holding_forces()[lock];
-      (here.contacts[lock] > 0 ? lower : upper)[i] = here.contacts[lock] > 0 ? -INFINITY : INFINITY;
+      (here.contacts[lock] > 0 ? lower : upper)[i] = here.contacts[lock] > 0 ? -unlimited : unlimited;
     }
     MatrixXd W;
     VectorXd scale;
@@ -260,8 +264,8 @@ HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vecto
     const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
     const HoldingForces::Of& of_lock = out.coordinates[lock];
     x[i] = poses.forces().holding_forces()[lock];
-    lower[i] = of_lock.side > 0 ? -INFINITY : -of_lock.limit;
-    upper[i] = of_lock.side < 0 ? INFINITY : of_lock.limit;
+    lower[i] = of_lock.side > 0 ? -unlimited : -of_lock.limit;
+    upper[i] = of_lock.side < 0 ? unlimited : of_lock.limit;
   }
   out.is_held = true;
   if (poses.forces().is_redundant()) {
