@@ -200,6 +200,25 @@ def test_command_tells_what_is_wrong(cart_pole: Path) -> None:
     ]
 
 
+def test_command_asks_whether_friction_holds(tmp_path: Path) -> None:
+    file = tmp_path / "block.yaml"
+    source = scene(
+        {"block": body(2.0)},
+        {
+            "S": joint(
+                "prismatic", frame("ground"), frame("block"), axis=[0, 0, 1], friction={"coulomb": 20.0}
+            )
+        },
+        gravity=[0, 0, -GRAVITY], name="Block",
+    )  # fmt: skip
+    file.write_text(json.dumps(source))
+    lines = told("equilibrium", file, "--friction", "present").splitlines()
+    assert lines[-2:] == ["held", "  S.s  friction 19.62 of 20 N, margin 0.019"]
+    assert faults("equilibrium", file, "--friction", "present", "--set", "gravity[3]=-11") == [
+        "friction does not hold this pose: S.s would need 22 N, and its limit is 20 N; S.a = -1 m/s2"
+    ]
+
+
 def test_command_finds_steady_motion(tmp_path: Path) -> None:
     """A point on a hinge that a shaft turns: g / l w^2 = cos(tilt); the speed given, or found for a tilt."""
     source = scene(

@@ -100,9 +100,26 @@ def test_trim_of_the_linearization_page_is_a_point_to_linearize_about(
 
 
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
+def test_friction_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    block = blocks(root / "docs" / "linearization.md", "python")[2]
+    exec(compile(block, "linearization.md", "exec"), {"gelenk": gelenk})
+    for line, printed in zip(
+        [line for line in block.splitlines() if line.startswith("print")],
+        capsys.readouterr().out.splitlines(),
+        strict=True,
+    ):
+        shown = line.rpartition("  # ")[2].split(":")[0]
+        for expected, found in zip(shown.split(), printed.split(), strict=True):
+            word = expected.rstrip(",")
+            if word.replace(".", "").isdigit():
+                assert float(found.rstrip(",")) == pytest.approx(float(word), rel=1e-3)  # as many digits
+            else:
+                assert found == expected
+
+
 def test_steady_motion_of_the_linearization_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {"gelenk": gelenk}
-    block = blocks(root / "docs" / "linearization.md", "python")[2]
+    block = blocks(root / "docs" / "linearization.md", "python")[3]
     exec(compile(block, "linearization.md", "exec"), names)
     first, advancing, spin = capsys.readouterr().out.splitlines()
     tilt, torque = map(float, first.split())

@@ -243,7 +243,8 @@ def test_friction_holds_a_joint_and_brakes_its_motion(
     assert scene.to_dict()["joints"]["j"]["friction"]["coulomb"] == 0.2
     assert scene.report[0] == (
         "joints with dry friction: j; linear models at rest are those of locked joints, "
-        "and the search for equilibria ignores friction"
+        "and equilibria are those without friction; gelenk.equilibrium(..., friction='present') determines "
+        "whether it holds a pose"
     )
     plant = gelenk.Simulation(scene)
     plant.set_input(f"j_motor.{push}", 0.19)

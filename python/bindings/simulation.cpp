@@ -21,7 +21,6 @@
 #include "scene/wanted_outputs.h"
 #include "simulation/inspection.h"
 #include "simulation/probe.h"
-#include "simulation/rest_forces.h"
 #include "simulation/start_report.h"
 #include "simulation/state_derivatives.h"
 
@@ -206,7 +205,7 @@ Vector output_derivatives(Plant& plant, const std::vector<double>& udot, const s
 // whether friction and contact can exert them.
 using RestForce = std::tuple<std::string, std::string, double, double, int>;
 std::tuple<std::vector<RestForce>, bool, bool> rest_forces(Plant& plant) {
-  const gelenk::RestForces found = plant.with([](Simulation& s) { return gelenk::find_rest_forces(s); });
+  const gelenk::RestForces found = plant.with([](Simulation& s) { return s.rest_forces(); });
   std::vector<RestForce> out;
   for (const gelenk::RestForces::Of& of : found.coordinates) {
     out.emplace_back(of.coordinate, of.unit, of.force, of.limit, of.side);

@@ -11,7 +11,6 @@
 #include "analysis/rest_pose.h"
 #include "linear/box_complementarity.h"
 #include "linear/descent.h"
-#include "linear/least_load.h"
 #include "linear/singular_values.h"
 
 namespace gelenk {
@@ -237,59 +236,6 @@ class EquilibriumSearch {
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
                              const std::vector<double>& cut_q) {
   return EquilibriumSearch(of).run(q, cut_q);
-}
-
-HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vector<double>& q,
-                                  const std::vector<double>& cut_q) {
-  RestPoses poses(of);
-  RestPose at{.q = q, .cut_q = cut_q};
-  poses.evaluate(at);
-  poses.touch(at);
-  poses.hold_friction();
-  poses.evaluate(at);
-  HoldingForces out;
-  std::vector<int> locks;
-  for (int i = 0; i < poses.locks(); ++i) {
-    const int side = at.contacts[static_cast<std::size_t>(i)];
-    const Branching::Lock lock = poses.forces().lock(i);
-    out.coordinates.push_back({.side = side, .force = 0, .limit = lock.sticking_limit});
-    out.coordinates.back().slack = poses.forces().slack(i);
-    if (side != 0 || lock.sticking_limit > 0) locks.push_back(i);
-  }
-  const auto n = static_cast<Index>(locks.size());
-  VectorXd x(n);
-  VectorXd lower(n);
-  VectorXd upper(n);
-  for (Index i = 0; i < n; ++i) {
-    const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
-    const HoldingForces::Of& of_lock = out.coordinates[lock];
-    x[i] = poses.forces().holding_forces()[lock];
-    lower[i] = of_lock.side > 0 ? -unlimited : -of_lock.limit;
-    upper[i] = of_lock.side < 0 ? unlimited : of_lock.limit;
-  }
-  out.is_held = true;
-  if (poses.forces().is_redundant()) {
-    MatrixXd W;
-    VectorXd scale;
-    poses.forces().compliance(locks, W, scale);
-    x = least_load(W, W * x, lower, upper);
-  }
-  for (Index i = 0; i < n; ++i) {
-    HoldingForces::Of& of_lock = out.coordinates[static_cast<std::size_t>(locks[static_cast<std::size_t>(i)])];
-    of_lock.force = x[i];
-    out.is_held = out.is_held && x[i] <= upper[i] + of_lock.slack && x[i] >= lower[i] - of_lock.slack;
-  }
-  // The rounding of the coordinates is known where derivatives exist.
-  out.is_balanced = largest(at.vdot) <= equilibrium_rate_tolerance;
-  if (!out.is_balanced) {
-    try {
-      poses.differentiate(at);
-      out.is_balanced = at.is_balanced();
-    } catch (const NotDifferentiablePoint&) {
-      return out;
-    }
-  }
-  return out;
 }
 
 }  // namespace gelenk

@@ -51,22 +51,4 @@ struct Equilibrium {
 Equilibrium find_equilibrium(const EquilibriumProblem& of, const std::vector<double>& q,
                              const std::vector<double>& cut_q);
 
-// What dry friction and hard limits have to do to keep a mechanism at rest.
-struct HoldingForces {
-  struct Of {
-    int side = 0;      // touches its upper (1) or its lower bound (-1), or none (0)
-    double force = 0;  // along the coordinate, of friction and contact together
-    double limit = 0;  // of static friction
-    double slack = 0;  // what the rounding of the forces may exceed the limit by
-  };
-  std::vector<Of> coordinates{};  // by lock (dynamics/branching.h), with the user's signs
-  bool is_balanced = false;       // with these forces nothing accelerates
-  bool is_held = false;           // friction and contact can exert them
-};
-
-// At the closed position q, at rest. Where several coordinates hold redundantly, the forces are distributed so that the
-// largest fraction of a limit is least (linear/least_load.h).
-HoldingForces find_holding_forces(const EquilibriumProblem& of, const std::vector<double>& q,
-                                  const std::vector<double>& cut_q);
-
 }  // namespace gelenk

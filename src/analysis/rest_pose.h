@@ -45,7 +45,7 @@ class RestPoses {
  public:
   explicit RestPoses(const EquilibriumProblem& of);
 
-  // Keeps coordinates with dry friction at rest from now on, whatever force that takes.
+  // Keeps coordinates with dry friction at rest from now on, by forces of any size.
   void hold_friction() { friction_holds_ = true; }
   int locks() { return forces().locks(); }
   Branching& forces() { return dynamics_->branching(); }

@@ -2,8 +2,10 @@
 #include "preparation/report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "assembly/loop_closure.h"
+#include "scene/element_numbers.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -232,8 +234,9 @@ std::string describe_singular_start(const Scene& scene, const ReducedScene& redu
          text::rounded(open, 1);
 }
 
-std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island, int speed,
-                                    double acceleration) {
+std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island,
+                                    const std::vector<int>& speeds, const Eigen::VectorXd& left) {
+  const int speed = *std::ranges::max_element(speeds, {}, [&](int k) { return std::abs(left[k]); });
   std::string what = "a joint";
   std::string unit;
   for (const int j : reduced.islands[island].joints) {
@@ -247,8 +250,32 @@ std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& redu
   return prefix(scene) +
          "solver.start: found no equilibrium from the start values under the inputs at the start: the largest residual "
          "acceleration is " +
-         what + " = " + text::rounded(in_si(scene, std::abs(acceleration), unit)) + " " + unit +
+         what + " = " + text::rounded(in_si(scene, std::abs(left[speed]), unit)) + " " + unit +
          "; expected start values closer to an equilibrium, or as_given";
+}
+
+std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,
+                                                  const double* q) {
+  const Branching& forces = dynamics.branching();
+  if (forces.locks() == 0) return {};
+  dynamics.set_position(q);
+  std::vector<std::string> out;
+  const std::vector<BranchingForce> places = branching_forces(loads);
+  for (int i = 0; i < forces.locks(); ++i) {
+    for (const int side : {1, -1}) {
+      const Branching::Depth at = forces.depth(i, side);
+      if (!(at.depth > at.tolerance)) continue;
+      const BranchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
+      const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
+      const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
+      const std::string unit = unit_of("{q}", coordinate);
+      out.push_back(prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower") +
+                    ": found a start with " + std::string(coordinate.name) + " " +
+                    text::with_unit(text::rounded(in_si(scene, at.depth, unit)), unit) +
+                    " beyond it, expected one within the limits");
+    }
+  }
+  return out;
 }
 
 std::string describe_moving_drive(const Scene& scene, int constraint) {

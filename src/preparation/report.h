@@ -25,12 +25,17 @@ std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, 
 std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
                                     const SingularStart& start);
 
+// Describes each coordinate that is beyond one of its limits at the position q. `dynamics` is left there.
+std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,
+                                                  const double* q);
+
 // Returns the joints of the scene in the loop that a cut closes, in ascending order.
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut);
 
-// Describes that no equilibrium was found; acceleration: smallest residual found, of the given velocity of the tree.
-std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island, int speed,
-                                    double acceleration);
+// Describes that no equilibrium was found; left: smallest residual accelerations found, of which those of the
+// independent velocities `speeds` count.
+std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& reduced, int island,
+                                    const std::vector<int>& speeds, const Eigen::VectorXd& left);
 // Describes that an equilibrium is requested while a prescribed motion has a velocity.
 std::string describe_moving_drive(const Scene& scene, int constraint);
 

@@ -3,14 +3,13 @@
 // small size.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "preparation/report.h"
-#include "scene/element_numbers.h"
 #include "scene/settable.h"
 #include "simulation/parameters.h"
 #include "simulation/simulation_impl.h"
-#include "util/text.h"
 
 namespace gelenk {
 
@@ -27,31 +26,6 @@ ModelSize size_of(const ReducedScene& reduced) {
   size.planar = size.planar_islands == size.islands;
   return size;
 }
-
-namespace {
-
-// Adds a message for each coordinate that is beyond a limit.
-void find_violated_limits(const Scene& scene, Island& island, std::vector<std::string>& messages) {
-  const Branching& forces = island.dynamics().branching();
-  if (forces.locks() == 0) return;
-  island.dynamics().set_position(island.reading().q);
-  const std::vector<BranchingForce> places = branching_forces(island.loads());
-  for (int i = 0; i < forces.locks(); ++i) {
-    for (const int side : {1, -1}) {
-      const Branching::Depth at = forces.depth(i, side);
-      if (!(at.depth > at.tolerance)) continue;
-      const BranchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
-      const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
-      const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
-      messages.push_back((scene.file.empty() ? "" : scene.file + ": ") + "joints." + joint.name + ".limit." +
-                         (side > 0 ? "upper" : "lower") + ": found a start with " + std::string(coordinate.name) + " " +
-                         text::with_unit(text::rounded(at.depth), unit_of("{q}", coordinate)) +
-                         " beyond it, expected one within the limits");
-    }
-  }
-}
-
-}  // namespace
 
 void Simulation::Impl::make_islands() {
   size = size_of(prepared.reduced);
@@ -93,7 +67,10 @@ void Simulation::assemble(double time) {
   s.find_independent();
   if (s.scene.solver.start == "equilibrium") s.start_at_equilibrium();
   std::vector<std::string> violated;
-  for (const auto& island : s.islands) find_violated_limits(s.scene, *island, violated);
+  for (const auto& island : s.islands) {
+    std::ranges::move(describe_violated_limits(s.scene, island->loads(), island->dynamics(), island->reading().q),
+                      std::back_inserter(violated));
+  }
   if (!violated.empty()) throw SceneError(violated);
   s.initialized = true;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/rest_forces.h"
 #include "derivatives/jacobians.h"
 #include "formulation/equations.h"
 #include "preparation/adjustment.h"
@@ -56,8 +57,6 @@ struct ModelSize {
 
 // Sizes before initialize(): rank and degrees_of_freedom are 0, since they are not known yet.
 ModelSize size_of(const ReducedScene& reduced);
-
-struct RestForces;
 
 // A running scene: state, inputs, outputs and steps. Not thread-safe; different simulations may run in different
 // threads.
@@ -116,15 +115,17 @@ class Simulation {
   // X_WB of a body of the scene, by its number: the pose of its frame in the world [m].
   Pose3 body_pose(int body);
 
+  // What friction and limits have to do to keep the present position at rest, under the present inputs.
+  RestForces rest_forces();
+
   // The events of the last step_to() in order of time: stops engaged or disengaged, singular configurations crossed. If
   // there are very many, the first ones of each island.
   std::vector<EventReport> events() const;
 
  private:
-  friend class StateDerivatives;                       // state_derivatives.h
-  friend class StartReport;                            // start_report.h
-  friend class Probe;                                  // probe.h
-  friend RestForces find_rest_forces(Simulation& of);  // rest_forces.h
+  friend class StateDerivatives;  // state_derivatives.h
+  friend class StartReport;       // start_report.h
+  friend class Probe;             // probe.h
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -85,7 +85,8 @@ struct Simulation::Impl {
   void report_moves();
   void make_islands();
   void find_independent();
-  void start_at_equilibrium();         // moves the start to an equilibrium (start_at_equilibrium.cpp)
+  void start_at_equilibrium();  // moves the start to an equilibrium (start_at_equilibrium.cpp)
+  EquilibriumProblem at_rest(const Island& island, const std::vector<MotionLaw::Derivatives>& targets) const;
   int checked_input(int index) const;  // throws std::out_of_range
   void check_inputs(double end) const;
   void advance(double end);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Start at an equilibrium instead of at the start values.
-#include <algorithm>
-#include <cmath>
+// Start at an equilibrium instead of at the start values, and what keeps a position at rest.
 #include <utility>
 
 #include "analysis/equilibrium.h"
@@ -10,6 +8,12 @@
 #include "simulation/simulation_impl.h"
 
 namespace gelenk {
+
+EquilibriumProblem Simulation::Impl::at_rest(const Island& island,
+                                             const std::vector<MotionLaw::Derivatives>& targets) const {
+  const PreparedIsland& of = island.prepared();
+  return {of.mechanism, island.loads(), of.mobility, u.now(), targets, natural_time(given, scene.units)};
+}
 
 // Islands are treated one by one: they are not coupled.
 void Simulation::Impl::start_at_equilibrium() {
@@ -23,21 +27,13 @@ void Simulation::Impl::start_at_equilibrium() {
     }
     Assembled& start = prepared.islands[i].start;
     try {
-      Equilibrium rest = find_equilibrium({.mechanism = mechanism,
-                                           .loads = island.loads(),
-                                           .mobility = island.prepared().mobility,
-                                           .u = u.now(),
-                                           .targets = targets,
-                                           .time = natural_time(given, scene.units)},
-                                          start.q, island.formulation().revolutions().coordinates());
+      Equilibrium rest =
+          find_equilibrium(at_rest(island, targets), start.q, island.formulation().revolutions().coordinates());
       start.q = std::move(rest.q);
       prepared.islands[i].cut_start = std::move(rest.cut_q);
     } catch (const NoEquilibrium& fault) {
-      const std::vector<int>& speeds = independent_by_island[i].speeds;
-      const auto size = [&](int k) { return std::abs(fault.left[k]); };
-      const int worst = *std::ranges::max_element(speeds, {}, size);
-      throw AssemblyError(
-          describe_no_equilibrium(scene, prepared.reduced, static_cast<int>(i), worst, fault.left[worst]));
+      throw AssemblyError(describe_no_equilibrium(scene, prepared.reduced, static_cast<int>(i),
+                                                  independent_by_island[i].speeds, fault.left));
     } catch (const NotDifferentiablePoint& fault) {
       throw AssemblyError(describe_undetermined(scene, fault, time, names_of_coordinates(static_cast<int>(i))));
     }
@@ -45,6 +41,19 @@ void Simulation::Impl::start_at_equilibrium() {
   }
   make_islands();
   find_independent();
+}
+
+RestForces Simulation::rest_forces() {
+  if (!impl_->initialized) throw UsageError("forces at rest before initialize()");
+  impl_->u.go_to(impl_->time);
+  RestForces out;
+  for (const auto& island : impl_->islands) {
+    const std::vector<MotionLaw::Derivatives> targets = island->targets();
+    const double* q = island->reading().q;
+    out.add(impl_->scene, impl_->at_rest(*island, targets), {q, q + island->prepared().mechanism.nq},
+            island->formulation().revolutions().coordinates());
+  }
+  return out;
 }
 
 }  // namespace gelenk

@@ -296,7 +296,8 @@ def _remarks(robot: Any, limits: bool) -> list[str]:
     if rubbing:
         notes.append(
             f"joints with dry friction: {_list(rubbing)}; "
-            "linear models at rest are those of locked joints, and the search for equilibria ignores friction"
+            "linear models at rest are those of locked joints, and equilibria are those without friction; "
+            "gelenk.equilibrium(..., friction='present') determines whether it holds a pose"
         )
     notes += limit_notes(movable, limits)
     massless = [link.name for link in robot.links if link.inertial is None or not link.inertial.mass]
