@@ -30,7 +30,12 @@ constexpr double zero_stiffness_tolerance = 1e-10;
 constexpr double converged_step = 1e-9;  // rad or relative to length; the error is then of the order of its square
 constexpr double max_rotation = 0.3;     // rad: limit on joint rotations per step, so that loops stay on their branch
 constexpr double unlimited = std::numeric_limits<double>::infinity();
-constexpr int max_releases = 50;  // of contacts that would pull, before the search gives up
+constexpr int max_shifts = 8;  // shorter and shorter steps of the descent
+constexpr double shift_growth = 10;
+constexpr double least_room = 1e-6;    // fraction of such a step up to a bound
+constexpr double reached_share = 0.1;  // of the way to a bound that may be left where contact begins
+constexpr int max_closures = 5;        // steps onto bounds that bring no contact to its bound
+constexpr int max_releases = 50;       // of contacts that would pull, before the search gives up
 
 // Orthonormal columns: the changes of the independent coordinates that leave all contacts at their bounds.
 MatrixXd along_bounds(const SingularValues& contact_rows) {
@@ -67,6 +72,7 @@ class EquilibriumSearch {
       const VectorXd dx = newton(here, here.a);
       if (largest(dx) < converged_step) {
         converged = ends(here, dx);
+        least = INFINITY;
         continue;
       }
       // Damped steps may oscillate between two poses if A is singular between them.
@@ -77,7 +83,12 @@ class EquilibriumSearch {
       if (!descend_pseudo_transient(here)) break;
       least = INFINITY;
     }
-    if (!here.is_balanced() || !here.is_on_bounds()) throw NoEquilibrium(here.vdot / time_scale_squared_);
+    if (!here.is_on_bounds()) {  // contacts that are none
+      std::ranges::fill(here.contacts, 0);
+      poses_.evaluate(here);
+      throw NoEquilibrium(here.vdot / time_scale_squared_);
+    }
+    if (!here.is_balanced()) throw NoEquilibrium(here.vdot / time_scale_squared_);
     return {std::move(here.q), std::move(here.cut_q)};
   }
 
@@ -86,7 +97,7 @@ class EquilibriumSearch {
   // on.
   bool ends(RestPose& here, const VectorXd& dx) {
     if (largest(dx) > 0) move(here, here.displacement_jacobian * dx);  // otherwise the position stays bitwise the same
-    if (!here.is_on_bounds()) return false;
+    if (!here.is_on_bounds()) return !opens(here) && ++closures_ > max_closures;
     if (here.is_balanced() && (!lets_go(here) || ++releases_ > max_releases)) return true;
     return !descend_pseudo_transient(here);
   }
@@ -126,9 +137,16 @@ class EquilibriumSearch {
       const bool stable = max_real_part < -zero_stiffness_tolerance * std::max(1.0, A.lpNorm<Eigen::Infinity>());
       if (here.is_balanced() || (stable && moved && !repeated)) return moved;
       const double size = largest(here.a);
-      const MatrixXd shifted = (2 * std::max(max_real_part, 0.0) + size) * MatrixXd::Identity(A.rows(), A.cols()) - A;
-      const VectorXd z = here.velocity_jacobian * shifted.partialPivLu().solve(here.a);
-      const VectorXd step = step_limit(poses_.joint_rotations(here, z)) * z;
+      double shift = 2 * std::max(max_real_part, 0.0) + size;
+      VectorXd step;
+      for (int k = 0; k < max_shifts; ++k) {
+        const MatrixXd shifted = shift * MatrixXd::Identity(A.rows(), A.cols()) - A;
+        const VectorXd z = here.velocity_jacobian * shifted.partialPivLu().solve(here.a);
+        step = step_limit(poses_.joint_rotations(here, z)) * z;
+        // Where a contact ends, the motion begins away from the bound, but a long step may lead back to it.
+        if (room(here, step, 1).fraction > least_room) break;
+        shift *= shift_growth;
+      }
       const std::vector<int> contacts = here.contacts;
       const bool meets_bound = room(here, step, unlimited).lock >= 0;
       if (!move(here, step)) return moved;
@@ -172,7 +190,7 @@ class EquilibriumSearch {
     auto there = poses_.closed_neighbor(here, to.fraction * z);
     if (!there) return false;
     try {
-      if (to.lock >= 0) {
+      if (to.lock >= 0 && there->depth(to.lock, to.side).depth >= reached_share * here.depth(to.lock, to.side).depth) {
         there->contacts[static_cast<std::size_t>(to.lock)] = to.side;
         poses_.evaluate(*there);
       } else if (!is_acceptable(*there)) {
@@ -190,6 +208,23 @@ class EquilibriumSearch {
   }
   bool move(RestPose& here, const VectorXd& z) {
     return move(here, z, [](const RestPose&) { return true; });
+  }
+
+  // Ends the contacts that cannot be closed, where a loop does not reach several bounds at once, and returns whether
+  // there are any.
+  bool opens(RestPose& here) {
+    bool any = false;
+    for (int i = 0; i < poses_.locks(); ++i) {
+      int& side = here.contacts[static_cast<std::size_t>(i)];
+      if (side == 0 || here.depth(i, side).depth > -converged_step) continue;
+      side = 0;
+      any = true;
+    }
+    if (any) {
+      poses_.evaluate(here);
+      poses_.differentiate(here);
+    }
+    return any;
   }
 
   // Ends the contacts that would have to pull, and returns whether there are any.
@@ -228,7 +263,7 @@ class EquilibriumSearch {
 
   double time_scale_squared_;  // s2
   RestPoses poses_;
-  int descent_steps_ = 0, releases_ = 0;
+  int descent_steps_ = 0, releases_ = 0, closures_ = 0;
 };
 
 }  // namespace
