@@ -173,7 +173,8 @@ def test_friction_does_not_take_part() -> None:
     found = gelenk.equilibrium(source)
     assert found.values["A.phi"] == 0.2
     of = found.held["A.phi"]
-    assert (of.friction, of.contact) == (0, pytest.approx(GRAVITY * math.sin(0.2), rel=ROUNDING))
+    assert of.friction == 0
+    assert of.contact == pytest.approx(GRAVITY * math.sin(0.2), rel=ROUNDING)
     assert gelenk.equilibrium(source, friction="present").values["A.phi"] == 0.25
     assert at_rest(source).output("A.phi") == 0.2
 

@@ -174,8 +174,8 @@ def test_without_friction_only_equilibria_are_at_rest() -> None:
 
 def test_the_default_is_the_equilibrium_without_friction() -> None:
     source = pendulum(0.3, friction={"coulomb": 3.0})
-    for arguments in ({}, {"friction": "off"}):
-        found = gelenk.equilibrium(source, input_values={"drive.tau": 1.0}, **arguments)
+    for friction in (None, "off"):
+        found = gelenk.equilibrium(source, input_values={"drive.tau": 1.0}, friction=friction)
         assert found.values["A.phi"] == pytest.approx(math.asin(1 / GRAVITY), rel=1e-9)
         assert found.held == {}
     trim = gelenk.equilibrium(source, hold={"A.phi": 0.4}, solve_for="drive.tau")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import random
+from typing import Any
 
 import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
@@ -23,7 +24,7 @@ def linkage(seed: int, friction: bool) -> Scene:
     for i in range(count):
         length, phi = r.uniform(0.5, 1.5), r.uniform(-1.5, 1.5)
         bodies[f"link{i}"] = body(r.uniform(0.5, 2), (length / 2, 0, 0), (0, 0, 0.05))
-        fields = {"start": {"phi": phi}}
+        fields: dict[str, Any] = {"start": {"phi": phi}}
         if r.random() < 0.5:
             fields |= {"stiffness": r.uniform(0.5, 20), "spring_reference": r.uniform(-1, 1)}
         if r.random() < 0.7:  # a fifth of them at the bound
