@@ -241,7 +241,7 @@ class EquilibriumSearch {
     VectorXd upper = VectorXd::Zero(n);
     for (Index i = 0; i < n; ++i) {
       const auto lock = static_cast<std::size_t>(locks[static_cast<std::size_t>(i)]);
-      x[i] = poses_.forces().holding_forces()[lock];
+      x[i] = poses_.forces().holding_forces().values()[lock];
       (here.contacts[lock] > 0 ? lower : upper)[i] = here.contacts[lock] > 0 ? -unlimited : unlimited;
     }
     MatrixXd W;

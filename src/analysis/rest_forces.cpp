@@ -50,7 +50,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const int lock = locks[static_cast<std::size_t>(i)];
     const int side = at.contacts[static_cast<std::size_t>(lock)];
     const double limit = forces.lock(lock).sticking_limit;
-    x[i] = forces.holding_forces()[static_cast<std::size_t>(lock)];
+    x[i] = forces.holding_forces().values()[static_cast<std::size_t>(lock)];
     lower[i] = side > 0 ? -unlimited : -limit;
     upper[i] = side < 0 ? unlimited : limit;
   }
@@ -66,13 +66,13 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   }
   is_balanced = gelenk::is_balanced(poses, at) && is_balanced;
 
-  const std::vector<IndicatorText> texts = indicator_texts(of.loads);
+  const std::vector<BranchingForce> places = branching_forces(of.loads);
   Index next = 0;
   for (int i = 0; i < poses.locks(); ++i) {
     const Branching::Lock lock = forces.lock(i);
-    const IndicatorText& text = texts[2 * static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
-    const Joint& joint = scene.joints[static_cast<std::size_t>(text.joint)];
-    const Coordinate coordinate = coordinate_of(kind_of(joint.is), text.component);
+    const BranchingForce& at_joint = places[static_cast<std::size_t>(lock.friction >= 0 ? lock.friction : lock.limit)];
+    const Joint& joint = scene.joints[static_cast<std::size_t>(at_joint.joint)];
+    const Coordinate coordinate = coordinate_of(kind_of(joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);
     const double size = scene.units.size_of(unit);
     const bool holds = next < n && locks[static_cast<std::size_t>(next)] == i;
