@@ -34,8 +34,9 @@ class EventSource {
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change
   // the velocities.
   virtual void change_mode(double /*t*/, double* /*y*/) {}
-  // Why no more events are allowed in this communication step; otherwise empty.
-  virtual std::string too_many_events() const { return {}; }
+  // Why the run cannot go on (too many events in this communication step, or no mode that is possible); otherwise
+  // empty.
+  virtual std::string refusal() const { return {}; }
 };
 
 // Evaluates the indicators at (t, y) and determines which are positive; at zero, those with nonnegative rate.

@@ -54,17 +54,19 @@ Step Locator::step(Stepping& method, double end) {
 
 Step Locator::step_across(Stepping& method, double end) {
   save_start(method, end);
+  if (!source_.refusal().empty()) return Step::refused;
   const Step step = method.step_towards(end);
   if (step != Step::made) return step;
   course_.end(method.time(), method.state());
   for (std::size_t i = 0; i < course_.size(); ++i) {
     if (course_.changed(i)) source_.found_event(course_.zero(i), static_cast<int>(i), course_.positive(i));
   }
-  return source_.too_many_events().empty() ? Step::made : Step::too_many_events;
+  return source_.refusal().empty() ? Step::made : Step::refused;
 }
 
 Step Locator::step_in_mode(Stepping& method, double end) {
   save_start(method, end);
+  if (!source_.refusal().empty()) return Step::refused;
   const HeldMode held(source_, course_.start(), course_.mode());
   const bool approaches = course_.start() < event_ahead_ && event_ahead_ < end;
   if (approaches) stop_at(event_ahead_, method);
@@ -144,7 +146,7 @@ Step Locator::end_at_event(Stepping& method) {
   source_.change_mode(high_t_, high_y_.data());
   method.go_to(high_t_, high_y_.data());
   stop_ = high_t_;
-  return source_.too_many_events().empty() ? Step::made : Step::too_many_events;
+  return source_.refusal().empty() ? Step::made : Step::refused;
 }
 
 }  // namespace gelenk

@@ -12,7 +12,7 @@
 
 namespace gelenk {
 
-enum class Step { made, too_small, not_finite, not_closed, stopped, too_many_events };
+enum class Step { made, too_small, not_finite, not_closed, stopped, refused };
 
 // An integration method as the locator drives it.
 class Stepping {

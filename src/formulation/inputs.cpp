@@ -15,7 +15,8 @@ constexpr double rounding_tolerance = 1e-10;
 
 }  // namespace
 
-Inputs::Inputs(std::size_t count) : taylor_(count * orders), now_(count), rates_(2 * count), change_(count) {}
+Inputs::Inputs(std::size_t count)
+    : taylor_(count * orders), reached_(count), now_(count), rates_(2 * count), change_(count) {}
 
 double Inputs::derivative_at(int i, int order, double t) const {
   const double s = t - start_;
@@ -39,6 +40,17 @@ Inputs::Change Inputs::set(int i, double value) {
   if (change > 0 && std::abs(value - before) <= rounding_tolerance * (std::abs(before) + change)) return Change::smooth;
   update_rates(i);
   return Change::jump;
+}
+
+bool Inputs::jumped() const {
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    if (at(static_cast<int>(i), 0) != reached_[i]) return true;
+  }
+  return false;
+}
+
+void Inputs::note_reached() {
+  for (std::size_t i = 0; i < reached_.size(); ++i) reached_[i] = at(static_cast<int>(i), 0);
 }
 
 void Inputs::update_rates(int i) {
@@ -72,6 +84,7 @@ void Inputs::start(double t) {
   std::ranges::fill(change_, 0.0);
   changed_ = false;
   for (int i = 0; i < static_cast<int>(count()); ++i) now_[i] = at(i, 0);
+  note_reached();
 }
 
 void Inputs::finish(double t) {
@@ -96,6 +109,7 @@ void Inputs::interrupt(double t) {
   }
   changed_ = moving_;
   start_ = now_time_ = t;
+  note_reached();
 }
 
 void Inputs::shift_origin(int i, double t) {

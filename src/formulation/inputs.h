@@ -42,6 +42,8 @@ class Inputs {
   enum class Change { none, smooth, jump };
   // smooth: equal, within rounding, to the value that u has reached by its derivatives.
   Change set(int i, double value);
+  // Whether an input differs from the value reached at t0. One that was set to another value and back has not jumped.
+  bool jumped() const;
   void set_derivative(int i, int order, double value);  // order 1 to highest_order
   // Why this derivative cannot be set ("found ..., expected ..."); empty: it can.
   static std::string fault(int order, double value);
@@ -54,7 +56,7 @@ class Inputs {
   void interrupt(double t);
 
   void serialize(Archive& archive) {
-    archive.serialize(taylor_, now_, rates_, change_, start_, now_time_, moving_, changed_);
+    archive.serialize(taylor_, reached_, now_, rates_, change_, start_, now_time_, moving_, changed_);
   }
 
   // Whether both are the same functions of time.
@@ -68,8 +70,10 @@ class Inputs {
   void update_moving();
   void shift_origin(int i, double t);
   void update_rates(int i);
+  void note_reached();
 
-  std::vector<double> taylor_;  // u0, d1, ..., d5 of each input
+  std::vector<double> taylor_;   // u0, d1, ..., d5 of each input
+  std::vector<double> reached_;  // at t0, before values were set
   std::vector<double> now_;
   std::vector<double> rates_;   // see rate(); two of each input
   std::vector<double> change_;  // bound on the change of each input in the last step; 0: constant

@@ -128,6 +128,8 @@ class Automatic final : public Integrator {
     const double start = t_;
     try {
       t_ = methods_[current_]->advance_some(end, y_.data(), window_steps - window_.steps);
+    } catch (const RefusedMotion&) {
+      throw;
     } catch (const IntegrationError& first) {
       change_to(1 - current_);  // the other method may succeed
       try {

@@ -51,7 +51,7 @@ void FixedStep::take_step(double t, double h, double end) {
 void FixedStep::step_by_events(double end) {
   while (t_ < end) {
     const Step step = locator_.step(*this, end);
-    if (step == Step::too_many_events) refuse(system_, t_, y_.data(), system_.modes().too_many_events());
+    if (step == Step::refused) throw RefusedMotion(at_time(t_) + system_.modes().refusal());
     if (step != Step::made) throw IntegrationError(error_);
     system_.accepted(t_, y_.data());
     ++steps_;

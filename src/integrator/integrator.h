@@ -25,6 +25,11 @@ class IntegrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// No method could go on: see EventSource::refusal().
+class RefusedMotion : public IntegrationError {
+  using IntegrationError::IntegrationError;
+};
+
 class Integrator {
  public:
   virtual ~Integrator() = default;

@@ -134,6 +134,8 @@ class StartedMultistep final : public Integrator {
     const long before = erk_->steps();
     try {
       t_ = erk_->advance_some(end, y_.data(), steps_left_);
+    } catch (const RefusedMotion&) {
+      throw;
     } catch (const IntegrationError&) {
       reject_starter();  // the other method may succeed
       return;
@@ -174,6 +176,8 @@ class StartedMultistep final : public Integrator {
       } else {
         t_ = multistep_->advance_some(end, y_.data(), 1);
       }
+    } catch (const RefusedMotion&) {
+      throw;
     } catch (const IntegrationError& error) {
       if (!cross_with_starter(end)) throw IntegrationError(error);
       return;
@@ -203,6 +207,8 @@ class StartedMultistep final : public Integrator {
     erk_->restart(t_, y_.data());
     try {
       t_ = erk_->advance_some(end, y_.data(), starting_steps);
+    } catch (const RefusedMotion&) {
+      throw;
     } catch (const IntegrationError&) {
       return false;
     }

@@ -99,6 +99,7 @@ int sundials::jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* i
 }
 
 void SundialsIntegrator::fail(Step step, double start) {
+  if (step == Step::refused) throw RefusedMotion(at_time(t_) + system_.modes().refusal());
   const double t = reached();
   std::string why;
   switch (step) {
@@ -110,9 +111,6 @@ void SundialsIntegrator::fail(Step step, double start) {
       break;
     case Step::not_closed:
       why = "constraint projection did not converge";
-      break;
-    case Step::too_many_events:
-      why = system_.modes().too_many_events();
       break;
     default:
       why = "the integrator stopped (" + context_.last_error() + ")";

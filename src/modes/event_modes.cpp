@@ -79,6 +79,14 @@ bool EventModes::is_outside() {
   return false;
 }
 
+std::string EventModes::refusal() const {
+  if (const int limit = locks_.unstoppable(); limit >= 0) {
+    return log_.report({0, limit, true}).text +
+           ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
+  }
+  return log_.too_many();
+}
+
 void EventModes::found_event(double t, int indicator, bool positive) {
   if (!locks_.found_event(indicator)) log_.add({t, indicator, positive});
 }

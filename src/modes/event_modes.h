@@ -28,7 +28,7 @@ class EventModes final : public EventSource {
   double mode_exit_time() const override { return mode_exit_time_; }
   void found_event(double t, int indicator, bool positive) override;
   void change_mode(double t, double* y) override { locks_.change(t, y); }
-  std::string too_many_events() const override { return log_.too_many(); }
+  std::string refusal() const override;
 
   // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
   void watch(double t, const double* v) {

@@ -56,8 +56,8 @@ Impact solve_impact(const Eigen::MatrixXd& W, const std::vector<StruckContact>& 
     }
   }
   const BoxSolution elastic = solve_in_box(W, b - W * least, lower, upper);
-  if (!elastic.found) return {inelastic.x, false};
-  return {without_gain(W, speeds, inelastic.x, least + elastic.x), true};
+  if (!elastic.found) return {inelastic.x, false, inelastic.found};
+  return {without_gain(W, speeds, inelastic.x, least + elastic.x), true, inelastic.found};
 }
 
 }  // namespace gelenk

@@ -18,6 +18,7 @@ struct StruckContact {
 struct Impact {
   Eigen::VectorXd impulses;  // along the coordinates, away from the bounds
   bool found = false;        // otherwise no velocities permit all rebounds, and the impulses are inelastic
+  bool is_possible = false;  // otherwise no impulses can stop what approaches a bound
 };
 
 // W: the change of the coordinates' speeds (rows) per impulse along them (columns). Newton's law: each coordinate

@@ -136,14 +136,10 @@ bool LockModes::recall(double t, double* y) {
   bool changed = change_any(t, y);
   const bool settled = update(t, y, jumped_, true) || started_;
   jumped_ = started_ = false;
-  double* v = y + nq_;
-  for (int i = 0; i < count() && settled; ++i) {
-    if (!rests(i) || forces_.speed(i, v) == 0) continue;
-    stop(v);
-    changed = true;
-    break;
-  }
-  return changed;
+  if (!settled || !any_wrong_speed(y + nq_)) return changed;
+  equations_.accelerations_at(t, y, vdot_.data());  // with factors of this position
+  stop(y + nq_);
+  return true;
 }
 
 double LockModes::leaving_depth(int lock) const {
@@ -187,7 +183,11 @@ void LockModes::find_events_at_start(double t, const double* y) {
   }
 }
 
-void LockModes::preview(double t, const double* y) { update(t, y, true, false); }
+void LockModes::preview(double t, const double* y) {
+  const int unstoppable = unstoppable_;
+  update(t, y, true, false);
+  unstoppable_ = unstoppable;
+}
 
 // jumped: inputs may have jumped since the modes were determined. Returns whether they have changed.
 bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
@@ -201,7 +201,9 @@ bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
     find_holding_forces(t, y);
     doubtful = exceed(holding_);
   }
-  return doubtful && settle(t, y, false, logs);
+  if (!doubtful) return false;
+  unstoppable_ = -1;
+  return settle(t, y, false, logs);
 }
 
 // Writes the modes where the equations read them.
@@ -242,7 +244,9 @@ bool LockModes::change_any(double t, double* y) {
     // A rebound may still be beyond the bound by rounding.
     const bool rebounds =
         modes_.contacts[i] == 0 && !is_slow(i, y + nq_) && touched_side(i) * forces_.speed(i, y + nq_) < 0;
-    if (triggered_[i] == by_limit && rebounds) triggered_[i] = 0;
+    if (triggered_[i] != by_limit || !rebounds) continue;
+    triggered_[i] = 0;
+    modes_.leaves_from[i] = leaving_depth(i);
   }
   bool any = false;
   bool breaks_away = false;
@@ -251,19 +255,41 @@ bool LockModes::change_any(double t, double* y) {
     breaks_away = breaks_away || (triggered_[i] != 0 && rests(i));
   }
   if (!any) return false;
+  unstoppable_ = -1;
   strike(t, y);
   if (!settle(t, y, breaks_away, true) && breaks_away) force_away(t);
   std::ranges::fill(triggered_, 0);
-  if (any_at_rest_) stop(y + nq_);
+  if (any_at_rest_ || any_wrong_speed(y + nq_)) stop(y + nq_);
   return true;
 }
 
-// Stops what has come to rest, and removes what impacts have left in the constraint equations.
+// Whether by rounding the coordinate rests at a speed that is not zero, or begins to move at one of the other sign.
+bool LockModes::has_wrong_speed(int lock, const double* v) const {
+  const double speed = forces_.speed(lock, v);
+  if (rests(lock)) return speed != 0;
+  return has_friction(lock) && modes_.motions[lock] * speed < 0 && is_slow(lock, v);
+}
+
+bool LockModes::any_wrong_speed(const double* v) const {
+  for (int i = 0; i < count(); ++i) {
+    if (has_wrong_speed(i, v)) return true;
+  }
+  return false;
+}
+
+// Stops what rests and what has a wrong speed, and removes what impacts have left in the constraint equations.
 void LockModes::stop(double* v) {
+  const State modes = state();
+  State stopped = modes;
+  for (int i = 0; i < count(); ++i) {
+    if (!rests(i) && has_wrong_speed(i, v)) stopped.motions[i] = 0;
+  }
+  set_state(stopped);
   forces_.stop(v);
   dynamics_.set_velocity(v);
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), vdot_.data());
   for (int k = 0; k < nv_; ++k) v[k] += vdot_[k];
+  set_state(modes);
 }
 
 void LockModes::start(double t, const double* y) {
@@ -271,6 +297,7 @@ void LockModes::start(double t, const double* y) {
   release();
   jumped_ = false;
   started_ = true;
+  unstoppable_ = -1;
   settle(t, y, false, false);
   equations_.mode_changed();
 }
@@ -319,7 +346,7 @@ void LockModes::enter(double t, State next, bool logs) {
       log_.add({t, 2 * lock.friction + (direction < 0 ? 1 : 0), motion != 0});
     }
     if (modes_.contacts[i] != 0 && next.contacts[i] == 0) {
-      log_.add({t, 2 * lock.limit + (modes_.contacts[i] < 0 ? 1 : 0), false});
+      log_.add({t, limit_indicator(i, modes_.contacts[i]), false});
     }
   }
   for (int i = 0; i < count(); ++i) {
@@ -334,6 +361,7 @@ void LockModes::serialize(Archive& archive) {
   for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, JointLoads::released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
   archive.serialize(modes_.leaves_from);
+  archive.serialize_in_range(unstoppable_, -1, 2 * static_cast<int>(sides_.size()) - 1);
   archive.serialize(jumped_, started_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
   hold();
 }

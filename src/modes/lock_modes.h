@@ -9,6 +9,7 @@
 
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
+#include "linear/box_complementarity.h"
 #include "modes/impact.h"
 #include "util/archive.h"
 
@@ -68,6 +69,9 @@ class LockModes {
   // Friction and limits are without effect until start().
   void release();
 
+  // The indicator of a limit beyond which its coordinate moves, whatever forces act; -1: none.
+  int unstoppable() const { return unstoppable_; }
+
   // Records that an indicator has changed its sign; returns whether it is one of a remembered mode.
   bool found_event(int indicator);
   // Enters the modes that follow from the events found; impacts and sticking change the velocities in y.
@@ -107,6 +111,7 @@ class LockModes {
   void find_holding_forces(double t, const double* y);
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
+  int limit_indicator(int lock, int side) const { return 2 * forces_.lock(lock).limit + (side > 0 ? 0 : 1); }
   double leaving_depth(int lock) const;
   void find_events_at_start(double t, const double* y);
   void hold();
@@ -115,12 +120,16 @@ class LockModes {
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);
   bool change_any(double t, double* y);
   void force_away(double t);
+  bool has_wrong_speed(int lock, const double* v) const;
+  bool any_wrong_speed(const double* v) const;
   void stop(double* v);
   void enter(double t, State next, bool logs);
   void take_up(State& next, int lock, bool leaves, int direction);
   void strike(double t, double* y);
   Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
                                      std::vector<StruckContact>& contacts);
+  void find_unstoppable(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+                        const Eigen::VectorXd& scale);
   bool ends_series(int lock, int side, double speed) const;
 
   ModeEquations& equations_;
@@ -136,6 +145,7 @@ class LockModes {
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool jumped_ = false, started_ = false;  // since the last recall()
+  int unstoppable_ = -1;
   Counts counts_;
   std::vector<int> doubtful_;  // locks of which the last decision is ambiguous
 };

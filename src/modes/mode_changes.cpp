@@ -2,7 +2,7 @@
 // What follows when coordinates come to rest, strike a bound, or are let go: the part of LockModes that decides.
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <numeric>
 #include <utility>
 
 #include "linear/box_complementarity.h"
@@ -53,7 +53,9 @@ void LockModes::strike(double t, double* y) {
   }
   const auto n = static_cast<Index>(struck.size());
   const auto approaches = [&](Index i) { return contacts[i].side * contacts[i].speed > 0 && !is_slow(struck[i], v); };
-  if (std::ranges::none_of(std::views::iota(Index{0}, n), approaches)) return;
+  std::vector<Index> all(struck.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  if (std::ranges::none_of(all, approaches)) return;
   equations_.accelerations_at(t, y, vdot_.data());
   Eigen::MatrixXd W;
   VectorXd scale;
@@ -63,7 +65,8 @@ void LockModes::strike(double t, double* y) {
   for (Index i = 0; i < n; ++i) {
     if (!approaches(i)) continue;
     ++counts_.impacts;
-    log_.add({t, 2 * forces_.lock(struck[i]).limit + (contacts[i].side > 0 ? 0 : 1), true, !impact.found});
+    log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
+    if (!impact.is_possible) unstoppable_ = limit_indicator(struck[i], contacts[i].side);
   }
   forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
@@ -174,7 +177,21 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
       changed = true;
     }
   }
+  if (!found.found) find_unstoppable(undecided, found, bounds, scale);
   for (Index i = 0; i < n; ++i) take_up(next, undecided[i], leaves[i] != 0, -found.at_bound[i]);
+}
+
+// After a problem without a solution: a motion against a contact that constraint equations determine.
+void LockModes::find_unstoppable(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+                                 const VectorXd& scale) {
+  for (Index i = 0; i < found.r.size(); ++i) {
+    const int side = found.r[i] > 0 ? -1 : 1;
+    if (std::isfinite(side < 0 ? bounds.upper[i] : bounds.lower[i])) continue;
+    // Rounding; and what remains in contact for a second.
+    const double negligible = forces_.depth(locks[i], side).tolerance;
+    if (std::abs(found.r[i]) > std::max(acceleration_tolerance * scale[i], negligible))
+      unstoppable_ = limit_indicator(locks[i], side);
+  }
 }
 
 // leaves: whether the coordinate does not remain at rest; direction: of the motion that begins, which forces oppose, or

@@ -254,6 +254,30 @@ std::string describe_no_equilibrium(const Scene& scene, const ReducedScene& redu
          "; expected start values closer to an equilibrium, or as_given";
 }
 
+namespace {
+
+struct LimitedCoordinate {
+  std::string limit;  // "joints.A.limit.upper"
+  Coordinate coordinate;
+};
+
+// Names a limit of a coordinate on which a force with modes acts.
+LimitedCoordinate limited(const Scene& scene, const BranchingForce& of, int side) {
+  const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
+  return {prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower"),
+          coordinate_of(kind_of(joint.is), of.component)};
+}
+
+}  // namespace
+
+std::string describe_unstoppable(const Scene& scene, const Loads& loads, int indicator) {
+  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(indicator / 2)];
+  const LimitedCoordinate at = limited(scene, of, indicator % 2 == 0 ? 1 : -1);
+  const std::string name(at.coordinate.name);
+  return at.limit + ": found a start with " + name + " at it, from which the loops move " + name +
+         " beyond it, whatever forces act; expected another position, or no speed";
+}
+
 std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,
                                                   const double* q) {
   const Branching& forces = dynamics.branching();
@@ -266,11 +290,9 @@ std::vector<std::string> describe_violated_limits(const Scene& scene, const Load
       const Branching::Depth at = forces.depth(i, side);
       if (!(at.depth > at.tolerance)) continue;
       const BranchingForce& of = places[static_cast<std::size_t>(forces.lock(i).limit)];
-      const Joint& joint = scene.joints[static_cast<std::size_t>(of.joint)];
-      const Coordinate coordinate = coordinate_of(kind_of(joint.is), of.component);
-      const std::string unit = unit_of("{q}", coordinate);
-      out.push_back(prefix(scene) + "joints." + joint.name + ".limit." + (side > 0 ? "upper" : "lower") +
-                    ": found a start with " + std::string(coordinate.name) + " " +
+      const LimitedCoordinate limit = limited(scene, of, side);
+      const std::string unit = unit_of("{q}", limit.coordinate);
+      out.push_back(limit.limit + ": found a start with " + std::string(limit.coordinate.name) + " " +
                     text::with_unit(text::rounded(in_si(scene, at.depth, unit)), unit) +
                     " beyond it, expected one within the limits");
     }

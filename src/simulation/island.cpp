@@ -108,6 +108,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   events_.begin_part();
   if (integrator_) {
     if (follows_) enforce_given_motions();
+    inputs_jumped_ = loads_changed_ || (inputs_jumped_ && equations_->drives().inputs().jumped());
     if (inputs_jumped_) {
       equations_->inputs_changed(time_, y_.data());
       integrator_->inputs_changed();
@@ -118,9 +119,9 @@ double Island::advance(double end, long max_evaluations, bool continues) {
       replay_.begin(integrator_->steps());
     }
     ReplayStep leg{end, dynamics_->evaluations(), inputs_jumped_};
-    inputs_jumped_ = false;
     equations_->set_evaluation_budget(max_evaluations);
     time_ = integrator_->advance(end, y_.data());
+    inputs_jumped_ = loads_changed_ = false;
     if (follows_) equations_->drives().targets_at(time_, followed_);
     leg.evaluations = dynamics_->evaluations() - leg.evaluations;
     remember(leg, continues, time_ == end);
@@ -197,7 +198,7 @@ void Island::serialize(Archive& archive) {
     return;
   }
   long made = evaluations();
-  archive.serialize(time_, y_, inputs_jumped_, made);
+  archive.serialize(time_, y_, inputs_jumped_, loads_changed_, made);
   if (follows_) archive.serialize(followed_);
   evaluations_before_ = dynamics_->evaluations() - made;
   equations_->serialize(archive);

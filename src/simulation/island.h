@@ -54,6 +54,7 @@ class Island {
   void swap_loads(Loads& loads) {
     std::swap(loads_, loads);
     inputs_changed(true);
+    loads_changed_ = true;
     if (has_history()) discard_history();  // a replay with the new numbers would end elsewhere
   }
 
@@ -103,7 +104,7 @@ class Island {
   // Prescribed motions up to which the state was advanced (Drives::targets_at).
   std::vector<double> followed_, backup_followed_, drives_;
   Stage realized_ = Stage::position;  // of dynamics_, for the present state and inputs
-  bool inputs_jumped_ = false;
+  bool inputs_jumped_ = false, loads_changed_ = false;
   ReplayHistory replay_;
   std::size_t inputs_of_scene_;
   long evaluations_before_ = 0;  // evaluations before the run, which are not counted

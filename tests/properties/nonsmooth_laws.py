@@ -25,6 +25,7 @@ SECONDS_EACH = 120  # of computation, far more than any takes
 PENETRATION = 1e-8  # rad, m; a limit may be exceeded by rounding only
 FASTEST = 100.0  # rad/s, m/s; faster motions diverge within a run, without any event, too
 MOST_EVENTS = 4000  # a run of 0.8 s; series of impacts end after some 40 each
+LISTED_EVENTS = 256  # in a step; later ones are only counted
 
 
 class FaultError(Exception):
@@ -146,7 +147,7 @@ def check(trial: Trial) -> dict[str, Any]:
         require(advance(restored, trial, middle, steps, reads=False).last == run.last, "restored: other bits")
     check_unread(trial, run, middle, steps)
     events = sum(map(len, run.events))
-    require(events <= MOST_EVENTS, f"events: {events}")
+    require(events <= MOST_EVENTS or is_fast(trial, run), f"events: {events}")
     agreement = check_other(trial, run)
     evaluations = first.diagnostic("solver.evaluations")
     return {
@@ -156,6 +157,10 @@ def check(trial: Trial) -> dict[str, Any]:
         "evaluations": evaluations,
         **agreement,
     }
+
+
+def is_fast(trial: Trial, run: Run) -> bool:
+    return any(abs(row[joint.v]) > FASTEST for row in run.rows for joint in joints_of(trial))
 
 
 def check_unread(trial: Trial, run: Run, middle: int, steps: int) -> None:
@@ -217,6 +222,7 @@ def check_rest(trial: Trial, run: Run) -> None:
             for _, text in events:
                 if text.startswith(f"{joint.q} "):
                     sticks = text.endswith(" sticks") or (sticks and "leaves" in text)
+            sticks = sticks and len(events) < LISTED_EVENTS
             v = run.rows[k + 1][joint.v]
             require(not sticks or v == 0, f"rest: {joint.name} at step {k} has {v:.3g}")
 

@@ -146,3 +146,14 @@ def test_impact_at_a_communication_point(integrator: str) -> None:
     assert_close("J.w", read(simulation, "J.w"), 0.5, 1e-12, "rounding")
     assert_close("J.phi", read(simulation, "J.phi"), 0.25, 1e-8, "the tolerance")
     assert simulation.diagnostic("solver.events") == 1
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_motion_begins_at_no_speed(integrator: str) -> None:
+    """The torque overcomes friction; the speed at the start is rounding, in the other direction."""
+    simulation = plant(wheel({"coulomb": 1.0}, phi=0.0, w=-1e-16), 1e-8, integrator, drive__tau=2.0)
+    simulation.step_to(1e-20)
+    assert read(simulation, "J.w") >= 0
+    simulation.step_to(1.0)
+    assert_close("J.w", read(simulation, "J.w"), 2.0, 1e-8, "the tolerance")
+    assert simulation.diagnostic("solver.events") == 0
