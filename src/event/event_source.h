@@ -34,7 +34,7 @@ class EventSource {
   // Called after these, with the state at t from which the run continues: enters the mode that follows, and may change
   // the velocities.
   virtual void change_mode(double /*t*/, double* /*y*/) {}
-  // Why the run cannot go on (too many events in this communication step, or no mode that is possible); otherwise
+  // Why the run cannot continue (too many events in this communication step, or no mode that is possible); otherwise
   // empty.
   virtual std::string refusal() const { return {}; }
 };

@@ -25,7 +25,7 @@ class IntegrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// No method could go on: see EventSource::refusal().
+// No method could continue: see EventSource::refusal().
 class RefusedMotion : public IntegrationError {
   using IntegrationError::IntegrationError;
 };

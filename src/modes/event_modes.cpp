@@ -80,7 +80,7 @@ bool EventModes::is_outside() {
 }
 
 std::string EventModes::refusal() const {
-  if (const int limit = locks_.unstoppable(); limit >= 0) {
+  if (const int limit = locks_.state().unstoppable; limit >= 0) {
     return log_.report({0, limit, true}).text +
            ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
   }

@@ -183,11 +183,7 @@ void LockModes::find_events_at_start(double t, const double* y) {
   }
 }
 
-void LockModes::preview(double t, const double* y) {
-  const int unstoppable = unstoppable_;
-  update(t, y, true, false);
-  unstoppable_ = unstoppable;
-}
+void LockModes::preview(double t, const double* y) { update(t, y, true, false); }
 
 // jumped: inputs may have jumped since the modes were determined. Returns whether they have changed.
 bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
@@ -202,7 +198,7 @@ bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
     doubtful = exceed(holding_);
   }
   if (!doubtful) return false;
-  unstoppable_ = -1;
+  modes_.unstoppable = -1;
   return settle(t, y, false, logs);
 }
 
@@ -255,7 +251,7 @@ bool LockModes::change_any(double t, double* y) {
     breaks_away = breaks_away || (triggered_[i] != 0 && rests(i));
   }
   if (!any) return false;
-  unstoppable_ = -1;
+  modes_.unstoppable = -1;
   strike(t, y);
   if (!settle(t, y, breaks_away, true) && breaks_away) force_away(t);
   std::ranges::fill(triggered_, 0);
@@ -297,7 +293,7 @@ void LockModes::start(double t, const double* y) {
   release();
   jumped_ = false;
   started_ = true;
-  unstoppable_ = -1;
+  modes_.unstoppable = -1;
   settle(t, y, false, false);
   equations_.mode_changed();
 }
@@ -361,7 +357,7 @@ void LockModes::serialize(Archive& archive) {
   for (int& motion : modes_.motions) archive.serialize_in_range(motion, -1, JointLoads::released);
   for (int& contact : modes_.contacts) archive.serialize_in_range(contact, -1, 1);
   archive.serialize(modes_.leaves_from);
-  archive.serialize_in_range(unstoppable_, -1, 2 * static_cast<int>(sides_.size()) - 1);
+  archive.serialize_in_range(modes_.unstoppable, -1, 2 * static_cast<int>(sides_.size()) - 1);
   archive.serialize(jumped_, started_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
   hold();
 }

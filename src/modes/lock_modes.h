@@ -69,9 +69,6 @@ class LockModes {
   // Friction and limits are without effect until start().
   void release();
 
-  // The indicator of a limit beyond which its coordinate moves, whatever forces act; -1: none.
-  int unstoppable() const { return unstoppable_; }
-
   // Records that an indicator has changed its sign; returns whether it is one of a remembered mode.
   bool found_event(int indicator);
   // Enters the modes that follow from the events found; impacts and sticking change the velocities in y.
@@ -82,6 +79,8 @@ class LockModes {
     std::vector<int> contacts;  // by lock; 1, -1: with the upper, the lower bound; 0: none
     // By lock: depth up to which a coordinate leaves a bound that it still touches; 0: it does not.
     std::vector<double> leaves_from;
+    // The indicator of a limit beyond which its coordinate moves and no force can stop it; -1: none.
+    int unstoppable = -1;
     bool operator==(const State&) const = default;
   };
   const State& state() const { return modes_; }
@@ -128,8 +127,8 @@ class LockModes {
   void strike(double t, double* y);
   Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
                                      std::vector<StruckContact>& contacts);
-  void find_unstoppable(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
-                        const Eigen::VectorXd& scale);
+  int unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+                        const Eigen::VectorXd& scale) const;
   bool ends_series(int lock, int side, double speed) const;
 
   ModeEquations& equations_;
@@ -145,7 +144,6 @@ class LockModes {
   bool any_friction_ = false;
   bool any_at_rest_ = false;
   bool jumped_ = false, started_ = false;  // since the last recall()
-  int unstoppable_ = -1;
   Counts counts_;
   std::vector<int> doubtful_;  // locks of which the last decision is ambiguous
 };

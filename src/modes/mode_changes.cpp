@@ -66,7 +66,7 @@ void LockModes::strike(double t, double* y) {
     if (!approaches(i)) continue;
     ++counts_.impacts;
     log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
-    if (!impact.is_possible) unstoppable_ = limit_indicator(struck[i], contacts[i].side);
+    if (!impact.is_possible) modes_.unstoppable = limit_indicator(struck[i], contacts[i].side);
   }
   forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
@@ -177,21 +177,22 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
       changed = true;
     }
   }
-  if (!found.found) find_unstoppable(undecided, found, bounds, scale);
+  if (!found.found) next.unstoppable = unstoppable_among(undecided, found, bounds, scale);
   for (Index i = 0; i < n; ++i) take_up(next, undecided[i], leaves[i] != 0, -found.at_bound[i]);
 }
 
 // After a problem without a solution: a motion against a contact that constraint equations determine.
-void LockModes::find_unstoppable(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
-                                 const VectorXd& scale) {
+int LockModes::unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+                                 const VectorXd& scale) const {
   for (Index i = 0; i < found.r.size(); ++i) {
     const int side = found.r[i] > 0 ? -1 : 1;
     if (std::isfinite(side < 0 ? bounds.upper[i] : bounds.lower[i])) continue;
     // Rounding; and what remains in contact for a second.
     const double negligible = forces_.depth(locks[i], side).tolerance;
     if (std::abs(found.r[i]) > std::max(acceleration_tolerance * scale[i], negligible))
-      unstoppable_ = limit_indicator(locks[i], side);
+      return limit_indicator(locks[i], side);
   }
+  return -1;
 }
 
 // leaves: whether the coordinate does not remain at rest; direction: of the motion that begins, which forces oppose, or

@@ -275,7 +275,7 @@ std::string describe_unstoppable(const Scene& scene, const Loads& loads, int ind
   const LimitedCoordinate at = limited(scene, of, indicator % 2 == 0 ? 1 : -1);
   const std::string name(at.coordinate.name);
   return at.limit + ": found a start with " + name + " at it, from which the loops move " + name +
-         " beyond it, whatever forces act; expected another position, or no speed";
+         " beyond it, and no force can stop it; expected another position, or no speed";
 }
 
 std::vector<std::string> describe_violated_limits(const Scene& scene, const Loads& loads, Dynamics& dynamics,

@@ -25,7 +25,7 @@ std::string describe_no_branch(const Scene& scene, const ReducedScene& reduced, 
 std::string describe_singular_start(const Scene& scene, const ReducedScene& reduced, int island,
                                     const SingularStart& start);
 
-// Describes a start from which loops move a coordinate beyond its limit. indicator: see LockModes::unstoppable().
+// Describes a start from which loops move a coordinate beyond its limit. indicator: see LockModes::State.
 std::string describe_unstoppable(const Scene& scene, const Loads& loads, int indicator);
 
 // Describes each coordinate that is beyond one of its limits at the position q. `dynamics` is left there.

@@ -70,7 +70,7 @@ void Simulation::assemble(double time) {
   for (const auto& island : s.islands) {
     std::ranges::move(describe_violated_limits(s.scene, island->loads(), island->dynamics(), island->reading().q),
                       std::back_inserter(violated));
-    const int unstoppable = island->formulation().modes().locks().unstoppable();
+    const int unstoppable = island->formulation().modes().locks().state().unstoppable;
     if (unstoppable >= 0 && !island->prepared().mechanism.driven())  // inputs that prescribe motions may still change
       violated.push_back(describe_unstoppable(s.scene, island->loads(), unstoppable));
   }
