@@ -41,8 +41,8 @@ Impact solve_impact(const Eigen::MatrixXd& W, const std::vector<StruckContact>& 
   for (Index i = 0; i < n; ++i) {
     const StruckContact& contact = contacts[static_cast<std::size_t>(i)];
     speeds[i] = contact.speed;
-    lower[i] = contact.side > 0 ? -unlimited : 0;
-    upper[i] = contact.side > 0 ? 0 : unlimited;
+    lower[i] = contact.side > 0 || contact.held ? -unlimited : 0;
+    upper[i] = contact.side < 0 || contact.held ? unlimited : 0;
   }
   const BoxSolution inelastic = solve_in_box(W, -speeds, lower, upper);
   VectorXd least = VectorXd::Zero(n);  // impulses of Poisson's law, which others may exceed

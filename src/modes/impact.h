@@ -13,6 +13,7 @@ struct StruckContact {
   double speed = 0;        // before the impact
   double restitution = 0;  // of this impact
   bool poisson = false;    // Poisson's law instead of Newton's
+  bool held = false;       // does not leave, since it would return at once
 };
 
 struct Impact {

@@ -129,7 +129,7 @@ class LockModes {
                                      std::vector<StruckContact>& contacts);
   int unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
                         const Eigen::VectorXd& scale) const;
-  bool ends_series(int lock, int side, double speed) const;
+  bool ends_series(int lock, int side, double speed, double mobility) const;
 
   ModeEquations& equations_;
   Dynamics& dynamics_;

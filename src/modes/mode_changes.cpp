@@ -76,7 +76,8 @@ void LockModes::strike(double t, double* y) {
   equations_.mode_changed();
 }
 
-// Contacts of which the rebound would be lost in rounding have no restitution.
+// Contacts of which the rebound would be lost in rounding have no restitution, and what others throw off so slowly
+// stays in contact: it would return, throw them off, and so on.
 Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
                                               std::vector<StruckContact>& contacts) {
   Impact impact;
@@ -86,8 +87,10 @@ Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const st
     const VectorXd changes = W * impact.impulses;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       StruckContact& contact = contacts[i];
-      const double rebound = -contact.side * (contact.speed + changes[static_cast<Index>(i)]);
-      if (!(contact.restitution > 0 && rebound > 0) || !ends_series(struck[i], contact.side, rebound)) continue;
+      const auto at = static_cast<Index>(i);
+      const double rebound = -contact.side * (contact.speed + changes[at]);
+      if (contact.held || !(rebound > 0) || !ends_series(struck[i], contact.side, rebound, W(at, at))) continue;
+      contact.held = contact.restitution == 0;
       contact.restitution = 0;
       closed = true;
       if (contact.side * contact.speed > 0) ++counts_.closed_series;
@@ -97,9 +100,11 @@ Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const st
 }
 
 // Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at
-// the impact.
-bool LockModes::ends_series(int lock, int side, double speed) const {
-  const double acceleration = side * forces_.speed(lock, vdot_.data());
+// the impact; mobility: the acceleration per force.
+bool LockModes::ends_series(int lock, int side, double speed, double mobility) const {
+  const double holding = forces_.holding_forces().values()[static_cast<std::size_t>(lock)];
+  const double acceleration =
+      modes_.contacts[lock] != 0 ? -side * holding * mobility : side * forces_.speed(lock, vdot_.data());
   const Branching::Depth at = forces_.depth(lock, side);
   return acceleration > 0 && speed * speed / (2 * acceleration) <= lowest_rebound * at.tolerance;
 }

@@ -113,5 +113,5 @@ def along(joint: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Kind]]:
     for kind in KINDS["joints"]:
         entry = joint.get(kind["group"], {}) if kind["group"] else joint
         for field in kind["fields"]:
-            if field["name"] in entry:
+            if field["name"] in entry and field["unit"]:
                 yield entry, field

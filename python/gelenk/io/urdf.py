@@ -2,8 +2,8 @@
 """Import of URDF robot descriptions as scenes (requires the extra `urdf`).
 
 A link becomes a body in the link's own frame, a joint keeps its name, frame, axis, viscous damping, dry
-friction and limits of position, and every joint that can be driven gets a motor `JOINT_motor`. Everything
-that is not converted is listed in the scene's report.
+friction and, on request, limits of position, and every joint that can be driven gets a motor `JOINT_motor`.
+Everything that is not converted is listed in the scene's report.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def import_urdf(
     *,
     floating: bool = False,
     repair_inertia: bool = False,
-    limits: bool = True,
+    limits: bool = False,
     assembly_tolerance: float | None = None,
 ) -> Scene:
     """Convert a URDF file to a scene; meshes and shapes are ignored.
@@ -56,7 +56,7 @@ def import_urdf(
             largest. A movable link without mass and inertia gets a millionth of those of its carrier. All
             other masses and inertias are unchanged.
         limits: whether the limits of position of revolute and prismatic joints become hard limits, without
-            restitution. A joint of which the limits do not contain 0 starts in the middle between them.
+            restitution. A joint of which the limits do not contain 0 then starts in the middle between them.
         assembly_tolerance: the scene's `assembly.tolerance`, for loops that are closed by joints added to it.
 
     Returns:

@@ -96,3 +96,33 @@ def test_unknown_law_of_impact_is_refused() -> None:
     source["joints"]["J"]["limit"]["law"] = "hertz"
     with pytest.raises(gelenk.SceneError, match=r"limit.law: found 'hertz', expected .*newton.*poisson"):
         plant(source)
+
+
+def test_inelastic_limits_that_throw_each_other_off_come_to_rest() -> None:
+    """Two links pressed onto their limits, each thrown off by impacts of the other: an infinite series.
+
+    The impacts shrink geometrically, by the square of the coupling of the two joints in the mass matrix.
+    Its end is found where rebounds are as small as the rounding of positions, not after thousands of events.
+    """
+    link = body(1.0, com=(0.5, 0, 0), inertia=(0.01, 0.01, 0.01))
+    hinge = {"axis": [0, 0, 1]}
+    source = scene(
+        {"upper": link, "lower": link},
+        {
+            "A": joint(
+                "revolute", frame("ground"), frame("upper"), limit={"lower": 0.0}, **hinge,
+                start={"phi": 0.0, "w": 0.0, "fixed": True},
+            ),
+            "B": joint(
+                "revolute", frame("upper", (1, 0, 0)), frame("lower"), limit={"lower": 0.0}, **hinge,
+                start={"phi": 0.3, "w": 0.0, "fixed": True},
+            ),
+        },
+        motors={"a": {"joint": "A"}, "b": {"joint": "B"}},
+    )  # fmt: skip
+    simulation = plant(source, a__tau=-5.0, b__tau=-4.0)
+    simulation.step_to(2.0)
+    assert (read(simulation, "A.w"), read(simulation, "B.w")) == (0, 0)
+    assert_close("A", read(simulation, "A.limit.tau"), 5.0, 1e-11, "rounding")
+    assert_close("B", read(simulation, "B.limit.tau"), 4.0, 1e-11, "rounding")
+    assert simulation.diagnostic("solver.impacts") < 200
