@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "assembly/loop_closure.h"
 #include "scene/element_numbers.h"
@@ -145,12 +146,10 @@ std::string owner_of_row(const Scene& scene, const Mechanism& mechanism, int row
 
 std::vector<int> joints_of_loop(const Mechanism& mechanism, int cut) {
   const Cut& c = mechanism.cuts[cut];
-  std::vector<int> out = c.scene_joints;
-  for (const int link : c.path_a) out.push_back(mechanism.links[link].scene_joint);
-  for (const int link : c.path_b) out.push_back(mechanism.links[link].scene_joint);
-  std::ranges::sort(out);
-  out.erase(std::ranges::unique(out).begin(), out.end());
-  return out;
+  std::set<int> out(c.scene_joints.begin(), c.scene_joints.end());
+  for (const int link : c.path_a) out.insert(mechanism.links[link].scene_joint);
+  for (const int link : c.path_b) out.insert(mechanism.links[link].scene_joint);
+  return {out.begin(), out.end()};
 }
 
 std::string describe_assembly(const Scene& scene, const ReducedScene& reduced, const std::vector<Assembled>& found) {
