@@ -11,8 +11,9 @@
 namespace gelenk {
 namespace {
 
-// Must be in the tree; connects a massless part; few velocities; no quaternion; driven or held.
-using Preference = std::tuple<bool, bool, int, bool, bool>;
+// Must be in the tree (2), or else a body must be split beside it (1); connects a massless part; few velocities; no
+// quaternion; driven or held.
+using Preference = std::tuple<int, bool, int, bool, bool>;
 
 // Edges with larger preference enter the tree first. Two criteria are necessary: joints with motor inertia, joints
 // whose coordinate is constrained and, with an exception in the plane, joints with friction must be in the tree, and a
@@ -22,21 +23,18 @@ using Preference = std::tuple<bool, bool, int, bool, bool>;
 // 1956).
 class Preferences {
  public:
-  Preferences(const Scene& scene, const Graph& graph, bool planar) : scene_(scene), graph_(graph) {
+  Preferences(const Scene& scene, const Graph& graph, bool planar) : scene_(scene), graph_(graph), planar_(planar) {
     for (const Motor& motor : scene.motors) {
       driven_or_held_.insert(motor.joints.front());
       if (inertia_of(motor.is) > 0) must_be_in_tree_.insert(motor.joints.front());
     }
     for (const std::string_view joint : constrained_joints(scene)) must_be_in_tree_.insert(joint);
-    for (const Joint& joint : scene.joints) {
-      if (must_not_be_cut(joint, planar)) must_be_in_tree_.insert(joint.name);
-    }
   }
 
   Preference operator()(const Edge& edge) const {
-    if (edge.opens_beside) return {false, false, -7, false, false};  // last of all
+    if (edge.opens_beside) return {0, false, -7, false, false};  // last of all
     const Joint& joint = scene_.joints[edge.scene_joint];
-    const bool required = must_be_in_tree_.contains(joint.name);
+    const int required = must_be_in_tree_.contains(joint.name) ? 2 : must_not_be_cut(joint, planar_) ? 1 : 0;
     const bool massless = without_mass(edge.group_a) || without_mass(edge.group_b);
     if (!scene_.solver.reduces(Reduction::cut_choice)) return {required, massless, 0, false, false};
     const JointKind& kind = kind_of(edge.joint);
@@ -50,6 +48,7 @@ class Preferences {
 
   const Scene& scene_;
   const Graph& graph_;
+  bool planar_;
   std::unordered_set<std::string_view> driven_or_held_, must_be_in_tree_;
 };
 

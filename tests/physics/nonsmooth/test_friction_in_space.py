@@ -133,3 +133,16 @@ def test_planar_loop_with_friction_in_all_joints_becomes_an_fmu(tmp_path: Path) 
     result = gelenk.simulate(fmu, stop=0.5, step=0.05, tolerance=1e-8)
     assert_close("A.phi", result["A.phi"][-1], FOUR_BAR_PHI[0], 300e-8, "as for the scene")
     assert "loops are cut at" in str(gelenk.inspect(gelenk.load(source)))
+
+
+def test_motor_with_inertia_in_a_loop_in_space_with_friction_elsewhere() -> None:
+    """Its joint stays in the tree; as in the plane, where no body is split."""
+    source = four_bar_with_friction()
+    del source["joints"]["C"]["friction"]
+    source["motors"] = {"drive": {"joint": "C", "rotor_inertia": 0.01}}
+    plane = plant(source)
+    space = in_space(source)
+    for simulation in (plane, space):
+        simulation.step_to(0.35)
+    for name in ("A.phi", "C.w", "B.friction.tau"):
+        assert_close(name, read(space, name), read(plane, name), 3e-6, "100 tolerances, of some N m")
