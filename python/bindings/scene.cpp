@@ -13,6 +13,7 @@
 #include "bindings.h"
 #include "check/warnings.h"
 #include "mechanism/wanted_part.h"
+#include "scene/locking_elements.h"
 #include "scene/natural_time.h"
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"
@@ -57,12 +58,7 @@ void bind_friction(nb::module_& m) {
   m.def(
       "without_friction_and_limits",
       [](Scene scene) {
-        for (gelenk::Joint& joint : scene.joints) {
-          for (gelenk::JointForces& forces : joint.along) {
-            std::get<std::optional<gelenk::JointFriction>>(forces).reset();
-            std::get<std::optional<gelenk::JointLimit>>(forces).reset();
-          }
-        }
+        gelenk::erase_locking_elements(scene);
         return scene;
       },
       nb::arg("scene"), "The scene without dry friction and hard limits.");

@@ -30,7 +30,10 @@
 // mapping in the joint, or empty if they have none, and fits(kind), whether joints of a type can have them.
 #pragma once
 
+#include <optional>
+
 #include "element/element.h"
+#include "util/text.h"
 
 namespace gelenk {
 
@@ -46,5 +49,12 @@ template <class F>
 concept Sticks = HasBranches<F> && requires(const F& f) { f.sticking_limit(); };
 template <class F>
 concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
+
+// The error of bounds that leave no room to the coordinate; otherwise empty.
+inline std::optional<ElementFault> fault_of_bounds(double lower, double upper, const Coordinate& at) {
+  if (!(lower >= upper)) return {};
+  const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{q}", at))); };
+  return {{"lower", shown(lower), "less than upper, which is " + shown(upper)}};
+}
 
 }  // namespace gelenk

@@ -54,11 +54,7 @@ struct JointLimit {
       {"{effort}", 0, "{f}", "contact {torque} on {joint}.{coordinate} at a limit, in its direction, without impacts"},
       {"mode", 0, "1", "1, -1: {joint}.{coordinate} is in contact with its upper, lower limit; 0: with none"}};
 
-  std::optional<ElementFault> fault(const Coordinate& at) const {
-    if (!(lower >= upper)) return {};
-    const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{q}", at))); };
-    return {{"lower", shown(lower), "less than upper, which is " + shown(upper)}};
-  }
+  std::optional<ElementFault> fault(const Coordinate& at) const { return fault_of_bounds(lower, upper, at); }
 
   // How far q is beyond the upper (side 1) or the lower bound (side -1) [rad, m]; negative within it.
   double depth(int side, double q) const { return side > 0 ? q - upper : lower - q; }

@@ -49,11 +49,7 @@ struct Stop {
     return all;
   }
 
-  std::optional<ElementFault> fault(const Coordinate& at) const {
-    if (!(lower >= upper)) return {};
-    const auto shown = [&](double x) { return text::with_unit(text::number(x), spelled(unit_of("{q}", at))); };
-    return {{"lower", shown(lower), "less than upper, which is " + shown(upper)}};
-  }
+  std::optional<ElementFault> fault(const Coordinate& at) const { return fault_of_bounds(lower, upper, at); }
 
   // A start beyond a bound is only doubtful, not an error, since a body at rest on a stop has compressed it.
   std::optional<ElementFault> doubt(double q, const Coordinate& at) const {
