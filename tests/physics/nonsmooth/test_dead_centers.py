@@ -10,7 +10,8 @@ from mechanisms import Scene, body, frame, joint, scene
 
 import gelenk
 
-from .test_joint_limits import INTEGRATORS, plant, read
+from .test_joint_friction import plant, read
+from .test_joint_limits import INTEGRATORS
 
 
 def slider_crank(w: float, **limit: float) -> Scene:

@@ -15,22 +15,9 @@ from models.running import assert_close
 
 import gelenk
 
+from .test_joint_friction import plant, read
+
 INTEGRATORS = ("auto", "erk", "cvode", "cvode-adams", "ida", "dirk", "rk4")
-
-
-def plant(
-    source: Scene, tolerance: float = 1e-8, integrator: str = "auto", **inputs: float
-) -> gelenk.Simulation:
-    """Return a simulation at its start; `drive__tau` stands for drive.tau."""
-    simulation = gelenk.Simulation(gelenk.load({**source, "solver": {"integrator": integrator}}))
-    for name, value in inputs.items():
-        simulation.set_input(name.replace("__", "."), value)
-    simulation.initialize(0.0, tolerance)
-    return simulation
-
-
-def read(simulation: gelenk.Simulation, name: str) -> float:
-    return float(simulation.output(name))
 
 
 def ball(restitution: float, height: float = 1.0, floor: float = 0.1) -> Scene:

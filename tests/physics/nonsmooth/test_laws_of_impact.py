@@ -12,7 +12,8 @@ from models.running import assert_close
 
 import gelenk
 
-from .test_joint_limits import ball, plant, read
+from .test_joint_friction import plant, read
+from .test_joint_limits import ball
 
 
 def two_blocks(law: str, lower: float, upper: float, masses: tuple[float, float]) -> Scene:
