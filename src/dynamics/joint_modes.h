@@ -97,34 +97,31 @@ class JointModes final : public Branching {
   int locks() const override { return static_cast<int>(found_.size()); }
   Lock lock(int lock) const override {
     Lock out = found_[lock];
-    int index = 0;
-    const auto look = [&](const auto& force) {
+    visit(out.friction, [&](const auto& force) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        if (index == out.friction) {
-          out.sticking_limit = force.element.sticking_limit();
-          out.slipping_limit = force.element.slipping_limit();
-        }
-      } else if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        if (index == out.limit) {
-          out.restitution = force.element.restitution;
-          out.poisson = force.element.is_poisson();
-        }
+        out.sticking_limit = force.element.sticking_limit();
+        out.slipping_limit = force.element.slipping_limit();
       }
-      ++index;
-    };
-    state_.loads.tree.each_branching(look);
-    for (const JointLoads& on : state_.loads.cuts) on.each_branching(look);
+    });
+    visit(out.limit, [&](const auto& force) {
+      if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
+        out.restitution = force.element.restitution;
+        out.poisson = force.element.is_poisson();
+      }
+    });
     return out;
   }
   Depth depth(int lock, int side) const override {
     Depth out{-INFINITY, 0};
-    int index = 0;
-    each([&](const auto& force, const double* q, const double*) {
+    const int limit = found_[lock].limit;
+    visit(limit, [&](const auto& force) {
       if constexpr (Blocks<std::decay_t<decltype(force.element)>>) {
-        if (index == found_[lock].limit)
-          out = {force.element.depth(side, force.sign * q[force.q]), force.element.touch_tolerance(side)};
+        const int cut = places_[limit].cut;
+        const double q =
+            cut < 0 ? state_.q[force.q]
+                    : kernels::counted_cut_motion(state_.model, state_.ws, cut, state_.cut_reference.data()).q[force.q];
+        out = {force.element.depth(side, force.sign * q), force.element.touch_tolerance(side)};
       }
-      ++index;
     });
     return out;
   }
@@ -200,12 +197,24 @@ class JointModes final : public Branching {
                             state_.cut_reference.data(), visit);
   }
 
-  // The rows of all locks; fills found_ and lock_of_.
+  // Calls visit(force) for one of the forces with modes, by its index; -1: for none.
+  template <class Visit>
+  void visit(int force, Visit visit) const {
+    if (force < 0) return;
+    const Place& at = places_[force];
+    int number = 0;
+    each_list((at.cut < 0 ? state_.loads.tree : state_.loads.cuts[at.cut]).lists, [&](const auto& list) {
+      if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+        if (number++ == at.list) visit(list[at.index]);
+      }
+    });
+  }
+
+  // The rows of all locks; fills found_, lock_of_ and places_.
   std::vector<typename LockedCoordinates<A>::Row> find_locks() {
     std::vector<typename LockedCoordinates<A>::Row> rows;
     std::map<std::pair<int, int>, int> lock_at;  // by cut (-1: tree) and velocity
-    int cut = -1;
-    const auto look = [&](const auto& force) {
+    const auto look = [&](const auto& force, int cut) {
       using Element = std::decay_t<decltype(force.element)>;
       lock_of_.push_back(-1);
       if constexpr (Sticks<Element> || Blocks<Element>) {
@@ -223,8 +232,20 @@ class JointModes final : public Branching {
             static_cast<int>(lock_of_.size()) - 1;
       }
     };
-    state_.loads.tree.each_branching(look);
-    for (cut = 0; cut < static_cast<int>(state_.loads.cuts.size()); ++cut) state_.loads.cuts[cut].each_branching(look);
+    const auto look_along = [&](const JointLoads& joints, int cut) {
+      int number = 0;
+      each_list(joints.lists, [&](const auto& list) {
+        if constexpr (HasBranches<std::decay_t<decltype(list.front().element)>>) {
+          for (std::size_t i = 0; i < list.size(); ++i) {
+            places_.push_back({cut, number, i});
+            look(list[i], cut);
+          }
+          ++number;
+        }
+      });
+    };
+    look_along(state_.loads.tree, -1);
+    for (int c = 0; c < static_cast<int>(state_.loads.cuts.size()); ++c) look_along(state_.loads.cuts[c], c);
     return rows;
   }
 
@@ -258,6 +279,11 @@ class JointModes final : public Branching {
   State state_;
   const MassFactor<A>& M_;
   const int* held_ = nullptr;
+  struct Place {
+    int cut, list;  // -1: the tree; number among the lists of forces with modes
+    std::size_t index;
+  };
+  std::vector<Place> places_;  // by force with modes
   std::vector<Lock> found_;
   std::vector<int> lock_of_;  // by force with modes; -1: it cannot lock
   LockedCoordinates<A> locks_;
