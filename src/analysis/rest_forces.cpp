@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/rest_forces.h"
 
-#include <limits>
-
 #include "analysis/rest_pose.h"
+#include "dynamics/distributed_forces.h"
 #include "linear/descent.h"
-#include "linear/least_load.h"
 #include "scene/element_numbers.h"
 
 namespace gelenk {
@@ -30,7 +28,6 @@ bool is_balanced(RestPoses& poses, RestPose& at) {
 
 void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std::vector<double>& q,
                      const std::vector<double>& cut_q) {
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
   RestPoses poses(of);
   RestPose at{.q = q, .cut_q = cut_q};
   poses.evaluate(at);
@@ -42,27 +39,11 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
   for (int i = 0; i < poses.locks(); ++i) {
     if (at.contacts[static_cast<std::size_t>(i)] != 0 || forces.lock(i).sticking_limit > 0) locks.push_back(i);
   }
-  const auto n = static_cast<Index>(locks.size());
-  VectorXd x(n);
-  VectorXd lower(n);
-  VectorXd upper(n);
-  for (Index i = 0; i < n; ++i) {
-    const int lock = locks[static_cast<std::size_t>(i)];
-    const int side = at.contacts[static_cast<std::size_t>(lock)];
-    const double limit = forces.lock(lock).sticking_limit;
-    x[i] = forces.holding_forces().values()[static_cast<std::size_t>(lock)];
-    lower[i] = side > 0 ? -unlimited : -limit;
-    upper[i] = side < 0 ? unlimited : limit;
-  }
-  if (forces.is_redundant()) {
-    Eigen::MatrixXd W;
-    VectorXd scale;
-    forces.compliance(locks, W, scale);
-    x = least_load(W, W * x, lower, upper);
-  }
-  for (Index i = 0; i < n; ++i) {
+  const HoldingBounds bounds = holding_bounds(forces, locks, at.contacts);
+  const VectorXd x = distributed_forces(forces, locks, bounds);
+  for (Index i = 0; i < x.size(); ++i) {
     const double slack = forces.slack(locks[static_cast<std::size_t>(i)]);
-    is_held = is_held && x[i] <= upper[i] + slack && x[i] >= lower[i] - slack;
+    is_held = is_held && x[i] <= bounds.upper[i] + slack && x[i] >= bounds.lower[i] - slack;
   }
   is_balanced = gelenk::is_balanced(poses, at) && is_balanced;
 
@@ -75,7 +56,7 @@ void RestForces::add(const Scene& scene, const EquilibriumProblem& of, const std
     const Coordinate coordinate = coordinate_of(kind_of(joint.is), at_joint.component);
     const std::string unit = unit_of("{f}", coordinate);
     const double size = scene.units.size_of(unit);
-    const bool holds = next < n && locks[static_cast<std::size_t>(next)] == i;
+    const bool holds = next < x.size() && locks[static_cast<std::size_t>(next)] == i;
     coordinates.push_back({.coordinate = joint.name + "." + std::string(coordinate.name),
                            .unit = unit,
                            .force = holds ? size * x[next++] : 0,

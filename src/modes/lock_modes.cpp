@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "linear/least_load.h"
+#include "dynamics/distributed_forces.h"
 
 namespace gelenk {
 namespace {
@@ -23,9 +22,6 @@ constexpr double reached_fraction = 1e-2;
 // What leaves a bound may be beyond it by rounding, and go further by this fraction of what counts as contact before it
 // meets the bound again.
 constexpr double leaving_fraction = 0.1;
-// Values of triggered_.
-constexpr char by_friction = 1;
-constexpr char by_limit = 2;
 
 }  // namespace
 
@@ -77,19 +73,6 @@ int LockModes::touched_side(int lock) const {
   return 0;
 }
 
-// The forces that can keep coordinates at rest: friction up to its limit, and contact, which does not pull.
-LockModes::Bounds LockModes::bounds_of(const std::vector<int>& locks, const std::vector<int>& contacts) const {
-  const auto n = static_cast<Index>(locks.size());
-  Bounds out{VectorXd(n), VectorXd(n)};
-  for (Index i = 0; i < n; ++i) {
-    const double limit = forces_.lock(locks[i]).sticking_limit;
-    const int side = contacts[locks[i]];
-    out.lower[i] = side > 0 ? -std::numeric_limits<double>::infinity() : -limit;
-    out.upper[i] = side < 0 ? std::numeric_limits<double>::infinity() : limit;
-  }
-  return out;
-}
-
 const double* LockModes::accelerations(double t, const double* y) {
   if (!any_at_rest_ && !any_friction_) return nullptr;
   find_holding_forces(t, y);
@@ -109,13 +92,7 @@ const std::vector<double>& LockModes::distribute_holding_forces() {
   for (int i = 0; i < count(); ++i) {
     if (rests(i)) locks.push_back(i);
   }
-  Eigen::MatrixXd W;
-  VectorXd scale;
-  forces_.compliance(locks, W, scale);
-  VectorXd x(static_cast<Index>(locks.size()));
-  for (Index i = 0; i < x.size(); ++i) x[i] = holding_[static_cast<std::size_t>(locks[i])];
-  const Bounds bounds = bounds_of(locks, modes_.contacts);
-  x = least_load(W, W * x, bounds.lower, bounds.upper);
+  const VectorXd x = distributed_forces(forces_, locks, holding_bounds(forces_, locks, modes_.contacts));
   for (Index i = 0; i < x.size(); ++i) holding_[static_cast<std::size_t>(locks[i])] = x[i];
   return holding_;
 }
@@ -241,22 +218,27 @@ bool LockModes::change_any(double t, double* y) {
     const bool rebounds =
         modes_.contacts[i] == 0 && !is_slow(i, y + nq_) && touched_side(i) * forces_.speed(i, y + nq_) < 0;
     if (triggered_[i] != by_limit || !rebounds) continue;
-    triggered_[i] = 0;
+    triggered_[i] = nothing;
     modes_.leaves_from[i] = leaving_depth(i);
   }
   bool any = false;
   bool breaks_away = false;
   for (int i = 0; i < count(); ++i) {
-    any = any || triggered_[i] != 0;
-    breaks_away = breaks_away || (triggered_[i] != 0 && rests(i));
+    any = any || triggered_[i] != nothing;
+    breaks_away = breaks_away || (triggered_[i] != nothing && rests(i));
   }
   if (!any) return false;
   modes_.unstoppable = -1;
-  strike(t, y);
+  strike(t, y, {});
   if (!settle(t, y, breaks_away, true) && breaks_away) force_away(t);
-  std::ranges::fill(triggered_, 0);
-  if (any_at_rest_ || any_wrong_speed(y + nq_)) stop(y + nq_);
+  finish_change(y);
+  close_returning(t, y);
   return true;
+}
+
+void LockModes::finish_change(double* y) {
+  std::ranges::fill(triggered_, nothing);
+  if (any_at_rest_ || any_wrong_speed(y + nq_)) stop(y + nq_);
 }
 
 // Whether by rounding the coordinate rests at a speed that is not zero, or begins to move at one of the other sign.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "dynamics/distributed_forces.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "linear/box_complementarity.h"
@@ -97,16 +98,13 @@ class LockModes {
   void serialize(Archive& archive);
 
  private:
-  struct Bounds {
-    Eigen::VectorXd lower, upper;
-  };
+  enum Trigger : char { nothing, by_friction, by_limit };
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
   bool has_friction(int lock) const { return forces_.lock(lock).friction >= 0; }
   bool rests(int lock) const { return modes_.motions[lock] == 0 || modes_.contacts[lock] != 0; }
   bool is_slow(int lock, const double* v) const;
   int touched_side(int lock) const;
-  Bounds bounds_of(const std::vector<int>& locks, const std::vector<int>& contacts) const;
   void find_holding_forces(double t, const double* y);
   bool exceed(const std::vector<double>& holding) const;
   int on_boundary(double t, const double* y);
@@ -124,10 +122,13 @@ class LockModes {
   void stop(double* v);
   void enter(double t, State next, bool logs);
   void take_up(State& next, int lock, bool leaves, int direction);
-  void strike(double t, double* y);
+  void finish_change(double* y);
+  void strike(double t, double* y, const std::vector<int>& returning);
+  std::vector<int> returning(double t, const double* y);
+  void close_returning(double t, double* y);
   Impact solve_impact_without_series(const Eigen::MatrixXd& W, const std::vector<int>& struck,
                                      std::vector<StruckContact>& contacts);
-  int unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+  int unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const HoldingBounds& bounds,
                         const Eigen::VectorXd& scale) const;
   bool ends_series(int lock, int side, double speed, double mobility) const;
 
@@ -139,7 +140,7 @@ class LockModes {
   std::vector<int>& sides_;
   std::vector<int> lock_of_;  // by force with modes; -1: none
   State modes_;
-  std::vector<char> triggered_;  // by lock: which indicator has changed its sign, or 0
+  std::vector<Trigger> triggered_;  // by lock: which indicator has changed its sign
   std::vector<double> holding_, vdot_;
   bool any_friction_ = false;
   bool any_at_rest_ = false;

@@ -2,7 +2,6 @@
 // What follows when coordinates come to rest, strike a bound, or are let go: the part of LockModes that decides.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "linear/box_complementarity.h"
@@ -22,6 +21,8 @@ constexpr double acceleration_tolerance = 1e-11;
 // A series of impacts ends in contact when its rebounds are lower than this times what counts as contact: lower ones
 // are lost in the rounding of the position. Their impulses would add up to that of the contact force.
 constexpr double lowest_rebound = 2;
+// Of contacts that are let go and closed again at the same instant.
+constexpr int most_returns = 20;
 
 }  // namespace
 
@@ -29,7 +30,7 @@ constexpr double lowest_rebound = 2;
 void LockModes::force_away(double t) {
   State next = state();
   for (int i = 0; i < count(); ++i) {
-    if (triggered_[i] == 0 || !rests(i)) continue;
+    if (triggered_[i] == nothing || !rests(i)) continue;
     next.motions[i] = modes_.contacts[i] != 0 ? -modes_.contacts[i] : holding_[i] > 0 ? -1 : 1;
     next.contacts[i] = 0;
     next.leaves_from[i] = leaving_depth(i);
@@ -38,8 +39,8 @@ void LockModes::force_away(double t) {
   enter(t, next, true);
 }
 
-// Impacts: the impulses of all contacts together.
-void LockModes::strike(double t, double* y) {
+// Impacts: the impulses of all contacts together. returning: locks that stop as well.
+void LockModes::strike(double t, double* y, const std::vector<int>& returning) {
   double* v = y + nq_;
   dynamics_.set_position(y);
   std::vector<int> struck;
@@ -49,13 +50,16 @@ void LockModes::strike(double t, double* y) {
     const int side = lock.limit < 0 ? 0 : touched_side(i);
     if (side == 0) continue;
     struck.push_back(i);
-    contacts.push_back({side, forces_.speed(i, v), lock.restitution, lock.poisson});
+    const bool returns = std::ranges::find(returning, i) != returning.end();
+    contacts.push_back({side, forces_.speed(i, v), returns ? 0 : lock.restitution, lock.poisson, returns});
   }
   const auto n = static_cast<Index>(struck.size());
-  const auto approaches = [&](Index i) { return contacts[i].side * contacts[i].speed > 0 && !is_slow(struck[i], v); };
-  std::vector<Index> all(struck.size());
-  std::iota(all.begin(), all.end(), Index{0});
-  if (std::ranges::none_of(all, approaches)) return;
+  std::vector<char> meets(struck.size());
+  for (std::size_t i = 0; i < struck.size(); ++i) {
+    const bool approaches = contacts[i].side * contacts[i].speed > 0 && !is_slow(struck[i], v);
+    meets[i] = approaches || contacts[i].held ? 1 : 0;
+  }
+  if (std::ranges::count(meets, 1) == 0) return;
   equations_.accelerations_at(t, y, vdot_.data());
   Eigen::MatrixXd W;
   VectorXd scale;
@@ -63,14 +67,14 @@ void LockModes::strike(double t, double* y) {
   const Impact impact = solve_impact_without_series(W, struck, contacts);
   if (!impact.found) ++counts_.ambiguous;
   for (Index i = 0; i < n; ++i) {
-    if (!approaches(i)) continue;
+    if (meets[i] == 0) continue;
     ++counts_.impacts;
     log_.add({t, limit_indicator(struck[i], contacts[i].side), true, !impact.found});
     if (!impact.is_possible) modes_.unstoppable = limit_indicator(struck[i], contacts[i].side);
   }
   forces_.strike(struck, impact.impulses, v);
   for (int i = 0; i < count(); ++i) {
-    if (!is_slow(i, v)) triggered_[i] = 0;
+    if (!is_slow(i, v)) triggered_[i] = nothing;
   }
   for (const int lock : struck) modes_.leaves_from[lock] = modes_.contacts[lock] == 0 ? leaving_depth(lock) : 0;
   equations_.mode_changed();
@@ -99,6 +103,33 @@ Impact LockModes::solve_impact_without_series(const Eigen::MatrixXd& W, const st
   return impact;
 }
 
+// The locks that have left a bound, touch it still, and are accelerated back to it by forces that have changed since:
+// they would return before they have left the rounding of their position.
+std::vector<int> LockModes::returning(double t, const double* y) {
+  const double* v = y + nq_;
+  std::vector<int> out;
+  dynamics_.set_position(y);
+  for (int i = 0; i < count(); ++i) {
+    if (modes_.leaves_from[i] != 0 && modes_.contacts[i] == 0 && touched_side(i) != 0) out.push_back(i);
+  }
+  if (out.empty()) return out;
+  equations_.accelerations_at(t, y, vdot_.data());
+  std::erase_if(out, [&](int i) { return is_slow(i, v) || !ends_series(i, touched_side(i), forces_.speed(i, v), 0); });
+  return out;
+}
+
+// Brings what is returning to rest in contact. Its impulses may let go what has come to rest before.
+void LockModes::close_returning(double t, double* y) {
+  for (int attempt = 0; attempt < most_returns; ++attempt) {
+    const std::vector<int> locks = returning(t, y);
+    if (locks.empty()) return;
+    for (const int lock : locks) triggered_[lock] = by_limit;
+    strike(t, y, locks);
+    settle(t, y, false, true);
+    finish_change(y);
+  }
+}
+
 // Whether a rebound with this speed would be lost in rounding, and more would follow. `dynamics` and vdot_ are those at
 // the impact; mobility: the acceleration per force.
 bool LockModes::ends_series(int lock, int side, double speed, double mobility) const {
@@ -119,7 +150,7 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
   std::vector<int> undecided;
   dynamics_.set_position(y);
   for (int i = 0; i < count(); ++i) {
-    const bool slow = is_slow(i, v) || triggered_[i] != 0;
+    const bool slow = is_slow(i, v) || triggered_[i] != nothing;
     next.contacts[i] = slow ? touched_side(i) : 0;
     const double speed = forces_.speed(i, v);
     next.motions[i] = slow || !has_friction(i) ? JointLoads::released : speed > 0 ? 1 : -1;
@@ -151,7 +182,7 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
   Eigen::MatrixXd W;
   VectorXd scale;
   forces_.compliance(undecided, W, scale);
-  Bounds bounds = bounds_of(undecided, next.contacts);
+  HoldingBounds bounds = holding_bounds(forces_, undecided, next.contacts);
   const auto n = static_cast<Index>(undecided.size());
   VectorXd b(n);
   VectorXd limits(n);
@@ -187,7 +218,7 @@ void LockModes::decide(State& next, const std::vector<int>& undecided, bool brea
 }
 
 // After a problem without a solution: a motion against a contact that constraint equations determine.
-int LockModes::unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const Bounds& bounds,
+int LockModes::unstoppable_among(const std::vector<int>& locks, const BoxSolution& found, const HoldingBounds& bounds,
                                  const VectorXd& scale) const {
   for (Index i = 0; i < found.r.size(); ++i) {
     const int side = found.r[i] > 0 ? -1 : 1;
@@ -212,7 +243,7 @@ void LockModes::take_up(State& next, int lock, bool leaves, int direction) {
   if (leaves) doubtful_.push_back(lock);
   if (!has_friction(lock)) return;
   const bool keeps =
-      direction != 0 && direction == modes_.motions[lock] && triggered_[lock] == 0 && next.contacts[lock] == 0;
+      direction != 0 && direction == modes_.motions[lock] && triggered_[lock] == nothing && next.contacts[lock] == 0;
   next.motions[lock] = keeps ? modes_.motions[lock] : 0;
 }
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Friction and limits at the edge of their laws: no force at all, no friction,
-a start that approaches a bound, rebounds that contradict each other, a departure that rounding hides.
+a start that approaches a bound, rebounds that contradict each other, a departure that rounding hides,
+contacts that open for an instant.
 """
 
 from __future__ import annotations
@@ -157,3 +158,36 @@ def test_motion_begins_at_no_speed(integrator: str) -> None:
     simulation.step_to(1.0)
     assert_close("J.w", read(simulation, "J.w"), 2.0, 1e-8, "the tolerance")
     assert simulation.diagnostic("solver.events") == 0
+
+
+def two_fingers(inertia: float, coulomb: float, w: float) -> Scene:
+    """Mirrored fingers, pressed against their limits by springs, on an arm that friction keeps at rest."""
+    finger = {"inertia": (0, 0, 1e-3)}
+    return scene(
+        {"arm": body(1.0, inertia=(0, 0, inertia)), "f": body(1e-3, **finger), "g": body(1e-3, **finger)},
+        {
+            "A": joint("revolute", frame("ground"), frame("arm"), friction={"coulomb": coulomb},
+                       start={"phi": 0.0, "fixed": True}),
+            "F": joint("revolute", frame("arm"), frame("f"), limit={"lower": 0.0}, stiffness=1e-3,
+                       spring_reference=-1.0, start={"phi": 0.1, "w": -1.0, "fixed": True}),
+            "G": joint("revolute", frame("arm"), frame("g"), limit={"upper": 0.0}, stiffness=1e-3,
+                       spring_reference=1.0, start={"phi": -0.2, "w": w, "fixed": True}),
+        },
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize(("inertia", "coulomb", "w"), [(0.1, 50.0, 1.0), (0.01, 1.0, 0.3)])
+def test_contacts_that_an_impact_opens_for_an_instant(
+    integrator: str, inertia: float, coulomb: float, w: float
+) -> None:
+    """An impact of one finger lets the arm slip, which pulls the other finger off for 1e-9 s and less, until
+    the arm sticks. Each return throws off less, so that the series ends after some ten impacts.
+    """
+    simulation = plant(two_fingers(inertia, coulomb, w), integrator=integrator)
+    simulation.step_to(1.0)
+    assert [read(simulation, f"{name}.w") for name in "AFG"] == [0, 0, 0]
+    assert [read(simulation, f"{name}.limit.mode") for name in "FG"] == [-1, 1]
+    assert_close("phi", [read(simulation, f"{name}.phi") for name in "FG"], 0.0, 1e-12, "contact's tolerance")
+    assert simulation.diagnostic("solver.impacts") <= 20
+    assert simulation.diagnostic("solver.events") <= 60  # each impact lets the arm slip and stick
