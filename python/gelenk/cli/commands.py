@@ -196,8 +196,8 @@ def import_(
         ),
     ] = False,
     limits: Annotated[
-        bool, typer.Option("--limits", help="Convert limits of position to hard limits.")
-    ] = False,
+        bool, typer.Option("--limits/--no-limits", help="Convert limits of position to hard limits.")
+    ] = True,
     assembly_tolerance: AssemblyTolerance = None,
 ) -> None:
     """Convert a URDF robot description to a scene.

@@ -43,7 +43,7 @@ def import_urdf(
     *,
     floating: bool = False,
     repair_inertia: bool = False,
-    limits: bool = False,
+    limits: bool = True,
     assembly_tolerance: float | None = None,
 ) -> Scene:
     """Convert a URDF file to a scene; meshes and shapes are ignored.

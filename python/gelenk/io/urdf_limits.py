@@ -27,7 +27,7 @@ def limit_notes(movable: Sequence[Any], converted: bool) -> list[str]:
     bounded = [j for j in given if bounds_of(j)]
     notes = []
     if bounded and not converted:
-        notes.append(f"limits of position are not converted; --limits (limits=True) does: {_names(bounded)}")
+        notes.append(f"limits of position are left out, as requested: {_names(bounded)}")
     if bounded and converted:
         notes.append(f"joints with hard limits: {_names(bounded)}")
     for j in bounded if converted else []:
