@@ -9,8 +9,13 @@ from typing import Any
 from gelenk.errors import UsageError
 
 EXTRAS = {
+    "h5netcdf": "tables",
+    "h5py": "tables",
     "matplotlib": "charts",
+    "pandas": "tables",
+    "pyarrow": "tables",
     "tqdm": "progress",
+    "xarray": "tables",
     "yourdfpy": "urdf",
 }  # package -> extra in pyproject.toml
 

@@ -6,12 +6,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
 from gelenk.model.values import unknown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 
 class Result:
@@ -28,8 +34,9 @@ class Result:
         #: Times [s] of the rows before which a singular configuration was crossed, where motion on another
         #: branch is possible; empty if unknown.
         self.singular_positions: tuple[float, ...] = ()
-        # : Times [s] and descriptions of events, in order: contacts with stops and releases, singular
-        # configurations : crossed. Empty for an FMU, which logs its events (category logEvents).
+        #: Times [s] and descriptions of events, in order: what sticks, slips, meets or leaves a limit or
+        #: stop, singular configurations crossed. Empty for an FMU, which logs its events (category
+        #: logEvents).
         self.events: tuple[tuple[float, str], ...] = ()
 
     @property
@@ -68,6 +75,71 @@ class Result:
         lines = [",".join(self._column)]
         lines.extend(",".join(map(repr, row)) for row in self._rows.tolist())
         return "\n".join(lines) + "\n"
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write all signals to a file; the ending determines the format, all numbers keep their bits.
+
+        Args:
+            path: .csv; .parquet, for pandas; .nc (NetCDF 4, which is HDF5), for xarray; or .mat, with the
+                variables `time`, `values` (a column for each signal), `names` and `units`. All but CSV
+                contain the units.
+
+        Raises:
+            UsageError: the ending is another one, or a package for the format is not installed.
+            OSError: the file cannot be written.
+        """
+        from gelenk.simulation.files import write_result
+
+        write_result(self, Path(path))
+
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> Result:
+        """Read a file that `save` has written. CSV files contain no units, and no file contains events.
+
+        Raises:
+            UsageError: the file is no such result, or a package for its format is not installed.
+            OSError: the file cannot be read.
+        """
+        from gelenk.simulation.files import read_result
+
+        return read_result(Path(path))
+
+    def plot(self, names: Sequence[str] = ()) -> Figure:
+        """Plot signals over time, with a panel for each unit and a line at each event.
+
+        Args:
+            names: signals, or patterns ("crank.*"); by default all positions.
+
+        Returns:
+            Figure: of matplotlib; its `savefig` writes it, notebooks display it.
+
+        Raises:
+            UsageError: a name is unknown, or matplotlib is not installed.
+        """
+        from gelenk.simulation.plot import plot
+
+        figure: Figure = plot(self, names)
+        return figure
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a DataFrame with a column for each signal; the index is `time`, `attrs["units"]` the units.
+
+        Raises:
+            UsageError: pandas is not installed.
+        """
+        from gelenk.simulation.files import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return a Dataset with the dimension `time`; the attribute `units` of each signal is its unit.
+
+        Raises:
+            UsageError: xarray is not installed.
+        """
+        from gelenk.simulation.files import to_xarray
+
+        return to_xarray(self)
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"

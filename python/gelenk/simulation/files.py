@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Results in files and tables of other tools: CSV, Parquet, NetCDF, MAT; pandas, xarray.
+
+All numbers are kept to the bit, and all formats but CSV contain the units.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gelenk.errors import UsageError
+from gelenk.extras import extra
+from gelenk.simulation.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+DIMENSIONLESS = "1"
+
+
+def to_pandas(result: Result) -> pd.DataFrame:
+    """Return a DataFrame with a column for each signal; the index is `time`, `attrs["units"]` the units.
+
+    Raises:
+        UsageError: pandas is not installed.
+    """
+    pandas = extra("pandas", "tables are made with pandas")
+    frame: pd.DataFrame = pandas.DataFrame(
+        {name: result[name] for name in result.names}, index=pandas.Index(result.time, name="time")
+    )
+    frame.attrs["units"] = {"time": "s"} | dict(result.units)
+    return frame
+
+
+def to_xarray(result: Result) -> xr.Dataset:
+    """Return a Dataset with the dimension `time`; the attribute `units` of each signal is its unit.
+
+    Raises:
+        UsageError: xarray is not installed.
+    """
+    xarray = extra("xarray", "datasets are made with xarray")
+    signals = {
+        name: ("time", result[name], {"units": result.units.get(name, DIMENSIONLESS)})
+        for name in result.names
+    }
+    dataset: xr.Dataset = xarray.Dataset(signals, {"time": ("time", result.time, {"units": "s"})})
+    return dataset
+
+
+def write_result(result: Result, path: Path) -> None:
+    """Write a result to a file: see `Result.save`."""
+    _format(path, _WRITERS)(result, path)
+
+
+def read_result(path: Path) -> Result:
+    """Read a result that `Result.save` has written; CSV files contain no units.
+
+    Raises:
+        UsageError: the ending is unknown, the file is not such a result, or a package is not installed.
+        OSError: the file cannot be read.
+    """
+    read = _format(path, _READERS)
+    try:
+        return read(path)
+    except (KeyError, ValueError) as e:
+        raise UsageError(f"{path}: {e}; expected a result with `time` and signals") from None
+
+
+def _format[T](path: Path, formats: Mapping[str, T]) -> T:
+    ending = path.suffix.lower()
+    if ending not in formats:
+        found = f"the ending {path.suffix}" if ending else "no ending"
+        raise UsageError(f"{path}: found {found}, expected {', '.join(formats)}")
+    return formats[ending]
+
+
+def _write_parquet(result: Result, path: Path) -> None:
+    frame = to_pandas(result)
+    extra("pyarrow", "Parquet files are written with pyarrow")
+    frame.to_parquet(path, engine="pyarrow")
+
+
+def _read_parquet(path: Path) -> Result:
+    extra("pyarrow", "Parquet files are read with pyarrow")
+    frame = extra("pandas", "tables are read with pandas").read_parquet(path, engine="pyarrow")
+    if frame.index.name != "time":
+        raise KeyError("found no index named time")
+    rows = np.column_stack([frame.index.to_numpy(float), frame.to_numpy(float)])
+    return Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {})))
+
+
+def _need_netcdf() -> None:
+    for package in ("h5py", "h5netcdf"):
+        extra(package, f"NetCDF files are read and written with {package}")
+
+
+def _write_netcdf(result: Result, path: Path) -> None:
+    dataset = to_xarray(result)
+    _need_netcdf()
+    dataset.to_netcdf(path, engine="h5netcdf")
+
+
+def _read_netcdf(path: Path) -> Result:
+    _need_netcdf()
+    xarray = extra("xarray", "NetCDF files are read with xarray")
+    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
+        names = [str(name) for name in dataset.data_vars]
+        columns = [dataset["time"].to_numpy(), *(dataset[name].to_numpy() for name in names)]
+        units = {name: str(dataset[name].attrs.get("units", DIMENSIONLESS)) for name in names}
+    return Result(names, np.column_stack(columns), units)
+
+
+# Names of signals are no names of variables in MATLAB: they are strings, in the order of the columns.
+def _write_mat(result: Result, path: Path) -> None:
+    from scipy.io import savemat
+
+    names = list(result.names)
+    values = np.column_stack([result[name] for name in names]) if names else np.empty((len(result), 0))
+    units = [result.units.get(name, DIMENSIONLESS) for name in names]
+    content = {
+        "time": result.time[:, None], "values": values,
+        "names": np.array(names, dtype=object), "units": np.array(units, dtype=object),
+    }  # fmt: skip
+    savemat(path, content, oned_as="row")
+
+
+def _read_mat(path: Path) -> Result:
+    from scipy.io import loadmat
+
+    content: Mapping[str, Any] = loadmat(path)
+
+    def strings(key: str) -> list[str]:
+        return [str(np.ravel(cell)[0]) for cell in np.ravel(content[key])]
+
+    names = strings("names")
+    rows = np.column_stack([content["time"], content["values"]])
+    return Result(names, rows, dict(zip(names, strings("units"), strict=True)))
+
+
+def _write_csv(result: Result, path: Path) -> None:
+    path.write_text(result.csv(), encoding="utf-8")
+
+
+def _read_csv(path: Path) -> Result:
+    with path.open(newline="", encoding="utf-8") as file:
+        lines = csv.reader(file)
+        header = next(lines, [])
+        if header[:1] != ["time"]:
+            raise KeyError("found no column named time first")
+        rows = np.array([[float(x) for x in line] for line in lines]).reshape(-1, len(header))
+    return Result(header[1:], rows, {})
+
+
+def _without_time(units: Mapping[str, str]) -> dict[str, str]:
+    return {name: unit for name, unit in units.items() if name != "time"}
+
+
+_WRITERS: dict[str, Callable[[Result, Path], None]] = {
+    ".csv": _write_csv, ".parquet": _write_parquet, ".nc": _write_netcdf, ".mat": _write_mat,
+}  # fmt: skip
+_READERS: dict[str, Callable[[Path], Result]] = {
+    ".csv": _read_csv, ".parquet": _read_parquet, ".nc": _read_netcdf, ".mat": _read_mat,
+}  # fmt: skip
+ENDINGS = tuple(_WRITERS)
