@@ -20,5 +20,11 @@ endif()
 file(GLOB scene_files CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.json ${CMAKE_CURRENT_SOURCE_DIR}/scenes/*.yaml)
 install(FILES ${scene_files} DESTINATION gelenk/scenes COMPONENT python)
+# The pages of `gelenk view` contain three.js.
+set(three_js ${CMAKE_CURRENT_BINARY_DIR}/three.min.js)
+execute_process(
+  COMMAND ${Python_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/three_js.py ${three_js}
+  COMMAND_ERROR_IS_FATAL ANY)
+install(FILES ${three_js} DESTINATION gelenk/viewer/page COMPONENT python)
 install(FILES ${GELENK_LICENSES} DESTINATION gelenk/licenses COMPONENT python)
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/licenses/win64 DESTINATION gelenk/licenses COMPONENT python)

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, simulate
+    from gelenk.viewer import View, view
 
     __version__: str
 
@@ -62,6 +63,7 @@ __all__ = [
     "StepBudgetError",
     "StepError",
     "UsageError",
+    "View",
     "__version__",
     "assemblies",
     "equilibrium",
@@ -72,9 +74,11 @@ __all__ = [
     "load",
     "modes",
     "simulate",
+    "view",
 ]
 
-# A package must not have the name of a function, which it would hide: hence `simulation` and `equilibria`.
+# A package must not have the name of a function, which it would hide: hence `simulation`, `equilibria`
+# and `viewer`.
 _get, _dir = _lazy.lazy(
     __name__,
     {
@@ -85,6 +89,7 @@ _get, _dir = _lazy.lazy(
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "simulate"],
+        ".viewer": ["View", "view"],
     },
 )
 

@@ -63,10 +63,13 @@ def parse_numbers(given: list[str], option: str) -> dict[str, float]:
 
 def check_output_file(output: Path | None) -> None:
     """Check the name of a result file before the simulation. Raises UsageError."""
-    if output is None or str(output) == "-" or output.suffix.lower() == ".csv":
+    from gelenk.simulation.files import ENDINGS
+
+    if output is None or str(output) == "-" or output.suffix.lower() in ENDINGS:
         return
     found = f"the ending {output.suffix}" if output.suffix else "no ending"
-    raise UsageError(f"--output {output}: found {found}, expected FILE.csv, or - for stdout")
+    expected = ", ".join(f"FILE{ending}" for ending in ENDINGS)
+    raise UsageError(f"--output {output}: found {found}, expected {expected}, or - for stdout")
 
 
 def split_names(text: str | None) -> list[str] | None:

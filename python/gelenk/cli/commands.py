@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gelenk
-from gelenk.cli import analysis
+from gelenk.cli import analysis, pictures
 from gelenk.cli.arguments import (
     AssemblyTolerance,
     check_output_file,
@@ -250,7 +250,12 @@ def simulate(
     outputs: Outputs = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE.csv", help="Table of results; - for stdout."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Results: .csv, .parquet, .nc or .mat; - for CSV on stdout.",
+        ),
     ] = None,
 ) -> None:
     """Simulate a scene or an FMU.
@@ -275,6 +280,7 @@ def simulate(
 
 
 analysis.register(app)
+pictures.register(app)
 
 
 def _report_singular_crossings(result: Result) -> None:
@@ -295,7 +301,7 @@ def _write(result: Result, output: Path | None) -> None:
     elif str(output) == "-":
         print(result.csv(), end="")
     else:
-        result.to_csv(output)
+        result.save(output)
         print(f"{output}: {len(result)} rows, {len(result.names)} outputs, to {result.time[-1]:g} s")
 
 

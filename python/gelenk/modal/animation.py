@@ -15,12 +15,12 @@ from gelenk.errors import AssemblyError, UsageError
 from gelenk.extras import pyplot
 from gelenk.modal.body_poses import Pose, PoseEvaluator
 from gelenk.modal.mode import Mode
+from gelenk.model.skeleton import DEFAULT_WHEEL_AXIS, constraining_joints, point, springs, view_axes, wheels
 
 type Array = NDArray[np.float64]
 
 FRAMES_PER_PERIOD, FRAME_RATE = 40, 25  # 1, 1/s
 RIM_POINTS = 49  # of the polygon that represents a wheel
-DEFAULT_WHEEL_AXIS = [0, 1, 0]  # of rolling constraints
 NEGLIGIBLE_MASS_RATIO = (
     1e-9  # relative to the heaviest body; lighter bodies only connect joints and get no axes
 )
@@ -88,33 +88,19 @@ def _size(lines: Sequence[Array]) -> float:
 
 def _parts(at: PoseEvaluator) -> list[_Part]:
     """Return joints, supports, springs and bodies as polylines between the frames of joints and springs."""
-    joints, springs = _joints(at), _springs(at)
+    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(at.data).values()]
+    forces = springs(at.data)
     bodies = at.data["bodies"]
-    ends = [_point(end) for pair in (*joints, *springs) for end in pair]
-    wheels = _wheels(at)
+    ends = [point(end) for pair in (*joints, *forces) for end in pair]
+    rolling = wheels(at.data)
     min_mass = NEGLIGIBLE_MASS_RATIO * max(body["mass"] for body in bodies.values())
-    out = [_Part([_point(a), _point(b)], REST_COLOR, width=1.0) for a, b in joints]
+    out = [_Part([point(a), point(b)], REST_COLOR, width=1.0) for a, b in joints]
     out += [_Part([(body, p)], GROUND_COLOR, "^") for body, p in ends if body not in bodies]
-    out += [_Part([_point(a), _point(b)], SPRING_COLOR, width=1.5) for a, b in springs]
+    out += [_Part([point(a), point(b)], SPRING_COLOR, width=1.5) for a, b in forces]
     for name, body in bodies.items():
         marks = [p for owner, p in ends if owner == name]
-        out += _body(name, body, marks, alone=body["mass"] > min_mass and name not in wheels)
-    return out + [_wheel(row) for row in wheels.values()]
-
-
-def _joints(at: PoseEvaluator) -> list[tuple[Any, Any]]:
-    """Return the frames in both bodies of all joints that constrain the motion (free joints do not)."""
-    return [
-        (joint["parent"], joint["child"])
-        for name, joint in at.data["joints"].items()
-        if not {f"{name}.r[1]", f"{name}.Q[1]"} <= {*at.values}
-    ]
-
-
-def _springs(at: PoseEvaluator) -> list[tuple[Any, Any]]:
-    """Return the end points of springs and all other forces between two points."""
-    forces = at.data.get("forces", {}).values()
-    return [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
+        out += _body(name, body, marks, alone=body["mass"] > min_mass and name not in rolling)
+    return out + [_wheel(row) for row in rolling.values()]
 
 
 def _body(name: str, body: Mapping[str, Any], marks: Sequence[Array], alone: bool) -> list[_Part]:
@@ -140,12 +126,6 @@ def _axes(body: Mapping[str, Any]) -> Array:
     return np.eye(3)[: 3 if radius else 0] * radius
 
 
-def _wheels(at: PoseEvaluator) -> dict[str, Mapping[str, Any]]:
-    """Return the constraints with an axis and a radius (rolling wheels), by body."""
-    constraints = at.data.get("constraints", {}).values()
-    return {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
-
-
 def _wheel(row: Mapping[str, Any]) -> _Part:
     """Return the rim of a wheel with one spoke."""
     axis, center = (
@@ -158,29 +138,6 @@ def _wheel(row: Mapping[str, Any]) -> _Part:
     return _Part([(row["body"], p) for p in (*rim, center)], BODY_COLOR, width=2.0)
 
 
-def _point(end: Mapping[str, Any]) -> tuple[str, Array]:
-    return end["body"], np.array(end["position"], float)
-
-
-def _view(points: Array, gravity: Sequence[float]) -> Array:
-    """Return the axes of the picture in the world frame, shape (2, 3); a planar mechanism is seen in its
-    plane.
-    """
-    up = -np.array(gravity, float)
-    up = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
-    _, extent, V = np.linalg.svd(points - points.mean(axis=0), full_matrices=True)
-    flat = len(extent) < 3 or extent[2] < 1e-6 * max(extent[0], 1e-300)
-    toward = V[2] if flat and extent[1] > 1e-6 * extent[0] else np.array([0.5, -0.8, 0.45])
-    if flat and toward @ [0.5, -0.8, 0.45] < 0:
-        toward = -toward
-    toward = toward / np.linalg.norm(toward)
-    if abs(up @ toward) > 0.99:
-        up = np.array([0.0, 1.0, 0.0]) if abs(toward[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
-    up = up - (up @ toward) * toward
-    up /= np.linalg.norm(up)
-    return np.array([np.cross(up, toward), up])
-
-
 def _write(
     at: PoseEvaluator, mode: Mode, file: Path, parts: list[_Part], rest: Mapping[str, Pose],
     frames: Sequence[Mapping[str, Pose]],
@@ -190,7 +147,7 @@ def _write(
 
     everywhere = [np.array([_placed(part, poses) for poses in (*frames, rest)]) for part in parts]
     points = np.vstack([line.reshape(-1, 3) for line in everywhere])
-    view = _view(points, at.data.get("gravity", [0, 0, 0]))
+    view = view_axes(points, at.data.get("gravity", [0, 0, 0]))[0][:2]
     flat = points @ view.T
     figure, axis = plt.subplots(figsize=(4.8, 3.6), dpi=100)
     margin = 0.08 * max(float(np.ptp(flat, axis=0).max()), 1e-9)

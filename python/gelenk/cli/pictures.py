@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The commands that draw: `gelenk plot` and `gelenk view`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gelenk
+from gelenk.cli.arguments import AssemblyTolerance, parse_parameters
+from gelenk.cli.errors import report_user_errors
+from gelenk.cli.progress import progress_bar
+from gelenk.errors import UsageError
+
+
+@report_user_errors
+def plot(
+    run: Annotated[
+        Path,
+        typer.Argument(metavar="RUN|SCENE|FMU", help="Results of `gelenk simulate`, or what to simulate."),
+    ],
+    signals: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SIGNAL...", help="Signals, or patterns: 'crank.*'; default: all positions."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf; default: RUN.png."),
+    ] = None,
+) -> None:
+    """Plot results over time, with a panel for each unit."""
+    from gelenk.simulation.files import ENDINGS
+
+    file = output or Path(run.with_suffix(".png").name)
+    if file.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise UsageError(f"--output {file}: expected FILE.png, FILE.svg or FILE.pdf")
+    if run.suffix.lower() in ENDINGS:
+        result = gelenk.Result.read(run)
+    else:
+        with progress_bar(sys.stderr) as progress:
+            result = gelenk.simulate(run, progress=progress)
+    result.plot(signals or ()).savefig(file, dpi=150)
+    print(f"{file}: {len(result)} rows, to {result.time[-1]:g} s")
+
+
+@report_user_errors
+def view(
+    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    stop: Annotated[
+        float | None, typer.Option(help="End of the simulation [s]; 0 shows the start only.")
+    ] = None,
+    inputs: Annotated[
+        Path | None,
+        typer.Option(
+            "--input", metavar="FILE.csv", help="Inputs: a column `time` and a column for each input."
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
+        ),
+    ] = None,
+    assembly_tolerance: AssemblyTolerance = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.html", help="Write the page, do not open the browser."),
+    ] = None,
+) -> None:
+    """Simulate a scene or an FMU and show it in the browser.
+
+    The page is one file, which can be mailed and needs no network.
+    """
+    if output is not None and output.suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"--output {output}: expected FILE.html")
+    with progress_bar(sys.stderr) as progress:
+        page = gelenk.view(
+            plant, stop=stop, inputs=inputs,
+            parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
+        )  # fmt: skip
+    file = page.show() if output is None else page.save(output)
+    print(f"{file}: {len(page.html.encode()) / 1e6:.1f} MB")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the application."""
+    for command in (plot, view):
+        app.command()(command)

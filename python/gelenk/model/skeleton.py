@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a picture of a mechanism shows of its scene: joints, springs and wheels, as plain data."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk import _core
+
+type Array = NDArray[np.float64]
+type Data = Mapping[str, Any]  # of a scene: Scene.to_dict()
+
+DEFAULT_WHEEL_AXIS = (0.0, 1.0, 0.0)  # of rolling constraints
+OBLIQUE = (0.5, -0.8, 0.45)  # direction towards the viewer of a mechanism in space
+FLAT = 1e-6  # thickness of a planar mechanism, relative to its size
+
+
+@functools.cache
+def _joint_kinds() -> dict[str, Data]:
+    return {kind["name"]: kind for kind in _core.joints.kinds()}
+
+
+def joint_kind(joint: Data) -> Data:
+    """Return what the registry of joints knows of the type of a joint: `nv`, `axes`, `q_units`, ..."""
+    return _joint_kinds()[joint["type"]]
+
+
+def constraining_joints(data: Data) -> dict[str, Data]:
+    """Return the joints that constrain a motion, by name; those with six degrees of freedom do not."""
+    return {name: joint for name, joint in data["joints"].items() if joint_kind(joint)["nv"] < 6}
+
+
+def springs(data: Data) -> list[tuple[Data, Data]]:
+    """Return the two ends of springs and all other forces between two points."""
+    forces = data.get("forces", {}).values()
+    return [(force["from"], force["to"]) for force in forces if {"from", "to"} <= {*force}]
+
+
+def wheels(data: Data) -> dict[str, Data]:
+    """Return the constraints with an axis and a radius (rolling wheels), by body."""
+    constraints = data.get("constraints", {}).values()
+    return {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
+
+
+def point(end: Data) -> tuple[str, Array]:
+    """Return the body of a joint frame, or of an end of a force, and its position in the body frame [m]."""
+    return end["body"], np.array(end.get("position", (0.0, 0.0, 0.0)), float)
+
+
+def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
+    """Return the axes of a picture, and whether it shows a planar mechanism.
+
+    Args:
+        points: positions of the mechanism's points in the world frame, shape (points, 3) [m].
+        gravity: acceleration in the world frame.
+
+    Returns:
+        tuple[Array, bool]: unit vectors in the world frame to the right, upwards and towards the viewer,
+            shape (3, 3); a planar mechanism is seen in its plane, others obliquely from above.
+    """
+    up = -np.array(gravity, float)
+    up = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
+    # The factor R has at most three rows, however many points there are.
+    _, extent, V = np.linalg.svd(np.linalg.qr(points - points.mean(axis=0), mode="r"))
+    is_flat = bool(len(extent) < 3 or extent[2] < FLAT * max(extent[0], 1e-300))
+    is_flat = is_flat and bool(extent[1] > FLAT * extent[0])
+    toward = V[2] if is_flat else np.array(OBLIQUE)
+    if is_flat and toward @ OBLIQUE < 0:
+        toward = -toward
+    toward = toward / np.linalg.norm(toward)
+    if abs(up @ toward) > 0.99:
+        up = np.array([0.0, 1.0, 0.0]) if abs(toward[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    up = up - (up @ toward) * toward
+    up /= np.linalg.norm(up)
+    return np.array([np.cross(up, toward), up, toward]), is_flat

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The data of a viewer's page: shapes, poses, signals and events of a recording."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.model.skeleton import constraining_joints, point, springs, view_axes, wheels
+from gelenk.viewer.recording import Recording
+from gelenk.viewer.shapes import GROUND, Shapes, axis_of, shapes_of, slides
+
+type Array = NDArray[np.float64]
+
+COLORS = ("#4c78a8", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2", "#9c755f", "#edc948")
+GROUND_COLOR = "#8a8f96"
+MAX_SIGNALS = 150
+SHOWN_SIGNALS = 3  # in plots at first
+RAIL_RADIUS = 0.4  # in radii of links
+
+
+def page_data(recording: Recording) -> dict[str, Any]:
+    """Return what the page of a recording shows, as plain data for JSON."""
+    from gelenk import __version__
+
+    scene = recording.scene
+    points = _points(recording)
+    size = _size(scene, points[0])
+    shapes = shapes_of(scene, size)
+    _add_rails(shapes, recording, size)
+    axes, is_flat = view_axes(points.reshape(-1, 3), scene.get("gravity", (0.0, 0.0, 0.0)))
+    names = list(scene["bodies"])
+    return {
+        "name": scene.get("name", "") or "mechanism",
+        "version": f"Gelenk {__version__}",
+        "up": axes[1].tolist(),
+        "towards": axes[2].tolist(),
+        "flat": is_flat,
+        "size": size,
+        "time": _packed(recording.time, np.float64),
+        "bodies": [
+            {"name": name, "color": COLORS[k % len(COLORS)], **_plain(shapes[name])}
+            for k, name in enumerate(names)
+        ],
+        "ground": {"name": GROUND, "color": GROUND_COLOR, **_plain(shapes[GROUND])},
+        "poses": _packed(recording.poses, np.float32),
+        "joints": _joints(scene, names),
+        "springs": [{"from": _end(a, names), "to": _end(b, names)} for a, b in springs(scene)],
+        **_signals(recording),
+        "events": [{"t": t, "text": text} for t, text in recording.result.events],
+    }
+
+
+def placed(poses: Array, p: Array) -> Array:
+    """Return a point of a body in the world frame.
+
+    Args:
+        poses: of the body: positions and quaternions (x, y, z, w), shape (frames, 7).
+        p: the point in the body frame, shape (3,) [m].
+
+    Returns:
+        Array: shape (frames, 3) [m].
+    """
+    u, w = poses[:, 3:6], poses[:, 6:7]
+    turned = 2 * np.cross(u, p)
+    out: Array = poses[:, :3] + p + w * turned + np.cross(u, turned)
+    return out
+
+
+def _points(recording: Recording) -> Array:
+    """Return centers of mass, joints, ends of springs and rims in the world [m], (frames, points, 3)."""
+    scene, names = recording.scene, list(recording.scene["bodies"])
+    places = [(name, np.array(body["com"], float)) for name, body in scene["bodies"].items()]
+    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(scene).values()]
+    places += [point(end) for pair in (*joints, *springs(scene)) for end in pair]
+    for name, row in wheels(scene).items():
+        axis = np.array(row.get("axis", (0.0, 1.0, 0.0)), float)
+        center = np.array(row.get("position", (0.0, 0.0, 0.0)), float)
+        places += [(name, center + sign * row["radius"] * across)
+                   for across in np.linalg.svd(axis[None])[2][1:] for sign in (-1, 1)]  # fmt: skip
+    frames = len(recording.time)
+    out = [
+        np.broadcast_to(p, (frames, 3))
+        if body == GROUND
+        else placed(recording.poses[:, names.index(body)], p)
+        for body, p in places
+    ]
+    return np.stack(out, axis=1)
+
+
+def _size(scene: Mapping[str, Any], points: Array) -> float:
+    """Return the diagonal of the box around points, shape (points, 3), or that of the largest body [m]."""
+    extents = [float(np.linalg.norm(np.ptp(points, axis=0)))]
+    for body in scene["bodies"].values():
+        if body["mass"]:
+            extents.append(2 * float(np.sqrt(sum(body["inertia"][:3]) / 2 / body["mass"])))
+    return max(extents) or 1.0
+
+
+def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) -> None:
+    """Add the rails on which joints slide, as long as their way in this run."""
+    names = list(recording.scene["bodies"])
+    frames = len(recording.time)
+    for joint in recording.scene["joints"].values():
+        if not slides(joint):
+            continue
+        (parent, p_F), (child, p_M) = point(joint["parent"]), point(joint["child"])
+        still = np.tile([0.0, 0, 0, 0, 0, 0, 1], (frames, 1))
+        of = [still if body == GROUND else recording.poses[:, names.index(body)] for body in (parent, child)]
+        axis = axis_of(joint)
+        origin, along = placed(of[0], p_F), placed(of[0], p_F + axis) - placed(of[0], p_F)
+        way = np.einsum("ij,ij->i", placed(of[1], p_M) - origin, along)
+        margin = 0.03 * size
+        shapes[parent].add_tube(
+            p_F + axis * min(way.min() - margin, 0.0), p_F + axis * max(way.max() + margin, 0.0),
+            RAIL_RADIUS * 0.012 * size,
+        )  # fmt: skip
+
+
+def _joints(scene: Mapping[str, Any], names: list[str]) -> list[dict[str, Any]]:
+    driven = {name for motor in scene.get("motors", {}).values() for name in _driven_by(motor)}
+    return [
+        {"name": name, "type": joint["type"], "driven": name in driven, **_end(joint["parent"], names)}
+        for name, joint in constraining_joints(scene).items()
+    ]
+
+
+def _driven_by(motor: Mapping[str, Any]) -> list[str]:
+    joints = motor.get("joints", motor.get("joint", []))
+    return [joints] if isinstance(joints, str) else list(joints)
+
+
+def _end(end: Mapping[str, Any], names: list[str]) -> dict[str, Any]:
+    body, p = point(end)
+    return {"body": -1 if body == GROUND else names.index(body), "p": p.tolist()}
+
+
+def _signals(recording: Recording) -> dict[str, Any]:
+    """Return the outputs that have a unit of position, speed, force or torque first, up to MAX_SIGNALS."""
+    result = recording.result
+    order = {"rad": 0, "m": 0, "rad/s": 1, "m/s": 1}
+    names = sorted(recording.signals, key=lambda name: order.get(result.units.get(name, "1"), 2))[
+        :MAX_SIGNALS
+    ]
+    return {
+        "signals": [
+            {
+                "name": name,
+                "unit": result.units.get(name, "1"),
+                "values": _packed(result[name][recording.rows], np.float32),
+            }
+            for name in names
+        ],
+        "shown": names[:SHOWN_SIGNALS],
+    }
+
+
+def _plain(shapes: Shapes) -> dict[str, Any]:
+    return {
+        "tubes": shapes.tubes,
+        "balls": shapes.balls,
+        "meshes": [
+            {"vertices": _packed(vertices, np.float32), "triangles": _packed(triangles, np.uint32)}
+            for vertices, triangles in shapes.meshes
+        ],
+        "lines": [],
+    }
+
+
+def _packed(values: Any, kind: type) -> str:
+    """Return numbers as base64, little endian."""
+    array = np.ascontiguousarray(values, np.dtype(kind).newbyteorder("<"))
+    return base64.b64encode(array.tobytes()).decode("ascii")

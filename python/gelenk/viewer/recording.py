@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs whose bodies are recorded, for pictures that move."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.errors import UsageError
+from gelenk.model.scene import Scene, load
+from gelenk.simulation.result import Result
+from gelenk.simulation.run import simulate
+
+type Array = NDArray[np.float64]
+
+SENSOR = "recorded__"  # begins the names of the sensors that are added for each body
+MAX_FRAMES = 1000
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A mechanism in motion.
+
+    Attributes:
+        scene: the scene as plain data, without the sensors that have recorded it.
+        time: times of the frames [s], shape (frames,).
+        poses: of the bodies' frames in the world: position [m] and quaternion (x, y, z, w), shape (frames,
+            bodies, 7), bodies in the order of the scene.
+        result: all outputs, at the times of the frames and between.
+        rows: the rows of the result that are frames.
+    """
+
+    scene: Mapping[str, Any]
+    time: Array
+    poses: Array
+    result: Result
+    rows: NDArray[np.intp]
+
+    @property
+    def signals(self) -> list[str]:
+        """Names of the outputs, without those that record poses."""
+        return [name for name in self.result.names if not name.startswith(SENSOR)]
+
+
+def scene_of(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Scene:
+    """Return the scene of an FMU, or load one.
+
+    Raises:
+        UsageError: the FMU does not contain a scene.
+        SceneError: the scene is invalid.
+        OSError: the file cannot be read.
+    """
+    if isinstance(plant, str | PathLike) and str(plant).endswith(".fmu"):
+        try:
+            with zipfile.ZipFile(plant) as archive:
+                return load(json.loads(archive.read("resources/scene.json")))
+        except (zipfile.BadZipFile, KeyError):
+            raise UsageError(f"{Path(plant)}: found no scene in it, expected an FMU made by Gelenk") from None
+    return plant if isinstance(plant, Scene) else load(plant)
+
+
+def record(scene: Scene, **run: Any) -> Recording:
+    """Simulate a scene and record the poses of its bodies.
+
+    Args:
+        scene: the scene.
+        run: arguments of `gelenk.simulate`.
+
+    Raises:
+        SceneError, AssemblyError, StepError, UsageError: see `gelenk.simulate`.
+    """
+    plain = scene.to_dict()
+    data = {**plain, "sensors": dict(plain.get("sensors", {}))}
+    for number, body in enumerate(plain["bodies"]):
+        data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}
+    if "outputs" in data:
+        data["outputs"] = [*data["outputs"], f"{SENSOR}*"]
+    result = simulate(load(data), **run)
+    rows = _frames(len(result))
+    return Recording(plain, result.time[rows], _poses(result, rows, len(plain["bodies"])), result, rows)
+
+
+def _frames(rows: int) -> NDArray[np.intp]:
+    """Return at most MAX_FRAMES row numbers at equal distances, with the first and the last."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, MAX_FRAMES)).round().astype(np.intp))
+
+
+def _poses(result: Result, rows: Sequence[int] | NDArray[np.intp], bodies: int) -> Array:
+    parts = [*(f"r[{k}]" for k in (1, 2, 3)), *(f"Q[{k}]" for k in (1, 2, 3, 4))]
+    out = np.empty((len(rows), bodies, 7))
+    for body in range(bodies):
+        for k, part in enumerate(parts):
+            out[:, body, k] = result[f"{SENSOR}{body}.{part}"][rows]
+    return out

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shapes that stand for the bodies and joints of a scene: links between joints, plates, blocks and wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.model.skeleton import (
+    DEFAULT_WHEEL_AXIS,
+    constraining_joints,
+    joint_kind,
+    point,
+    springs,
+    wheels,
+)
+
+type Array = NDArray[np.float64]
+
+GROUND = "ground"
+SAME = 1e-9  # m; closer points are one
+LINK_RADIUS = 0.012  # relative to the size of the mechanism, like the following
+PLATE_THICKNESS = 0.012
+SMALLEST_BLOCK, LARGEST_BLOCK = 0.03, 0.5
+JOINT_RADIUS, JOINT_LENGTH = 1.5, 4.0  # in radii of links
+
+
+@dataclass
+class Shapes:
+    """Shapes fixed in the frame of one body [m], as the viewer reads them."""
+
+    tubes: list[dict[str, Any]] = field(default_factory=list)
+    balls: list[dict[str, Any]] = field(default_factory=list)
+    meshes: list[tuple[Array, NDArray[np.uint32]]] = field(default_factory=list)
+
+    def add_tube(self, a: Array, b: Array, radius: float, *, is_joint: bool = False) -> None:
+        """Add a cylinder from a to b."""
+        self.tubes.append({"a": a.tolist(), "b": b.tolist(), "r": radius, "joint": is_joint})
+
+    def add_ball(self, p: Array, radius: float, *, is_joint: bool = False) -> None:
+        """Add a sphere."""
+        self.balls.append({"p": p.tolist(), "r": radius, "joint": is_joint})
+
+    def add_hull(self, points: Array) -> None:
+        """Add the convex hull of points that are not in one plane, shape (points, 3)."""
+        from scipy.spatial import ConvexHull
+
+        hull = ConvexHull(points)
+        triangles = hull.simplices.copy()
+        for row, outward in zip(triangles, hull.equations[:, :3], strict=True):
+            a, b, c = points[row]
+            if np.cross(b - a, c - a) @ outward < 0:
+                row[1:] = row[:0:-1]
+        self.meshes.append((points, triangles.astype(np.uint32)))
+
+
+def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
+    """Return the shapes of all bodies and of the ground.
+
+    Args:
+        data: the scene as plain data.
+        size: of the mechanism [m], to which the thickness of links is relative.
+    """
+    out = {name: Shapes() for name in (GROUND, *data["bodies"])}
+    marks = marks_of(data)
+    rolling = wheels(data)
+    for name, body in data["bodies"].items():
+        if name in rolling:
+            _add_wheel(out[name], rolling[name], size)
+        _add_body(out[name], body, marks[name], size, is_wheel=name in rolling)
+    for p in marks[GROUND]:
+        out[GROUND].add_ball(p, 1.5 * LINK_RADIUS * size)
+    for joint in constraining_joints(data).values():
+        _add_joint(out, joint, LINK_RADIUS * size)
+    return out
+
+
+def marks_of(data: Mapping[str, Any]) -> dict[str, list[Array]]:
+    """Return the distinct points of bodies and of the ground at which joints and springs act [m]."""
+    out: dict[str, list[Array]] = {name: [] for name in (GROUND, *data["bodies"])}
+    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(data).values()]
+    for pair in (*joints, *springs(data)):
+        for body, p in map(point, pair):
+            if all(np.linalg.norm(p - other) > SAME for other in out[body]):
+                out[body].append(p)
+    return out
+
+
+def has_axis(joint: Mapping[str, Any]) -> bool:
+    """Return whether a joint permits motions along and about one axis only."""
+    kind = joint_kind(joint)
+    return bool(kind["axes"] == 1 and kind["nv"] <= 2)
+
+
+def slides(joint: Mapping[str, Any]) -> bool:
+    """Return whether a joint has a coordinate along its axis."""
+    return has_axis(joint) and "m" in joint_kind(joint)["q_units"]
+
+
+def axis_of(joint: Mapping[str, Any], number: int = 0) -> Array:
+    """Return an axis of a joint in the frame of the body that carries its frame F (number 0) or M (1)."""
+    axes = joint.get("axes") or [joint.get("axis", (0.0, 0.0, 1.0))]
+    axis = np.array(axes[min(number, len(axes) - 1)], float)
+    frame = joint["parent" if number == 0 else "child"]
+    R = np.array(frame.get("rotation", {}).get("matrix", np.eye(3)), float)
+    out: Array = R @ axis / np.linalg.norm(axis)
+    return out
+
+
+def _add_body(
+    out: Shapes, body: Mapping[str, Any], marks: Sequence[Array], size: float, *, is_wheel: bool
+) -> None:
+    com = np.array(body["com"], float)
+    radius = LINK_RADIUS * size
+    if len(marks) > 2:
+        _add_plate(out, np.array(marks), size)
+    elif len(marks) == 2:
+        out.add_tube(marks[0], marks[1], radius)
+    elif len(marks) == 1 and np.linalg.norm(com - marks[0]) > SAME:
+        out.add_tube(marks[0], com, radius)
+        if not is_wheel:
+            _add_block(out, body, com, size)
+    elif not is_wheel:
+        _add_block(out, body, com, size)
+
+
+def _add_plate(out: Shapes, marks: Array, size: float) -> None:
+    """Add the hull of three or more points, or a link between the outermost of points in line."""
+    middle = marks.mean(axis=0)
+    _, extent, V = np.linalg.svd(marks - middle, full_matrices=True)
+    thin = 1e-3 * extent[0]
+    if extent[1] <= thin:
+        along = (marks - middle) @ V[0]
+        out.add_tube(marks[along.argmin()], marks[along.argmax()], LINK_RADIUS * size)
+        return
+    if len(extent) < 3 or extent[2] <= thin:
+        normal = V[2] * PLATE_THICKNESS * size / 2
+        marks = np.vstack([marks + normal, marks - normal])
+    out.add_hull(marks)
+
+
+def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float) -> None:
+    """Add the homogeneous block with the mass and the inertia of a body."""
+    xx, yy, zz, xy, xz, yz = body["inertia"]
+    inertia, V = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    if np.linalg.det(V) < 0:
+        V[:, 2] = -V[:, 2]
+    squares = 12 * (inertia.sum() / 2 - inertia) / (body["mass"] or 1.0)
+    edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, LARGEST_BLOCK * size)
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    out.add_hull(com + corners * edges @ V.T)
+
+
+def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
+    axis = np.array(row.get("axis", DEFAULT_WHEEL_AXIS), float)
+    center = np.array(row.get("position", (0.0, 0.0, 0.0)), float)
+    half = axis / np.linalg.norm(axis) * LINK_RADIUS * size / 2
+    out.add_tube(center - half, center + half, float(row["radius"]))
+    # A spoke, beyond both faces, makes the rotation visible.
+    across = np.linalg.svd(axis[None])[2][1] * float(row["radius"])
+    out.add_tube(center - across, center + across, LINK_RADIUS * size, is_joint=True)
+
+
+def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float) -> None:
+    """Add the symbol of a joint: pins about its axes, a ball, or a block that slides."""
+    (parent, p_F), (child, p_M) = point(joint["parent"]), point(joint["child"])
+    kind = joint_kind(joint)
+    if kind["quaternion"]:
+        out[child].add_ball(p_M, 2 * radius, is_joint=True)
+    elif kind["axes"] == 2 or (has_axis(joint) and "rad" in kind["q_units"]):
+        _add_pin(out[parent], p_F, axis_of(joint), radius)
+    if kind["axes"] == 2:
+        _add_pin(out[child], p_M, axis_of(joint, 1), radius)
+    if slides(joint):
+        R = np.array(joint["child"].get("rotation", {}).get("matrix", np.eye(3)), float)
+        axis = R @ np.array(joint.get("axis", (0.0, 0.0, 1.0)), float)
+        half = axis / np.linalg.norm(axis) * 2.5 * radius
+        out[child].add_tube(p_M - half, p_M + half, 2 * radius, is_joint=True)
+
+
+def _add_pin(out: Shapes, p: Array, axis: Array, radius: float) -> None:
+    half = axis * JOINT_LENGTH / 2 * radius
+    out.add_tube(p - half, p + half, JOINT_RADIUS * radius, is_joint=True)

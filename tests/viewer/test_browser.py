@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pages in Chromium: they draw without errors and requests, and bodies are where the run has them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gelenk
+from gelenk.viewer.data import page_data
+from gelenk.viewer.page import page_of
+from gelenk.viewer.recording import record
+
+from .browser import Browser
+
+SCENES = sorted(path.stem for path in (Path(__file__).parent.parent.parent / "scenes").glob("*.yaml"))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    out = Browser()
+    yield out
+    out.close()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_pages_of_the_scenes(name: str, root: Path, tmp_path: Path, browser: Browser) -> None:
+    """No errors, no requests; at each of some frames, every body has the pose of the run."""
+    recording = record(gelenk.load(root / "scenes" / f"{name}.yaml"))
+    page = tmp_path / f"{name}.html"
+    page.write_text(page_of(page_data(recording)), encoding="utf-8")
+    browser.open(page)
+    frames = len(recording.time)
+    assert browser.run("return gelenk.frames") == frames
+    for frame in (0, frames // 3, frames - 1):
+        browser.run(f"gelenk.show({frame})")
+        assert browser.run("return gelenk.time") == pytest.approx(recording.time[frame], abs=1e-12)
+        for number, body in enumerate(recording.scene["bodies"]):
+            pose = browser.run(f"return gelenk.pose({body!r})")
+            expected = recording.poses[frame, number]
+            assert pose["p"] == pytest.approx(expected[:3], abs=1e-6)  # single precision, of some meters
+            sign = np.sign(np.dot(pose["q"], expected[3:]))  # q and -q are one rotation
+            assert sign * np.array(pose["q"]) == pytest.approx(expected[3:], abs=1e-6)
+    assert browser.errors() == []
+    assert browser.requests() == []
+
+
+def test_playing_advances_at_the_speed_of_the_run(
+    four_bar: gelenk.Scene, tmp_path: Path, browser: Browser
+) -> None:
+    browser.open(gelenk.view(four_bar, stop=30.0, step=0.05).save(tmp_path / "four_bar.html"))
+    browser.run("window.began = performance.now(); gelenk.show(0); gelenk.play()")
+    browser.wait("return gelenk.time > 1")
+    seconds = browser.run("gelenk.pause(); return (performance.now() - window.began) / 1000")
+    assert browser.run("return gelenk.time") == pytest.approx(
+        seconds, abs=0.5
+    )  # a slow frame, and the answer
+    assert browser.errors() == []
+
+
+def test_keys(four_bar: gelenk.Scene, tmp_path: Path, browser: Browser) -> None:
+    browser.open(gelenk.view(four_bar, stop=1.0, step=0.1).save(tmp_path / "four_bar.html"))
+    browser.run("gelenk.pause(); gelenk.show(0)")
+    right, end, home = "\ue014", "\ue010", "\ue011"
+    for key, frame in ((right, 1), (right, 2), (end, 10), (home, 0)):
+        browser.press(key)
+        assert browser.run("return gelenk.frame") == frame
+    browser.press(" ")
+    assert browser.run("return gelenk.playing")
+    browser.press(" ")
+    assert not browser.run("return gelenk.playing")
+    assert browser.errors() == []

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recorded runs: the poses of bodies, and which rows of a run become frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models.running import assert_close
+
+import gelenk
+from gelenk.viewer.data import placed
+from gelenk.viewer.recording import MAX_FRAMES, record, scene_of
+
+
+def test_poses_are_those_of_the_simulation(root: Path) -> None:
+    """The same steps with another interface: rotation matrices instead of quaternions."""
+    scene = gelenk.load(root / "scenes" / "stewart.yaml")
+    recording = record(scene, stop=0.2, step=0.01)
+    plant = gelenk.Simulation(scene)
+    plant.initialize()
+    p = np.array([0.3, -0.2, 0.1])
+    for k, t in enumerate(recording.time):
+        plant.step_to(float(t))
+        for number, body in enumerate(recording.scene["bodies"]):
+            R, origin = plant.pose(body)
+            found = placed(recording.poses[k : k + 1, number], p)[0]
+            assert_close(body, found, R @ p + origin, 1e-6, "10 tolerances; sensors change the steps' errors")
+
+
+def test_a_long_run_is_thinned_out(four_bar: gelenk.Scene) -> None:
+    recording = record(four_bar, stop=3.0, step=0.001)
+    assert len(recording.time) == MAX_FRAMES
+    assert recording.time[0] == 0
+    assert recording.time[-1] == 3.0
+    assert np.diff(recording.time).max() <= 0.004 + 1e-12  # the ratio 3.003 rounded up, in steps
+    assert len(record(four_bar, stop=1.0, step=0.01).time) == 101
+
+
+def test_the_start_alone(four_bar: gelenk.Scene) -> None:
+    assert record(four_bar, stop=0.0).poses.shape == (1, 3, 7)
+
+
+def test_requested_outputs_are_those_that_are_plotted(four_bar: gelenk.Scene) -> None:
+    recording = record(four_bar.with_outputs(["A.phi"]), stop=0.1)
+    assert recording.signals == ["A.phi"]
+    assert recording.poses.shape[1] == 3
+
+
+def test_an_fmu_contains_its_scene(four_bar: gelenk.Scene, four_bar_fmu: Path, tmp_path: Path) -> None:
+    assert scene_of(four_bar_fmu).to_dict()["bodies"] == four_bar.to_dict()["bodies"]
+    other = tmp_path / "other.fmu"
+    other.write_bytes(b"no archive")
+    with pytest.raises(gelenk.UsageError, match="found no scene in it, expected an FMU made by Gelenk"):
+        scene_of(other)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shapes of bodies that only have joints and inertia."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import Array, body, frame, joint, scene
+
+import gelenk
+from gelenk.viewer.shapes import Shapes, shapes_of
+
+SIZE = 1.0  # m
+
+
+def shapes(*args: Any, **fields: Any) -> dict[str, Shapes]:
+    return shapes_of(gelenk.load(scene(*args, **fields)).to_dict(), SIZE)
+
+
+def extent(found: Shapes) -> Array:
+    vertices, _ = found.meshes[0]
+    return np.ptp(vertices, axis=0)
+
+
+def volume(found: Shapes) -> float:
+    """Of a closed mesh whose triangles are seen counterclockwise from outside."""
+    vertices, triangles = found.meshes[0]
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def test_a_body_with_two_joints_is_a_link(four_bar: gelenk.Scene) -> None:
+    found = shapes_of(four_bar.to_dict(), SIZE)
+    links = [tube for tube in found["coupler"].tubes if not tube["joint"]]
+    assert [(tube["a"], tube["b"]) for tube in links] == [([0, 0, 0], [1.75, 0, 0])]
+
+
+def test_a_free_body_is_the_block_of_its_inertia() -> None:
+    """Edges 0.2, 0.3 and 0.4 m: Ixx = m (b^2 + c^2) / 12."""
+    inertia = tuple(2.0 / 12 * np.array([0.3**2 + 0.4**2, 0.2**2 + 0.4**2, 0.2**2 + 0.3**2]))
+    found = shapes(
+        {"block": body(2.0, inertia=inertia)}, {"J": joint("free", frame("ground"), frame("block"))}
+    )
+    assert extent(found["block"]) == pytest.approx([0.2, 0.3, 0.4], rel=1e-12)
+    assert volume(found["block"]) == pytest.approx(0.2 * 0.3 * 0.4, rel=1e-12)
+
+
+def test_three_joints_span_a_plate_of_which_all_triangles_face_outwards() -> None:
+    corners = [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    bodies = {"plate": body(1.0)} | {f"arm{k}": body(1.0) for k in range(3)}
+    joints = {f"J{k}": joint("revolute", frame("plate", p), frame(f"arm{k}")) for k, p in enumerate(corners)}
+    joints["F"] = joint("free", frame("ground"), frame("plate"))
+    found = shapes(bodies, joints)["plate"]
+    assert extent(found) == pytest.approx([1, 1, 0.012])
+    assert volume(found) == pytest.approx(0.5 * 0.012)
+
+
+def test_three_joints_in_line_are_a_link() -> None:
+    places = [0.5, 0.0, 1.0]
+    bodies = {"bar": body(1.0)} | {f"arm{k}": body(1.0) for k in range(3)}
+    joints = {
+        f"J{k}": joint("revolute", frame("bar", (x, 0, 0)), frame(f"arm{k}")) for k, x in enumerate(places)
+    }
+    joints["F"] = joint("free", frame("ground"), frame("bar"))
+    found = shapes(bodies, joints)["bar"]
+    ends = sorted(tube[end][0] for tube in found.tubes if not tube["joint"] for end in "ab")
+    assert ends == [0, 1]
+    assert found.meshes == []
+
+
+@pytest.mark.parametrize("name", ["revolute", "prismatic", "universal", "spherical", "cylindrical", "planar"])
+def test_joints_have_symbols(name: str) -> None:
+    found = shapes({"a": body(1.0)}, {"J": joint(name, frame("ground"), frame("a", (0.1, 0, 0)))})
+    symbols = [part for of in found.values() for part in (*of.tubes, *of.balls) if part["joint"]]
+    assert len(symbols) == {"universal": 2, "cylindrical": 2, "planar": 0}.get(name, 1)
