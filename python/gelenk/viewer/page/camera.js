@@ -6,6 +6,7 @@
 
   const halfAngle = 15 * Math.PI / 180;
   const margin = 1.08;
+  const followingMargin = 1.3;  // bodies turn while the camera follows
 
   Gelenk.OrbitCamera = class {
     constructor(recording, model) {
@@ -28,6 +29,24 @@
       this.axes = { right: new THREE.Vector3(), up: new THREE.Vector3(), back: new THREE.Vector3() };
       Object.assign(this, this.start);
       this.untouched = true;
+      this.following = false;
+      this.followed = new THREE.Vector3();
+    }
+
+    // Keeps the bodies at rest in the picture, and the world moving, or the other way round.
+    setFollowing(on) {
+      this.following = on;
+      this.model.middle(this.followed);
+      this.fit();
+      this.untouched = true;
+    }
+
+    // Call after the bodies have moved.
+    follow() {
+      if (!this.following) return;
+      const before = this.followed.clone();
+      this.target.add(this.model.middle(this.followed)).sub(before);
+      this.apply();
     }
 
     // Angles instead of vectors keep the view well defined even straight from above.
@@ -78,11 +97,12 @@
     fit() {
       this.updateAxes();
       const { right, up, back } = this.axes;
-      const { cloud, center, radius } = this.model;
+      const { cloud, center, radius } = this.following ? this.model.measureBodies() : this.model;
+      const spare = this.following ? followingMargin : margin;
       const tangent = Math.tan(halfAngle);
       const free = this.height - this.inset;
-      const tangentY = tangent * free / this.height / margin;
-      const tangentX = tangent * this.width / this.height / margin;
+      const tangentY = tangent * free / this.height / spare;
+      const tangentX = tangent * this.width / this.height / spare;
       const depth = this.flat ? 0 : 1;
       const count = cloud.length / 3;
       const local = new Float32Array(cloud.length);

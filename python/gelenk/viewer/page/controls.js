@@ -145,6 +145,7 @@
     ["Home End", "first or last frame"],
     ["1 2 3 4", "view from the front, the side, the top, as at the start"],
     ["F", "fit the mechanism into the view"],
+    ["C", "camera follows the mechanism, or stands still"],
     ["+ \u2212", "zoom in or out"],
     ["L", "labels"], ["T", "trails"], ["P", "plots"], ["D", "dark or light"], ["?", "this help"],
     ["Drag", "rotate; one finger"],

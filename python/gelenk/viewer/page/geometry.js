@@ -55,11 +55,13 @@
   }
 
   let tube;
+  let wheel;
   let ball;
 
   // The more shapes there are, the smaller each is on the screen and the fewer facets show.
   Gelenk.setFineness = function (shapeCount) {
     tube = unitTube(shapeCount > 200 ? 8 : 12);
+    wheel = unitTube(48);  // its corners would be seen
     ball = shapeCount > 200 ? unitBall(10, 6) : unitBall(16, 12);
   };
 
@@ -70,7 +72,7 @@
     if (!(length > 0)) return null;
     const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), along.divideScalar(length));
     const matrix = new THREE.Matrix4().compose(from, turn, new THREE.Vector3(shape.r, shape.r, length));
-    return transformed(tube, matrix, turn);
+    return transformed(shape.r > 2 * length ? wheel : tube, matrix, turn);
   }
 
   function ballPart(shape) {

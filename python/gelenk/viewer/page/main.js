@@ -4,6 +4,8 @@
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
+  const farAway = 4;  // size of the run, in sizes of the mechanism, from which the camera follows
+
   const element = (id) => document.getElementById(id);
 
   function readColors() {
@@ -51,6 +53,7 @@
         redraw();
       }
       model.setFrame(player.frame, player.fraction);
+      orbit.follow();
       bar.update();
       panel.draw();
       if (picture.available) {
@@ -111,9 +114,14 @@
       model.showTrails(on);
       redraw();
     });
+    const toggleFollowing = Gelenk.toggleButton("follow", () => orbit.following, (on) => {
+      orbit.setFollowing(on);
+      redraw();
+    });
     const togglePanel = Gelenk.toggleButton("show-panel", () => panel.visible, (on) => panel.setVisible(on));
     element("show-panel").hidden = !panel.available;
     element("show-trails").hidden = recording.frames < 2;
+    element("follow").hidden = recording.frames < 2;
     element("show-labels").hidden = !labels.items.length;
     const toggleHelp = Gelenk.setUpHelp(recording.version);
 
@@ -141,6 +149,7 @@
       "-": () => zoom(1 / 0.85),
       l: toggleLabels,
       t: () => recording.frames > 1 && toggleTrails(),
+      c: () => recording.frames > 1 && toggleFollowing(),
       p: () => panel.available && togglePanel(),
       d: toggleTheme,
       "?": toggleHelp
@@ -150,6 +159,9 @@
     canvas.addEventListener("webglcontextrestored", redraw);
     window.gelenk = Gelenk.makeInterface({ recording, model, orbit, player, canvas, setCamera, drawn: () => drawn });
     applyTheme();
+    // A vehicle that travels far would be a dot.
+    model.setFrame(0, 0);
+    if (recording.frames > 1 && model.radius > farAway * model.measureBodies().radius) toggleFollowing();
     new ResizeObserver(resize).observe(element("stage"));
     resize();
   }

@@ -111,6 +111,28 @@
       this.radius = this.box.getSize(vector).length() / 2 || 1;
     }
 
+    // The same of the bodies alone, where they are now.
+    measureBodies() {
+      const vector = new THREE.Vector3();
+      const points = this.bodies.flatMap((body) => body.userData.outline.flatMap(
+        (point) => vector.set(point[0], point[1], point[2]).applyMatrix4(body.matrixWorld).toArray()
+      ));
+      if (!points.length) return this;
+      const box = new THREE.Box3().setFromArray(points);
+      return {
+        cloud: Float32Array.from(points),
+        center: box.getCenter(new THREE.Vector3()),
+        radius: box.getSize(vector).length() / 2 || this.radius
+      };
+    }
+
+    // What a camera that follows looks at: the middle of the frames of the bodies.
+    middle(target) {
+      target.set(0, 0, 0);
+      for (const body of this.bodies) target.add(body.position);
+      return target.divideScalar(Math.max(1, this.bodies.length));
+    }
+
     placeAt(group, b, index, fraction) {
       const { poses, bodies, frames } = this.recording;
       const at = 7 * (index * bodies.length + b);

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page as a file: its size, its license, and text that is no markup."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from pathlib import Path
+
+import pytest
+from mechanisms import body, frame, joint, scene
+from typer.testing import CliRunner
+
+import gelenk
+from gelenk.cli import app
+
+
+def chain(length: int) -> gelenk.Scene:
+    names = ["ground", *(f"b{k}" for k in range(length))]
+    bodies = {name: body(1.0, com=(0.5, 0, 0), inertia=(0.01, 0.1, 0.1)) for name in names[1:]}
+    joints = {
+        f"J{k}": joint("revolute", frame(a, (1.0 if k else 0.0, 0, 0)), frame(b), axis=[0, 1, 0])
+        for k, (a, b) in enumerate(itertools.pairwise(names))
+    }
+    return gelenk.load(scene(bodies, joints, gravity=[0, 0, -9.81]))
+
+
+def test_size_of_a_page() -> None:
+    """20 bodies and 1000 frames: below 3 MB, of which three.js is 0.6."""
+    page = gelenk.view(chain(20), stop=0.999, step=0.001)
+    assert len(page.html.encode()) < 3e6
+
+
+def test_pages_refer_to_nothing_and_name_licenses() -> None:
+    html = gelenk.view(chain(1), stop=0.0).html
+    head = html[: html.index('id="data"')]  # the rest is code, which tests in a browser watch
+    assert re.findall(r"""(?:src|href)\s*=\s*['"](?!data:)|@import|url\(""", head) == []
+    assert "Copyright (c) 2010-2022 three.js authors" in html
+    assert "Permission is hereby granted, free of charge" in html
+
+
+def test_names_are_text() -> None:
+    source = chain(1).to_dict() | {"name": "a </script><b>bold</b> & co"}
+    html = gelenk.view(gelenk.load(source), stop=0.0).html
+    assert "<title>a &lt;/script&gt;&lt;b&gt;bold" in html
+    data = re.search(r'<script type="application/json" id="data">(.*?)</script>', html, re.DOTALL)
+    assert data
+    assert json.loads(data[1])["name"] == source["name"]
+
+
+def test_command(four_bar_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "page.html"
+    found = CliRunner().invoke(app, ["view", str(four_bar_file), "--stop", "0.1", "-o", str(out)])
+    assert found.exit_code == 0, found.output
+    assert found.output.startswith(f"{out}: ")
+    assert out.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    wrong = CliRunner().invoke(app, ["view", str(four_bar_file), "-o", str(tmp_path / "page.pdf")])
+    assert wrong.exit_code == 1
+
+
+def test_notebooks_show_the_page_in_a_frame(four_bar: gelenk.Scene) -> None:
+    page = gelenk.view(four_bar, stop=0.0)
+    assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
+    assert repr(page).startswith("<View of FourBar, ")
+
+
+def test_errors_of_the_run_are_those_of_simulate(four_bar: gelenk.Scene) -> None:
+    with pytest.raises(gelenk.UsageError, match=r"no such parameter or input; did you mean drive\.tau"):
+        gelenk.view(four_bar, parameters={"drive.ta": 3.0})
