@@ -128,9 +128,9 @@ PACKAGE = ROOT / "python" / "gelenk"
 # them, and these packages. Modules that are not listed may import none.
 IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["io"] = {"model"}
-IMPORTS["simulation"] = {"model"}
+IMPORTS["viewer"] = {"model"}
+IMPORTS["simulation"] = {"model", "viewer"}
 IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
-IMPORTS["viewer"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["chart"] = {"io", "modal", "equilibria", *IMPORTS["modal"]}

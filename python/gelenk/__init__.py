@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from gelenk.linear import LinearModel, OperatingPoint, linearize
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
-    from gelenk.simulation import Result, Simulation, simulate
-    from gelenk.viewer import View, view
+    from gelenk.simulation import Result, Simulation, simulate, view
+    from gelenk.viewer import View
 
     __version__: str
 
@@ -88,8 +88,8 @@ _get, _dir = _lazy.lazy(
         ".linear": ["LinearModel", "OperatingPoint", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
-        ".simulation": ["Result", "Simulation", "simulate"],
-        ".viewer": ["View", "view"],
+        ".simulation": ["Result", "Simulation", "simulate", "view"],
+        ".viewer": ["View"],
     },
 )
 

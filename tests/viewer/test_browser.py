@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import gelenk
+from gelenk.simulation.recording import record
 from gelenk.viewer.data import page_data
 from gelenk.viewer.page import page_of
-from gelenk.viewer.recording import record
 
 from .browser import Browser
 

@@ -10,8 +10,8 @@ import pytest
 from models.running import assert_close
 
 import gelenk
+from gelenk.simulation.recording import MAX_FRAMES, record, scene_of
 from gelenk.viewer.data import placed
-from gelenk.viewer.recording import MAX_FRAMES, record, scene_of
 
 
 def test_poses_are_those_of_the_simulation(root: Path) -> None:
@@ -54,3 +54,16 @@ def test_an_fmu_contains_its_scene(four_bar: gelenk.Scene, four_bar_fmu: Path, t
     other.write_bytes(b"no archive")
     with pytest.raises(gelenk.UsageError, match="found no scene in it, expected an FMU made by Gelenk"):
         scene_of(other)
+
+
+def test_a_result_is_viewed_by_its_run(four_bar: gelenk.Scene) -> None:
+    """With its inputs, also if it has few outputs; a file has no mechanism."""
+    result = gelenk.simulate(four_bar, stop=0.5, step=0.01, inputs={"drive.tau": 3.0}, outputs=["A.phi"])
+    page = result.view()
+    assert page.html == gelenk.view(
+        four_bar, stop=0.5, step=0.01, inputs={"drive.tau": 3.0}, outputs=["A.phi"]
+    ).html  # fmt: skip
+    assert page.html != gelenk.view(four_bar, stop=0.5, step=0.01, outputs=["A.phi"]).html
+    result.run = None
+    with pytest.raises(gelenk.UsageError, match="has no mechanism"):
+        result.view()

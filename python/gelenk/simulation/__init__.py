@@ -11,10 +11,17 @@ if TYPE_CHECKING:
     from gelenk.simulation.result import Result
     from gelenk.simulation.run import simulate
     from gelenk.simulation.simulation import Simulation
+    from gelenk.simulation.views import view
 
-__all__ = ["Result", "Simulation", "simulate"]
+__all__ = ["Result", "Simulation", "simulate", "view"]
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazy(
-        __name__, {".result": ["Result"], ".run": ["simulate"], ".simulation": ["Simulation"]}
+        __name__,
+        {
+            ".result": ["Result"],
+            ".run": ["simulate"],
+            ".simulation": ["Simulation"],
+            ".views": ["view"],
+        },
     )

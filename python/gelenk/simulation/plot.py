@@ -8,7 +8,7 @@ from typing import Any
 
 from gelenk.errors import UsageError
 from gelenk.extras import pyplot
-from gelenk.model.values import unknown
+from gelenk.model.values import check_names
 from gelenk.simulation.result import Result
 
 WIDTH, HEIGHT = 7.2, 2.1  # inches; of a panel
@@ -48,19 +48,13 @@ def _positions(result: Result) -> list[str]:
 
 def _panels(result: Result, names: Sequence[str]) -> dict[str, list[str]]:
     """Return the signals by unit, in the order in which they are named."""
-    from fnmatch import fnmatchcase
+    from gelenk.simulation.run import expanded
 
+    chosen = expanded(names, result.names)
+    check_names(chosen, result.names, "signal")
     out: dict[str, list[str]] = {}
-    for pattern in names:
-        # Brackets are part of names, not of patterns.
-        literal = pattern.replace("[", "[[]")
-        found = [name for name in result.names if fnmatchcase(name, literal)]
-        if not found:
-            raise UsageError(unknown(pattern, "signal", result.names))
-        for name in found:
-            signals = out.setdefault(result.units.get(name, ""), [])
-            if name not in signals:
-                signals.append(name)
+    for name in chosen:
+        out.setdefault(result.units.get(name, ""), []).append(name)
     if not out:
         raise UsageError("the result has no signals to plot")
     return out

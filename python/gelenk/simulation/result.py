@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,14 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from gelenk.viewer.pages import View
+
 
 class Result:
     """Signals over time: `result["A.phi"]` is an array with the shape of `result.time`."""
+
+    #: What `gelenk.simulate` was called with, the plant and its arguments; None if it was read or unpickled.
+    run: tuple[Any, dict[str, Any]] | None = None
 
     def __init__(self, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> None:
         """Make a result of rows of shape (times, 1 + len(names)), with time in the first column."""
@@ -38,6 +43,10 @@ class Result:
         #: stop, singular configurations crossed. Empty for an FMU, which logs its events (category
         #: logEvents).
         self.events: tuple[tuple[float, str], ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Inputs may be functions, which cannot be pickled.
+        return {name: value for name, value in self.__dict__.items() if name != "run"}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -120,6 +129,20 @@ class Result:
 
         figure: Figure = plot(self, names)
         return figure
+
+    def view(self) -> View:
+        """Return a page on which the mechanism moves as in this run, which is repeated with its poses.
+
+        Raises:
+            UsageError: the result is not one of `gelenk.simulate`.
+            SceneError, StepError, OSError: see `gelenk.simulate`.
+        """
+        if self.run is None:
+            raise UsageError("a result that was read from a file has no mechanism; view its scene instead")
+        from gelenk.simulation.views import view
+
+        plant, arguments = self.run
+        return view(plant, **arguments)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame with a column for each signal; the index is `time`, `attrs["units"]` the units.

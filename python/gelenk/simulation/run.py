@@ -104,7 +104,13 @@ def simulate(
             name: polynomial(signal, 0.0, first)[1] for name, signal in signals.items() if is_motion(name)
         }
         opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
-        return _run(opened, times, names, signals, progress)
+        result = _run(opened, times, names, signals, progress)
+        result.run = (plant, {
+            "stop": stop, "step": step, "tolerance": tolerance, "integrator": integrator,
+            "formulation": formulation, "inputs": inputs, "parameters": parameters, "outputs": outputs,
+            "without": without, "assembly_tolerance": assembly_tolerance,
+        })  # fmt: skip
+        return result
     finally:
         opened.close()
 

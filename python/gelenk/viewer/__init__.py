@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from gelenk._lazy import lazy
 
 if TYPE_CHECKING:
-    from gelenk.viewer.display import View, view
+    from gelenk.viewer.pages import View
 
-__all__ = ["View", "view"]
+__all__ = ["View"]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazy(__name__, {".display": ["View", "view"]})
+    __getattr__, __dir__ = lazy(__name__, {".pages": ["View"]})

@@ -5,14 +5,16 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import constraining_joints, point, springs, view_axes, wheels
-from gelenk.viewer.recording import Recording
 from gelenk.viewer.shapes import GROUND, Shapes, axis_of, shapes_of, slides
+
+if TYPE_CHECKING:
+    from gelenk.simulation.recording import Recording
 
 type Array = NDArray[np.float64]
 

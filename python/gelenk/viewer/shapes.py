@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shapes that stand for the bodies and joints of a scene: links between joints, plates, blocks and wheels."""
+"""Shapes that represent the bodies and joints of a scene: links between joints, plates, blocks and wheels."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@
 
   const font = "11px system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
 
-  // As many digits as tell neighboring ticks apart, without the noise of binary fractions.
+  // As many digits as distinguish neighboring ticks, without the noise of binary fractions.
   function tickText(value, step) {
     if (Math.abs(value) < 1e-9 * step) return "0";
     const size = Math.abs(value);
@@ -91,7 +91,7 @@
       return this.area.bottom - (value - low) / (high - low) * (this.area.bottom - this.area.top);
     }
 
-    // Draws all that stands still into a canvas of its own: the moving cursor is then cheap.
+    // Draws all that does not move into a canvas of its own: the moving cursor is then cheap.
     prepare(colors) {
       const width = this.canvas.clientWidth;
       const height = this.canvas.clientHeight;
@@ -137,7 +137,7 @@
       context.textBaseline = "middle";
       context.fillStyle = colors.text;
       context.font = "600 " + font;
-      // The value at the cursor stands at the right end of this line.
+      // The value at the cursor is at the right end of this line.
       const { name, unit } = this.signal;
       context.fillText(unit ? `${name} [${unit}]` : name, 8, 12, width - 90);
       this.drawLine(context);

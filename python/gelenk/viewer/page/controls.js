@@ -35,7 +35,7 @@
       element("time").style.minWidth = this.timeText(recording.time[recording.frames - 1]).length + "ch";
     }
 
-    // Enough digits to tell neighboring frames apart, three at least.
+    // Enough digits to distinguish neighboring frames, at least three.
     timeDigits() {
       const { time, frames } = this.recording;
       const step = frames > 1 ? (time[frames - 1] - time[0]) / (frames - 1) : 1;
@@ -145,7 +145,7 @@
     ["Home End", "first or last frame"],
     ["1 2 3 4", "view from the front, the side, the top, as at the start"],
     ["F", "fit the mechanism into the view"],
-    ["C", "camera follows the mechanism, or stands still"],
+    ["C", "camera follows the mechanism, or does not move"],
     ["+ \u2212", "zoom in or out"],
     ["L", "labels"], ["T", "trails"], ["P", "plots"], ["D", "dark or light"], ["?", "this help"],
     ["Drag", "rotate; one finger"],

@@ -196,7 +196,7 @@
     return mean(vectors(shapes.lines[0] || []));
   };
 
-  // The points of a body that reach farthest in 26 directions: they stand for its outline.
+  // The points of a body that reach farthest in 26 directions: they represent its outline.
   Gelenk.outlinePoints = function (geometries) {
     const directions = [];
     for (const x of [-1, 0, 1]) for (const y of [-1, 0, 1]) for (const z of [-1, 0, 1]) {

@@ -13,7 +13,7 @@
     return 0.2126 * linear(color.r) + 0.7152 * linear(color.g) + 0.0722 * linear(color.b);
   }
 
-  // Moves the lightness of a color away from the background until both can be told apart.
+  // Moves the lightness of a color away from the background until both can be distinguished.
   Gelenk.readableColor = function (name, background) {
     const color = new THREE.Color(name);
     const behind = luminance(background);

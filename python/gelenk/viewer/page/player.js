@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The state of the playback: where in the run we are and how fast we go on.
+// The state of the playback: where in the run we are and how fast time advances.
 (function () {
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
-  // After a pause of the browser, as with a hidden tab, playing goes on where it was.
+  // After a pause of the browser, as with a hidden tab, playing continues where it was.
   const longestStep = 0.25;
 
   Gelenk.speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 5];
@@ -63,7 +63,7 @@
       else this.play();
     }
 
-    // Goes on by the time since the last call; `now` in milliseconds.
+    // Continues by the time since the last call; `now` in milliseconds.
     advance(now) {
       const step = this.clock === null ? 0 : Math.min(longestStep, (now - this.clock) / 1000);
       this.clock = now;

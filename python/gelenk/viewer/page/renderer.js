@@ -20,7 +20,7 @@
   }
 
   // Without a graphics card multisampling halves the frame rate. There we draw plainly while
-  // something moves, and at twice the resolution as soon as the picture stands still.
+  // something moves, and at twice the resolution as soon as nothing moves any more.
   Gelenk.Picture = class {
     // `redraw` asks for another draw, which improves the picture when the motion is over.
     constructor(canvas, redraw) {
@@ -29,8 +29,8 @@
       this.lastDraw = -Infinity;
       this.width = this.height = 1;
       // Our own context, because three.js reports a missing one as an error on the console.
-      const wish = { antialias: !this.software, alpha: false, powerPreference: "high-performance" };
-      const context = canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
+      const options = { antialias: !this.software, alpha: false, powerPreference: "high-performance" };
+      const context = canvas.getContext("webgl2", options) || canvas.getContext("webgl", options);
       this.renderer = context ? new THREE.WebGLRenderer({ canvas, context }) : null;
     }
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Views of mechanisms in motion."""
+"""Pages as files, in the browser and in notebooks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from gelenk.model.scene import Scene
 from gelenk.viewer.data import page_data
 from gelenk.viewer.page import page_of
-from gelenk.viewer.recording import record, scene_of
+
+if TYPE_CHECKING:
+    from gelenk.simulation.recording import Recording
 
 
 class View:
@@ -53,26 +53,7 @@ class View:
         return f"<View of {self._name}, {len(self.html) / 1e6:.1f} MB; save('FILE.html') or show()>"
 
 
-def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> View:
-    """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
-
-    The page is one HTML file that needs no network: a 3-D view with time slider, plots of the outputs, and
-    the events of the run. Bodies are drawn as links between their joints.
-
-    Args:
-        plant: a .fmu file, or anything `gelenk.load` accepts.
-        run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
-
-    Returns:
-        View: a page; `save` writes it, `show` opens it in the browser.
-
-    Raises:
-        SceneError, AssemblyError, StepError, UsageError, OSError: see `gelenk.simulate`.
-
-    >>> page = gelenk.view(four_bar, stop=0.5)
-    >>> page.html[:15]
-    '<!DOCTYPE html>'
-    """
-    recording = record(scene_of(plant), **run)
+def view_of(recording: Recording) -> View:
+    """Return the page of a recorded run."""
     data = page_data(recording)
     return View(str(data["name"]), page_of(data))

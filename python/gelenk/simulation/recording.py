@@ -78,6 +78,8 @@ def record(scene: Scene, **run: Any) -> Recording:
         SceneError, AssemblyError, StepError, UsageError: see `gelenk.simulate`.
     """
     plain = scene.to_dict()
+    if run.get("outputs") is not None:
+        run["outputs"] = [*run["outputs"], f"{SENSOR}*"]
     data = {**plain, "sensors": dict(plain.get("sensors", {}))}
     for number, body in enumerate(plain["bodies"]):
         data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Views of mechanisms in motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any
+
+from gelenk.model.scene import Scene
+from gelenk.simulation.recording import record, scene_of
+from gelenk.viewer.pages import View, view_of
+
+
+def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> View:
+    """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
+
+    The page is one HTML file that needs no network: a 3-D view with time slider, plots of the outputs, and
+    the events of the run. Bodies are drawn as links between their joints.
+
+    Args:
+        plant: a .fmu file, or anything `gelenk.load` accepts.
+        run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
+
+    Returns:
+        View: a page; `save` writes it, `show` opens it in the browser.
+
+    Raises:
+        SceneError, AssemblyError, StepError, UsageError, OSError: see `gelenk.simulate`.
+
+    >>> page = gelenk.view(four_bar, stop=0.5)
+    >>> page.html[:15]
+    '<!DOCTYPE html>'
+    """
+    return view_of(record(scene_of(plant), **run))
