@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import gelenk
+from gelenk.cli.arguments import check_output_file
 from gelenk.simulation.files import ENDINGS
 
 UNITS = {"A.phi": "rad", "pose.r[1]": "m", "ratio": "1"}
@@ -108,3 +110,12 @@ def test_plots_have_a_panel_for_each_unit(result: gelenk.Result) -> None:
     assert len(result.plot(["A.*", "ratio"]).axes) == 2
     with pytest.raises(gelenk.UsageError, match=r"A\.psi: no such signal; did you mean A\.phi"):
         result.plot(["A.psi"])
+
+
+def test_missing_packages_are_named_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(
+        gelenk.UsageError, match=r"\.parquet files are read and written with pyarrow.*gelenk\[tables"
+    ):
+        check_output_file(Path("run.parquet"))
+    check_output_file(Path("run.csv"))

@@ -197,7 +197,7 @@ def test_command_tells_a_warning_as_a_line() -> None:
     ]
 
 
-@pytest.mark.parametrize(("name", "found"), [("r.parquet", "the ending .parquet"), ("r", "no ending")])
+@pytest.mark.parametrize(("name", "found"), [("r.xlsx", "the ending .xlsx"), ("r", "no ending")])
 def test_table_of_another_kind_is_refused_before_the_run(name: str, found: str) -> None:
     Path("s.yaml").write_text(SCENE)
     done = subprocess.run(
@@ -207,5 +207,6 @@ def test_table_of_another_kind_is_refused_before_the_run(name: str, found: str) 
         check=False,
     )
     assert done.returncode == 1
-    assert done.stderr == f"--output {name}: found {found}, expected FILE.csv, or - for stdout\n"
+    expected = "FILE.csv, FILE.parquet, FILE.nc, FILE.mat, or - for stdout"
+    assert done.stderr == f"--output {name}: found {found}, expected {expected}\n"
     assert not Path(name).exists()

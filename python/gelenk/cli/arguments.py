@@ -63,9 +63,12 @@ def parse_numbers(given: list[str], option: str) -> dict[str, float]:
 
 def check_output_file(output: Path | None) -> None:
     """Check the name of a result file before the simulation. Raises UsageError."""
-    from gelenk.simulation.files import ENDINGS
+    from gelenk.simulation.files import ENDINGS, check_format
 
-    if output is None or str(output) == "-" or output.suffix.lower() in ENDINGS:
+    if output is None or str(output) == "-":
+        return
+    if output.suffix.lower() in ENDINGS:
+        check_format(output)
         return
     found = f"the ending {output.suffix}" if output.suffix else "no ending"
     expected = ", ".join(f"FILE{ending}" for ending in ENDINGS)

@@ -53,9 +53,20 @@ def to_xarray(result: Result) -> xr.Dataset:
     return dataset
 
 
+def check_format(path: Path) -> None:
+    """Check that a result can be written to a file with this name, or read from it.
+
+    Raises:
+        UsageError: the ending is unknown, or a package for its format is not installed.
+    """
+    for package in _format(path, _PACKAGES):
+        extra(package, f"{path.suffix} files are read and written with {package}")
+
+
 def write_result(result: Result, path: Path) -> None:
     """Write a result to a file: see `Result.save`."""
-    _format(path, _WRITERS)(result, path)
+    check_format(path)
+    _WRITERS[path.suffix.lower()](result, path)
 
 
 def read_result(path: Path) -> Result:
@@ -65,9 +76,9 @@ def read_result(path: Path) -> Result:
         UsageError: the ending is unknown, the file is not such a result, or a package is not installed.
         OSError: the file cannot be read.
     """
-    read = _format(path, _READERS)
+    check_format(path)
     try:
-        return read(path)
+        return _READERS[path.suffix.lower()](path)
     except (KeyError, ValueError) as e:
         raise UsageError(f"{path}: {e}; expected a result with `time` and signals") from None
 
@@ -81,13 +92,10 @@ def _format[T](path: Path, formats: Mapping[str, T]) -> T:
 
 
 def _write_parquet(result: Result, path: Path) -> None:
-    frame = to_pandas(result)
-    extra("pyarrow", "Parquet files are written with pyarrow")
-    frame.to_parquet(path, engine="pyarrow")
+    to_pandas(result).to_parquet(path, engine="pyarrow")
 
 
 def _read_parquet(path: Path) -> Result:
-    extra("pyarrow", "Parquet files are read with pyarrow")
     frame = extra("pandas", "tables are read with pandas").read_parquet(path, engine="pyarrow")
     if frame.index.name != "time":
         raise KeyError("found no index named time")
@@ -95,19 +103,11 @@ def _read_parquet(path: Path) -> Result:
     return Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {})))
 
 
-def _need_netcdf() -> None:
-    for package in ("h5py", "h5netcdf"):
-        extra(package, f"NetCDF files are read and written with {package}")
-
-
 def _write_netcdf(result: Result, path: Path) -> None:
-    dataset = to_xarray(result)
-    _need_netcdf()
-    dataset.to_netcdf(path, engine="h5netcdf")
+    to_xarray(result).to_netcdf(path, engine="h5netcdf")
 
 
 def _read_netcdf(path: Path) -> Result:
-    _need_netcdf()
     xarray = extra("xarray", "NetCDF files are read with xarray")
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
         names = [str(name) for name in dataset.data_vars]
@@ -167,4 +167,7 @@ _WRITERS: dict[str, Callable[[Result, Path], None]] = {
 _READERS: dict[str, Callable[[Path], Result]] = {
     ".csv": _read_csv, ".parquet": _read_parquet, ".nc": _read_netcdf, ".mat": _read_mat,
 }  # fmt: skip
-ENDINGS = tuple(_WRITERS)
+_PACKAGES: dict[str, tuple[str, ...]] = {
+    ".csv": (), ".parquet": ("pandas", "pyarrow"), ".nc": ("xarray", "h5py", "h5netcdf"), ".mat": (),
+}  # fmt: skip
+ENDINGS = tuple(_PACKAGES)
