@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from gelenk.simulation.result import Result
+    from gelenk.viewer.pages import View
 
 
 class GelenkError(Exception):
@@ -43,6 +44,9 @@ class StepError(GelenkError):
 
     #: Results of `gelenk.simulate` up to the failed step; None if `Simulation.step_to` was called directly.
     result: Result | None = None
+    #: Page of `gelenk.view` on which the mechanism moves up to the failed step; None if another function
+    #: was called.
+    view: View | None = None
 
 
 class StepBudgetError(StepError):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from mechanisms import body, frame, joint, scene
+from physics.nonsmooth.test_dead_centers import slider_crank
 from typer.testing import CliRunner
 
 import gelenk
@@ -68,3 +69,21 @@ def test_notebooks_show_the_page_in_a_frame(four_bar: gelenk.Scene) -> None:
 def test_errors_of_the_run_are_those_of_simulate(four_bar: gelenk.Scene) -> None:
     with pytest.raises(gelenk.UsageError, match=r"no such parameter or input; did you mean drive\.tau"):
         gelenk.view(four_bar, parameters={"drive.ta": 3.0})
+
+
+def test_a_run_that_fails_is_shown_up_to_its_end(tmp_path: Path) -> None:
+    """A driven slider-crank meets a limit where nothing can stop it."""
+    source = slider_crank(0.0, lower=1.4)
+    source["joints"]["A"]["start"] = {"phi": 0.0}
+    source["constraints"] = {"drive": {"type": "motion", "joint": "A", "polynomial": [0, 1.0]}}
+    with pytest.raises(gelenk.StepError) as found:
+        gelenk.view(gelenk.load(source), stop=1.0, step=0.01)
+    assert found.value.view is not None
+    assert "the run ended: t = 0.527" in found.value.view.html
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(source))
+    out = tmp_path / "page.html"
+    done = CliRunner().invoke(app, ["view", str(file), "--stop", "1", "-o", str(out)])
+    assert done.exit_code == 1
+    assert "where no force can stop it" in done.output
+    assert out.exists()

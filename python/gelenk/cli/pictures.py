@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,7 +13,10 @@ import gelenk
 from gelenk.cli.arguments import AssemblyTolerance, parse_parameters
 from gelenk.cli.errors import report_user_errors
 from gelenk.cli.progress import progress_bar
-from gelenk.errors import UsageError
+from gelenk.errors import StepError, UsageError
+
+if TYPE_CHECKING:
+    from gelenk.viewer import View
 
 
 @report_user_errors
@@ -76,11 +79,20 @@ def view(
     """
     if output is not None and output.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"--output {output}: expected FILE.html")
-    with progress_bar(sys.stderr) as progress:
-        page = gelenk.view(
-            plant, stop=stop, inputs=inputs,
-            parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
-        )  # fmt: skip
+    try:
+        with progress_bar(sys.stderr) as progress:
+            page = gelenk.view(
+                plant, stop=stop, inputs=inputs,
+                parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
+            )  # fmt: skip
+    except StepError as e:
+        if e.view is not None:
+            _put(e.view, output)
+        raise
+    _put(page, output)
+
+
+def _put(page: View, output: Path | None) -> None:
     file = page.show() if output is None else page.save(output)
     print(f"{file}: {len(page.html.encode()) / 1e6:.1f} MB")
 

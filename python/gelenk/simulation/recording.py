@@ -85,9 +85,13 @@ def record(scene: Scene, **run: Any) -> Recording:
         data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}
     if "outputs" in data:
         data["outputs"] = [*data["outputs"], f"{SENSOR}*"]
-    result = simulate(load(data), **run)
+    return recording_of(plain, simulate(load(data), **run))
+
+
+def recording_of(scene: Mapping[str, Any], result: Result) -> Recording:
+    """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
     rows = _frames(len(result))
-    return Recording(plain, result.time[rows], _poses(result, rows, len(plain["bodies"])), result, rows)
+    return Recording(scene, result.time[rows], _poses(result, rows, len(scene["bodies"])), result, rows)
 
 
 def _frames(rows: int) -> NDArray[np.intp]:

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
+from gelenk.errors import StepError
 from gelenk.model.scene import Scene
-from gelenk.simulation.recording import record, scene_of
+from gelenk.simulation.recording import record, recording_of, scene_of
 from gelenk.viewer.pages import View, view_of
 
 
@@ -26,10 +27,18 @@ def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> 
         View: a page; `save` writes it, `show` opens it in the browser.
 
     Raises:
-        SceneError, AssemblyError, StepError, UsageError, OSError: see `gelenk.simulate`.
+        SceneError, AssemblyError, UsageError, OSError: see `gelenk.simulate`.
+        StepError: a step failed; its `view` shows the motion up to this step.
 
     >>> page = gelenk.view(four_bar, stop=0.5)
     >>> page.html[:15]
     '<!DOCTYPE html>'
     """
-    return view_of(record(scene_of(plant), **run))
+    scene = scene_of(plant)
+    try:
+        return view_of(record(scene, **run))
+    except StepError as e:
+        if e.result is not None:
+            e.result.events += ((float(e.result.time[-1]), f"the run ended: {e}"),)
+            e.view = view_of(recording_of(scene.to_dict(), e.result))
+        raise
