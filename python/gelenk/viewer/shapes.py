@@ -25,7 +25,7 @@ GROUND = "ground"
 SAME = 1e-9  # m; closer points are one
 LINK_RADIUS = 0.012  # relative to the size of the mechanism, like the following
 PLATE_THICKNESS = 0.012
-SMALLEST_BLOCK, LARGEST_BLOCK = 0.03, 0.5
+SMALLEST_BLOCK, LARGEST_BLOCK, LARGEST_END = 0.03, 0.5, 0.15
 JOINT_RADIUS, JOINT_LENGTH = 1.5, 4.0  # in radii of links
 
 
@@ -123,9 +123,9 @@ def _add_body(
     elif len(marks) == 1 and np.linalg.norm(com - marks[0]) > SAME:
         out.add_tube(marks[0], com, radius)
         if not is_wheel:
-            _add_block(out, body, com, size)
+            _add_block(out, body, com, size, LARGEST_END)
     elif not is_wheel:
-        _add_block(out, body, com, size)
+        _add_block(out, body, com, size, LARGEST_BLOCK)
 
 
 def _add_plate(out: Shapes, marks: Array, size: float) -> None:
@@ -143,14 +143,14 @@ def _add_plate(out: Shapes, marks: Array, size: float) -> None:
     out.add_hull(marks)
 
 
-def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float) -> None:
-    """Add the homogeneous block with the mass and the inertia of a body."""
+def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, largest: float) -> None:
+    """Add the homogeneous block with the mass and the inertia of a body; no edge exceeds `largest` sizes."""
     xx, yy, zz, xy, xz, yz = body["inertia"]
     inertia, V = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     if np.linalg.det(V) < 0:
         V[:, 2] = -V[:, 2]
     squares = 12 * (inertia.sum() / 2 - inertia) / (body["mass"] or 1.0)
-    edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, LARGEST_BLOCK * size)
+    edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, largest * size)
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     out.add_hull(com + corners * edges @ V.T)
 
