@@ -252,3 +252,10 @@ def test_schema_in_the_package_is_the_readers() -> None:
 
     shipped = Path(gelenk.__file__).parent / "schema" / "scene.schema.json"
     assert json.loads(shipped.read_text()) == json.loads(export.schema())
+
+
+def test_a_simulation_describes_itself_and_is_a_context(four_bar: gelenk.Scene) -> None:
+    with gelenk.Simulation(four_bar) as plant:
+        plant.initialize()
+        plant.step_to(0.5)
+        assert repr(plant) == "<Simulation of FourBar at t = 0.5 s: 1 input, 12 outputs>"

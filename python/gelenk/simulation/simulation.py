@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,6 +95,17 @@ class Simulation:
             UsageError: `end` is before `time` or not finite.
         """
         self._core.step_to(end)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """There is nothing to close; FMUs and simulations can be used alike."""
+
+    def __repr__(self) -> str:
+        counts = {"input": len(self.inputs), "output": len(self.outputs)}
+        sizes = ", ".join(f"{n} {what}{'' if n == 1 else 's'}" for what, n in counts.items())
+        return f"<Simulation of {self.scene.name or 'a scene'} at t = {self.time:g} s: {sizes}>"
 
     @property
     def time(self) -> float:
