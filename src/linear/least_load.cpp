@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/least_load.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -44,7 +45,9 @@ Level least_level(const Eigen::MatrixXd& W, const VectorXd& b, const VectorXd& l
     out.motion = motion;
     // The motion W a needs the power b.a, and the forces give at most the sum of bound_i (W a)_i: a lower bound.
     double resistance = 0;
+    const double slow = std::max(used_speed * motion.cwiseAbs().maxCoeff(), balance_tolerance * size);
     for (Index k = 0; k < motion.size(); ++k) {
+      if (std::abs(motion[k]) <= slow) continue;  // rounding, which must not resist where nothing else does
       const double bound = motion[k] > 0 ? upper[k] : lower[k];
       if (std::isfinite(bound)) resistance += bound * motion[k];
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/box_complementarity.h"
 
+#include "linear/least_load.h"
 #include "units.h"
 
 namespace nb = nanobind;
@@ -13,6 +14,13 @@ Eigen::VectorXd vector(const Numbers& of) {
 }
 Numbers list(const Eigen::VectorXd& of) { return {of.begin(), of.end()}; }
 
+Eigen::MatrixXd square(const Table& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd out(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) out.row(i) = vector(rows[static_cast<std::size_t>(i)]).transpose();
+  return out;
+}
+
 }  // namespace
 
 // W: rows of a square matrix. Returns x, r and whether a solution was found.
@@ -20,10 +28,14 @@ void bind_box_complementarity(nb::module_& m) {
   m.def(
       "solve_in_box",
       [](const Table& W, const Numbers& b, const Numbers& lower, const Numbers& upper) {
-        Eigen::MatrixXd matrix(b.size(), b.size());
-        for (std::size_t i = 0; i < W.size(); ++i) matrix.row(static_cast<Eigen::Index>(i)) = vector(W[i]).transpose();
-        const gelenk::BoxSolution found = gelenk::solve_in_box(matrix, vector(b), vector(lower), vector(upper));
+        const gelenk::BoxSolution found = gelenk::solve_in_box(square(W), vector(b), vector(lower), vector(upper));
         return std::pair(std::pair(list(found.x), list(found.r)), found.found);
+      },
+      nb::arg("W"), nb::arg("b"), nb::arg("lower"), nb::arg("upper"));
+  m.def(
+      "least_load",
+      [](const Table& W, const Numbers& b, const Numbers& lower, const Numbers& upper) {
+        return list(gelenk::least_load(square(W), vector(b), vector(lower), vector(upper)));
       },
       nb::arg("W"), nb::arg("b"), nb::arg("lower"), nb::arg("upper"));
 }

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Distributions of redundant forces: within their bounds if any is, and balanced in any case."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import Array
+
+INF = np.inf
+# Three coordinates that hold the same motion, and one that holds another, coupled with the first by inertia.
+COUPLED = np.array([[0.47] * 3 + [-0.06]] * 3 + [[-0.06] * 3 + [0.31]])
+
+
+def loads(units: Any, W: Array, b: Array, lower: list[float], upper: list[float]) -> Array:
+    return np.array(units.least_load(W.tolist(), b.tolist(), lower, upper))
+
+
+def test_limits_are_used_to_the_same_fraction(units: Any) -> None:
+    """Two brakes on a shaft, of 1 and 3 N m, which hold 2 N m together."""
+    W = np.full((2, 2), 0.5)
+    assert loads(units, W, W @ [2.0, 0], [-1, -3], [1, 3]) == pytest.approx([0.5, 1.5], rel=1e-12)
+    # Beyond their sum, both are overloaded alike.
+    assert loads(units, W, W @ [8.0, 0], [-1, -3], [1, 3]) == pytest.approx([2, 6], rel=1e-12)
+
+
+def test_contact_takes_over_what_friction_need_not_hold(units: Any) -> None:
+    W = np.full((2, 2), 0.5)
+    assert loads(units, W, W @ [2.0, 0], [0, -3], [INF, 3]) == pytest.approx([2, 0], abs=1e-12)
+    assert loads(units, W, W @ [-2.0, 0], [0, -3], [INF, 3]) == pytest.approx([0, -2], abs=1e-12)
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-16, -1e-16])
+@pytest.mark.parametrize("force", [2.5, 1e-6, -1e-6, -2.5])
+def test_contact_that_would_have_to_pull_is_seen(units: Any, force: float, rounding: float) -> None:
+    """Beside other forces that are redundant: the fourth force is unique, and negative if it pulls."""
+    W = COUPLED + rounding * np.diag([1, -1, 1, -1])
+    b = W @ [-36.0, -4.0, -42.0, force]
+    x = loads(units, W, b, [-INF, -0.15, -0.295, 0], [0.17, 0.15, INF, INF])
+    assert W @ x == pytest.approx(b, abs=1e-12)
+    assert x[3] == pytest.approx(force, abs=1e-10)  # rounding of the others' 80 N
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_distributions_are_balanced(units: Any, seed: int) -> None:
+    """Friction and contacts on fewer motions than there are forces."""
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(3, 6))
+    W = A.T @ A
+    b = W @ rng.normal(size=6)
+    limits = rng.uniform(0.1, 2, 6)
+    kinds = rng.integers(0, 3, 6)  # friction; pushes upwards; pushes downwards
+    lower = np.where(kinds == 0, -limits, np.where(kinds == 1, 0, -INF))
+    upper = np.where(kinds == 0, limits, np.where(kinds == 1, INF, 0))
+    x = loads(units, W, b, lower.tolist(), upper.tolist())
+    assert W @ x == pytest.approx(b, abs=1e-10 * np.abs(b).max())
