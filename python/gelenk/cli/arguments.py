@@ -24,6 +24,17 @@ AssemblyTolerance = Annotated[
     ),
 ]
 
+InputTable = Annotated[
+    Path | None,
+    typer.Option("--input", metavar="FILE.csv", help="Inputs: a column `time` and a column for each input."),
+]
+ParametersAndInputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
+    ),
+]
+
 
 def load_scene(path: str, assembly_tolerance: float | None = None) -> gelenk.Scene:
     """Load a scene file, with `assembly.tolerance` if it is given. Raises SceneError, UsageError, OSError."""

@@ -17,6 +17,8 @@ import gelenk
 from gelenk.cli import analysis, pictures
 from gelenk.cli.arguments import (
     AssemblyTolerance,
+    InputTable,
+    ParametersAndInputs,
     check_output_file,
     load_scene,
     parse_parameters,
@@ -233,18 +235,8 @@ def simulate(
             help="Constraint formulation: projection, baumgarte, index3, ...: see docs/scene-format.md."
         ),
     ] = None,
-    inputs: Annotated[
-        Path | None,
-        typer.Option(
-            "--input", metavar="FILE.csv", help="Inputs: a column `time` and a column for each input."
-        ),
-    ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
-        ),
-    ] = None,
+    inputs: InputTable = None,
+    settings: ParametersAndInputs = None,
     assembly_tolerance: AssemblyTolerance = None,
     without: Without = None,
     outputs: Outputs = None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gelenk
-from gelenk.cli.arguments import AssemblyTolerance, parse_parameters
+from gelenk.cli.arguments import AssemblyTolerance, InputTable, ParametersAndInputs, parse_parameters
 from gelenk.cli.errors import report_user_errors
 from gelenk.cli.progress import progress_bar
 from gelenk.errors import StepError, UsageError
@@ -55,18 +55,8 @@ def view(
     stop: Annotated[
         float | None, typer.Option(help="End of the simulation [s]; 0 shows the start only.")
     ] = None,
-    inputs: Annotated[
-        Path | None,
-        typer.Option(
-            "--input", metavar="FILE.csv", help="Inputs: a column `time` and a column for each input."
-        ),
-    ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
-        ),
-    ] = None,
+    inputs: InputTable = None,
+    settings: ParametersAndInputs = None,
     assembly_tolerance: AssemblyTolerance = None,
     output: Annotated[
         Path | None,

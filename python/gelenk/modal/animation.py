@@ -15,7 +15,7 @@ from gelenk.errors import AssemblyError, UsageError
 from gelenk.extras import pyplot
 from gelenk.modal.body_poses import Pose, PoseEvaluator
 from gelenk.modal.mode import Mode
-from gelenk.model.skeleton import DEFAULT_WHEEL_AXIS, constraining_joints, point, springs, view_axes, wheels
+from gelenk.model.skeleton import joint_ends, point, springs, view_axes, wheel_axes, wheels
 
 type Array = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def _size(lines: Sequence[Array]) -> float:
 
 def _parts(at: PoseEvaluator) -> list[_Part]:
     """Return joints, supports, springs and bodies as polylines between the frames of joints and springs."""
-    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(at.data).values()]
+    joints = joint_ends(at.data)
     forces = springs(at.data)
     bodies = at.data["bodies"]
     ends = [point(end) for pair in (*joints, *forces) for end in pair]
@@ -128,11 +128,7 @@ def _axes(body: Mapping[str, Any]) -> Array:
 
 def _wheel(row: Mapping[str, Any]) -> _Part:
     """Return the rim of a wheel with one spoke."""
-    axis, center = (
-        np.array(row.get(key, given), float)
-        for key, given in (("axis", DEFAULT_WHEEL_AXIS), ("position", 3 * [0]))
-    )
-    across = np.linalg.svd(axis[None])[2][1:]
+    center, _, across = wheel_axes(row)
     turn = np.linspace(0, 2 * np.pi, RIM_POINTS)
     rim = center + row["radius"] * np.column_stack([np.cos(turn), np.sin(turn)]) @ across
     return _Part([(row["body"], p) for p in (*rim, center)], BODY_COLOR, width=2.0)

@@ -35,6 +35,11 @@ def constraining_joints(data: Data) -> dict[str, Data]:
     return {name: joint for name, joint in data["joints"].items() if joint_kind(joint)["nv"] < 6}
 
 
+def joint_ends(data: Data) -> list[tuple[Data, Data]]:
+    """Return the frames in both bodies of the joints that constrain a motion."""
+    return [(joint["parent"], joint["child"]) for joint in constraining_joints(data).values()]
+
+
 def springs(data: Data) -> list[tuple[Data, Data]]:
     """Return the two ends of springs and all other forces between two points."""
     forces = data.get("forces", {}).values()
@@ -45,6 +50,13 @@ def wheels(data: Data) -> dict[str, Data]:
     """Return the constraints with an axis and a radius (rolling wheels), by body."""
     constraints = data.get("constraints", {}).values()
     return {row["body"]: row for row in constraints if {"body", "axis", "radius"} <= {*row}}
+
+
+def wheel_axes(wheel: Data) -> tuple[Array, Array, Array]:
+    """Return the center of a wheel [m], and as unit vectors its axis and two across it, shape (2, 3)."""
+    axis = np.array(wheel.get("axis", DEFAULT_WHEEL_AXIS), float)
+    center = np.array(wheel.get("position", (0.0, 0.0, 0.0)), float)
+    return center, axis / np.linalg.norm(axis), np.linalg.svd(axis[None])[2][1:]
 
 
 def point(end: Data) -> tuple[str, Array]:

@@ -144,7 +144,7 @@ def _read_mat(path: Path) -> Result:
 
 
 def _write_csv(result: Result, path: Path) -> None:
-    path.write_text(result.csv(), encoding="utf-8")
+    result.to_csv(path)
 
 
 def _read_csv(path: Path) -> Result:

@@ -100,7 +100,7 @@ class Simulation:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """There is nothing to close; FMUs and simulations can be used alike."""
+        """Do nothing: a simulation holds nothing that has to be closed."""
 
     def __repr__(self) -> str:
         counts = {"input": len(self.inputs), "output": len(self.outputs)}

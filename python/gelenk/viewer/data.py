@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.model.skeleton import constraining_joints, point, springs, view_axes, wheels
-from gelenk.viewer.shapes import GROUND, Shapes, axis_of, shapes_of, slides
+from gelenk.model.skeleton import (
+    constraining_joints,
+    joint_ends,
+    point,
+    springs,
+    view_axes,
+    wheel_axes,
+    wheels,
+)
+from gelenk.viewer.shapes import GROUND, LINK_RADIUS, Shapes, axis_of, shapes_of, slides
 
 if TYPE_CHECKING:
     from gelenk.simulation.recording import Recording
@@ -42,7 +50,6 @@ def page_data(recording: Recording) -> dict[str, Any]:
         "up": axes[1].tolist(),
         "towards": axes[2].tolist(),
         "flat": is_flat,
-        "size": size,
         "time": _packed(recording.time, np.float64),
         "bodies": [
             {"name": name, "color": COLORS[k % len(COLORS)], **_plain(shapes[name])}
@@ -77,13 +84,10 @@ def _points(recording: Recording) -> Array:
     """Return centers of mass, joints, ends of springs and rims in the world [m], (frames, points, 3)."""
     scene, names = recording.scene, list(recording.scene["bodies"])
     places = [(name, np.array(body["com"], float)) for name, body in scene["bodies"].items()]
-    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(scene).values()]
-    places += [point(end) for pair in (*joints, *springs(scene)) for end in pair]
+    places += [point(end) for pair in (*joint_ends(scene), *springs(scene)) for end in pair]
     for name, row in wheels(scene).items():
-        axis = np.array(row.get("axis", (0.0, 1.0, 0.0)), float)
-        center = np.array(row.get("position", (0.0, 0.0, 0.0)), float)
-        places += [(name, center + sign * row["radius"] * across)
-                   for across in np.linalg.svd(axis[None])[2][1:] for sign in (-1, 1)]  # fmt: skip
+        center, _, across = wheel_axes(row)
+        places += [(name, center + sign * row["radius"] * side) for side in across for sign in (-1, 1)]
     frames = len(recording.time)
     out = [
         np.broadcast_to(p, (frames, 3))
@@ -119,7 +123,7 @@ def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) 
         margin = 0.03 * size
         shapes[parent].add_tube(
             p_F + axis * min(way.min() - margin, 0.0), p_F + axis * max(way.max() + margin, 0.0),
-            RAIL_RADIUS * 0.012 * size,
+            RAIL_RADIUS * LINK_RADIUS * size,
         )  # fmt: skip
 
 
@@ -169,7 +173,6 @@ def _plain(shapes: Shapes) -> dict[str, Any]:
             {"vertices": _packed(vertices, np.float32), "triangles": _packed(triangles, np.uint32)}
             for vertices, triangles in shapes.meshes
         ],
-        "lines": [],
     }
 
 

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import (
-    DEFAULT_WHEEL_AXIS,
     constraining_joints,
+    joint_ends,
     joint_kind,
     point,
     springs,
+    wheel_axes,
     wheels,
 )
 
@@ -82,8 +83,7 @@ def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
 def marks_of(data: Mapping[str, Any]) -> dict[str, list[Array]]:
     """Return the distinct points of bodies and of the ground at which joints and springs act [m]."""
     out: dict[str, list[Array]] = {name: [] for name in (GROUND, *data["bodies"])}
-    joints = [(joint["parent"], joint["child"]) for joint in constraining_joints(data).values()]
-    for pair in (*joints, *springs(data)):
+    for pair in (*joint_ends(data), *springs(data)):
         for body, p in map(point, pair):
             if all(np.linalg.norm(p - other) > SAME for other in out[body]):
                 out[body].append(p)
@@ -156,13 +156,12 @@ def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, la
 
 
 def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
-    axis = np.array(row.get("axis", DEFAULT_WHEEL_AXIS), float)
-    center = np.array(row.get("position", (0.0, 0.0, 0.0)), float)
-    half = axis / np.linalg.norm(axis) * LINK_RADIUS * size / 2
+    center, axis, across = wheel_axes(row)
+    half = axis * LINK_RADIUS * size / 2
     out.add_tube(center - half, center + half, float(row["radius"]))
     # A spoke, beyond both faces, makes the rotation visible.
-    across = np.linalg.svd(axis[None])[2][1] * float(row["radius"])
-    out.add_tube(center - across, center + across, LINK_RADIUS * size, is_joint=True)
+    spoke = across[0] * float(row["radius"])
+    out.add_tube(center - spoke, center + spoke, LINK_RADIUS * size, is_joint=True)
 
 
 def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float) -> None:
@@ -176,9 +175,7 @@ def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: floa
     if kind["axes"] == 2:
         _add_pin(out[child], p_M, axis_of(joint, 1), radius)
     if slides(joint):
-        R = np.array(joint["child"].get("rotation", {}).get("matrix", np.eye(3)), float)
-        axis = R @ np.array(joint.get("axis", (0.0, 0.0, 1.0)), float)
-        half = axis / np.linalg.norm(axis) * 2.5 * radius
+        half = axis_of(joint, 1) * 2.5 * radius
         out[child].add_tube(p_M - half, p_M + half, 2 * radius, is_joint=True)
 
 
