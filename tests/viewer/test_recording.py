@@ -48,6 +48,21 @@ def test_requested_outputs_are_those_that_are_plotted(four_bar: gelenk.Scene) ->
     assert recording.poses.shape[1] == 3
 
 
+def test_parameters_of_the_run_change_what_is_drawn(four_bar: gelenk.Scene) -> None:
+    scene = gelenk.load(four_bar.to_dict() | {"parameters": "all"})
+    settings = {"B.parent.position[1]": 0.6, "drive.tau": 3.0}  # a longer crank; and an input
+    recording = record(scene, stop=0.1, step=0.01, parameters=settings)
+    assert recording.scene["joints"]["B"]["parent"]["position"] == [0.6, 0, 0]
+    tip, pin = (recording.scene["joints"]["B"][side]["position"] for side in ("parent", "child"))
+    crank, coupler = (recording.poses[:, k] for k in (0, 1))
+    found = placed(crank, np.array(tip)) - placed(coupler, np.array(pin))
+    assert_close("B", found, 0.0, 1e-10, "the closure of the loop")
+
+
+def test_one_output_by_its_name(four_bar: gelenk.Scene) -> None:
+    assert record(four_bar, stop=0.1, outputs="A.phi").signals == ["A.phi"]
+
+
 def test_an_fmu_contains_its_scene(four_bar: gelenk.Scene, four_bar_fmu: Path, tmp_path: Path) -> None:
     assert scene_of(four_bar_fmu).to_dict()["bodies"] == four_bar.to_dict()["bodies"]
     other = tmp_path / "other.fmu"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gelenk.linear.model import LinearModel
 from gelenk.model.rotation import rotated
-from gelenk.model.scene import Scene, load
+from gelenk.model.scene import Scene, known_parameters, load
 from gelenk.model.values import Value, elements, start_parameter
 from gelenk.simulation.simulation import Simulation
 
@@ -70,7 +70,7 @@ def pose_evaluator(scene: Scene, settings: Mapping[str, Value], model: LinearMod
         settings: values of the operating point by name; those that are not parameters are ignored.
         model: linear model at the point, with all outputs of the scene.
     """
-    data = copy.deepcopy(scene.with_parameters(_known(scene, settings)).to_dict())
+    data = copy.deepcopy(scene.with_parameters(known_parameters(scene, settings)).to_dict())
     bare = load({**data, "sensors": {}, "parameters": []})
     values, speeds = {}, {}
     parameters = bare.parameters
@@ -86,8 +86,3 @@ def pose_evaluator(scene: Scene, settings: Mapping[str, Value], model: LinearMod
         name: value for name, value in not_fixed.items() if isinstance(parameters[name], bool)
     } | speeds
     return PoseEvaluator(bare.with_parameters(at_rest), data, values, model.units)
-
-
-def _known(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
-    known = scene.parameters
-    return {name: value for name, value in settings.items() if name in known}

@@ -225,6 +225,12 @@ class Scene:
         return f"<Scene {self.name}: {', '.join(counts)}>"
 
 
+def known_parameters(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the settings that are parameters of a scene, without inputs and others."""
+    known = scene.parameters
+    return {name: value for name, value in settings.items() if name in known}
+
+
 def load(source: Source) -> Scene:
     """Read and check a scene.
 

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.errors import UsageError
-from gelenk.model.scene import Scene, load
+from gelenk.errors import StepError, UsageError
+from gelenk.model.scene import Scene, known_parameters, load
 from gelenk.simulation.result import Result
 from gelenk.simulation.run import simulate
+from gelenk.viewer.pages import view_of
 
 type Array = NDArray[np.float64]
 
@@ -30,7 +31,8 @@ class Recording:
     """A mechanism in motion.
 
     Attributes:
-        scene: the scene as plain data, without the sensors that have recorded it.
+        scene: the scene as plain data, with the parameters of the run, without the sensors that have
+            recorded it.
         time: times of the frames [s], shape (frames,).
         poses: of the bodies' frames in the world: position [m] and quaternion (x, y, z, w), shape (frames,
             bodies, 7), bodies in the order of the scene.
@@ -75,20 +77,30 @@ def record(scene: Scene, **run: Any) -> Recording:
         run: arguments of `gelenk.simulate`.
 
     Raises:
-        SceneError, AssemblyError, StepError, UsageError: see `gelenk.simulate`.
+        SceneError, AssemblyError, UsageError: see `gelenk.simulate`.
+        StepError: a step failed; its `view` shows the motion up to this step.
     """
     plain = scene.to_dict()
-    if run.get("outputs") is not None:
-        run["outputs"] = [*run["outputs"], f"{SENSOR}*"]
+    outputs = run.get("outputs")
+    if outputs is not None:
+        run["outputs"] = [*([outputs] if isinstance(outputs, str) else outputs), f"{SENSOR}*"]
     data = {**plain, "sensors": dict(plain.get("sensors", {}))}
     for number, body in enumerate(plain["bodies"]):
         data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}
     if "outputs" in data:
         data["outputs"] = [*data["outputs"], f"{SENSOR}*"]
-    return recording_of(plain, simulate(load(data), **run))
+    # Positions of joints may be parameters.
+    drawn = scene.with_parameters(known_parameters(scene, run.get("parameters") or {})).to_dict()
+    try:
+        return _recording_of(drawn, simulate(load(data), **run))
+    except StepError as e:
+        if e.result is not None:
+            e.result.events += ((float(e.result.time[-1]), f"the run ended: {e}"),)
+            e.view = view_of(_recording_of(drawn, e.result))
+        raise
 
 
-def recording_of(scene: Mapping[str, Any], result: Result) -> Recording:
+def _recording_of(scene: Mapping[str, Any], result: Result) -> Recording:
     """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
     rows = _frames(len(result))
     return Recording(scene, result.time[rows], _poses(result, rows, len(scene["bodies"])), result, rows)

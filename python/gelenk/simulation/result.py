@@ -138,7 +138,9 @@ class Result:
             SceneError, StepError, OSError: see `gelenk.simulate`.
         """
         if self.run is None:
-            raise UsageError("a result that was read from a file has no mechanism; view its scene instead")
+            raise UsageError(
+                "the result has no mechanism: it was read from a file, or the run failed; view its scene"
+            )
         from gelenk.simulation.views import view
 
         plant, arguments = self.run

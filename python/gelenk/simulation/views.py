@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
-from gelenk.errors import StepError
 from gelenk.model.scene import Scene
-from gelenk.simulation.recording import record, recording_of, scene_of
+from gelenk.simulation.recording import record, scene_of
 from gelenk.viewer.pages import View, view_of
 
 
@@ -34,11 +33,4 @@ def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> 
     >>> page.html[:15]
     '<!DOCTYPE html>'
     """
-    scene = scene_of(plant)
-    try:
-        return view_of(record(scene, **run))
-    except StepError as e:
-        if e.result is not None:
-            e.result.events += ((float(e.result.time[-1]), f"the run ended: {e}"),)
-            e.view = view_of(recording_of(scene.to_dict(), e.result))
-        raise
+    return view_of(record(scene_of(plant), **run))
