@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 import gelenk
 from gelenk.chart.mechanisms import governor
-from physics.trees.test_double_pendulum import C1, C2, J1, J2, L1, M1, M2, START, double_pendulum, rates
+from physics.trees.test_double_pendulum import C1, C2, J1, J2, L1, M1, M2, START, TEXTBOOK, double_pendulum
 
 MULTISTEP = ("ida", "cvode", "cvode-adams")
 STEP = 1e-3  # s
@@ -39,7 +39,7 @@ def reference() -> tuple[float, ...]:
     def driven(t: float, y: np.ndarray, tau: float) -> np.ndarray:
         c = k12 * np.cos(y[0] - y[1])
         M = np.array([[J1 + M1 * C1**2 + M2 * L1**2, c], [c, J2 + M2 * C2**2]])
-        out: np.ndarray = rates(t, y) + np.concatenate([[0, 0], np.linalg.solve(M, [tau, 0])])
+        out: np.ndarray = TEXTBOOK.rates(t, y) + np.concatenate([[0, 0], np.linalg.solve(M, [tau, 0])])
         return out
 
     for k in range(STEPS):
