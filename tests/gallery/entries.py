@@ -52,7 +52,7 @@ def position(scene: Scene, joint: str, end: str) -> Array:
 
 
 def assert_stated(name: str, value: float, unit: str) -> None:
-    """Check that the page of a mechanism states a value with this unit: at least three digits, all correct."""
+    """Check that the page of a mechanism states a value with this unit, in at least three correct digits."""
     text = " ".join((GALLERY / name / "README.md").read_text(encoding="utf-8").split())
     after = rf" {re.escape(unit)}(?!\w)" if unit else r"(?![\w.])"
     found = re.findall(rf"(?<![\w.])(-?\d+(?:\.(\d+))?){after}", text)

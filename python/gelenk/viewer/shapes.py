@@ -24,9 +24,12 @@ type Array = NDArray[np.float64]
 
 GROUND = "ground"
 SAME = 1e-9  # m; closer points are one
+ALIKE = 0.02  # relative difference of moments of inertia given with two digits
+IN_LINE = 1e-3  # width of points in line, relative to their distance
 LINK_RADIUS = 0.012  # relative to the size of the mechanism, like the following
 PLATE_THICKNESS = 0.012
 SMALLEST_BLOCK, LARGEST_BLOCK, LARGEST_END = 0.03, 0.5, 0.15
+LARGEST_DISK = 2.0  # a disk hides less than a block
 JOINT_RADIUS, JOINT_LENGTH = 1.5, 4.0  # in radii of links
 
 
@@ -120,19 +123,33 @@ def _add_body(
         _add_plate(out, np.array(marks), size)
     elif len(marks) == 2:
         out.add_tube(marks[0], marks[1], radius)
-    elif len(marks) == 1 and np.linalg.norm(com - marks[0]) > SAME:
-        out.add_tube(marks[0], com, radius)
+    foot = _foot(np.array(marks), com) if len(marks) > 0 else None
+    far = SAME if len(marks) == 1 else LARGEST_END * size
+    if foot is not None and np.linalg.norm(com - foot) > far:
+        out.add_tube(foot, com, radius)
         if not is_wheel:
             _add_block(out, body, com, size, LARGEST_END)
-    elif not is_wheel:
+    elif len(marks) < 2 and not is_wheel:
         _add_block(out, body, com, size, LARGEST_BLOCK)
+
+
+def _foot(marks: Array, com: Array) -> Array | None:
+    """Return the point below the center of mass on the line of the marks, or None if they are not in line."""
+    middle: Array = marks.mean(axis=0)
+    if len(marks) == 1:
+        return middle
+    _, extent, V = np.linalg.svd(marks - middle)
+    if extent[1] > IN_LINE * extent[0]:
+        return None
+    out: Array = middle + V[0] * ((com - middle) @ V[0])
+    return out
 
 
 def _add_plate(out: Shapes, marks: Array, size: float) -> None:
     """Add the hull of three or more points, or a link between the outermost of points in line."""
     middle = marks.mean(axis=0)
     _, extent, V = np.linalg.svd(marks - middle, full_matrices=True)
-    thin = 1e-3 * extent[0]
+    thin = IN_LINE * extent[0]
     if extent[1] <= thin:
         along = (marks - middle) @ V[0]
         out.add_tube(marks[along.argmin()], marks[along.argmax()], LINK_RADIUS * size)
@@ -144,15 +161,44 @@ def _add_plate(out: Shapes, marks: Array, size: float) -> None:
 
 
 def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, largest: float) -> None:
-    """Add the homogeneous block with the mass and the inertia of a body; no edge exceeds `largest` sizes."""
+    """Add the homogeneous cylinder or block with the mass and the inertia of a body; no edge, and no length
+    of a cylinder, exceeds `largest` sizes.
+    """
     xx, yy, zz, xy, xz, yz = body["inertia"]
     inertia, V = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     if np.linalg.det(V) < 0:
         V[:, 2] = -V[:, 2]
-    squares = 12 * (inertia.sum() / 2 - inertia) / (body["mass"] or 1.0)
+    mass = body["mass"] or 1.0
+    axis = _axis_of_symmetry(inertia)
+    if axis is not None:
+        square = 2 * inertia[axis] / mass
+        length = 12 * np.delete(inertia, axis).mean() / mass - 3 * square
+        bounds = np.array([[SMALLEST_BLOCK, LARGEST_DISK], [SMALLEST_BLOCK, largest]]) * size
+        diameter, height = np.clip(np.sqrt([4 * square, max(0.0, length)]), *bounds.T)
+        _add_disk(out, com, V[:, axis], V[:, axis - 1], float(diameter / 2), float(height), size)
+        return
+    squares = 12 * (inertia.sum() / 2 - inertia) / mass
     edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, largest * size)
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     out.add_hull(com + corners * edges @ V.T)
+
+
+def _axis_of_symmetry(inertia: Array) -> int | None:
+    """Return the principal axis about which a body is a cylinder: moments about the others are equal."""
+    same = ALIKE * inertia[2]
+    if inertia[1] - inertia[0] <= same < inertia[2] - inertia[1]:
+        return 2
+    return 0 if inertia[2] - inertia[1] <= same < inertia[1] - inertia[0] else None
+
+
+def _add_disk(
+    out: Shapes, center: Array, axis: Array, across: Array, radius: float, height: float, size: float
+) -> None:
+    """Add a cylinder; if it is flat, a spoke on either face makes the rotation visible."""
+    half, spoke = axis * height / 2, across * radius
+    out.add_tube(center - half, center + half, radius)
+    for face in (center - half, center + half) if height < 2 * radius else ():
+        out.add_tube(face - spoke, face + spoke, LINK_RADIUS * size / 2, is_joint=True)
 
 
 def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
