@@ -16,7 +16,7 @@ type Array = NDArray[np.float64]
 type Data = Mapping[str, Any]  # of a scene: Scene.to_dict()
 
 DEFAULT_WHEEL_AXIS = (0.0, 1.0, 0.0)  # of rolling constraints
-OBLIQUE = (0.5, -0.8, 0.45)  # direction towards the viewer of a mechanism in space
+OBLIQUE = (0.5, -0.8, 0.45)  # towards the viewer of a mechanism in space: right, away from him, upwards
 FLAT = 1e-6  # thickness of a planar mechanism, relative to its size
 
 
@@ -64,6 +64,13 @@ def point(end: Data) -> tuple[str, Array]:
     return end["body"], np.array(end.get("position", (0.0, 0.0, 0.0)), float)
 
 
+def upwards(gravity: Sequence[float]) -> Array:
+    """Return the unit vector against gravity; z where there is none."""
+    up = -np.array(gravity, float)
+    out: Array = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
+    return out
+
+
 def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
     """Return the axes of a picture, and whether it shows a planar mechanism.
 
@@ -75,14 +82,17 @@ def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
         tuple[Array, bool]: unit vectors in the world frame to the right, upwards and towards the viewer,
             shape (3, 3); a planar mechanism is seen in its plane, others obliquely from above.
     """
-    up = -np.array(gravity, float)
-    up = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
+    up = upwards(gravity)
+    right = np.eye(3)[1 if abs(up[0]) > 0.9 else 0]
+    right = right - (right @ up) * up
+    right /= np.linalg.norm(right)
+    oblique = np.array(OBLIQUE) @ [right, np.cross(up, right), up]
     # The factor R has at most three rows, however many points there are.
     _, extent, V = np.linalg.svd(np.linalg.qr(points - points.mean(axis=0), mode="r"))
     is_flat = bool(len(extent) < 3 or extent[2] < FLAT * max(extent[0], 1e-300))
     is_flat = is_flat and bool(extent[1] > FLAT * extent[0])
-    toward = V[2] if is_flat else np.array(OBLIQUE)
-    if is_flat and toward @ OBLIQUE < 0:
+    toward = V[2] if is_flat else oblique
+    if is_flat and toward @ oblique < 0:
         toward = -toward
     toward = toward / np.linalg.norm(toward)
     if abs(up @ toward) > 0.99:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from gelenk.model.skeleton import (
     joint_ends,
     point,
     springs,
+    upwards,
     view_axes,
     wheel_axes,
     wheels,
@@ -34,7 +34,7 @@ RAIL_RADIUS = 0.4  # in radii of links
 
 
 def page_data(recording: Recording) -> dict[str, Any]:
-    """Return what the page of a recording shows, as plain data for JSON."""
+    """Return what pages and pictures of a recording show: plain data for JSON, but for arrays."""
     from gelenk import __version__
 
     scene = recording.scene
@@ -42,21 +42,23 @@ def page_data(recording: Recording) -> dict[str, Any]:
     size = _size(scene, points[0])
     shapes = shapes_of(scene, size)
     _add_rails(shapes, recording, size)
-    axes, is_flat = view_axes(points.reshape(-1, 3), scene.get("gravity", (0.0, 0.0, 0.0)))
+    gravity = scene.get("gravity", (0.0, 0.0, 0.0))
+    axes, is_flat = view_axes(points.reshape(-1, 3), gravity)
     names = list(scene["bodies"])
     return {
         "name": scene.get("name", "") or "mechanism",
         "version": f"Gelenk {__version__}",
-        "up": axes[1].tolist(),
+        # In space, what is level stays level in all views.
+        "up": (axes[1] if is_flat else upwards(gravity)).tolist(),
         "towards": axes[2].tolist(),
         "flat": is_flat,
-        "time": _packed(recording.time, np.float64),
+        "time": np.asarray(recording.time, np.float64),
         "bodies": [
             {"name": name, "color": COLORS[k % len(COLORS)], **_plain(shapes[name])}
             for k, name in enumerate(names)
         ],
         "ground": {"name": GROUND, "color": GROUND_COLOR, **_plain(shapes[GROUND])},
-        "poses": _packed(recording.poses, np.float32),
+        "poses": np.asarray(recording.poses, np.float32),
         "joints": _joints(scene, names),
         "springs": [{"from": _end(a, names), "to": _end(b, names)} for a, b in springs(scene)],
         **_signals(recording),
@@ -157,7 +159,7 @@ def _signals(recording: Recording) -> dict[str, Any]:
             {
                 "name": name,
                 "unit": result.units.get(name, "1"),
-                "values": _packed(result[name][recording.rows], np.float32),
+                "values": np.asarray(result[name][recording.rows], np.float32),
             }
             for name in names
         ],
@@ -170,13 +172,7 @@ def _plain(shapes: Shapes) -> dict[str, Any]:
         "tubes": shapes.tubes,
         "balls": shapes.balls,
         "meshes": [
-            {"vertices": _packed(vertices, np.float32), "triangles": _packed(triangles, np.uint32)}
+            {"vertices": np.asarray(vertices, np.float32), "triangles": np.asarray(triangles, np.uint32)}
             for vertices, triangles in shapes.meshes
         ],
     }
-
-
-def _packed(values: Any, kind: type) -> str:
-    """Return numbers as base64, little endian."""
-    array = np.ascontiguousarray(values, np.dtype(kind).newbyteorder("<"))
-    return base64.b64encode(array.tobytes()).decode("ascii")
