@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageSequence
 
 import gelenk
 
@@ -108,15 +108,14 @@ def draw_with_plot(name: str, shot: Shot, signals: list[str], path: Path) -> Non
     marks = [axis.axvline(shot.span[0], color="#c2410c", lw=1.2) for axis in figure.axes]
     pictures = []
     with Image.open(GALLERY / name / "moving.gif") as film:
-        for k in range(film.n_frames):
-            film.seek(k)
+        for k, frame in enumerate(ImageSequence.Iterator(film)):
             time = shot.span[0] + k * shot.speed / shot.frame_rate
             for mark in marks:
                 mark.set_xdata([time, time])
             buffer = io.BytesIO()
             figure.savefig(buffer, dpi=DPI)
             both = Image.new("RGB", (SIZE[0] + PLOT[0], SIZE[1]), "white")
-            both.paste(film.convert("RGB"), (0, 0))
+            both.paste(frame.convert("RGB"), (0, 0))
             both.paste(Image.open(buffer).convert("RGB"), (SIZE[0], 0))
             pictures.append(both.quantize(32, dither=Image.Dither.NONE))
     pictures[0].save(
@@ -132,7 +131,7 @@ def words(name: str) -> tuple[str, str]:
     sentence = re.match(r".*?\.(?=\s)", " ".join(rest.split()))
     if sentence is None:
         raise ValueError(f"{name}: the page has no first sentence")
-    return title, sentence[0]
+    return title, re.sub(r"\[([^]]+)\]\([^)]+\)", r"\1", sentence[0])  # without links
 
 
 def index() -> str:
