@@ -68,6 +68,9 @@ def view(
     inputs: InputTable = None,
     settings: ParametersAndInputs = None,
     assembly_tolerance: AssemblyTolerance = None,
+    reactions: Annotated[
+        bool, typer.Option("--reactions", help="Record the reactions of all joints, to be shown as arrows.")
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -128,7 +131,7 @@ def view(
     try:
         with progress_bar(sys.stderr) as progress:
             page = gelenk.view(
-                plant, stop=stop, inputs=inputs,
+                plant, stop=stop, inputs=inputs, reactions=reactions,
                 parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
             )  # fmt: skip
     except StepError as e:

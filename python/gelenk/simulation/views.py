@@ -12,7 +12,9 @@ from gelenk.simulation.recording import record, scene_of
 from gelenk.viewer.pages import View, view_of
 
 
-def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> View:
+def view(
+    plant: Scene | str | PathLike[str] | Mapping[str, Any], *, reactions: bool = False, **run: Any
+) -> View:
     """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
 
     The page is one HTML file that needs no network: a 3-D view with time slider, plots of the outputs, and
@@ -20,6 +22,8 @@ def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> 
 
     Args:
         plant: a .fmu file, or anything `gelenk.load` accepts.
+        reactions: whether forces and torques of all joints are shown as arrows; those of springs, loads and
+            motors, and of joints with a sensor, always are.
         run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
 
     Returns:
@@ -33,4 +37,4 @@ def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> 
     >>> page.html[:15]
     '<!DOCTYPE html>'
     """
-    return view_of(record(scene_of(plant), **run))
+    return view_of(record(scene_of(plant), reactions=reactions, **run))

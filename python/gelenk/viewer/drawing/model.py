@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.viewer.data import placed
+from gelenk.model.skeleton import placed, turned
 from gelenk.viewer.drawing.colors import SPRING_COLOR, Color, color_of, readable
 from gelenk.viewer.drawing.solids import Array, Indices, Solid, basis, coil, solid_of
 
@@ -143,16 +143,11 @@ def interpolated(a: Array, b: Array, share: float) -> Array:
     return out
 
 
-def rotation(pose: Array) -> Array:
-    """Return the rotation matrix of a pose."""
-    return np.column_stack([placed(pose[None], axis)[0] - pose[:3] for axis in np.eye(3)])
-
-
 def _moved(solid: Solid, poses: Array, body: int) -> Solid:
     if body < 0:
         return solid
-    R = rotation(poses[body])
-    return Solid(poses[body, :3] + solid.points @ R.T, solid.normals @ R.T, solid.triangles)
+    pose = poses[body : body + 1]
+    return Solid(placed(pose, solid.points), turned(pose, solid.normals), solid.triangles)
 
 
 def _stretched(shape: Solid, a: Array, b: Array, length: float) -> list[Solid]:

@@ -49,6 +49,13 @@
         values: decode(signal.values, Float32Array)
       })),
       shown: raw.shown || [],
+      arrows: (raw.arrows || []).map((arrow) => ({
+        ...arrow,
+        points: arrow.points ? decode(arrow.points, Float32Array) : null,
+        vectors: decode(arrow.vectors, Int16Array)
+      })),
+      frameAxes: raw.frames || [],
+      colors: raw.colors || {},
       events: (raw.events || []).slice().sort((a, b) => a.t - b.t)
     };
   };

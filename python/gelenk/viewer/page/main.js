@@ -35,6 +35,9 @@
     element("triad").style.display = picture.available ? "" : "none";
 
     const drawn = [];
+    const arrows = new Gelenk.Arrows(recording, model);
+    const legend = new Gelenk.ArrowLegend(element("legend"), arrows, redraw);
+    let axes = null;
     const bar = { update() {}, showEvent() {} };
     const player = new Gelenk.Player(recording, redraw, (event) => bar.showEvent(event));
     const labels = new Gelenk.Labels(element("labels"), recording, model);
@@ -53,8 +56,10 @@
         redraw();
       }
       model.setFrame(player.frame, player.fraction);
+      arrows.update(player.frame, player.fraction);
       orbit.follow();
       bar.update();
+      legend.update(orbit);
       panel.draw();
       if (picture.available) {
         picture.draw(scene, orbit.camera, player.playing);
@@ -114,6 +119,15 @@
       model.showTrails(on);
       redraw();
     });
+    const toggleForces = Gelenk.toggleButton("show-forces", () => arrows.visible, (on) => {
+      arrows.setVisible(on);
+      redraw();
+    });
+    const toggleAxes = Gelenk.toggleButton("show-axes", () => Boolean(axes && axes[0] && axes[0].visible), (on) => {
+      axes = axes || Gelenk.makeAxes(recording, model);
+      for (const group of axes) group.visible = on;
+      redraw();
+    });
     const toggleFollowing = Gelenk.toggleButton("follow", () => orbit.following, (on) => {
       orbit.setFollowing(on);
       redraw();
@@ -121,6 +135,8 @@
     const togglePanel = Gelenk.toggleButton("show-panel", () => panel.visible, (on) => panel.setVisible(on));
     element("show-panel").hidden = !panel.available;
     element("show-trails").hidden = recording.frames < 2;
+    element("show-forces").hidden = !arrows.available;
+    element("show-axes").hidden = !recording.frameAxes.length;
     element("follow").hidden = recording.frames < 2;
     element("show-labels").hidden = !labels.items.length;
     const toggleHelp = Gelenk.setUpHelp(recording.version);
@@ -149,6 +165,8 @@
       "-": () => zoom(1 / 0.85),
       l: toggleLabels,
       t: () => recording.frames > 1 && toggleTrails(),
+      v: () => arrows.available && toggleForces(),
+      x: () => recording.frameAxes.length && toggleAxes(),
       c: () => recording.frames > 1 && toggleFollowing(),
       p: () => panel.available && togglePanel(),
       d: toggleTheme,

@@ -44,9 +44,12 @@
     makeBody(shapes) {
       const group = new THREE.Group();
       group.name = shapes.name;
-      const { solid, wire, outline } = this.geometryOf(shapes);
+      const { solid, symbols, wire, outline } = this.geometryOf(shapes);
       const side = shapes.meshes.length ? "two-sided" : "solid";
       if (solid) group.add(new THREE.Mesh(solid, this.material(side, shapes.color)));
+      for (const [role, symbol] of symbols) {
+        group.add(new THREE.Mesh(symbol, this.material("solid", this.recording.colors[role] || shapes.color)));
+      }
       if (wire) group.add(new THREE.LineSegments(wire, this.material("line", shapes.color)));
       group.userData = { shapes, outline, center: Gelenk.firstCenter(shapes) };
       this.root.add(group);
@@ -58,8 +61,11 @@
       const key = shapes.meshes.length ? shapes : JSON.stringify([shapes.tubes, shapes.balls, shapes.lines]);
       if (!this.geometries.has(key)) {
         const solid = Gelenk.solidGeometry(shapes);
+        const symbols = ["joint", "loop"].map((role) => [role, Gelenk.solidGeometry(shapes, role)])
+          .filter(([, symbol]) => symbol);
         const wire = Gelenk.lineGeometry(shapes.lines);
-        this.geometries.set(key, { solid, wire, outline: Gelenk.outlinePoints([solid, wire].filter(Boolean)) });
+        const all = [solid, wire, ...symbols.map(([, symbol]) => symbol)].filter(Boolean);
+        this.geometries.set(key, { solid, symbols, wire, outline: Gelenk.outlinePoints(all) });
       }
       return this.geometries.get(key);
     }
