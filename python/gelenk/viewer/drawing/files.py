@@ -66,7 +66,8 @@ def _write_gif(frames: list[Picture], path: Path, delay: int) -> None:
     strip = Image.new("RGB", (width, height * len(chosen)))
     for k, frame in enumerate(chosen):
         strip.paste(frame, (0, k * height))
-    palette = strip.quantize(COLORS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    # Colors of small parts, such as pins, are as important as those of large ones.
+    palette = strip.quantize(COLORS, method=Image.Quantize.MAXCOVERAGE, kmeans=3, dither=Image.Dither.NONE)
     colors = _distinct((palette.getpalette() or [])[: 3 * COLORS])
     palette.putpalette(colors)
     images = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]

@@ -41,12 +41,22 @@
       bodies: (raw.bodies || []).map(readShapes),
       ground: readShapes(raw.ground || {}),
       poses: decode(raw.poses, Float32Array),
+      second: raw.second ? {
+        name: raw.second.name,
+        bodies: (raw.second.bodies || []).map(readShapes),
+        ground: readShapes(raw.second.ground || {}),
+        poses: decode(raw.second.poses, Float32Array),
+        springs: raw.second.springs || [],
+        frames: Math.max(1, time.length),
+        colors: raw.colors || {}
+      } : null,
       joints: raw.joints || [],
       springs: raw.springs || [],
       signals: (raw.signals || []).map((signal) => ({
         name: signal.name,
         unit: signal.unit || "",
-        values: decode(signal.values, Float32Array)
+        values: decode(signal.values, Float32Array),
+        second: signal.second ? decode(signal.second, Float32Array) : null
       })),
       shown: raw.shown || [],
       arrows: (raw.arrows || []).map((arrow) => ({

@@ -4,13 +4,14 @@
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
+  const translucent = 0.35;
   const farAway = 4;  // size of the run, in sizes of the mechanism, from which the camera follows
 
   const element = (id) => document.getElementById(id);
 
   function readColors() {
     const style = getComputedStyle(document.documentElement);
-    const names = ["back", "grid", "edge", "text", "faint", "line", "cursor"];
+    const names = ["back", "grid", "edge", "text", "faint", "line", "second", "cursor"];
     return Object.fromEntries(names.map((name) => [name, style.getPropertyValue("--" + name).trim()]));
   }
 
@@ -18,6 +19,8 @@
     const recording = Gelenk.readRecording(element("data").textContent);
     const canvas = element("canvas");
     const model = new Gelenk.Model(recording);
+    const second = recording.second && new Gelenk.Model(recording.second, translucent);
+    if (second) model.include(second);
     const orbit = new Gelenk.OrbitCamera(recording, model);
     const scene = new THREE.Scene();
     const grid = recording.flat ? null : Gelenk.makeGrid(model, orbit);
@@ -26,10 +29,12 @@
     const picture = new Gelenk.Picture(canvas, redraw);
     const triad = new Gelenk.Triad(element("triad"));
     scene.add(model.root);
+    if (second) scene.add(second.root);
     if (grid) scene.add(grid);
     Gelenk.addLights(scene, orbit.camera, orbit.up);
-    element("name").textContent = recording.name;
-    element("name").title = recording.name;
+    const title = second ? `${recording.name}, translucent: ${recording.second.name}` : recording.name;
+    element("name").textContent = title;
+    element("name").title = title;
     element("missing").hidden = picture.available;
     canvas.hidden = !picture.available;
     element("triad").style.display = picture.available ? "" : "none";
@@ -56,6 +61,7 @@
         redraw();
       }
       model.setFrame(player.frame, player.fraction);
+      if (second) second.setFrame(player.frame, player.fraction);
       arrows.update(player.frame, player.fraction);
       orbit.follow();
       bar.update();
@@ -84,6 +90,7 @@
       const colors = readColors();
       const background = new THREE.Color(colors.back);
       model.setTheme(background);
+      if (second) second.setTheme(background);
       if (grid) grid.material.color.set(colors.grid);
       picture.setBackground(background);
       panel.setColors(colors);
@@ -175,7 +182,7 @@
 
     Gelenk.attachPointers(canvas, orbit, redraw);
     canvas.addEventListener("webglcontextrestored", redraw);
-    window.gelenk = Gelenk.makeInterface({ recording, model, orbit, player, canvas, setCamera, drawn: () => drawn });
+    window.gelenk = Gelenk.makeInterface({ recording, model, second, orbit, player, canvas, setCamera, drawn: () => drawn });
     applyTheme();
     // A vehicle that travels far would be a dot.
     model.setFrame(0, 0);
@@ -185,12 +192,12 @@
   }
 
   // What tests and scripts may use of a page.
-  Gelenk.makeInterface = function ({ recording, model, orbit, player, canvas, setCamera, drawn }) {
+  Gelenk.makeInterface = function ({ recording, model, second, orbit, player, canvas, setCamera, drawn }) {
     // Between a key press and the next draw the objects lag behind the player.
-    const bodyNamed = (name) => {
-      const body = model.body(name);
+    const bodyNamed = (name, of = model) => {
+      const body = of && of.body(name);
       if (!body) throw new RangeError("no body named " + name);
-      model.setFrame(player.frame, player.fraction);
+      of.setFrame(player.frame, player.fraction);
       return body;
     };
     return {
@@ -202,8 +209,9 @@
       play: () => player.play(),
       pause: () => player.pause(),
       show: (k) => player.show(k),
-      pose(name) {
-        const body = bodyNamed(name);
+      // Of the first run, or of the second that is laid over it.
+      pose(name, run = 1) {
+        const body = bodyNamed(name, run === 2 ? second : model);
         body.updateWorldMatrix(true, false);
         const [p, q, scale] = [new THREE.Vector3(), new THREE.Quaternion(), new THREE.Vector3()];
         body.matrixWorld.decompose(p, q, scale);

@@ -28,8 +28,10 @@
   };
 
   Gelenk.Model = class {
-    constructor(recording) {
+    // With an opacity below 1, what is behind shows through.
+    constructor(recording, opacity = 1) {
       this.recording = recording;
+      this.opacity = opacity;
       this.root = new THREE.Group();
       this.materials = new Map();
       this.geometries = new Map();
@@ -77,6 +79,7 @@
           ? new THREE.LineBasicMaterial()
           : new THREE.MeshLambertMaterial({ side: kind === "two-sided" ? THREE.DoubleSide : THREE.FrontSide });
         material.userData.color = color;
+        if (this.opacity < 1) Object.assign(material, { transparent: true, opacity: this.opacity });
         if (this.background) material.color.copy(Gelenk.readableColor(color, this.background));
         this.materials.set(key, material);
       }
@@ -115,6 +118,17 @@
       this.box = new THREE.Box3().setFromArray(this.cloud);
       this.center = this.box.getCenter(new THREE.Vector3());
       this.radius = this.box.getSize(vector).length() / 2 || 1;
+    }
+
+    // Lets the camera see what another mechanism reaches, too.
+    include(other) {
+      const cloud = new Float32Array(this.cloud.length + other.cloud.length);
+      cloud.set(this.cloud);
+      cloud.set(other.cloud, this.cloud.length);
+      this.cloud = cloud;
+      this.box.union(other.box);
+      this.box.getCenter(this.center);
+      this.radius = this.box.getSize(nextPosition).length() / 2 || 1;
     }
 
     // The same of the bodies alone, where they are now.
