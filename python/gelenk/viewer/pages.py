@@ -48,7 +48,8 @@ class View:
         """Write the page to a file, or a picture that is drawn without a browser.
 
         Args:
-            path: .html; .png for a still picture; .gif for a film that repeats itself.
+            path: .html; .png for a still picture; .gif for a film that repeats itself; .mp4 for one
+                that is encoded by ffmpeg, if it is installed.
             size: width and height of a picture [pixels]; default: (960, 720), of films (480, 360).
             camera: "start", as the page opens; "front", "side", "top"; or azimuth and elevation [deg], where
                 (-90, 0) is the front view and (0, 0) the view from the right.

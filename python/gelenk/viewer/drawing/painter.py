@@ -40,6 +40,7 @@ class Painter:
         self._options = options
         self._theme = DARK_THEME if options.dark else LIGHT
         self.model = Model(data, color_of(self._theme.background))
+        self._caption = data.get("caption", "")
         self._second = self._second_model(data)
         width, height = options.size
         size = (OVERSAMPLING * width, OVERSAMPLING * height)
@@ -73,7 +74,9 @@ class Painter:
         self._draw(raster, time)
         shape = (self.camera.height, self.camera.width, 3)
         image = Image.fromarray(raster.colors.reshape(shape)).reduce(OVERSAMPLING)
-        if self._options.time_stamp:
+        if self._caption:
+            self._write(image, self._caption)
+        elif self._options.time_stamp:
             self._write(image, f"t = {time:.{self._digits}f} s")
         return image
 

@@ -47,16 +47,27 @@
       return `t = ${t.toFixed(this.digits).replace("-", "\u2212")} s`;
     }
 
+    // Call when the times of the recording have become others.
+    measure() {
+      this.digits = this.timeDigits();
+      element("speed").replaceChildren();
+      this.addSpeeds();
+    }
+
     fillSpeeds() {
+      this.addSpeeds();
+      element("speed").addEventListener("change", () => {
+        this.player.speed = Number(element("speed").value);
+      });
+      releaseAfterPointer(element("speed"));
+    }
+
+    addSpeeds() {
       const speeds = [...new Set([...Gelenk.speeds, this.player.speed])].sort((a, b) => a - b);
       for (const speed of speeds) {
         const chosen = speed === this.player.speed;
         element("speed").append(new Option(speed + "\u00d7", String(speed), chosen, chosen));
       }
-      element("speed").addEventListener("change", () => {
-        this.player.speed = Number(element("speed").value);
-      });
-      releaseAfterPointer(element("speed"));
     }
 
     // Events closer together than a mark is wide share one.

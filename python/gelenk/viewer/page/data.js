@@ -50,6 +50,9 @@
         frames: Math.max(1, time.length),
         colors: raw.colors || {}
       } : null,
+      modes: (raw.modes || []).map((mode) => ({
+        ...mode, time: decode(mode.time, Float64Array), poses: decode(mode.poses, Float32Array)
+      })),
       joints: raw.joints || [],
       springs: raw.springs || [],
       signals: (raw.signals || []).map((signal) => ({

@@ -39,6 +39,13 @@
     canvas.hidden = !picture.available;
     element("triad").style.display = picture.available ? "" : "none";
 
+    for (const mode of recording.modes) {
+      recording.poses = mode.poses;
+      const reached = new Gelenk.Model(recording);
+      model.include(reached);
+    }
+    if (recording.modes.length) recording.poses = recording.modes[0].poses;
+
     const drawn = [];
     const arrows = new Gelenk.Arrows(recording, model);
     const legend = new Gelenk.ArrowLegend(element("legend"), arrows, redraw);
@@ -48,6 +55,11 @@
     const labels = new Gelenk.Labels(element("labels"), recording, model);
     const panel = new Gelenk.Panel(recording, player, redraw);
     const playerBar = new Gelenk.PlayerBar(recording, player);
+    const modeBar = new Gelenk.ModeBar(recording, () => {
+      player.measure();
+      playerBar.measure();
+      redraw();
+    });
     bar.update = () => playerBar.update();
     bar.showEvent = (event) => playerBar.showEvent(event);
     if (!picture.available) labels.setVisible(false);
@@ -79,7 +91,8 @@
     function resize() {
       const stage = element("stage");
       const header = stage.querySelector("header");
-      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight);
+      const above = recording.modes.length ? element("modes").offsetHeight : 0;
+      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight + above);
       picture.resize(orbit.width, orbit.height);
       picture.draw(scene, orbit.camera, player.playing);
       redraw();
@@ -183,6 +196,7 @@
     Gelenk.attachPointers(canvas, orbit, redraw);
     canvas.addEventListener("webglcontextrestored", redraw);
     window.gelenk = Gelenk.makeInterface({ recording, model, second, orbit, player, canvas, setCamera, drawn: () => drawn });
+    window.gelenk.chooseMode = (number) => modeBar.choose(number);
     applyTheme();
     // A vehicle that travels far would be a dot.
     model.setFrame(0, 0);
