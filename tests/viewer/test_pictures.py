@@ -15,10 +15,10 @@ from scipy.spatial.transform import Rotation
 
 import gelenk
 from gelenk.simulation.recording import record
+from gelenk.viewer.between import interpolated
 from gelenk.viewer.data import page_data
 from gelenk.viewer.drawing.camera import HALF_ANGLE, MARGIN, Camera
 from gelenk.viewer.drawing.colors import LEAST_CONTRAST, color_of, luminance, readable
-from gelenk.viewer.drawing.model import interpolated
 from gelenk.viewer.drawing.options import PictureOptions
 from gelenk.viewer.drawing.painter import OVERSAMPLING, Painter
 
@@ -45,16 +45,17 @@ def test_every_body_is_drawn_where_it_is(name: str, root: Path) -> None:
     """At the start and the end: alone, it differs from the background in the box of its projected points."""
     recording = record(gelenk.load(root / "scenes" / f"{name}.yaml"))
     painter = Painter(page_data(recording), PictureOptions(size=SIZE))
-    _, *parts = painter.model.parts
+    parts = painter.model.parts
     painter.model.springs = []
     for frame_number in (0, -1):
         time = float(recording.time[frame_number])
         painter.model.parts = []
         background = pixels(painter.frame(time))
-        for number, part in enumerate(parts):
-            painter.model.parts = [part]
+        for number in range(len(recording.scene["bodies"])):
+            painter.model.parts = [part for part in parts if part.body == number]
             pose = recording.poses[frame_number, number]
-            world = Rotation.from_quat(pose[3:]).apply(part.solid.points) + pose[:3]
+            own = np.vstack([part.solid.points for part in painter.model.parts])
+            world = Rotation.from_quat(pose[3:]).apply(own) + pose[:3]
             box = pinhole(painter.camera, world) / OVERSAMPLING
             differs = np.abs(pixels(painter.frame(time)) - background).max(axis=2) > 0
             rows, columns = np.nonzero(differs)

@@ -33,7 +33,7 @@ def volume(found: Shapes) -> float:
 
 def test_a_body_with_two_joints_is_a_link(four_bar: gelenk.Scene) -> None:
     found = shapes_of(four_bar.to_dict(), SIZE)
-    links = [tube for tube in found["coupler"].tubes if not tube["joint"]]
+    links = [tube for tube in found["coupler"].tubes if not tube["role"]]
     assert [(tube["a"], tube["b"]) for tube in links] == [([0, 0, 0], [1.75, 0, 0])]
 
 
@@ -100,7 +100,7 @@ def test_three_joints_in_line_are_a_link() -> None:
     }
     joints["F"] = joint("free", frame("ground"), frame("bar"))
     found = shapes(bodies, joints)["bar"]
-    ends = sorted(tube[end][0] for tube in found.tubes if not tube["joint"] for end in "ab")
+    ends = sorted(tube[end][0] for tube in found.tubes if not tube["role"] for end in "ab")
     assert ends == [0, 1]
     assert found.meshes == []
 
@@ -125,5 +125,5 @@ def test_center_of_mass_far_from_the_line_of_the_joints_is_seen(
 @pytest.mark.parametrize("name", ["revolute", "prismatic", "universal", "spherical", "cylindrical", "planar"])
 def test_joints_have_symbols(name: str) -> None:
     found = shapes({"a": body(1.0)}, {"J": joint(name, frame("ground"), frame("a", (0.1, 0, 0)))})
-    symbols = [part for of in found.values() for part in (*of.tubes, *of.balls) if part["joint"]]
+    symbols = [part for of in found.values() for part in (*of.tubes, *of.balls) if part["role"]]
     assert len(symbols) == {"universal": 2, "cylindrical": 2, "planar": 0}.get(name, 1)

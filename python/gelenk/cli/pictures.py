@@ -17,6 +17,7 @@ from gelenk.cli.arguments import (
     ParametersAndInputs,
     parse_camera,
     parse_parameters,
+    parse_settings,
     parse_size,
     parse_span,
 )
@@ -68,6 +69,23 @@ def view(
     inputs: InputTable = None,
     settings: ParametersAndInputs = None,
     assembly_tolerance: AssemblyTolerance = None,
+    other: Annotated[
+        Path | None,
+        typer.Option(
+            "--with",
+            metavar="SCENE|FMU",
+            help="A second run, simulated with the same options, which is laid over the first.",
+        ),
+    ] = None,
+    other_settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with-set", metavar="NAME=VALUE", help="As --set, for the second run only; repeatable."
+        ),
+    ] = None,
+    reactions: Annotated[
+        bool, typer.Option("--reactions", help="Record the reactions of all joints, to be shown as arrows.")
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -125,12 +143,19 @@ def view(
         given = [f"--{options.get(name, name)}" for name, value in choices.items() if value is not None]
         if given:
             raise UsageError(f"{', '.join(given)}: only for pictures, expected --png or --gif, too")
+    parameters = parse_parameters(settings or [], assembly_tolerance)
     try:
         with progress_bar(sys.stderr) as progress:
-            page = gelenk.view(
-                plant, stop=stop, inputs=inputs,
-                parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
-            )  # fmt: skip
+            common: dict[str, Any] = {
+                "stop": stop,
+                "inputs": inputs,
+                "reactions": reactions,
+                "progress": progress,
+            }
+            page = gelenk.view(plant, parameters=parameters, **common)
+            if other is not None or other_settings:
+                more = parse_settings(other_settings or [], "--with-set")
+                page = page.overlay(gelenk.view(other or plant, parameters={**parameters, **more}, **common))
     except StepError as e:
         if e.view is not None:
             _put(e.view, files, choices)

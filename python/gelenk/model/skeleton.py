@@ -15,6 +15,7 @@ from gelenk import _core
 type Array = NDArray[np.float64]
 type Data = Mapping[str, Any]  # of a scene: Scene.to_dict()
 
+GROUND = "ground"
 DEFAULT_WHEEL_AXIS = (0.0, 1.0, 0.0)  # of rolling constraints
 OBLIQUE = (0.5, -0.8, 0.45)  # towards the viewer of a mechanism in space: right, away from him, upwards
 FLAT = 1e-6  # thickness of a planar mechanism, relative to its size
@@ -62,6 +63,60 @@ def wheel_axes(wheel: Data) -> tuple[Array, Array, Array]:
 def point(end: Data) -> tuple[str, Array]:
     """Return the body of a joint frame, or of an end of a force, and its position in the body frame [m]."""
     return end["body"], np.array(end.get("position", (0.0, 0.0, 0.0)), float)
+
+
+def frame_rotation(frame: Data) -> Array:
+    """Return the rotation matrix of a frame in its body."""
+    return np.array(frame.get("rotation", {}).get("matrix", np.eye(3)), float)
+
+
+def axis_of(joint: Data, number: int = 0) -> Array:
+    """Return an axis of a joint in the frame of the body that carries its frame F (number 0) or M (1)."""
+    axes = joint.get("axes") or [joint.get("axis", (0.0, 0.0, 1.0))]
+    axis = np.array(axes[min(number, len(axes) - 1)], float)
+    out: Array = frame_rotation(joint["parent" if number == 0 else "child"]) @ axis / np.linalg.norm(axis)
+    return out
+
+
+def turned(poses: Array, v: Array) -> Array:
+    """Return vectors of a body in the world frame.
+
+    Args:
+        poses: of the body: positions and quaternions (x, y, z, w), shape (frames, 7).
+        v: the vectors in the body frame, shape (3,) or (frames, 3).
+
+    Returns:
+        Array: shape (frames, 3).
+    """
+    u, w = poses[:, 3:6], poses[:, 6:7]
+    across = 2 * np.cross(u, v)
+    out: Array = v + w * across + np.cross(u, across)
+    return out
+
+
+def placed(poses: Array, p: Array) -> Array:
+    """Return points of a body in the world frame [m]; shapes as for `turned`."""
+    out: Array = poses[:, :3] + turned(poses, p)
+    return out
+
+
+def loop_joints(data: Data) -> set[str]:
+    """Return the joints that close loops: in the order of the scene, those between connected bodies."""
+    group: dict[str, str] = {}
+
+    def root(body: str) -> str:
+        while body in group:
+            body = group[body]
+        return body
+
+    out = set()
+    for name, joint in constraining_joints(data).items():
+        a, b = (root(point(joint[side])[0]) for side in ("parent", "child"))
+        if a == b:
+            out.add(name)
+        else:
+            group[a] = b
+    return out
 
 
 def upwards(gravity: Sequence[float]) -> Array:

@@ -130,8 +130,11 @@ class Result:
         figure: Figure = plot(self, names)
         return figure
 
-    def view(self) -> View:
+    def view(self, *, reactions: bool = False) -> View:
         """Return a page on which the mechanism moves as in this run, which is repeated with its poses.
+
+        Args:
+            reactions: whether forces and torques of all joints are recorded, too, and shown as arrows.
 
         Raises:
             UsageError: the result is not one of `gelenk.simulate`.
@@ -144,7 +147,7 @@ class Result:
         from gelenk.simulation.views import view
 
         plant, arguments = self.run
-        return view(plant, **arguments)
+        return view(plant, reactions=reactions, **arguments)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame with a column for each signal; the index is `time`, `attrs["units"]` the units.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-PICTURES = (".png", ".gif")
+PICTURES = (".png", ".gif", ".mp4")
 
 
 def is_picture(file: Path) -> bool:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gelenk.errors import UsageError
 from gelenk.viewer.data import page_data
 from gelenk.viewer.endings import PICTURES, is_picture
+from gelenk.viewer.overlay import overlaid
 from gelenk.viewer.page import page_of
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ class View:
         """Write the page to a file, or a picture that is drawn without a browser.
 
         Args:
-            path: .html; .png for a still picture; .gif for a film that repeats itself.
+            path: .html; .png for a still picture; .gif for a film that repeats itself; .mp4 for one
+                that is encoded by ffmpeg, if it is installed.
             size: width and height of a picture [pixels]; default: (960, 720), of films (480, 360).
             camera: "start", as the page opens; "front", "side", "top"; or azimuth and elevation [deg], where
                 (-90, 0) is the front view and (0, 0) the view from the right.
@@ -82,6 +84,18 @@ class View:
             )
         out.write_text(self.html, encoding="utf-8")
         return out
+
+    def overlay(self, other: View, names: Sequence[str] = ()) -> View:
+        """Return a page on which another run is seen, translucent, beside this one; plots have both curves.
+
+        Args:
+            other: of a run, of the same mechanism or of another one.
+            names: of this run and of the other one; by default those of the scenes.
+
+        Raises:
+            UsageError: one of them shows two runs already, or there are not two names.
+        """
+        return View(overlaid(self._data, other._data, names))
 
     def show(self) -> Path:
         """Open the page in the browser, from a temporary file of which the path is returned."""

@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import (
+    GROUND,
+    axis_of,
     constraining_joints,
     joint_ends,
     joint_kind,
+    loop_joints,
     point,
     springs,
     wheel_axes,
@@ -22,7 +25,6 @@ from gelenk.model.skeleton import (
 
 type Array = NDArray[np.float64]
 
-GROUND = "ground"
 SAME = 1e-9  # m; closer points are one
 ALIKE = 0.02  # relative difference of moments of inertia given with two digits
 IN_LINE = 1e-3  # width of points in line, relative to their distance
@@ -41,13 +43,13 @@ class Shapes:
     balls: list[dict[str, Any]] = field(default_factory=list)
     meshes: list[tuple[Array, NDArray[np.uint32]]] = field(default_factory=list)
 
-    def add_tube(self, a: Array, b: Array, radius: float, *, is_joint: bool = False) -> None:
-        """Add a cylinder from a to b."""
-        self.tubes.append({"a": a.tolist(), "b": b.tolist(), "r": radius, "joint": is_joint})
+    def add_tube(self, a: Array, b: Array, radius: float, role: str = "") -> None:
+        """Add a cylinder from a to b; `role` is "joint" or "loop" for the symbol of a joint."""
+        self.tubes.append({"a": a.tolist(), "b": b.tolist(), "r": radius, "role": role})
 
-    def add_ball(self, p: Array, radius: float, *, is_joint: bool = False) -> None:
-        """Add a sphere."""
-        self.balls.append({"p": p.tolist(), "r": radius, "joint": is_joint})
+    def add_ball(self, p: Array, radius: float, role: str = "") -> None:
+        """Add a sphere; `role` is "joint" or "loop" for the symbol of a joint."""
+        self.balls.append({"p": p.tolist(), "r": radius, "role": role})
 
     def add_hull(self, points: Array) -> None:
         """Add the convex hull of points that are not in one plane, shape (points, 3)."""
@@ -78,8 +80,9 @@ def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
         _add_body(out[name], body, marks[name], size, is_wheel=name in rolling)
     for p in marks[GROUND]:
         out[GROUND].add_ball(p, 1.5 * LINK_RADIUS * size)
-    for joint in constraining_joints(data).values():
-        _add_joint(out, joint, LINK_RADIUS * size)
+    loops = loop_joints(data)
+    for name, joint in constraining_joints(data).items():
+        _add_joint(out, joint, LINK_RADIUS * size, "loop" if name in loops else "joint")
     return out
 
 
@@ -102,16 +105,6 @@ def has_axis(joint: Mapping[str, Any]) -> bool:
 def slides(joint: Mapping[str, Any]) -> bool:
     """Return whether a joint has a coordinate along its axis."""
     return has_axis(joint) and "m" in joint_kind(joint)["q_units"]
-
-
-def axis_of(joint: Mapping[str, Any], number: int = 0) -> Array:
-    """Return an axis of a joint in the frame of the body that carries its frame F (number 0) or M (1)."""
-    axes = joint.get("axes") or [joint.get("axis", (0.0, 0.0, 1.0))]
-    axis = np.array(axes[min(number, len(axes) - 1)], float)
-    frame = joint["parent" if number == 0 else "child"]
-    R = np.array(frame.get("rotation", {}).get("matrix", np.eye(3)), float)
-    out: Array = R @ axis / np.linalg.norm(axis)
-    return out
 
 
 def _add_body(
@@ -207,24 +200,24 @@ def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
     out.add_tube(center - half, center + half, float(row["radius"]))
     # A spoke, beyond both faces, makes the rotation visible.
     spoke = across[0] * float(row["radius"])
-    out.add_tube(center - spoke, center + spoke, LINK_RADIUS * size, is_joint=True)
+    out.add_tube(center - spoke, center + spoke, LINK_RADIUS * size, "joint")
 
 
-def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float) -> None:
+def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float, role: str) -> None:
     """Add the symbol of a joint: pins about its axes, a ball, or a block that slides."""
     (parent, p_F), (child, p_M) = point(joint["parent"]), point(joint["child"])
     kind = joint_kind(joint)
     if kind["quaternion"]:
-        out[child].add_ball(p_M, 2 * radius, is_joint=True)
+        out[child].add_ball(p_M, 2 * radius, role)
     elif kind["axes"] == 2 or (has_axis(joint) and "rad" in kind["q_units"]):
-        _add_pin(out[parent], p_F, axis_of(joint), radius)
+        _add_pin(out[parent], p_F, axis_of(joint), radius, role)
     if kind["axes"] == 2:
-        _add_pin(out[child], p_M, axis_of(joint, 1), radius)
+        _add_pin(out[child], p_M, axis_of(joint, 1), radius, role)
     if slides(joint):
         half = axis_of(joint, 1) * 2.5 * radius
-        out[child].add_tube(p_M - half, p_M + half, 2 * radius, is_joint=True)
+        out[child].add_tube(p_M - half, p_M + half, 2 * radius, role)
 
 
-def _add_pin(out: Shapes, p: Array, axis: Array, radius: float) -> None:
+def _add_pin(out: Shapes, p: Array, axis: Array, radius: float, role: str) -> None:
     half = axis * JOINT_LENGTH / 2 * radius
-    out.add_tube(p - half, p + half, JOINT_RADIUS * radius, is_joint=True)
+    out.add_tube(p - half, p + half, JOINT_RADIUS * radius, role)

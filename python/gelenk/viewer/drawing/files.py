@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,11 +22,12 @@ STILL_SIZE, FILM_SIZE = (960, 720), (480, 360)
 COLORS = 63  # colors of a film; one more stands for what remains as it was
 MAX_FRAMES = 1500  # of a film, which is made in memory
 SAMPLES = 12  # frames that determine the palette
+REPEATS = 5  # of a periodic motion in an .mp4 file, which players do not repeat
 LAST_PAUSE = 0.6  # s; the end of a film is shown for so long before it begins again
 
 
 def write_picture(data: Mapping[str, Any], path: Path, **choices: Any) -> Path:
-    """Write a still picture (.png) or a film (.gif) of `gelenk.viewer.data.page_data`.
+    """Write a still picture (.png) or a film (.gif, .mp4) of `gelenk.viewer.data.page_data`.
 
     Args:
         data: what to show.
@@ -35,7 +38,9 @@ def write_picture(data: Mapping[str, Any], path: Path, **choices: Any) -> Path:
         UsageError: a choice is invalid, or Pillow is not installed.
         OSError: the file cannot be written.
     """
-    is_film = path.suffix.lower() == ".gif"
+    is_film = path.suffix.lower() != ".png"
+    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        raise UsageError(f"{path}: .mp4 files require ffmpeg, which is not installed")
     given = {name: value for name, value in choices.items() if value is not None}
     options = PictureOptions(**{"size": FILM_SIZE if is_film else STILL_SIZE, **given})
     first, last = options.span_in(float(data["time"][0]), float(data["time"][-1]))
@@ -48,17 +53,41 @@ def write_picture(data: Mapping[str, Any], path: Path, **choices: Any) -> Path:
     delay = max(2, round(100 / options.frame_rate))
     count = max(1, round((last - first) / speed * 100 / delay))
     times = [min(last, first + k * speed * delay / 100) for k in range(count + 1)]
+    is_periodic = bool(data.get("periodic"))
+    if is_periodic:
+        times = times[:-1]  # the first frame again
     if len(times) > MAX_FRAMES:
         raise UsageError(
             f"{path}: found {len(times)} frames, expected up to {MAX_FRAMES}; choose a shorter span, a lower "
             "frame rate or a higher speed"
         )
-    _write_gif([painter.frame(t) for t in times], path, 10 * delay)
+    frames = [painter.frame(t) for t in times]
+    if path.suffix.lower() == ".gif":
+        _write_gif(frames, path, 10 * delay, 0 if is_periodic else LAST_PAUSE)
+    else:
+        _write_mp4(frames, path, 10 * delay, REPEATS if is_periodic else 1)
     return path
 
 
-def _write_gif(frames: list[Picture], path: Path, delay: int) -> None:
-    """Write frames that last `delay` [ms], with one palette, so that what does not move costs nothing."""
+def _write_mp4(frames: list[Picture], path: Path, delay: int, repeats: int) -> None:
+    """Write frames that last `delay` [ms] with ffmpeg, several times. Raises UsageError."""
+    width, height = frames[0].size
+    command = [
+        shutil.which("ffmpeg") or "", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+        "-s", f"{width}x{height}", "-r", f"{1000 / delay:g}", "-i", "-", "-pix_fmt", "yuv420p",
+        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", str(path),
+    ]  # fmt: skip
+    pixels = b"".join(frame.tobytes() for frame in frames) * repeats
+    done = subprocess.run(command, input=pixels, capture_output=True, check=False)
+    if done.returncode:
+        raise UsageError(f"{path}: ffmpeg failed: {done.stderr.decode(errors='replace').strip()}")
+
+
+def _write_gif(frames: list[Picture], path: Path, delay: int, pause: float) -> None:
+    """Write frames that last `delay` [ms] and a pause [s] at the end.
+
+    All have one palette, so that what does not move costs nothing.
+    """
     from PIL import Image
 
     width, height = frames[0].size
@@ -66,11 +95,12 @@ def _write_gif(frames: list[Picture], path: Path, delay: int) -> None:
     strip = Image.new("RGB", (width, height * len(chosen)))
     for k, frame in enumerate(chosen):
         strip.paste(frame, (0, k * height))
-    palette = strip.quantize(COLORS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    # Colors of small parts, such as pins, are as important as those of large ones.
+    palette = strip.quantize(COLORS, method=Image.Quantize.MAXCOVERAGE, kmeans=3, dither=Image.Dither.NONE)
     colors = _distinct((palette.getpalette() or [])[: 3 * COLORS])
     palette.putpalette(colors)
     images = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
-    durations = [delay] * (len(images) - 1) + [delay + round(1000 * LAST_PAUSE)]
+    durations = [delay] * (len(images) - 1) + [delay + round(1000 * pause)]
     images[0].save(
         path, save_all=True, append_images=images[1:], duration=durations, loop=0, disposal=1,
         palette=bytes(colors), transparency=COLORS, optimize=True,

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.viewer.data import placed
+from gelenk.model.skeleton import placed, turned
+from gelenk.viewer.between import interpolated
 from gelenk.viewer.drawing.colors import SPRING_COLOR, Color, color_of, readable
 from gelenk.viewer.drawing.solids import Array, Indices, Solid, basis, coil, solid_of
 
@@ -38,15 +39,23 @@ class Model:
     def __init__(self, data: Mapping[str, Any], background: Color) -> None:
         """Make a model of `gelenk.viewer.data.page_data`."""
         self.data = data
+        self._background = background
         #: Times of the frames [s], shape (frames,).
         self.time: Array = np.asarray(data["time"], float)
         self._poses = np.asarray(data["poses"], float).reshape(len(self.time), len(data["bodies"]), 7)
-        rows = [(-1, data["ground"]), *enumerate(data["bodies"])]
-        #: The ground and the bodies, in their own frames.
+        rows = [data["ground"], *data["bodies"]]
+        roles = {"": None, **data["colors"]}
+        #: The ground and the bodies, and the symbols of joints on them, in their own frames.
         self.parts = [
-            Part(solid_of(row), readable(color_of(row["color"]), background), body) for body, row in rows
+            Part(solid, readable(color_of(color or row["color"]), background), number - 1)
+            for number, row in enumerate(rows)
+            for role, color in roles.items()
+            if len((solid := solid_of(row, role)).points)
         ]
-        self._outlines = [_outline(part.solid.points) for part in self.parts]
+        own: list[list[Array]] = [[] for _ in rows]
+        for part in self.parts:
+            own[part.body + 1].append(part.solid.points)
+        self._outlines = [_outline(np.vstack([*points, np.empty((0, 3))])) for points in own]
         #: Points that the mechanism reaches during the run, shape (points, 3) [m].
         self.cloud = self._cloud()
         #: Half the diagonal of the box around these points [m].
@@ -94,7 +103,8 @@ class Model:
     def trails(self) -> list[tuple[Array, Color]]:
         """Return the paths of the frame origin and of the farthest point of each body, with its color."""
         out = []
-        for body, (part, outline) in enumerate(zip(self.parts[1:], self._outlines[1:], strict=True)):
+        for body, (row, outline) in enumerate(zip(self.data["bodies"], self._outlines[1:], strict=True)):
+            color = readable(color_of(row["color"]), self._background)
             farthest = outline[np.argmax(np.linalg.norm(outline, axis=1))]
             points = (
                 [np.zeros(3), farthest] if np.linalg.norm(farthest) > 1e-6 * self.radius else [np.zeros(3)]
@@ -103,13 +113,13 @@ class Model:
                 path = placed(self._poses[:, body], point)
                 path = path[np.isfinite(path).all(axis=1)]
                 if len(path) > 1 and _radius(path) > 1e-4 * self.radius:
-                    out.append((_thinned(path, TRAIL_POINTS_APART * self.radius), part.color))
+                    out.append((_thinned(path, TRAIL_POINTS_APART * self.radius), color))
         return out
 
     def _cloud(self) -> Array:
         stride = max(1, -(-self._poses.shape[0] * self._poses.shape[1] // SAMPLED_POSES))
         frames = np.unique([*range(0, len(self._poses), stride), len(self._poses) - 1])
-        points = [self._outlines[0]] if len(self.parts[0].solid.points) else []
+        points = [self._outlines[0]] if any(part.body < 0 for part in self.parts) else []
         for body, outline in enumerate(self._outlines[1:]):
             points += [placed(self._poses[frames, body], p) for p in outline]
         ends = [row[side] for row in self.data["springs"] for side in ("from", "to")]
@@ -128,31 +138,11 @@ class Model:
         return row, coil(radius / length), length
 
 
-def interpolated(a: Array, b: Array, share: float) -> Array:
-    """Return poses between two, on straight lines and the shortest rotations, shape (bodies, 7)."""
-    out = a + share * (b - a)
-    p, q = a[:, 3:], b[:, 3:]
-    cosine = np.einsum("ij,ij->i", p, q)[:, None]
-    angle = np.arccos(np.abs(cosine).clip(0, 1))
-    sine = np.sin(angle)
-    near = sine < 1e-6  # rotations so small that the chord is the arc
-    first = np.where(near, 1 - share, np.sin((1 - share) * angle) / np.where(near, 1, sine))
-    second = np.where(near, share, np.sin(share * angle) / np.where(near, 1, sine))
-    out[:, 3:] = first * p + second * np.where(cosine < 0, -q, q)
-    out[:, 3:] /= np.linalg.norm(out[:, 3:], axis=1, keepdims=True)
-    return out
-
-
-def rotation(pose: Array) -> Array:
-    """Return the rotation matrix of a pose."""
-    return np.column_stack([placed(pose[None], axis)[0] - pose[:3] for axis in np.eye(3)])
-
-
 def _moved(solid: Solid, poses: Array, body: int) -> Solid:
     if body < 0:
         return solid
-    R = rotation(poses[body])
-    return Solid(poses[body, :3] + solid.points @ R.T, solid.normals @ R.T, solid.triangles)
+    pose = poses[body : body + 1]
+    return Solid(placed(pose, solid.points), turned(pose, solid.normals), solid.triangles)
 
 
 def _stretched(shape: Solid, a: Array, b: Array, length: float) -> list[Solid]:

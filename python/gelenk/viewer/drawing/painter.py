@@ -27,6 +27,7 @@ SKY, SOIL = 0.62, 0.62 * 0.56
 LAMP, LAMP_POSITION = 0.5, (-0.5, 0.8, 2.0)  # to the right, upwards, towards the viewer
 GRID_REACH, GRID_LINES = 3.0, 24  # in sizes of the mechanism; of the whole grid
 GRID_WIDTH, GRID_OPACITY, TRAIL_WIDTH = 1.0, 0.7, 1.4  # pixels, 1, pixels
+TRANSLUCENT = 0.35  # opacity of a second run
 TEXT_HEIGHT = 1 / 24  # of the picture
 
 
@@ -39,6 +40,8 @@ class Painter:
         self._options = options
         self._theme = DARK_THEME if options.dark else LIGHT
         self.model = Model(data, color_of(self._theme.background))
+        self._caption = data.get("caption", "")
+        self._second = self._second_model(data)
         width, height = options.size
         size = (OVERSAMPLING * width, OVERSAMPLING * height)
         self.camera = Camera(data["up"], data["towards"], flat=data["flat"], size=size)
@@ -48,7 +51,8 @@ class Painter:
         if self._follows:
             self.camera.fit(self.model.reached_at(start), FOLLOWING_MARGIN)
         else:
-            self.camera.fit(self.model.cloud)
+            clouds = [self.model.cloud] + ([self._second.cloud] if self._second else [])
+            self.camera.fit(np.vstack(clouds))
         self._offset = self.camera.target - start[:, :3].mean(axis=0)
         self._backdrop: NDArray[np.uint8] | None = None
         # As many digits as distinguish the frames of the run.
@@ -67,22 +71,33 @@ class Painter:
         if self._backdrop is None:
             self._backdrop = self._ground()
         raster = Raster(self._backdrop)
-        self._draw(raster, poses)
+        self._draw(raster, time)
         shape = (self.camera.height, self.camera.width, 3)
         image = Image.fromarray(raster.colors.reshape(shape)).reduce(OVERSAMPLING)
-        if self._options.time_stamp:
+        if self._caption:
+            self._write(image, self._caption)
+        elif self._options.time_stamp:
             self._write(image, f"t = {time:.{self._digits}f} s")
         return image
 
-    def _draw(self, raster: Raster, poses: Array) -> None:
-        points, normals, triangles, colors = self.model.solids(poses)
-        seen = self.camera.project(points)
-        corners = seen[triangles]
-        (ax, ay), (bx, by) = ((corners[:, k, :2] - corners[:, 0, :2]).T for k in (1, 2))
-        facing = ax * by - ay * bx < 0  # y is downwards in the picture
-        raster.draw(corners[facing], self._light(normals)[triangles[facing]], colors[facing])
+    def _second_model(self, data: Mapping[str, Any]) -> Model | None:
+        if "second" not in data:
+            return None
+        return Model({**data["second"], "time": data["time"]}, color_of(self._theme.background))
+
+    def _draw(self, raster: Raster, time: float) -> None:
+        self._draw_solids(raster, self.model, time)
         trails = [Line(self.camera.project(path), color) for path, color in self._trails]
         raster.draw_lines(trails, TRAIL_WIDTH * OVERSAMPLING)
+        if self._second:
+            self._draw_solids(raster, self._second, time, TRANSLUCENT)
+
+    def _draw_solids(self, raster: Raster, model: Model, time: float, alpha: float = 1.0) -> None:
+        points, normals, triangles, colors = model.solids(model.poses(time))
+        corners = self.camera.project(points)[triangles]
+        (ax, ay), (bx, by) = ((corners[:, k, :2] - corners[:, 0, :2]).T for k in (1, 2))
+        facing = ax * by - ay * bx < 0  # y is downwards in the picture
+        raster.draw(corners[facing], self._light(normals)[triangles[facing]], colors[facing], alpha)
 
     def _light(self, normals: Array) -> Array:
         """Return the light that surfaces with these normals reflect."""

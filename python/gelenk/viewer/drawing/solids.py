@@ -49,17 +49,18 @@ class Solid:
         )  # fmt: skip
 
 
-def solid_of(shapes: Mapping[str, Any]) -> Solid:
-    """Return the triangles of the shapes of a body, as `gelenk.viewer.data.page_data` describes them."""
+def solid_of(shapes: Mapping[str, Any], role: str = "") -> Solid:
+    """Return the triangles of a body's shapes that have a role, as in `gelenk.viewer.data.page_data`."""
     tubes = [
         tube(np.array(row["a"]), np.array(row["b"]), row["r"])
         for row in shapes["tubes"]
-        if row["a"] != row["b"]
+        if row["a"] != row["b"] and row["role"] == role
     ]
-    balls = [ball(np.array(row["p"]), row["r"]) for row in shapes["balls"]]
+    balls = [ball(np.array(row["p"]), row["r"]) for row in shapes["balls"] if row["role"] == role]
     meshes = [
         mesh(np.array(row["vertices"], float), np.array(row["triangles"], np.intp))
         for row in shapes["meshes"]
+        if role == row.get("role", "")
     ]
     return Solid.joined([*tubes, *balls, *meshes])
 
