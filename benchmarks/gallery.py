@@ -45,6 +45,8 @@ class Shot:
     inputs: dict[str, float] = field(default_factory=dict)
 
 
+TILTING = {"drive1.f": 600.0, "drive2.f": 600.0, "drive4.f": -600.0, "drive5.f": -600.0}  # N
+
 SHOTS: dict[str, dict[str, Shot]] = {
     "Linkages in the plane": {
         "jansen_leg": Shot((0, 2), 0.5, trails=True),
@@ -59,7 +61,7 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "bennett": Shot((0, 4), 0.6, trails=True),
         "bricard": Shot((0, 5), 0.7),
         "delta_robot": Shot((0, 2), 0.0, trails=True),
-        "stewart": Shot((0, 2), 0.0),
+        "stewart": Shot((0, 2), 0.0, inputs=TILTING),
         "double_wishbone": Shot((0, 2), 0.5, camera=(-130, 15)),
     },
     "Gears and wheels": {
@@ -73,7 +75,7 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "cart_pole": Shot((0, 5), 0.6, speed=1.25),
     },
     "Pendulums and tops": {
-        "pendulum": Shot((0, 4), 0.0),
+        "pendulum": Shot((0, 4), 0.0, trails=True),
         "double_pendulum": Shot((0, 4), 0.3, trails=True),
         "free_body": Shot((0, 24), 0.0, speed=6.0),
         "heavy_top": Shot((0, 2), 0.0, speed=0.5),

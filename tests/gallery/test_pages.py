@@ -37,7 +37,10 @@ def test_page_has_three_sentences_and_links_that_lead_somewhere(name: str) -> No
     assert {"moving.gif", "picture.png", "../README.md"} < {*links}
     for link in links:
         assert (GALLERY / name / link).exists(), link
-    assert f"gelenk view {file(name).relative_to(GALLERY.parents[1])}" in text
+    command = f"gelenk view {file(name).relative_to(GALLERY.parents[1])}"
+    assert command in text
+    for signal, value in next(shots[name] for shots in SHOTS.values() if name in shots).inputs.items():
+        assert f"{signal}={value:g}" in text.partition(command)[2]  # the film is of the command
 
 
 @pytest.mark.parametrize("name", NAMES)

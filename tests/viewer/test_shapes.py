@@ -117,7 +117,7 @@ def test_center_of_mass_far_from_the_line_of_the_joints_is_seen(
         {f"J{k}": joint("revolute", frame("a", (x, 0, 0)), frame(f"b{k}")) for k, x in enumerate(places)}
         | {"F": joint("free", frame("ground"), frame("a"))},
     )["a"]
-    _, *struts = [tube for tube in found.tubes if not tube["joint"]]
+    _, *struts = [tube for tube in found.tubes if not tube["role"]]
     assert [(tube["a"], tube["b"]) for tube in struts] == ([([0.3, 0, 0], [0.3, 0, height])] if seen else [])
     assert len(found.meshes) == seen
 

@@ -191,7 +191,7 @@ def _add_disk(
     half, spoke = axis * height / 2, across * radius
     out.add_tube(center - half, center + half, radius)
     for face in (center - half, center + half) if height < 2 * radius else ():
-        out.add_tube(face - spoke, face + spoke, LINK_RADIUS * size / 2, is_joint=True)
+        out.add_tube(face - spoke, face + spoke, LINK_RADIUS * size / 2, "joint")
 
 
 def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
