@@ -27,6 +27,7 @@ from gelenk.errors import StepError, UsageError
 from gelenk.viewer.endings import PICTURES, is_picture
 
 if TYPE_CHECKING:
+    from gelenk.model.values import Value
     from gelenk.viewer import View
 
 
@@ -62,13 +63,22 @@ def plot(
 
 @report_user_errors
 def view(
-    plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
+    plant: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENE|FMU|RUN", help="Scene file, .fmu file, or results of `gelenk simulate`."
+        ),
+    ],
     stop: Annotated[
         float | None, typer.Option(help="End of the simulation [s]; 0 shows the start only.")
     ] = None,
     inputs: InputTable = None,
     settings: ParametersAndInputs = None,
     assembly_tolerance: AssemblyTolerance = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(metavar="SCENE|FMU", help="The mechanism of results in a CSV file, which lacks it."),
+    ] = None,
     other: Annotated[
         Path | None,
         typer.Option(
@@ -127,7 +137,7 @@ def view(
     time_stamp: Annotated[bool, typer.Option("--time", help="Write the time into pictures.")] = False,
     dark: Annotated[bool, typer.Option("--dark", help="Draw pictures in dark colors.")] = False,
 ) -> None:
-    """Simulate a scene or an FMU and show it in the browser.
+    """Simulate a scene or an FMU, or take results, and show the motion in the browser.
 
     The page is one file, which can be mailed and needs no network. With --output, --png or --gif files are
     written instead.
@@ -144,6 +154,16 @@ def view(
         if given:
             raise UsageError(f"{', '.join(given)}: only for pictures, expected --png or --gif, too")
     parameters = parse_parameters(settings or [], assembly_tolerance)
+    from gelenk.simulation.files import ENDINGS
+
+    if plant.suffix.lower() in ENDINGS or scene is not None:
+        simulated = {"--stop": stop, "--input": inputs, "--with": other, "--with-set": other_settings}
+        given = [name for name, value in simulated.items() if value is not None]
+        if given or reactions:
+            names = ", ".join([*given, *(["--reactions"] if reactions else [])])
+            raise UsageError(f"{names}: only for simulations, found results in {plant}")
+        _put(_view_of_file(plant, scene, parameters), files, choices)
+        return
     try:
         with progress_bar(sys.stderr) as progress:
             common: dict[str, Any] = {
@@ -161,6 +181,16 @@ def view(
             _put(e.view, files, choices)
         raise
     _put(page, files, choices)
+
+
+def _view_of_file(run: Path, scene: Path | None, parameters: Mapping[str, Value]) -> View:
+    from gelenk.simulation.recording import scene_of
+
+    result = gelenk.Result.read(run)
+    if scene is None and result.scene is None:
+        raise UsageError(f"{run}: found no mechanism in it, expected its scene, too: --scene FILE")
+    loaded = scene_of(scene if scene is not None else result.scene or {})
+    return result.view(scene=loaded.with_parameters(parameters))
 
 
 def _files(output: Path | None, png: Path | None, gif: Path | None) -> list[Path]:

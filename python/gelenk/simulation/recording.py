@@ -118,7 +118,7 @@ def _recording_of(
     scene: Mapping[str, Any], recorded: Scene, result: Result, run: Mapping[str, Any]
 ) -> Recording:
     """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
-    rows = _frames(len(result))
+    rows = frame_rows(len(result))
     bodies = len(scene["bodies"])
     time, poses = result.time[rows], _numbers(result, rows, bodies, POSE)
     sensors = recorded.to_dict().get("sensors", {})
@@ -150,9 +150,9 @@ def _inputs(scene: Scene, run: Mapping[str, Any], time: Array) -> dict[str, Arra
     return {name: np.array([signal(float(t)) for t in time]) for name, signal in signals.items()}
 
 
-def _frames(rows: int) -> NDArray[np.intp]:
-    """Return at most MAX_FRAMES row numbers at equal distances, with the first and the last."""
-    return np.unique(np.linspace(0, rows - 1, min(rows, MAX_FRAMES)).round().astype(np.intp))
+def frame_rows(rows: int, most: int = MAX_FRAMES) -> NDArray[np.intp]:
+    """Return at most `most` row numbers at equal distances, with the first and the last."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).round().astype(np.intp))
 
 
 def _numbers(

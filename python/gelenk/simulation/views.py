@@ -8,8 +8,9 @@ from os import PathLike
 from typing import Any
 
 from gelenk.errors import UsageError
-from gelenk.model.scene import Scene
+from gelenk.model.scene import Scene, Source
 from gelenk.simulation.recording import record, scene_of
+from gelenk.simulation.replay import replayed
 from gelenk.simulation.result import Result
 from gelenk.viewer.pages import View, view_of
 
@@ -48,3 +49,8 @@ def view(plant: Viewed | Sequence[Viewed], *, reactions: bool = False, **run: An
     if isinstance(plant, Result):
         return plant.view(reactions=reactions)
     return view_of(record(scene_of(plant), reactions=reactions, **run))
+
+
+def view_of_result(result: Result, scene: Source) -> View:
+    """Return the page of a result by its joint coordinates: see `Result.view`."""
+    return view_of(replayed(scene_of(scene), result))

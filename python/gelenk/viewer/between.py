@@ -16,7 +16,7 @@ def interpolated(a: Array, b: Array, share: float | Array) -> Array:
 
     Args:
         a: positions and quaternions (x, y, z, w), shape (poses, 7).
-        b: likewise.
+        b: others of the same bodies, shape (poses, 7).
         share: of the way from a to b; shape (poses, 1) if it differs.
     """
     out: Array = a + share * (b - a)

@@ -41,7 +41,7 @@ def luminance(color: Color) -> float:
 
 
 def readable(color: Color, background: Color) -> Color:
-    """Return a color after its lightness has moved away from the background until both can be told apart."""
+    """Return a color with a lightness that distinguishes it from the background."""
     behind = luminance(background)
     hue, lightness, saturation = colorsys.rgb_to_hls(*color)
     for _ in range(20):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image as Picture
 
 STILL_SIZE, FILM_SIZE = (960, 720), (480, 360)
-COLORS = 63  # colors of a film; one more stands for what remains as it was
+COLORS = 63  # colors of a film; one more means that a pixel remains as it was
 MAX_FRAMES = 1500  # of a film, which is made in memory
 SAMPLES = 12  # frames that determine the palette
 REPEATS = 5  # of a periodic motion in an .mp4 file, which players do not repeat

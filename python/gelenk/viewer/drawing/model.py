@@ -169,7 +169,7 @@ def _radius(points: Array) -> float:
 
 
 def _thinned(path: Array, apart: float) -> Array:
-    """Return the points of a path without those that are too close to be told apart."""
+    """Return the points of a path without those that are too close to be distinguished."""
     kept: list[NDArray[np.float64]] = []
     for point in path[:-1]:
         if not kept or np.linalg.norm(point - kept[-1]) >= apart:

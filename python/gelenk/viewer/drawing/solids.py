@@ -79,8 +79,8 @@ def frustum(a: Array, b: Array, radii: tuple[float, float], sides: int) -> Solid
     R = basis((b - a) / length)
     turn = 2 * np.pi * np.arange(sides) / sides
     around = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(sides)]) @ R.T
-    slope = (radii[0] - radii[1]) / length
-    side = (around + slope * R[:, 2]) / np.hypot(1, slope)
+    taper = (radii[0] - radii[1]) / length
+    side = (around + taper * R[:, 2]) / np.hypot(1, taper)
     rings = [a + radii[0] * around, b + radii[1] * around]
     k = np.arange(sides)
     after = (k + 1) % sides

@@ -56,9 +56,8 @@
   Gelenk.Chart = class {
     // `pick` is called with the time at the pointer.
     constructor(time, signal, pick) {
-      this.time = time;
       this.signal = signal;
-      this.range = valueRange(signal.second ? [...signal.values, ...signal.second] : signal.values);
+      this.measure(time);
       this.canvas = document.createElement("canvas");
       this.canvas.className = "chart";
       this.canvas.setAttribute("role", "img");
@@ -67,8 +66,8 @@
       const choose = (event) => {
         const box = this.canvas.getBoundingClientRect();
         const share = (event.clientX - box.left - this.area.left) / (this.area.right - this.area.left);
-        const first = time[0];
-        pick(first + Math.min(1, Math.max(0, share)) * (time[time.length - 1] - first));
+        const first = this.time[0];
+        pick(first + Math.min(1, Math.max(0, share)) * (this.time[this.time.length - 1] - first));
       };
       this.canvas.addEventListener("pointerdown", (event) => {
         if (event.button !== 0 || !this.area) return;
@@ -78,6 +77,13 @@
       this.canvas.addEventListener("pointermove", (event) => {
         if (this.canvas.hasPointerCapture(event.pointerId)) choose(event);
       });
+    }
+
+    // Call when the values have become others.
+    measure(time) {
+      const { values, second } = this.signal;
+      this.time = time;
+      this.range = valueRange(second ? [...values, ...second] : values);
     }
 
     x(t) {
@@ -194,7 +200,7 @@
       context.clearRect(0, 0, this.canvas.width, this.canvas.height);
       context.drawImage(this.still, 0, 0);
       context.scale(this.ratio, this.ratio);
-      const x = this.x(player.time);
+      const x = Math.min(this.x(player.time), this.area.right);  // curves of a running simulation lag behind
       context.strokeStyle = context.fillStyle = this.colors.cursor;
       context.lineWidth = 1;
       context.beginPath();

@@ -21,7 +21,7 @@
     constructor(recording, player) {
       Object.assign(this, { recording, player });
       this.digits = this.timeDigits();
-      if (recording.frames < 2) return;
+      if (recording.frames < 2 && !recording.live) return;
       element("player").hidden = false;
       this.slider = element("slider");
       this.slider.max = String(recording.frames - 1);
@@ -39,12 +39,18 @@
     // Enough digits to distinguish neighboring frames, at least three.
     timeDigits() {
       const { time, frames } = this.recording;
-      const step = frames > 1 ? (time[frames - 1] - time[0]) / (frames - 1) : 1;
+      const step = frames > 1 && time[frames - 1] > time[0] ? (time[frames - 1] - time[0]) / (frames - 1) : 1;
       return Math.min(9, Math.max(3, Math.ceil(-Math.log10(step) - 1e-9)));
     }
 
     timeText(t) {
       return `t = ${t.toFixed(this.digits).replace("-", "\u2212")} s`;
+    }
+
+    // Call when frames have been added.
+    extend() {
+      this.slider.max = String(this.recording.frames - 1);
+      this.digits = this.timeDigits();
     }
 
     // Call when the times of the recording have become others.

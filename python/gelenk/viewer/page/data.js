@@ -13,6 +13,8 @@
     return new ArrayType(bytes.buffer);
   }
 
+  Gelenk.decode = decode;
+
   function readShapes(shapes) {
     return {
       name: shapes.name || "",
@@ -69,6 +71,7 @@
       })),
       frameAxes: raw.frames || [],
       colors: raw.colors || {},
+      live: Boolean(raw.live),
       events: (raw.events || []).slice().sort((a, b) => a.t - b.t)
     };
   };

@@ -60,6 +60,13 @@
       playerBar.measure();
       redraw();
     });
+    const live = recording.live && new Gelenk.Live(recording, player, playerBar, panel, redraw, () => {
+      const { cloud } = model.measureBodies();
+      const box = new THREE.Box3().setFromArray(cloud);
+      if (model.box.containsBox(box)) return;
+      model.include({ cloud, box });
+      if (orbit.untouched) orbit.fit();
+    });
     bar.update = () => playerBar.update();
     bar.showEvent = (event) => playerBar.showEvent(event);
     if (!picture.available) labels.setVisible(false);
@@ -196,6 +203,7 @@
     Gelenk.attachPointers(canvas, orbit, redraw);
     canvas.addEventListener("webglcontextrestored", redraw);
     window.gelenk = Gelenk.makeInterface({ recording, model, second, orbit, player, canvas, setCamera, drawn: () => drawn });
+    window.gelenk.live = live;
     window.gelenk.chooseMode = (number) => modeBar.choose(number);
     applyTheme();
     // A vehicle that travels far would be a dot.
@@ -216,7 +224,7 @@
     };
     return {
       ready: false,
-      frames: recording.frames,
+      get frames() { return recording.frames; },
       get frame() { return player.frame; },
       get time() { return player.time; },
       get playing() { return player.playing; },

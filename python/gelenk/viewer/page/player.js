@@ -34,7 +34,7 @@
       const before = this.last - this.first;
       this.first = recording.time[0];
       this.last = recording.time[recording.frames - 1];
-      if (this.last - this.first === before) return;
+      if (this.speed && (recording.live || this.last - this.first === before)) return;
       this.speed = Gelenk.initialSpeed(this.last - this.first);
       if (this.frame !== undefined) this.time = recording.time[this.frame];
     }
