@@ -9,8 +9,6 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from PIL import Image, ImageSequence
-
 import gelenk
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -91,6 +89,8 @@ def scene_file(name: str) -> Path:
 
 def draw(name: str, shot: Shot) -> None:
     """Write the picture and the film of a mechanism."""
+    from PIL import Image
+
     view = gelenk.view(scene_file(name), stop=shot.span[1], inputs=shot.inputs)
     picture, film = GALLERY / name / "picture.png", GALLERY / name / "moving.gif"
     camera, trails = shot.camera, shot.trails
@@ -104,6 +104,8 @@ def draw(name: str, shot: Shot) -> None:
 
 def draw_with_plot(name: str, shot: Shot, signals: list[str], path: Path) -> None:
     """Write the film of a mechanism beside the plot of some signals, on which a line marks the time."""
+    from PIL import Image, ImageSequence
+
     result = gelenk.simulate(scene_file(name), stop=shot.span[1], inputs=shot.inputs)
     figure = result.plot(signals)
     figure.set_size_inches(PLOT[0] / DPI, PLOT[1] / DPI)
