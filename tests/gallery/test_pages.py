@@ -24,6 +24,7 @@ def test_the_gallery_shows_all_scenes_and_lists_all_pages() -> None:
     assert len(NAMES) >= 24
     assert sorted(name for shots in SHOTS.values() for name in shots) == NAMES
     assert (GALLERY / "README.md").read_text(encoding="utf-8") == index(), "run make gallery"
+    assert f"shows {len(NAMES)} mechanisms" in (GALLERY.parents[1] / "README.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", NAMES)
