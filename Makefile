@@ -9,6 +9,7 @@
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
 # make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
 # make nonsmooth  measure dry friction and hard limits: charts and map of docs/friction.md; QUICK=1: a subset
+# make gallery  draw the pictures of docs/gallery and write its list
 # make tutorial  draw the figures of docs/tutorial-*.md
 # make real-time  measure control loops that step FMUs: table of docs/fmu.md
 # make growth   measure how cost scales with the size of a scene: table of docs/performance.md
@@ -44,9 +45,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states win64 clean
 help:
-	@sed -n '2,26s/^# //p' Makefile
+	@sed -n '2,27s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -90,6 +91,11 @@ accuracy: $(VENV)/gelenk.stamp
 # Some minutes; MuJoCo and EXUDYN take part if they are installed.
 nonsmooth: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.nonsmooth $(if $(QUICK),--quick)
+
+# NAMES="bennett bricard": only these.
+NAMES ?=
+gallery: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m benchmarks.gallery $(NAMES)
 
 tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/tutorial.py

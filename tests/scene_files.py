@@ -11,6 +11,7 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parent / "scene_errors"
 SCENES = Path(__file__).parent.parent / "scenes"
+GALLERY = Path(__file__).parent.parent / "docs" / "gallery"
 
 
 def malformed() -> list[Path]:
@@ -26,6 +27,12 @@ def impossible() -> list[Path]:
 def good() -> list[Path]:
     """The ready scenes."""
     return sorted(SCENES.glob("*.yaml"))
+
+
+def gallery() -> dict[str, Path]:
+    """The scenes that the gallery shows, by the names of their folders: its own, and all ready ones."""
+    own = {path.parent.name: path for path in GALLERY.glob("*/scene.yaml")}
+    return dict(sorted((own | {path.stem: path for path in good()}).items()))
 
 
 def expected(path: Path) -> list[str]:

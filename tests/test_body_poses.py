@@ -3,17 +3,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import scene_files
 from models.rods import spatial_four_bar
 from scipy.spatial.transform import Rotation
 
 import gelenk
 
-SCENES = sorted((Path(__file__).resolve().parents[1] / "scenes").glob("*.yaml"))
 ROUNDING = 1e-14  # a rotation matrix from a quaternion and back, products of three poses
 
 
@@ -35,9 +34,9 @@ def assert_poses_are_those_of_sensors(source: dict[str, Any]) -> None:
             assert np.abs(r - expected).max() < ROUNDING * (1 + np.abs(expected).max()), body
 
 
-@pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
-def test_of_shipped_scenes(file: Path) -> None:
-    assert_poses_are_those_of_sensors(gelenk.load(file).to_dict())
+@pytest.mark.parametrize("name", scene_files.gallery())
+def test_of_the_gallery(name: str) -> None:
+    assert_poses_are_those_of_sensors(gelenk.load(scene_files.gallery()[name]).to_dict())
 
 
 def test_of_rods_and_of_what_is_welded_or_stands_still() -> None:
@@ -68,8 +67,8 @@ def test_of_a_mechanism_that_is_solved_in_units_of_its_own_size() -> None:
 
 
 def test_wrong_calls() -> None:
-    plant = gelenk.Simulation(SCENES[0])
-    body = next(iter(gelenk.load(SCENES[0]).to_dict()["bodies"]))
+    plant = gelenk.Simulation(scene_files.good()[0])
+    body = next(iter(gelenk.load(scene_files.good()[0]).to_dict()["bodies"]))
     with pytest.raises(gelenk.UsageError, match="before initialize"):
         plant.pose(body)
     plant.initialize()

@@ -167,7 +167,8 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
-    "tutorial-wheels", "tutorial-stiction", "internals/architecture", "internals/notation",
+    "tutorial-wheels", "tutorial-stiction", "internals/architecture", "internals/notation", "viewer",
+    "gallery/README",
 )  # fmt: skip
 
 

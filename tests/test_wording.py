@@ -32,7 +32,9 @@ def files() -> list[Path]:
     command = ["git", "-C", str(ROOT), "ls-files", "--", *LOOKED_AT]
     listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     return [
-        ROOT / name for name in listed if not name.endswith((".png", LIST.name)) and (ROOT / name).is_file()
+        ROOT / name
+        for name in listed
+        if not name.endswith((".png", ".gif", LIST.name)) and (ROOT / name).is_file()
     ]
 
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from gelenk.linear import LinearModel, OperatingPoint, linearize
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
-    from gelenk.simulation import Result, Simulation, simulate, view
+    from gelenk.simulation import Result, Simulation, live_view, simulate, view
     from gelenk.viewer import View
 
     __version__: str
@@ -71,6 +71,7 @@ __all__ = [
     "import_urdf",
     "inspect",
     "linearize",
+    "live_view",
     "load",
     "modes",
     "simulate",
@@ -88,7 +89,7 @@ _get, _dir = _lazy.lazy(
         ".linear": ["LinearModel", "OperatingPoint", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
-        ".simulation": ["Result", "Simulation", "simulate", "view"],
+        ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],
         ".viewer": ["View"],
     },
 )

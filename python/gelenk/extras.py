@@ -9,6 +9,7 @@ from typing import Any
 from gelenk.errors import UsageError
 
 EXTRAS = {
+    "PIL": "view",
     "h5netcdf": "tables",
     "h5py": "tables",
     "matplotlib": "charts",

@@ -36,7 +36,11 @@ class Browser:
 
     def open(self, page: Path) -> None:
         """Open a viewer's page, and wait until it has drawn."""
-        self._driver.get(page.as_uri())
+        self.open_address(page.as_uri())
+
+    def open_address(self, address: str) -> None:
+        """Open a page that is served, and wait until it has drawn."""
+        self._driver.get(address)
         self.wait("return Boolean(window.gelenk && window.gelenk.ready)")
 
     def run(self, script: str) -> Any:

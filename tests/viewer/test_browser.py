@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+import scene_files
 
 import gelenk
 from gelenk.simulation.recording import record
@@ -16,7 +18,9 @@ from gelenk.viewer.page import page_of
 
 from .browser import Browser
 
-SCENES = sorted(path.stem for path in (Path(__file__).parent.parent.parent / "scenes").glob("*.yaml"))
+NEAR = 4  # pixels around the middle of a body
+COLORED = 0.25  # saturation; bodies have 0.31 and more in any light, the grid 0.16
+DARK = 112  # of 255; symbols of joints are darker, the grid is not
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +30,25 @@ def browser() -> Iterator[Browser]:
     out.close()
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_pages_of_the_scenes(name: str, root: Path, tmp_path: Path, browser: Browser) -> None:
-    """No errors, no requests; at each of some frames, every body has the pose of the run."""
-    recording = record(gelenk.load(root / "scenes" / f"{name}.yaml"))
+def undrawn(browser: Browser, bodies: list[str]) -> list[str]:
+    """Return the bodies at whose middle only background and grid are seen, which are light and gray."""
+    Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    browser.run("document.getElementById('labels').hidden = true")
+    picture = np.asarray(Image.open(io.BytesIO(browser.picture())).convert("RGB"), float)
+    missing = []
+    for body in bodies:
+        x, y = (round(c) for c in browser.run(f"return gelenk.project({body!r})"))
+        found = picture[max(y - NEAR, 0) : y + NEAR + 1, max(x - NEAR, 0) : x + NEAR + 1]
+        brightest = found.max(axis=2)
+        if not ((np.ptp(found, axis=2) > COLORED * brightest) | (brightest < DARK)).any():
+            missing.append(body)
+    return missing
+
+
+@pytest.mark.parametrize("name", scene_files.gallery())
+def test_pages_of_the_gallery(name: str, tmp_path: Path, browser: Browser) -> None:
+    """No errors, no requests; at each of some frames, every body is drawn and has the pose of the run."""
+    recording = record(gelenk.load(scene_files.gallery()[name]))
     page = tmp_path / f"{name}.html"
     page.write_text(page_of(page_data(recording)), encoding="utf-8")
     browser.open(page)
@@ -44,8 +63,19 @@ def test_pages_of_the_scenes(name: str, root: Path, tmp_path: Path, browser: Bro
             assert pose["p"] == pytest.approx(expected[:3], abs=1e-6)  # single precision, of some meters
             sign = np.sign(np.dot(pose["q"], expected[3:]))  # q and -q are one rotation
             assert sign * np.array(pose["q"]) == pytest.approx(expected[3:], abs=1e-6)
+        assert undrawn(browser, recording.scene["bodies"]) == []
     assert browser.errors() == []
     assert browser.requests() == []
+
+
+def test_bodies_that_are_not_drawn_are_found(
+    four_bar: gelenk.Scene, tmp_path: Path, browser: Browser
+) -> None:
+    browser.open(gelenk.view(four_bar, stop=0.0).save(tmp_path / "four_bar.html"))
+    bodies = ["crank", "coupler", "rocker"]
+    assert undrawn(browser, bodies) == []
+    browser.run("document.getElementById('canvas').style.visibility = 'hidden'")
+    assert undrawn(browser, bodies) == bodies
 
 
 def test_playing_advances_at_the_speed_of_the_run(

@@ -10,8 +10,8 @@ import pytest
 from models.running import assert_close
 
 import gelenk
+from gelenk.model.skeleton import placed
 from gelenk.simulation.recording import MAX_FRAMES, record, scene_of
-from gelenk.viewer.data import placed
 
 
 def test_poses_are_those_of_the_simulation(root: Path) -> None:

@@ -33,7 +33,7 @@ def volume(found: Shapes) -> float:
 
 def test_a_body_with_two_joints_is_a_link(four_bar: gelenk.Scene) -> None:
     found = shapes_of(four_bar.to_dict(), SIZE)
-    links = [tube for tube in found["coupler"].tubes if not tube["joint"]]
+    links = [tube for tube in found["coupler"].tubes if not tube["role"]]
     assert [(tube["a"], tube["b"]) for tube in links] == [([0, 0, 0], [1.75, 0, 0])]
 
 
@@ -45,6 +45,41 @@ def test_a_free_body_is_the_block_of_its_inertia() -> None:
     )
     assert extent(found["block"]) == pytest.approx([0.2, 0.3, 0.4], rel=1e-12)
     assert volume(found["block"]) == pytest.approx(0.2 * 0.3 * 0.4, rel=1e-12)
+
+
+def lone(**fields: Any) -> Shapes:
+    """The shapes of a free body of 2 kg."""
+    return shapes({"body": body(2.0, **fields)}, {"J": joint("free", frame("ground"), frame("body"))})["body"]
+
+
+@pytest.mark.parametrize(("radius", "length", "spokes"), [(0.2, 0.1, 2), (0.2, 0.39, 2), (0.1, 0.3, 0)])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_body_with_the_inertia_of_a_cylinder_is_one(
+    axis: int, radius: float, length: float, spokes: int
+) -> None:
+    """Along its axis m r^2 / 2, across m (3 r^2 + h^2) / 12; a flat one has a spoke on either face."""
+    inertia = [2.0 * (3 * radius**2 + length**2) / 12] * 3
+    inertia[axis] = 2.0 * radius**2 / 2
+    found = lone(inertia=inertia)
+    assert found.meshes == []
+    cylinder, *marks = found.tubes
+    assert cylinder["r"] == pytest.approx(radius, rel=1e-12)
+    way = np.abs(np.subtract(cylinder["b"], cylinder["a"]))
+    assert way == pytest.approx(length * np.eye(3)[axis], abs=1e-12)
+    assert len(marks) == spokes
+
+
+@pytest.mark.parametrize(("moments", "is_cylinder"), [
+    ((1.0, 1.0, 1.0), False),  # a cube
+    ((0.08, 0.1, 0.1019), True),  # equal within two digits
+    ((0.08, 0.1, 0.1025), False),
+    ((0.1, 0.1019, 0.16), True),
+    ((0.1, 0.1035, 0.16), False),
+])  # fmt: skip
+def test_moments_of_a_cylinder_are_equal_within_two_digits(
+    moments: tuple[float, ...], is_cylinder: bool
+) -> None:
+    assert (lone(inertia=moments).meshes == []) == is_cylinder
 
 
 def test_three_joints_span_a_plate_of_which_all_triangles_face_outwards() -> None:
@@ -65,13 +100,30 @@ def test_three_joints_in_line_are_a_link() -> None:
     }
     joints["F"] = joint("free", frame("ground"), frame("bar"))
     found = shapes(bodies, joints)["bar"]
-    ends = sorted(tube[end][0] for tube in found.tubes if not tube["joint"] for end in "ab")
+    ends = sorted(tube[end][0] for tube in found.tubes if not tube["role"] for end in "ab")
     assert ends == [0, 1]
     assert found.meshes == []
+
+
+@pytest.mark.parametrize(("height", "seen"), [(0.0, False), (0.149, False), (0.151, True)])
+@pytest.mark.parametrize("joints", [2, 3])
+def test_center_of_mass_far_from_the_line_of_the_joints_is_seen(
+    height: float, seen: bool, joints: int
+) -> None:
+    """An inverted pendulum on an axle; 0.15 of the size of the mechanism is far."""
+    places = [0.0, 1.0, 0.4][:joints]
+    found = shapes(
+        {"a": body(1.0, (0.3, 0, height), (0.1, 0.2, 0.25))} | {f"b{k}": body(1.0) for k in range(joints)},
+        {f"J{k}": joint("revolute", frame("a", (x, 0, 0)), frame(f"b{k}")) for k, x in enumerate(places)}
+        | {"F": joint("free", frame("ground"), frame("a"))},
+    )["a"]
+    _, *struts = [tube for tube in found.tubes if not tube["role"]]
+    assert [(tube["a"], tube["b"]) for tube in struts] == ([([0.3, 0, 0], [0.3, 0, height])] if seen else [])
+    assert len(found.meshes) == seen
 
 
 @pytest.mark.parametrize("name", ["revolute", "prismatic", "universal", "spherical", "cylindrical", "planar"])
 def test_joints_have_symbols(name: str) -> None:
     found = shapes({"a": body(1.0)}, {"J": joint(name, frame("ground"), frame("a", (0.1, 0, 0)))})
-    symbols = [part for of in found.values() for part in (*of.tubes, *of.balls) if part["joint"]]
+    symbols = [part for of in found.values() for part in (*of.tubes, *of.balls) if part["role"]]
     assert len(symbols) == {"universal": 2, "cylindrical": 2, "planar": 0}.get(name, 1)

@@ -118,14 +118,20 @@ def modes(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help=".gif, .html or .mp4.")
     ] = None,
+    view: Annotated[
+        bool,
+        typer.Option("--view", help="Show the mode shapes in the browser, or write the page to --output."),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print the modes of a scene or an FMU and its stability.
 
     Each mode has an eigenvalue, a frequency, a damping ratio and a shape.
     """
-    if (animate is None) != (output is None):
+    if not view and (animate is None) != (output is None):
         raise UsageError("--animate and --output: found one of them, expected both or none")
+    if view and animate is not None:
+        raise UsageError("--animate and --view: found both, expected one of them")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", gelenk.OperatingPointWarning)
         found = gelenk.modes(
@@ -136,6 +142,10 @@ def modes(
         print(warning.message, file=sys.stderr)
     if animate is not None and output is not None:
         found.animate(animate, output)
+    if view:
+        page = found.view()
+        file = page.show() if output is None else page.save(output)
+        print(f"{file}: {file.stat().st_size / 1e6:.1f} MB", file=sys.stderr)
     print(json.dumps(found.to_dict(), indent=2) if as_json else found)
 
 

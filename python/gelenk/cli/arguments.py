@@ -72,6 +72,33 @@ def parse_numbers(given: list[str], option: str) -> dict[str, float]:
     return {name: number(name, value, "real") for name, value in values.items()}
 
 
+def parse_size(text: str | None) -> tuple[int, int] | None:
+    """Return width and height from WxH; None if nothing is given. Raises UsageError."""
+    if text is None:
+        return None
+    sides = text.lower().split("x")
+    if len(sides) != 2 or not all(side.strip().isdecimal() for side in sides):
+        raise UsageError(f"--size {text}: expected WIDTHxHEIGHT in pixels, such as 480x360")
+    return int(sides[0]), int(sides[1])
+
+
+def parse_camera(text: str | None) -> str | tuple[float, ...] | None:
+    """Return the name of a view, or angles [deg] from AZIMUTH,ELEVATION. Raises UsageError."""
+    if text is None or "," not in text:
+        return text
+    return tuple(number("--camera", part, "real") for part in text.split(","))
+
+
+def parse_span(text: str | None) -> tuple[float, float] | None:
+    """Return two times [s] from FROM:TO, or one time twice; None if nothing is given. Raises UsageError."""
+    if text is None:
+        return None
+    times = [number("--span", part, "real") for part in text.split(":")]
+    if len(times) > 2:
+        raise UsageError(f"--span {text}: expected FROM:TO in seconds, or one time")
+    return times[0], times[-1]
+
+
 def check_output_file(output: Path | None) -> None:
     """Check the name of a result file before the simulation. Raises UsageError."""
     from gelenk.simulation.files import ENDINGS, check_format

@@ -29,6 +29,8 @@ from gelenk.simulation.inputs import Inputs
 if TYPE_CHECKING:
     import control
 
+    from gelenk.viewer.pages import View
+
 
 SCENE_IN_FMU = "resources/scene.json"  # of FMUs exported by Gelenk
 
@@ -73,19 +75,39 @@ class Modes:
             Path: the file.
 
         Raises:
-            UsageError: the mode does not exist, there is no scene to draw, matplotlib is not installed, the
-                file type is not supported, or the loops cannot be closed at this amplitude.
+            UsageError: the mode does not exist, there is no scene to draw, Pillow is not installed, the file
+                type is not supported, or the loops cannot be closed at this amplitude.
             OSError: the file cannot be written.
         """
         from gelenk.modal.animation import animate
 
         if not 1 <= mode <= len(self.modes):
             raise UsageError(f"mode: found {mode}, expected a number from 1 to {len(self.modes)}")
+        return animate(self._drawn(), self.modes[mode - 1], Path(file), amplitude)
+
+    def view(self, amplitude: float | None = None) -> View:
+        """Return a page on which the mechanism moves in a mode that is chosen there, with its amplitude.
+
+        Args:
+            amplitude: amplitude of the coordinate with the largest motion [rad, m]; by default one that is
+                clearly visible.
+
+        Raises:
+            UsageError: there is no scene to draw, no mode has a shape, or the loops cannot be closed at this
+                amplitude.
+        """
+        from gelenk.modal.animation import view_of_modes
+
+        if amplitude is not None and not (np.isfinite(amplitude) and amplitude > 0):
+            raise UsageError(f"amplitude: found {amplitude}, expected more than 0")
+        return view_of_modes(self._drawn(), self.modes, amplitude)
+
+    def _drawn(self) -> PoseEvaluator:
         if self._evaluator is None:
             raise UsageError(
                 "found modes of a linear model, expected modes of a scene or of an FMU exported by Gelenk"
             )
-        return animate(self._evaluator, self.modes[mode - 1], Path(file), amplitude)
+        return self._evaluator
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON: complex numbers as [real, imaginary]; old keys as in `Mode.to_dict`."""

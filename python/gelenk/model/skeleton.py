@@ -15,8 +15,9 @@ from gelenk import _core
 type Array = NDArray[np.float64]
 type Data = Mapping[str, Any]  # of a scene: Scene.to_dict()
 
+GROUND = "ground"
 DEFAULT_WHEEL_AXIS = (0.0, 1.0, 0.0)  # of rolling constraints
-OBLIQUE = (0.5, -0.8, 0.45)  # direction towards the viewer of a mechanism in space
+OBLIQUE = (0.5, -0.8, 0.45)  # towards the viewer of a mechanism in space: right, away from him, upwards
 FLAT = 1e-6  # thickness of a planar mechanism, relative to its size
 
 
@@ -64,6 +65,67 @@ def point(end: Data) -> tuple[str, Array]:
     return end["body"], np.array(end.get("position", (0.0, 0.0, 0.0)), float)
 
 
+def frame_rotation(frame: Data) -> Array:
+    """Return the rotation matrix of a frame in its body."""
+    return np.array(frame.get("rotation", {}).get("matrix", np.eye(3)), float)
+
+
+def axis_of(joint: Data, number: int = 0) -> Array:
+    """Return an axis of a joint in the frame of the body that carries its frame F (number 0) or M (1)."""
+    axes = joint.get("axes") or [joint.get("axis", (0.0, 0.0, 1.0))]
+    axis = np.array(axes[min(number, len(axes) - 1)], float)
+    out: Array = frame_rotation(joint["parent" if number == 0 else "child"]) @ axis / np.linalg.norm(axis)
+    return out
+
+
+def turned(poses: Array, v: Array) -> Array:
+    """Return vectors of a body in the world frame.
+
+    Args:
+        poses: of the body: positions and quaternions (x, y, z, w), shape (frames, 7).
+        v: the vectors in the body frame, shape (3,) or (frames, 3).
+
+    Returns:
+        Array: shape (frames, 3).
+    """
+    u, w = poses[:, 3:6], poses[:, 6:7]
+    across = 2 * np.cross(u, v)
+    out: Array = v + w * across + np.cross(u, across)
+    return out
+
+
+def placed(poses: Array, p: Array) -> Array:
+    """Return points of a body in the world frame [m]; shapes as for `turned`."""
+    out: Array = poses[:, :3] + turned(poses, p)
+    return out
+
+
+def loop_joints(data: Data) -> set[str]:
+    """Return the joints that close loops: in the order of the scene, those between connected bodies."""
+    group: dict[str, str] = {}
+
+    def root(body: str) -> str:
+        while body in group:
+            body = group[body]
+        return body
+
+    out = set()
+    for name, joint in constraining_joints(data).items():
+        a, b = (root(point(joint[side])[0]) for side in ("parent", "child"))
+        if a == b:
+            out.add(name)
+        else:
+            group[a] = b
+    return out
+
+
+def upwards(gravity: Sequence[float]) -> Array:
+    """Return the unit vector against gravity; z where there is none."""
+    up = -np.array(gravity, float)
+    out: Array = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
+    return out
+
+
 def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
     """Return the axes of a picture, and whether it shows a planar mechanism.
 
@@ -75,14 +137,17 @@ def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
         tuple[Array, bool]: unit vectors in the world frame to the right, upwards and towards the viewer,
             shape (3, 3); a planar mechanism is seen in its plane, others obliquely from above.
     """
-    up = -np.array(gravity, float)
-    up = up / np.linalg.norm(up) if up.any() else np.array([0.0, 0.0, 1.0])
+    up = upwards(gravity)
+    right = np.eye(3)[1 if abs(up[0]) > 0.9 else 0]
+    right = right - (right @ up) * up
+    right /= np.linalg.norm(right)
+    oblique = np.array(OBLIQUE) @ [right, np.cross(up, right), up]
     # The factor R has at most three rows, however many points there are.
     _, extent, V = np.linalg.svd(np.linalg.qr(points - points.mean(axis=0), mode="r"))
     is_flat = bool(len(extent) < 3 or extent[2] < FLAT * max(extent[0], 1e-300))
     is_flat = is_flat and bool(extent[1] > FLAT * extent[0])
-    toward = V[2] if is_flat else np.array(OBLIQUE)
-    if is_flat and toward @ OBLIQUE < 0:
+    toward = V[2] if is_flat else oblique
+    if is_flat and toward @ oblique < 0:
         toward = -toward
     toward = toward / np.linalg.norm(toward)
     if abs(up @ toward) > 0.99:

@@ -7,14 +7,16 @@ All numbers are kept to the bit, and all formats but CSV contain the units.
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gelenk.errors import UsageError
+from gelenk.errors import GelenkError, UsageError
 from gelenk.extras import extra
+from gelenk.model.scene import known_parameters
 from gelenk.simulation.result import Result
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DIMENSIONLESS = "1"
+SCENE = "gelenk_scene"  # attribute, or variable of .mat files
 
 
 def to_pandas(result: Result) -> pd.DataFrame:
@@ -92,7 +95,9 @@ def _format[T](path: Path, formats: Mapping[str, T]) -> T:
 
 
 def _write_parquet(result: Result, path: Path) -> None:
-    to_pandas(result).to_parquet(path, engine="pyarrow")
+    frame = to_pandas(result)
+    frame.attrs |= _scene_text(result)
+    frame.to_parquet(path, engine="pyarrow")
 
 
 def _read_parquet(path: Path) -> Result:
@@ -100,11 +105,13 @@ def _read_parquet(path: Path) -> Result:
     if frame.index.name != "time":
         raise KeyError("found no index named time")
     rows = np.column_stack([frame.index.to_numpy(float), frame.to_numpy(float)])
-    return Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {})))
+    return _with_scene(
+        Result(list(frame.columns), rows, _without_time(frame.attrs.get("units", {}))), frame.attrs.get(SCENE)
+    )
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
-    to_xarray(result).to_netcdf(path, engine="h5netcdf")
+    to_xarray(result).assign_attrs(_scene_text(result)).to_netcdf(path, engine="h5netcdf")
 
 
 def _read_netcdf(path: Path) -> Result:
@@ -113,7 +120,8 @@ def _read_netcdf(path: Path) -> Result:
         names = [str(name) for name in dataset.data_vars]
         columns = [dataset["time"].to_numpy(), *(dataset[name].to_numpy() for name in names)]
         units = {name: str(dataset[name].attrs.get("units", DIMENSIONLESS)) for name in names}
-    return Result(names, np.column_stack(columns), units)
+        scene = dataset.attrs.get(SCENE)
+    return _with_scene(Result(names, np.column_stack(columns), units), scene)
 
 
 # Names of signals are no names of variables in MATLAB: they are strings, in the order of the columns.
@@ -127,7 +135,7 @@ def _write_mat(result: Result, path: Path) -> None:
         "time": result.time[:, None], "values": values,
         "names": np.array(names, dtype=object), "units": np.array(units, dtype=object),
     }  # fmt: skip
-    savemat(path, content, oned_as="row")
+    savemat(path, content | _scene_text(result), oned_as="row")
 
 
 def _read_mat(path: Path) -> Result:
@@ -140,7 +148,8 @@ def _read_mat(path: Path) -> Result:
 
     names = strings("names")
     rows = np.column_stack([content["time"], content["values"]])
-    return Result(names, rows, dict(zip(names, strings("units"), strict=True)))
+    units = dict(zip(names, strings("units"), strict=True))
+    return _with_scene(Result(names, rows, units), strings(SCENE)[0] if SCENE in content else None)
 
 
 def _write_csv(result: Result, path: Path) -> None:
@@ -155,6 +164,32 @@ def _read_csv(path: Path) -> Result:
             raise KeyError("found no column named time first")
         rows = np.array([[float(x) for x in line] for line in lines]).reshape(-1, len(header))
     return Result(header[1:], rows, {})
+
+
+def _scene_text(result: Result) -> dict[str, str]:
+    """Return the scene of a result with the parameters of its run, as JSON, so that the file can be viewed.
+
+    Empty if there is none: of an FMU that was not made by Gelenk, of a run that failed.
+    """
+    from gelenk.simulation.recording import scene_of
+
+    if result.scene is not None:
+        return {SCENE: json.dumps(result.scene)}
+    if result.run is None:
+        return {}
+    plant, arguments = result.run
+    try:
+        scene = scene_of(plant)
+        scene = scene.with_parameters(known_parameters(scene, arguments.get("parameters") or {}))
+    except (GelenkError, OSError):  # the file has been changed or removed since
+        return {}
+    return {SCENE: json.dumps(scene.to_dict())}
+
+
+def _with_scene(result: Result, text: Any) -> Result:
+    if text:
+        result.scene = json.loads(str(text))
+    return result
 
 
 def _without_time(units: Mapping[str, str]) -> dict[str, str]:

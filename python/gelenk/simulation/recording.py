@@ -16,13 +16,19 @@ from numpy.typing import NDArray
 
 from gelenk.errors import StepError, UsageError
 from gelenk.model.scene import Scene, known_parameters, load
+from gelenk.model.skeleton import constraining_joints
+from gelenk.simulation.inputs import functions_and_constants
+from gelenk.simulation.loads import Motion, arrows_of
 from gelenk.simulation.result import Result
-from gelenk.simulation.run import simulate
+from gelenk.simulation.run import open_plant, simulate
+from gelenk.viewer.arrows import Arrow
 from gelenk.viewer.pages import view_of
 
 type Array = NDArray[np.float64]
 
 SENSOR = "recorded__"  # begins the names of the sensors that are added for each body
+POSE = (*(f"r[{k}]" for k in (1, 2, 3)), *(f"Q[{k}]" for k in (1, 2, 3, 4)))  # outputs of a sensor
+VELOCITY = (*(f"v[{k}]" for k in (1, 2, 3)), *(f"w[{k}]" for k in (1, 2, 3)))
 MAX_FRAMES = 1000
 
 
@@ -38,6 +44,7 @@ class Recording:
             bodies, 7), bodies in the order of the scene.
         result: all outputs, at the times of the frames and between.
         rows: the rows of the result that are frames.
+        arrows: forces and torques at the times of the frames.
     """
 
     scene: Mapping[str, Any]
@@ -45,6 +52,7 @@ class Recording:
     poses: Array
     result: Result
     rows: NDArray[np.intp]
+    arrows: Sequence[Arrow] = ()
 
     @property
     def signals(self) -> list[str]:
@@ -69,11 +77,13 @@ def scene_of(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Scene:
     return plant if isinstance(plant, Scene) else load(plant)
 
 
-def record(scene: Scene, **run: Any) -> Recording:
+def record(scene: Scene, *, reactions: bool = False, **run: Any) -> Recording:
     """Simulate a scene and record the poses of its bodies.
 
     Args:
         scene: the scene.
+        reactions: whether forces and torques of joints are recorded, too; without it, only those of joints
+            that have a sensor.
         run: arguments of `gelenk.simulate`.
 
     Raises:
@@ -87,33 +97,69 @@ def record(scene: Scene, **run: Any) -> Recording:
     data = {**plain, "sensors": dict(plain.get("sensors", {}))}
     for number, body in enumerate(plain["bodies"]):
         data["sensors"][f"{SENSOR}{number}"] = {"type": "frame", "body": body}
+    if reactions:
+        for number, joint in enumerate(constraining_joints(plain)):
+            data["sensors"][f"{SENSOR}joint{number}"] = {"type": "reaction", "joint": joint}
     if "outputs" in data:
         data["outputs"] = [*data["outputs"], f"{SENSOR}*"]
     # Positions of joints may be parameters.
     drawn = scene.with_parameters(known_parameters(scene, run.get("parameters") or {})).to_dict()
+    recorded = load(data)
     try:
-        return _recording_of(drawn, simulate(load(data), **run))
+        return _recording_of(drawn, recorded, simulate(recorded, **run), run)
     except StepError as e:
         if e.result is not None:
             e.result.events += ((float(e.result.time[-1]), f"the run ended: {e}"),)
-            e.view = view_of(_recording_of(drawn, e.result))
+            e.view = view_of(_recording_of(drawn, recorded, e.result, run))
         raise
 
 
-def _recording_of(scene: Mapping[str, Any], result: Result) -> Recording:
+def _recording_of(
+    scene: Mapping[str, Any], recorded: Scene, result: Result, run: Mapping[str, Any]
+) -> Recording:
     """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
-    rows = _frames(len(result))
-    return Recording(scene, result.time[rows], _poses(result, rows, len(scene["bodies"])), result, rows)
+    rows = frame_rows(len(result))
+    bodies = len(scene["bodies"])
+    time, poses = result.time[rows], _numbers(result, rows, bodies, POSE)
+    sensors = recorded.to_dict().get("sensors", {})
+    reactions = {
+        name: row["joint"]
+        for name, row in sensors.items()
+        if "joint" in row and f"{name}.f[1]" in result.names
+    }
+    # A joint may have a sensor of its own.
+    reactions = {
+        sensor: joint for joint, sensor in {joint: name for name, joint in reactions.items()}.items()
+    }
+    outputs = [f"{name}.{letter}[{k}]" for name in reactions for letter in "ft" for k in (1, 2, 3)]
+    signals = {name: result[name][rows] for name in outputs} | _inputs(recorded, run, time)
+    motion = Motion(scene, poses, _numbers(result, rows, bodies, VELOCITY), signals)
+    return Recording(scene, time, poses, result, rows, arrows_of(motion, reactions))
 
 
-def _frames(rows: int) -> NDArray[np.intp]:
-    """Return at most MAX_FRAMES row numbers at equal distances, with the first and the last."""
-    return np.unique(np.linspace(0, rows - 1, min(rows, MAX_FRAMES)).round().astype(np.intp))
+def _inputs(scene: Scene, run: Mapping[str, Any], time: Array) -> dict[str, Array]:
+    """Return the inputs of a run at its frames, by name; those that are not named are 0."""
+    plant = open_plant(scene, (), whole=True)
+    try:
+        known = [*plant.inputs, *plant.idle]
+        signals = functions_and_constants(
+            run.get("inputs"), dict(run.get("parameters") or {}), known, "twice"
+        )
+    finally:
+        plant.close()
+    return {name: np.array([signal(float(t)) for t in time]) for name, signal in signals.items()}
 
 
-def _poses(result: Result, rows: Sequence[int] | NDArray[np.intp], bodies: int) -> Array:
-    parts = [*(f"r[{k}]" for k in (1, 2, 3)), *(f"Q[{k}]" for k in (1, 2, 3, 4))]
-    out = np.empty((len(rows), bodies, 7))
+def frame_rows(rows: int, most: int = MAX_FRAMES) -> NDArray[np.intp]:
+    """Return at most `most` row numbers at equal distances, with the first and the last."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).round().astype(np.intp))
+
+
+def _numbers(
+    result: Result, rows: Sequence[int] | NDArray[np.intp], bodies: int, parts: Sequence[str]
+) -> Array:
+    """Return what the sensors of all bodies have recorded, shape (rows, bodies, parts)."""
+    out = np.empty((len(rows), bodies, len(parts)))
     for body in range(bodies):
         for k, part in enumerate(parts):
             out[:, body, k] = result[f"{SENSOR}{body}.{part}"][rows]

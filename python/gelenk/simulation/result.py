@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from gelenk.model.scene import Source
     from gelenk.viewer.pages import View
 
 
@@ -27,6 +28,9 @@ class Result:
 
     #: What `gelenk.simulate` was called with, the plant and its arguments; None if it was read or unpickled.
     run: tuple[Any, dict[str, Any]] | None = None
+    #: The scene of a result that was read from a file, with the parameters of its run, as plain data; None if
+    #: the file does not contain it.
+    scene: Mapping[str, Any] | None = None
 
     def __init__(self, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> None:
         """Make a result of rows of shape (times, 1 + len(names)), with time in the first column."""
@@ -130,21 +134,34 @@ class Result:
         figure: Figure = plot(self, names)
         return figure
 
-    def view(self) -> View:
+    def view(self, *, scene: Source | None = None, reactions: bool = False) -> View:
         """Return a page on which the mechanism moves as in this run, which is repeated with its poses.
 
+        A result that was read from a file is not repeated: poses are computed from its joint coordinates.
+
+        Args:
+            scene: of a result that was read from a file without one (.csv); anything `gelenk.load` accepts.
+            reactions: whether forces and torques of all joints are recorded, too, and shown as arrows; not of
+                results from files.
+
         Raises:
-            UsageError: the result is not one of `gelenk.simulate`.
+            UsageError: the result has no mechanism, or lacks coordinates of joints.
             SceneError, StepError, OSError: see `gelenk.simulate`.
         """
-        if self.run is None:
+        from gelenk.simulation.views import view, view_of_result
+
+        source = scene if scene is not None else self.scene
+        if self.run is None and source is None:
             raise UsageError(
-                "the result has no mechanism: it was read from a file, or the run failed; view its scene"
+                "the result has no mechanism: it was read from a file without one, or the run failed; "
+                "give its scene"
             )
-        from gelenk.simulation.views import view
+        if source is not None:
+            return view_of_result(self, source)
+        assert self.run is not None
 
         plant, arguments = self.run
-        return view(plant, **arguments)
+        return view(plant, reactions=reactions, **arguments)
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame with a column for each signal; the index is `time`, `attrs["units"]` the units.

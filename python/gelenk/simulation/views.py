@@ -3,23 +3,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
-from gelenk.model.scene import Scene
+from gelenk.errors import UsageError
+from gelenk.model.scene import Scene, Source
 from gelenk.simulation.recording import record, scene_of
+from gelenk.simulation.replay import replayed
+from gelenk.simulation.result import Result
 from gelenk.viewer.pages import View, view_of
 
+type Viewed = Scene | str | PathLike[str] | Mapping[str, Any] | Result
 
-def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> View:
+
+def view(plant: Viewed | Sequence[Viewed], *, reactions: bool = False, **run: Any) -> View:
     """Simulate a scene, or the scene of an FMU, and return a page on which it moves.
 
     The page is one HTML file that needs no network: a 3-D view with time slider, plots of the outputs, and
     the events of the run. Bodies are drawn as links between their joints.
 
     Args:
-        plant: a .fmu file, or anything `gelenk.load` accepts.
+        plant: a .fmu file, anything `gelenk.load` accepts, or a result of `gelenk.simulate`. Two of them are
+            laid over each other: see `View.overlay`.
+        reactions: whether forces and torques of all joints are shown as arrows; those of springs, loads and
+            motors, and of joints with a sensor, always are.
         run: arguments of `gelenk.simulate`: stop, step, inputs, parameters, ...; stop=0 shows the start.
 
     Returns:
@@ -33,4 +41,16 @@ def view(plant: Scene | str | PathLike[str] | Mapping[str, Any], **run: Any) -> 
     >>> page.html[:15]
     '<!DOCTYPE html>'
     """
-    return view_of(record(scene_of(plant), **run))
+    if isinstance(plant, Sequence) and not isinstance(plant, str):
+        if len(plant) != 2:
+            raise UsageError(f"view: found {len(plant)} runs, expected one or two")
+        first, second = (view(one, reactions=reactions, **run) for one in plant)
+        return first.overlay(second)
+    if isinstance(plant, Result):
+        return plant.view(reactions=reactions)
+    return view_of(record(scene_of(plant), reactions=reactions, **run))
+
+
+def view_of_result(result: Result, scene: Source) -> View:
+    """Return the page of a result by its joint coordinates: see `Result.view`."""
+    return view_of(replayed(scene_of(scene), result))

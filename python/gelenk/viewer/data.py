@@ -3,26 +3,32 @@
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import (
+    GROUND,
+    axis_of,
     constraining_joints,
+    frame_rotation,
     joint_ends,
+    loop_joints,
+    placed,
     point,
     springs,
+    upwards,
     view_axes,
     wheel_axes,
     wheels,
 )
-from gelenk.viewer.shapes import GROUND, LINK_RADIUS, Shapes, axis_of, shapes_of, slides
+from gelenk.viewer.shapes import LINK_RADIUS, Shapes, shapes_of, slides
 
 if TYPE_CHECKING:
     from gelenk.simulation.recording import Recording
+    from gelenk.viewer.arrows import Arrow
 
 type Array = NDArray[np.float64]
 
@@ -30,11 +36,16 @@ COLORS = ("#4c78a8", "#f28e2b", "#59a14f", "#b07aa1", "#e15759", "#76b7b2", "#9c
 GROUND_COLOR = "#8a8f96"
 MAX_SIGNALS = 150
 SHOWN_SIGNALS = 3  # in plots at first
+ROLE_COLORS = {"joint": "#59626e", "loop": "#c2255c"}  # of the symbols of joints
+NEGLIGIBLE = 1e-7  # forces and torques, relative to the largest
+LARGEST_INTEGER = 32767  # of 16 bits
+UNITS = {"N": "N", "N.m": "N m"}
+EVENT_KINDS = {"singular": "singular configuration", "end": "the run ended"}  # by what their texts contain
 RAIL_RADIUS = 0.4  # in radii of links
 
 
 def page_data(recording: Recording) -> dict[str, Any]:
-    """Return what the page of a recording shows, as plain data for JSON."""
+    """Return what pages and pictures of a recording show: plain data for JSON, but for arrays."""
     from gelenk import __version__
 
     scene = recording.scene
@@ -42,42 +53,31 @@ def page_data(recording: Recording) -> dict[str, Any]:
     size = _size(scene, points[0])
     shapes = shapes_of(scene, size)
     _add_rails(shapes, recording, size)
-    axes, is_flat = view_axes(points.reshape(-1, 3), scene.get("gravity", (0.0, 0.0, 0.0)))
+    gravity = scene.get("gravity", (0.0, 0.0, 0.0))
+    axes, is_flat = view_axes(points.reshape(-1, 3), gravity)
     names = list(scene["bodies"])
     return {
         "name": scene.get("name", "") or "mechanism",
         "version": f"Gelenk {__version__}",
-        "up": axes[1].tolist(),
+        # In space, what is level stays level in all views.
+        "up": (axes[1] if is_flat else upwards(gravity)).tolist(),
         "towards": axes[2].tolist(),
         "flat": is_flat,
-        "time": _packed(recording.time, np.float64),
+        "time": np.asarray(recording.time, np.float64),
         "bodies": [
             {"name": name, "color": COLORS[k % len(COLORS)], **_plain(shapes[name])}
             for k, name in enumerate(names)
         ],
         "ground": {"name": GROUND, "color": GROUND_COLOR, **_plain(shapes[GROUND])},
-        "poses": _packed(recording.poses, np.float32),
+        "poses": np.asarray(recording.poses, np.float32),
         "joints": _joints(scene, names),
         "springs": [{"from": _end(a, names), "to": _end(b, names)} for a, b in springs(scene)],
         **_signals(recording),
-        "events": [{"t": t, "text": text} for t, text in recording.result.events],
+        "events": [{"t": t, "text": text, "kind": _kind_of(text)} for t, text in recording.result.events],
+        "arrows": [_arrow(arrow, names) for arrow in _visible(recording.arrows, size)],
+        "colors": ROLE_COLORS,
+        "frames": _frames(scene, names),
     }
-
-
-def placed(poses: Array, p: Array) -> Array:
-    """Return a point of a body in the world frame.
-
-    Args:
-        poses: of the body: positions and quaternions (x, y, z, w), shape (frames, 7).
-        p: the point in the body frame, shape (3,) [m].
-
-    Returns:
-        Array: shape (frames, 3) [m].
-    """
-    u, w = poses[:, 3:6], poses[:, 6:7]
-    turned = 2 * np.cross(u, p)
-    out: Array = poses[:, :3] + p + w * turned + np.cross(u, turned)
-    return out
 
 
 def _points(recording: Recording) -> Array:
@@ -129,10 +129,52 @@ def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) 
 
 def _joints(scene: Mapping[str, Any], names: list[str]) -> list[dict[str, Any]]:
     driven = {name for motor in scene.get("motors", {}).values() for name in _driven_by(motor)}
+    loops = loop_joints(scene)
     return [
-        {"name": name, "type": joint["type"], "driven": name in driven, **_end(joint["parent"], names)}
+        {
+            "name": name, "type": joint["type"], "driven": name in driven, "loop": name in loops,
+            **_end(joint["parent"], names),
+        }
         for name, joint in constraining_joints(scene).items()
+    ]  # fmt: skip
+
+
+def _frames(scene: Mapping[str, Any], names: list[str]) -> list[dict[str, Any]]:
+    """Return the frames of bodies, and of joints in both bodies, with their axes as columns."""
+    own = [{"name": name, "body": k, "p": [0.0] * 3, "R": np.eye(3).tolist()} for k, name in enumerate(names)]
+    return own + [
+        {"name": name, **_end(joint[side], names), "R": frame_rotation(joint[side]).tolist(), "joint": True}
+        for name, joint in constraining_joints(scene).items()
+        for side in ("parent", "child")
     ]
+
+
+def _visible(arrows: Sequence[Arrow], size: float) -> list[Arrow]:
+    """Return the arrows without those that are rounding errors of others."""
+    largest = {"N": 0.0, "N.m": 0.0}
+    for arrow in arrows:
+        largest[arrow.unit] = max(largest[arrow.unit], float(np.abs(np.nan_to_num(arrow.vectors)).max()))
+    least = {unit: NEGLIGIBLE * value for unit, value in largest.items()}
+    least["N.m"] = max(least["N.m"], NEGLIGIBLE * largest["N"] * size)
+    return [arrow for arrow in arrows if np.abs(np.nan_to_num(arrow.vectors)).max() > least[arrow.unit]]
+
+
+def _arrow(arrow: Arrow, names: list[str]) -> dict[str, Any]:
+    """Return an arrow whose components are integers of 16 bits, which are enough for a picture."""
+    vectors = np.nan_to_num(arrow.vectors)
+    scale = float(np.abs(vectors).max())
+    points = arrow.points.tolist() if arrow.points.ndim == 1 else None
+    return {
+        "name": arrow.name, "kind": arrow.kind, "unit": UNITS[arrow.unit],
+        "body": -1 if arrow.body == GROUND else names.index(arrow.body), "p": points,
+        "points": None if points else np.asarray(arrow.points, np.float32),
+        "scale": scale / LARGEST_INTEGER,
+        "vectors": np.rint(vectors * (LARGEST_INTEGER / (scale or 1.0))).astype(np.int16),
+    }  # fmt: skip
+
+
+def _kind_of(event: str) -> str:
+    return next((kind for kind, text in EVENT_KINDS.items() if text in event), "event")
 
 
 def _driven_by(motor: Mapping[str, Any]) -> list[str]:
@@ -157,7 +199,7 @@ def _signals(recording: Recording) -> dict[str, Any]:
             {
                 "name": name,
                 "unit": result.units.get(name, "1"),
-                "values": _packed(result[name][recording.rows], np.float32),
+                "values": np.asarray(result[name][recording.rows], np.float32),
             }
             for name in names
         ],
@@ -170,13 +212,7 @@ def _plain(shapes: Shapes) -> dict[str, Any]:
         "tubes": shapes.tubes,
         "balls": shapes.balls,
         "meshes": [
-            {"vertices": _packed(vertices, np.float32), "triangles": _packed(triangles, np.uint32)}
+            {"vertices": np.asarray(vertices, np.float32), "triangles": np.asarray(triangles, np.uint32)}
             for vertices, triangles in shapes.meshes
         ],
     }
-
-
-def _packed(values: Any, kind: type) -> str:
-    """Return numbers as base64, little endian."""
-    array = np.ascontiguousarray(values, np.dtype(kind).newbyteorder("<"))
-    return base64.b64encode(array.tobytes()).decode("ascii")

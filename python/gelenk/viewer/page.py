@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
+
+import numpy as np
 
 from gelenk.errors import UsageError
 
@@ -33,7 +36,7 @@ def page_of(data: Mapping[str, Any]) -> str:
     names = (file.name for file in folder.iterdir())
     scripts = sorted(name for name in names if name.endswith(".js") and name != LIBRARY)
     # "</script>" in a string would end the element.
-    plain = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    plain = json.dumps(data, allow_nan=False, separators=(",", ":"), default=packed).replace("<", "\\u003c")
     parts = {
         "title": html.escape(str(data["name"])),
         "style": text("style.css"),
@@ -47,3 +50,9 @@ def page_of(data: Mapping[str, Any]) -> str:
         before, rest = rest.split("{{" + name + "}}", 1)
         out += [before, part]
     return "".join([*out, rest])
+
+
+def packed(values: Any) -> str:
+    """Return the numbers of an array as base64, little endian."""
+    array = np.ascontiguousarray(values)
+    return base64.b64encode(array.astype(array.dtype.newbyteorder("<")).tobytes()).decode("ascii")

@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from gelenk.errors import UsageError
 from gelenk.viewer.data import page_data
+from gelenk.viewer.endings import PICTURES, is_picture
+from gelenk.viewer.overlay import overlaid
 from gelenk.viewer.page import page_of
 
 if TYPE_CHECKING:
@@ -17,17 +22,80 @@ if TYPE_CHECKING:
 class View:
     """A page that shows a mechanism in motion; notebooks display it."""
 
-    def __init__(self, name: str, html: str) -> None:
-        """Make a view of its page."""
-        self._name = name
-        #: The page: one HTML document without references to other files.
-        self.html = html
+    def __init__(self, data: Mapping[str, Any]) -> None:
+        """Make a view of `gelenk.viewer.data.page_data`."""
+        self._data = data
+        self._name = str(data["name"])
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Write the page to a file, and return its path. Raises OSError."""
+    @cached_property
+    def html(self) -> str:
+        """The page: one HTML document without references to other files. Raises UsageError."""
+        return page_of(self._data)
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        size: tuple[int, int] | None = None,
+        camera: str | Sequence[float] | None = None,
+        span: Sequence[float] | None = None,
+        frame_rate: float | None = None,
+        speed: float | None = None,
+        trails: bool | None = None,
+        time_stamp: bool | None = None,
+        dark: bool | None = None,
+    ) -> Path:
+        """Write the page to a file, or a picture that is drawn without a browser.
+
+        Args:
+            path: .html; .png for a still picture; .gif for a film that repeats itself; .mp4 for one
+                that is encoded by ffmpeg, if it is installed.
+            size: width and height of a picture [pixels]; default: (960, 720), of films (480, 360).
+            camera: "start", as the page opens; "front", "side", "top"; or azimuth and elevation [deg], where
+                (-90, 0) is the front view and (0, 0) the view from the right.
+            span: the times from which to which a film shows the run [s]; a still picture shows the first one.
+                Default: the whole run.
+            frame_rate: of films [1/s]; default: 20.
+            speed: of films, relative to real time; default: 1, or what lets the film last 2 to 10 s.
+            trails: whether the paths of points are shown.
+            time_stamp: whether the time is shown.
+            dark: whether the colors are dark.
+
+        Returns:
+            Path: the file.
+
+        Raises:
+            UsageError: the ending or a choice is invalid, or Pillow is not installed.
+            OSError: the file cannot be written.
+        """
         out = Path(path)
+        choices = {
+            "size": size, "camera": camera, "span": span, "frame_rate": frame_rate, "speed": speed,
+            "trails": trails, "time_stamp": time_stamp, "dark": dark,
+        }  # fmt: skip
+        if is_picture(out):
+            from gelenk.viewer.drawing.files import write_picture
+
+            return write_picture(self._data, out, **choices)
+        given = [name for name, value in choices.items() if value is not None]
+        if given:
+            raise UsageError(
+                f"{out}: found {', '.join(given)}, which only pictures have: {', '.join(PICTURES)}"
+            )
         out.write_text(self.html, encoding="utf-8")
         return out
+
+    def overlay(self, other: View, names: Sequence[str] = ()) -> View:
+        """Return a page on which another run is seen, translucent, beside this one; plots have both curves.
+
+        Args:
+            other: of a run, of the same mechanism or of another one.
+            names: of this run and of the other one; by default those of the scenes.
+
+        Raises:
+            UsageError: one of them shows two runs already, or there are not two names.
+        """
+        return View(overlaid(self._data, other._data, names))
 
     def show(self) -> Path:
         """Open the page in the browser, from a temporary file of which the path is returned."""
@@ -55,5 +123,4 @@ class View:
 
 def view_of(recording: Recording) -> View:
     """Return the page of a recorded run."""
-    data = page_data(recording)
-    return View(str(data["name"]), page_of(data))
+    return View(page_data(recording))

@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import (
+    GROUND,
+    axis_of,
     constraining_joints,
     joint_ends,
     joint_kind,
+    loop_joints,
     point,
     springs,
     wheel_axes,
@@ -22,11 +25,13 @@ from gelenk.model.skeleton import (
 
 type Array = NDArray[np.float64]
 
-GROUND = "ground"
 SAME = 1e-9  # m; closer points are one
+ALIKE = 0.02  # relative difference of moments of inertia given with two digits
+IN_LINE = 1e-3  # width of points in line, relative to their distance
 LINK_RADIUS = 0.012  # relative to the size of the mechanism, like the following
 PLATE_THICKNESS = 0.012
 SMALLEST_BLOCK, LARGEST_BLOCK, LARGEST_END = 0.03, 0.5, 0.15
+LARGEST_DISK = 2.0  # a disk hides less than a block
 JOINT_RADIUS, JOINT_LENGTH = 1.5, 4.0  # in radii of links
 
 
@@ -38,13 +43,13 @@ class Shapes:
     balls: list[dict[str, Any]] = field(default_factory=list)
     meshes: list[tuple[Array, NDArray[np.uint32]]] = field(default_factory=list)
 
-    def add_tube(self, a: Array, b: Array, radius: float, *, is_joint: bool = False) -> None:
-        """Add a cylinder from a to b."""
-        self.tubes.append({"a": a.tolist(), "b": b.tolist(), "r": radius, "joint": is_joint})
+    def add_tube(self, a: Array, b: Array, radius: float, role: str = "") -> None:
+        """Add a cylinder from a to b; `role` is "joint" or "loop" for the symbol of a joint."""
+        self.tubes.append({"a": a.tolist(), "b": b.tolist(), "r": radius, "role": role})
 
-    def add_ball(self, p: Array, radius: float, *, is_joint: bool = False) -> None:
-        """Add a sphere."""
-        self.balls.append({"p": p.tolist(), "r": radius, "joint": is_joint})
+    def add_ball(self, p: Array, radius: float, role: str = "") -> None:
+        """Add a sphere; `role` is "joint" or "loop" for the symbol of a joint."""
+        self.balls.append({"p": p.tolist(), "r": radius, "role": role})
 
     def add_hull(self, points: Array) -> None:
         """Add the convex hull of points that are not in one plane, shape (points, 3)."""
@@ -75,8 +80,9 @@ def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
         _add_body(out[name], body, marks[name], size, is_wheel=name in rolling)
     for p in marks[GROUND]:
         out[GROUND].add_ball(p, 1.5 * LINK_RADIUS * size)
-    for joint in constraining_joints(data).values():
-        _add_joint(out, joint, LINK_RADIUS * size)
+    loops = loop_joints(data)
+    for name, joint in constraining_joints(data).items():
+        _add_joint(out, joint, LINK_RADIUS * size, "loop" if name in loops else "joint")
     return out
 
 
@@ -101,16 +107,6 @@ def slides(joint: Mapping[str, Any]) -> bool:
     return has_axis(joint) and "m" in joint_kind(joint)["q_units"]
 
 
-def axis_of(joint: Mapping[str, Any], number: int = 0) -> Array:
-    """Return an axis of a joint in the frame of the body that carries its frame F (number 0) or M (1)."""
-    axes = joint.get("axes") or [joint.get("axis", (0.0, 0.0, 1.0))]
-    axis = np.array(axes[min(number, len(axes) - 1)], float)
-    frame = joint["parent" if number == 0 else "child"]
-    R = np.array(frame.get("rotation", {}).get("matrix", np.eye(3)), float)
-    out: Array = R @ axis / np.linalg.norm(axis)
-    return out
-
-
 def _add_body(
     out: Shapes, body: Mapping[str, Any], marks: Sequence[Array], size: float, *, is_wheel: bool
 ) -> None:
@@ -120,19 +116,33 @@ def _add_body(
         _add_plate(out, np.array(marks), size)
     elif len(marks) == 2:
         out.add_tube(marks[0], marks[1], radius)
-    elif len(marks) == 1 and np.linalg.norm(com - marks[0]) > SAME:
-        out.add_tube(marks[0], com, radius)
+    foot = _foot(np.array(marks), com) if len(marks) > 0 else None
+    far = SAME if len(marks) == 1 else LARGEST_END * size
+    if foot is not None and np.linalg.norm(com - foot) > far:
+        out.add_tube(foot, com, radius)
         if not is_wheel:
             _add_block(out, body, com, size, LARGEST_END)
-    elif not is_wheel:
+    elif len(marks) < 2 and not is_wheel:
         _add_block(out, body, com, size, LARGEST_BLOCK)
+
+
+def _foot(marks: Array, com: Array) -> Array | None:
+    """Return the point below the center of mass on the line of the marks, or None if they are not in line."""
+    middle: Array = marks.mean(axis=0)
+    if len(marks) == 1:
+        return middle
+    _, extent, V = np.linalg.svd(marks - middle)
+    if extent[1] > IN_LINE * extent[0]:
+        return None
+    out: Array = middle + V[0] * ((com - middle) @ V[0])
+    return out
 
 
 def _add_plate(out: Shapes, marks: Array, size: float) -> None:
     """Add the hull of three or more points, or a link between the outermost of points in line."""
     middle = marks.mean(axis=0)
     _, extent, V = np.linalg.svd(marks - middle, full_matrices=True)
-    thin = 1e-3 * extent[0]
+    thin = IN_LINE * extent[0]
     if extent[1] <= thin:
         along = (marks - middle) @ V[0]
         out.add_tube(marks[along.argmin()], marks[along.argmax()], LINK_RADIUS * size)
@@ -144,15 +154,44 @@ def _add_plate(out: Shapes, marks: Array, size: float) -> None:
 
 
 def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, largest: float) -> None:
-    """Add the homogeneous block with the mass and the inertia of a body; no edge exceeds `largest` sizes."""
+    """Add the homogeneous cylinder or block with the mass and the inertia of a body; no edge, and no length
+    of a cylinder, exceeds `largest` sizes.
+    """
     xx, yy, zz, xy, xz, yz = body["inertia"]
     inertia, V = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     if np.linalg.det(V) < 0:
         V[:, 2] = -V[:, 2]
-    squares = 12 * (inertia.sum() / 2 - inertia) / (body["mass"] or 1.0)
+    mass = body["mass"] or 1.0
+    axis = _axis_of_symmetry(inertia)
+    if axis is not None:
+        square = 2 * inertia[axis] / mass
+        length = 12 * np.delete(inertia, axis).mean() / mass - 3 * square
+        bounds = np.array([[SMALLEST_BLOCK, LARGEST_DISK], [SMALLEST_BLOCK, largest]]) * size
+        diameter, height = np.clip(np.sqrt([4 * square, max(0.0, length)]), *bounds.T)
+        _add_disk(out, com, V[:, axis], V[:, axis - 1], float(diameter / 2), float(height), size)
+        return
+    squares = 12 * (inertia.sum() / 2 - inertia) / mass
     edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, largest * size)
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     out.add_hull(com + corners * edges @ V.T)
+
+
+def _axis_of_symmetry(inertia: Array) -> int | None:
+    """Return the principal axis about which a body is a cylinder: moments about the others are equal."""
+    same = ALIKE * inertia[2]
+    if inertia[1] - inertia[0] <= same < inertia[2] - inertia[1]:
+        return 2
+    return 0 if inertia[2] - inertia[1] <= same < inertia[1] - inertia[0] else None
+
+
+def _add_disk(
+    out: Shapes, center: Array, axis: Array, across: Array, radius: float, height: float, size: float
+) -> None:
+    """Add a cylinder; if it is flat, a spoke on either face makes the rotation visible."""
+    half, spoke = axis * height / 2, across * radius
+    out.add_tube(center - half, center + half, radius)
+    for face in (center - half, center + half) if height < 2 * radius else ():
+        out.add_tube(face - spoke, face + spoke, LINK_RADIUS * size / 2, "joint")
 
 
 def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
@@ -161,24 +200,24 @@ def _add_wheel(out: Shapes, row: Mapping[str, Any], size: float) -> None:
     out.add_tube(center - half, center + half, float(row["radius"]))
     # A spoke, beyond both faces, makes the rotation visible.
     spoke = across[0] * float(row["radius"])
-    out.add_tube(center - spoke, center + spoke, LINK_RADIUS * size, is_joint=True)
+    out.add_tube(center - spoke, center + spoke, LINK_RADIUS * size, "joint")
 
 
-def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float) -> None:
+def _add_joint(out: Mapping[str, Shapes], joint: Mapping[str, Any], radius: float, role: str) -> None:
     """Add the symbol of a joint: pins about its axes, a ball, or a block that slides."""
     (parent, p_F), (child, p_M) = point(joint["parent"]), point(joint["child"])
     kind = joint_kind(joint)
     if kind["quaternion"]:
-        out[child].add_ball(p_M, 2 * radius, is_joint=True)
+        out[child].add_ball(p_M, 2 * radius, role)
     elif kind["axes"] == 2 or (has_axis(joint) and "rad" in kind["q_units"]):
-        _add_pin(out[parent], p_F, axis_of(joint), radius)
+        _add_pin(out[parent], p_F, axis_of(joint), radius, role)
     if kind["axes"] == 2:
-        _add_pin(out[child], p_M, axis_of(joint, 1), radius)
+        _add_pin(out[child], p_M, axis_of(joint, 1), radius, role)
     if slides(joint):
         half = axis_of(joint, 1) * 2.5 * radius
-        out[child].add_tube(p_M - half, p_M + half, 2 * radius, is_joint=True)
+        out[child].add_tube(p_M - half, p_M + half, 2 * radius, role)
 
 
-def _add_pin(out: Shapes, p: Array, axis: Array, radius: float) -> None:
+def _add_pin(out: Shapes, p: Array, axis: Array, radius: float, role: str) -> None:
     half = axis * JOINT_LENGTH / 2 * radius
-    out.add_tube(p - half, p + half, JOINT_RADIUS * radius, is_joint=True)
+    out.add_tube(p - half, p + half, JOINT_RADIUS * radius, role)

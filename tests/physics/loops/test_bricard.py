@@ -9,26 +9,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mechanisms import Scene, frame_sensor, reordered, with_sensors
+from models.bricard import P3
 from models.running import INTEGRATORS, Recording, assert_close, run
 
 import gelenk
 from gelenk.chart import mechanisms
 
-# P3 from an independent integration (open chain and closure conditions, DOP853 at 1e-11, eight digits), which
-# agrees with the library's published plot.
-P3 = {
-    0.5: (0.77471781, -0.97981505, -0.19990616),
-    1.0: (0.27448132, -0.88670794, -0.46233),
-    1.25: (-0.0023061, -0.86602694, -0.49999734),
-    1.5: (-0.27901758, -0.88736138, -0.4610746),
-    2.0: (-0.77813537, -0.98035268, -0.19725267),
-    2.5: (-0.999983185, -1.0, -1.68145719e-05),
-    3.0: (-0.77128136, -0.97926933, -0.20256253),
-    4.0: (0.28355108, -0.88802281, -0.45979939),
-    5.0: (0.999932742, -0.999999998, -6.72554129e-05),
-    7.5: (-0.999848674, -0.999999989, -0.000151314021),
-    10.0: (0.999730987, -0.999999964, -0.000268975949),
-}
 TIMES = np.array([0.0, *P3])
 
 

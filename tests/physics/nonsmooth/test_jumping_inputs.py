@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 import gelenk
 from gelenk.chart.mechanisms import governor
-from physics.trees.test_double_pendulum import C1, C2, J1, J2, L1, M1, M2, START, double_pendulum, rates
+from physics.trees.test_double_pendulum import START, TEXTBOOK, double_pendulum
 
 MULTISTEP = ("ida", "cvode", "cvode-adams")
 STEP = 1e-3  # s
@@ -34,12 +34,10 @@ def torque(k: int) -> float:
 def reference() -> tuple[float, ...]:
     """phi1, phi2 (relative) at the end."""
     y = np.array([START[0], START[0] + START[1], START[2], START[2] + START[3]])
-    k12 = M2 * L1 * C2
 
     def driven(t: float, y: np.ndarray, tau: float) -> np.ndarray:
-        c = k12 * np.cos(y[0] - y[1])
-        M = np.array([[J1 + M1 * C1**2 + M2 * L1**2, c], [c, J2 + M2 * C2**2]])
-        out: np.ndarray = rates(t, y) + np.concatenate([[0, 0], np.linalg.solve(M, [tau, 0])])
+        by_torque = np.linalg.solve(TEXTBOOK.mass(y), [tau, 0])
+        out: np.ndarray = TEXTBOOK.rates(t, y) + np.concatenate([[0, 0], by_torque])
         return out
 
     for k in range(STEPS):

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Scene, body, frame, frame_sensor, joint, reaction, scene
+from models.andrews import END, END_RATES
 from models.running import INTEGRATORS, Recording, assert_close, run
 
 START = {
@@ -33,24 +34,6 @@ START = {
     "delta": 0.48736497954384256,
     "Omega": -0.22266839016588588,
     "epsilon": 1.2305474445498212,
-}
-END = {
-    "beta": 15.81077119629904,
-    "Theta": -15.75637105984298,
-    "gamma": 0.04082224013073101,
-    "Phi": -0.5347301163226948,
-    "delta": 0.5244099658805303,
-    "Omega": 0.5347301163226948,
-    "epsilon": 1.048080741042263,
-}
-END_RATES = {
-    "beta": 1139.920302151208,
-    "Theta": -1424.379294994111,
-    "gamma": 11.03291221937134,
-    "Phi": 19.29337464421385,
-    "delta": 0.5735699284790808,
-    "Omega": -19.29337464421385,
-    "epsilon": 0.3231791658026955,
 }
 START_ACCELERATIONS = {"beta": 14222.443919954114, "Theta": -10666.832939965585}  # the others are zero
 

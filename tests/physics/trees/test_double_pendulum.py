@@ -8,12 +8,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
+from models.double_pendulum import DoublePendulum
 from models.running import INTEGRATORS, assert_close, run
 from scipy.integrate import solve_ivp
 
 M1, C1, J1, L1 = 1.3, 0.41, 0.052, 0.83  # upper body: mass, its center of mass, moment of inertia, distance
 # to the second pin
 M2, C2, J2 = 0.9, 0.33, 0.047
+TEXTBOOK = DoublePendulum(M1, C1, J1, L1, M2, C2, J2)
 START = (0.7, -0.4, 0.3, 0.9)  # phi1, phi2 relative, w1, w2 relative
 
 
@@ -39,26 +41,12 @@ def double_pendulum() -> Scene:
     )
 
 
-def rates(_t: float, y: np.ndarray) -> np.ndarray:
-    """Absolute angles a, b: Landau & Lifshitz, Mechanics, section 5, problem 1, with rotary inertia."""
-    a, b, wa, wb = y
-    k = M2 * L1 * C2
-    M = np.array([[J1 + M1 * C1**2 + M2 * L1**2, k * np.cos(a - b)], [k * np.cos(a - b), J2 + M2 * C2**2]])
-    f = np.array(
-        [
-            -k * wb**2 * np.sin(a - b) - (M1 * C1 + M2 * L1) * GRAVITY * np.sin(a),
-            k * wa**2 * np.sin(a - b) - M2 * C2 * GRAVITY * np.sin(b),
-        ]
-    )
-    return np.concatenate([[wa, wb], np.linalg.solve(M, f)])
-
-
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_double_pendulum_matches_textbook_equations(integrator: str) -> None:
     """Over 3 s neighboring motions diverge by a factor of about 50, so 5000 rtol are allowed."""
     times = np.linspace(0, 3, 31)
     y0 = [START[0], START[0] + START[1], START[2], START[2] + START[3]]
-    truth = solve_ivp(rates, (0, 3), y0, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y
+    truth = solve_ivp(TEXTBOOK.rates, (0, 3), y0, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y
     found = run(double_pendulum(), times, tolerance=1e-11, integrator=integrator)
     assert_close("P1.phi", found["P1.phi"], truth[0], 5e-8, "5000 rtol")
     assert_close("P2.phi", found["P2.phi"], truth[1] - truth[0], 5e-8, "5000 rtol")

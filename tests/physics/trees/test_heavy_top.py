@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, frame, frame_sensor, joint, scene
+from models.heavy_top import PRINTED, RECOMPUTED
 from models.running import INTEGRATORS, Recording, assert_close, run
 from scipy.integrate import solve_ivp
 
@@ -23,22 +24,6 @@ COM = np.array([0.0, 1, 0])
 J_COM = np.diag([0.234375, 0.46875, 0.234375])
 W0 = (0.0, 150.0, -4.61538)
 
-# t: angular velocity in body axes [rad/s], center of mass [m]
-RECOMPUTED = {
-    0.1: ((4.808941331728, 150, 1.028300756717), (0.421296658925, 0.894571974346, -0.149164700562)),
-    0.4: ((6.054845968623, 150, -1.914702172705), (-0.166784671114, -0.047439657872, -0.984851436686)),
-    1.0: ((-0.822078101695, 150, -5.923291348114), (0.173343964098, 0.640088592071, -0.748490791133)),
-    1.5: ((0.346213784356, 150, 4.605359985336), (-0.968165715638, 0.250306062131, -0.001422083851)),
-    2.0: ((0.1222332194719, 150, -5.855624589207), (-0.150416822745, -0.724165591635, -0.673022269562)),
-}
-PRINTED = {  # five digits
-    0.39: (-1.197, 150, -6.2505),
-    0.40: (6.0548, 150, -1.9147),
-    0.41: (2.6014, 150, 5.7715),
-    0.42: (-5.4053, 150, 3.2461),
-    0.43: (-3.8386, 150, -4.9626),
-    0.44: (4.4508, 150, -4.3697),
-}
 TIMES = np.array(sorted({0.0, *RECOMPUTED, *PRINTED}))
 
 

@@ -56,9 +56,8 @@
   Gelenk.Chart = class {
     // `pick` is called with the time at the pointer.
     constructor(time, signal, pick) {
-      this.time = time;
       this.signal = signal;
-      this.range = valueRange(signal.values);
+      this.measure(time);
       this.canvas = document.createElement("canvas");
       this.canvas.className = "chart";
       this.canvas.setAttribute("role", "img");
@@ -67,8 +66,8 @@
       const choose = (event) => {
         const box = this.canvas.getBoundingClientRect();
         const share = (event.clientX - box.left - this.area.left) / (this.area.right - this.area.left);
-        const first = time[0];
-        pick(first + Math.min(1, Math.max(0, share)) * (time[time.length - 1] - first));
+        const first = this.time[0];
+        pick(first + Math.min(1, Math.max(0, share)) * (this.time[this.time.length - 1] - first));
       };
       this.canvas.addEventListener("pointerdown", (event) => {
         if (event.button !== 0 || !this.area) return;
@@ -78,6 +77,13 @@
       this.canvas.addEventListener("pointermove", (event) => {
         if (this.canvas.hasPointerCapture(event.pointerId)) choose(event);
       });
+    }
+
+    // Call when the values have become others.
+    measure(time) {
+      const { values, second } = this.signal;
+      this.time = time;
+      this.range = valueRange(second ? [...values, ...second] : values);
     }
 
     x(t) {
@@ -140,17 +146,17 @@
       // The value at the cursor is at the right end of this line.
       const { name, unit } = this.signal;
       context.fillText(unit ? `${name} [${unit}]` : name, 8, 12, width - 90);
-      this.drawLine(context);
+      if (this.signal.second) this.drawLine(context, this.signal.second, colors.second);
+      this.drawLine(context, this.signal.values, colors.line);
     }
 
-    drawLine(context) {
-      const { values } = this.signal;
+    drawLine(context, values, color) {
       const { left, right, top, bottom } = this.area;
       context.save();
       context.beginPath();
       context.rect(left, top - 2, right - left + 2, bottom - top + 4);
       context.clip();
-      context.strokeStyle = this.colors.line;
+      context.strokeStyle = color;
       context.lineWidth = 1.5;
       context.lineJoin = "round";
       context.beginPath();
@@ -176,28 +182,36 @@
       context.restore();
     }
 
+    drawDot(context, x, value) {
+      if (!Number.isFinite(value)) return;
+      context.beginPath();
+      context.arc(x, this.y(value), 3, 0, 2 * Math.PI);
+      context.fill();
+    }
+
     draw(player) {
       if (!this.area) return;
       const context = this.canvas.getContext("2d");
-      const { values } = this.signal;
       const { frame, fraction } = player;
-      const value = fraction > 0 && frame + 1 < values.length
-        ? values[frame] + fraction * (values[frame + 1] - values[frame]) : values[frame];
+      const at = (values) => (fraction > 0 && frame + 1 < values.length
+        ? values[frame] + fraction * (values[frame + 1] - values[frame]) : values[frame]);
+      const value = at(this.signal.values);
       context.setTransform(1, 0, 0, 1, 0, 0);
       context.clearRect(0, 0, this.canvas.width, this.canvas.height);
       context.drawImage(this.still, 0, 0);
       context.scale(this.ratio, this.ratio);
-      const x = this.x(player.time);
+      const x = Math.min(this.x(player.time), this.area.right);  // curves of a running simulation lag behind
       context.strokeStyle = context.fillStyle = this.colors.cursor;
       context.lineWidth = 1;
       context.beginPath();
       context.moveTo(x, this.area.top - 2);
       context.lineTo(x, this.area.bottom);
       context.stroke();
-      if (Number.isFinite(value)) {
-        context.beginPath();
-        context.arc(x, this.y(value), 3, 0, 2 * Math.PI);
-        context.fill();
+      this.drawDot(context, x, value);
+      if (this.signal.second) {
+        context.fillStyle = this.colors.second;
+        this.drawDot(context, x, at(this.signal.second));
+        context.fillStyle = this.colors.cursor;
       }
       context.font = font;
       context.textAlign = "right";

@@ -6,6 +6,7 @@
 
   const element = (id) => document.getElementById(id);
   const icons = { play: "M4 2 L14 8 L4 14 Z", pause: "M3 2 h4 v12 h-4 Z M9 2 h4 v12 h-4 Z" };
+  const markNames = { event: "Event", singular: "Singular configuration", end: "End of the run" };
   const messageDuration = 2500;
 
   // After a choice with the mouse the keys belong to the player again; who came by keyboard stays.
@@ -20,7 +21,7 @@
     constructor(recording, player) {
       Object.assign(this, { recording, player });
       this.digits = this.timeDigits();
-      if (recording.frames < 2) return;
+      if (recording.frames < 2 && !recording.live) return;
       element("player").hidden = false;
       this.slider = element("slider");
       this.slider.max = String(recording.frames - 1);
@@ -38,7 +39,7 @@
     // Enough digits to distinguish neighboring frames, at least three.
     timeDigits() {
       const { time, frames } = this.recording;
-      const step = frames > 1 ? (time[frames - 1] - time[0]) / (frames - 1) : 1;
+      const step = frames > 1 && time[frames - 1] > time[0] ? (time[frames - 1] - time[0]) / (frames - 1) : 1;
       return Math.min(9, Math.max(3, Math.ceil(-Math.log10(step) - 1e-9)));
     }
 
@@ -46,16 +47,33 @@
       return `t = ${t.toFixed(this.digits).replace("-", "\u2212")} s`;
     }
 
+    // Call when frames have been added.
+    extend() {
+      this.slider.max = String(this.recording.frames - 1);
+      this.digits = this.timeDigits();
+    }
+
+    // Call when the times of the recording have become others.
+    measure() {
+      this.digits = this.timeDigits();
+      element("speed").replaceChildren();
+      this.addSpeeds();
+    }
+
     fillSpeeds() {
+      this.addSpeeds();
+      element("speed").addEventListener("change", () => {
+        this.player.speed = Number(element("speed").value);
+      });
+      releaseAfterPointer(element("speed"));
+    }
+
+    addSpeeds() {
       const speeds = [...new Set([...Gelenk.speeds, this.player.speed])].sort((a, b) => a - b);
       for (const speed of speeds) {
         const chosen = speed === this.player.speed;
         element("speed").append(new Option(speed + "\u00d7", String(speed), chosen, chosen));
       }
-      element("speed").addEventListener("change", () => {
-        this.player.speed = Number(element("speed").value);
-      });
-      releaseAfterPointer(element("speed"));
     }
 
     // Events closer together than a mark is wide share one.
@@ -66,21 +84,22 @@
         const { index, fraction } = Gelenk.locate(time, event.t);
         const share = (index + fraction) / (frames - 1);
         const last = groups[groups.length - 1];
-        if (last && share - last.share < 0.008) last.events.push(event);
-        else groups.push({ share, events: [event] });
+        const kind = event.kind || "event";
+        if (last && last.kind === kind && share - last.share < 0.008) last.events.push(event);
+        else groups.push({ share, kind, events: [event] });
       }
       for (const group of groups) this.addMark(group);
     }
 
-    addMark({ share, events }) {
+    addMark({ share, kind, events }) {
       const mark = document.createElement("button");
       const lines = events.slice(0, 8).map((event) => `${this.timeText(event.t)}: ${event.text}`);
       if (events.length > 8) lines.push(`and ${events.length - 8} more`);
       const text = lines.join("\n");
       mark.type = "button";
-      mark.className = "mark";
+      mark.className = "mark " + kind;
       mark.style.left = `${100 * share}%`;
-      mark.setAttribute("aria-label", "Event " + text);
+      mark.setAttribute("aria-label", markNames[kind] + " " + text);
       const show = () => this.showTip(mark, text);
       const hide = () => { element("tip").hidden = true; };
       mark.addEventListener("pointerenter", show);
@@ -147,7 +166,7 @@
     ["F", "fit the mechanism into the view"],
     ["C", "camera follows the mechanism, or does not move"],
     ["+ \u2212", "zoom in or out"],
-    ["L", "labels"], ["T", "trails"], ["P", "plots"], ["D", "dark or light"], ["?", "this help"],
+    ["L", "labels"], ["T", "trails"], ["X", "axes of frames"], ["V", "forces and torques"], ["P", "plots"], ["D", "dark or light"], ["?", "this help"],
     ["Drag", "rotate; one finger"],
     ["Right or Shift drag", "move; two fingers"],
     ["Wheel", "zoom; pinch"]

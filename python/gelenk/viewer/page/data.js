@@ -13,6 +13,8 @@
     return new ArrayType(bytes.buffer);
   }
 
+  Gelenk.decode = decode;
+
   function readShapes(shapes) {
     return {
       name: shapes.name || "",
@@ -41,14 +43,35 @@
       bodies: (raw.bodies || []).map(readShapes),
       ground: readShapes(raw.ground || {}),
       poses: decode(raw.poses, Float32Array),
+      second: raw.second ? {
+        name: raw.second.name,
+        bodies: (raw.second.bodies || []).map(readShapes),
+        ground: readShapes(raw.second.ground || {}),
+        poses: decode(raw.second.poses, Float32Array),
+        springs: raw.second.springs || [],
+        frames: Math.max(1, time.length),
+        colors: raw.colors || {}
+      } : null,
+      modes: (raw.modes || []).map((mode) => ({
+        ...mode, time: decode(mode.time, Float64Array), poses: decode(mode.poses, Float32Array)
+      })),
       joints: raw.joints || [],
       springs: raw.springs || [],
       signals: (raw.signals || []).map((signal) => ({
         name: signal.name,
         unit: signal.unit || "",
-        values: decode(signal.values, Float32Array)
+        values: decode(signal.values, Float32Array),
+        second: signal.second ? decode(signal.second, Float32Array) : null
       })),
       shown: raw.shown || [],
+      arrows: (raw.arrows || []).map((arrow) => ({
+        ...arrow,
+        points: arrow.points ? decode(arrow.points, Float32Array) : null,
+        vectors: decode(arrow.vectors, Int16Array)
+      })),
+      frameAxes: raw.frames || [],
+      colors: raw.colors || {},
+      live: Boolean(raw.live),
       events: (raw.events || []).slice().sort((a, b) => a.t - b.t)
     };
   };

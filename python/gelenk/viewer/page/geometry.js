@@ -143,10 +143,12 @@
     return { position, normal, index };
   }
 
-  // One geometry with all solid shapes of a body, or null without any.
-  Gelenk.solidGeometry = function (shapes) {
+  // One geometry with all solid shapes of a body that have a role, or null without any.
+  Gelenk.solidGeometry = function (shapes, role = "") {
+    const own = (shape) => (shape.role || "") === role;
     const parts = [
-      ...shapes.tubes.map(tubePart), ...shapes.balls.map(ballPart), ...shapes.meshes.map(meshPart)
+      ...shapes.tubes.filter(own).map(tubePart), ...shapes.balls.filter(own).map(ballPart),
+      ...shapes.meshes.filter(own).map(meshPart)
     ].filter((part) => part && part.index.length);
     if (!parts.length) return null;
     const total = (key) => parts.reduce((sum, part) => sum + part[key].length, 0);

@@ -4,13 +4,14 @@
   "use strict";
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
+  const translucent = 0.35;
   const farAway = 4;  // size of the run, in sizes of the mechanism, from which the camera follows
 
   const element = (id) => document.getElementById(id);
 
   function readColors() {
     const style = getComputedStyle(document.documentElement);
-    const names = ["back", "grid", "edge", "text", "faint", "line", "cursor"];
+    const names = ["back", "grid", "edge", "text", "faint", "line", "second", "cursor"];
     return Object.fromEntries(names.map((name) => [name, style.getPropertyValue("--" + name).trim()]));
   }
 
@@ -18,6 +19,8 @@
     const recording = Gelenk.readRecording(element("data").textContent);
     const canvas = element("canvas");
     const model = new Gelenk.Model(recording);
+    const second = recording.second && new Gelenk.Model(recording.second, translucent);
+    if (second) model.include(second);
     const orbit = new Gelenk.OrbitCamera(recording, model);
     const scene = new THREE.Scene();
     const grid = recording.flat ? null : Gelenk.makeGrid(model, orbit);
@@ -26,20 +29,44 @@
     const picture = new Gelenk.Picture(canvas, redraw);
     const triad = new Gelenk.Triad(element("triad"));
     scene.add(model.root);
+    if (second) scene.add(second.root);
     if (grid) scene.add(grid);
     Gelenk.addLights(scene, orbit.camera, orbit.up);
-    element("name").textContent = recording.name;
-    element("name").title = recording.name;
+    const title = second ? `${recording.name}, translucent: ${recording.second.name}` : recording.name;
+    element("name").textContent = title;
+    element("name").title = title;
     element("missing").hidden = picture.available;
     canvas.hidden = !picture.available;
     element("triad").style.display = picture.available ? "" : "none";
 
+    for (const mode of recording.modes) {
+      recording.poses = mode.poses;
+      const reached = new Gelenk.Model(recording);
+      model.include(reached);
+    }
+    if (recording.modes.length) recording.poses = recording.modes[0].poses;
+
     const drawn = [];
+    const arrows = new Gelenk.Arrows(recording, model);
+    const legend = new Gelenk.ArrowLegend(element("legend"), arrows, redraw);
+    let axes = null;
     const bar = { update() {}, showEvent() {} };
     const player = new Gelenk.Player(recording, redraw, (event) => bar.showEvent(event));
     const labels = new Gelenk.Labels(element("labels"), recording, model);
     const panel = new Gelenk.Panel(recording, player, redraw);
     const playerBar = new Gelenk.PlayerBar(recording, player);
+    const modeBar = new Gelenk.ModeBar(recording, () => {
+      player.measure();
+      playerBar.measure();
+      redraw();
+    });
+    const live = recording.live && new Gelenk.Live(recording, player, playerBar, panel, redraw, () => {
+      const { cloud } = model.measureBodies();
+      const box = new THREE.Box3().setFromArray(cloud);
+      if (model.box.containsBox(box)) return;
+      model.include({ cloud, box });
+      if (orbit.untouched) orbit.fit();
+    });
     bar.update = () => playerBar.update();
     bar.showEvent = (event) => playerBar.showEvent(event);
     if (!picture.available) labels.setVisible(false);
@@ -53,8 +80,11 @@
         redraw();
       }
       model.setFrame(player.frame, player.fraction);
+      if (second) second.setFrame(player.frame, player.fraction);
+      arrows.update(player.frame, player.fraction);
       orbit.follow();
       bar.update();
+      legend.update(orbit);
       panel.draw();
       if (picture.available) {
         picture.draw(scene, orbit.camera, player.playing);
@@ -68,7 +98,8 @@
     function resize() {
       const stage = element("stage");
       const header = stage.querySelector("header");
-      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight);
+      const above = recording.modes.length ? element("modes").offsetHeight : 0;
+      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight + above);
       picture.resize(orbit.width, orbit.height);
       picture.draw(scene, orbit.camera, player.playing);
       redraw();
@@ -79,6 +110,7 @@
       const colors = readColors();
       const background = new THREE.Color(colors.back);
       model.setTheme(background);
+      if (second) second.setTheme(background);
       if (grid) grid.material.color.set(colors.grid);
       picture.setBackground(background);
       panel.setColors(colors);
@@ -114,6 +146,15 @@
       model.showTrails(on);
       redraw();
     });
+    const toggleForces = Gelenk.toggleButton("show-forces", () => arrows.visible, (on) => {
+      arrows.setVisible(on);
+      redraw();
+    });
+    const toggleAxes = Gelenk.toggleButton("show-axes", () => Boolean(axes && axes[0] && axes[0].visible), (on) => {
+      axes = axes || Gelenk.makeAxes(recording, model);
+      for (const group of axes) group.visible = on;
+      redraw();
+    });
     const toggleFollowing = Gelenk.toggleButton("follow", () => orbit.following, (on) => {
       orbit.setFollowing(on);
       redraw();
@@ -121,6 +162,8 @@
     const togglePanel = Gelenk.toggleButton("show-panel", () => panel.visible, (on) => panel.setVisible(on));
     element("show-panel").hidden = !panel.available;
     element("show-trails").hidden = recording.frames < 2;
+    element("show-forces").hidden = !arrows.available;
+    element("show-axes").hidden = !recording.frameAxes.length;
     element("follow").hidden = recording.frames < 2;
     element("show-labels").hidden = !labels.items.length;
     const toggleHelp = Gelenk.setUpHelp(recording.version);
@@ -149,6 +192,8 @@
       "-": () => zoom(1 / 0.85),
       l: toggleLabels,
       t: () => recording.frames > 1 && toggleTrails(),
+      v: () => arrows.available && toggleForces(),
+      x: () => recording.frameAxes.length && toggleAxes(),
       c: () => recording.frames > 1 && toggleFollowing(),
       p: () => panel.available && togglePanel(),
       d: toggleTheme,
@@ -157,7 +202,9 @@
 
     Gelenk.attachPointers(canvas, orbit, redraw);
     canvas.addEventListener("webglcontextrestored", redraw);
-    window.gelenk = Gelenk.makeInterface({ recording, model, orbit, player, canvas, setCamera, drawn: () => drawn });
+    window.gelenk = Gelenk.makeInterface({ recording, model, second, orbit, player, canvas, setCamera, drawn: () => drawn });
+    window.gelenk.live = live;
+    window.gelenk.chooseMode = (number) => modeBar.choose(number);
     applyTheme();
     // A vehicle that travels far would be a dot.
     model.setFrame(0, 0);
@@ -167,25 +214,26 @@
   }
 
   // What tests and scripts may use of a page.
-  Gelenk.makeInterface = function ({ recording, model, orbit, player, canvas, setCamera, drawn }) {
+  Gelenk.makeInterface = function ({ recording, model, second, orbit, player, canvas, setCamera, drawn }) {
     // Between a key press and the next draw the objects lag behind the player.
-    const bodyNamed = (name) => {
-      const body = model.body(name);
+    const bodyNamed = (name, of = model) => {
+      const body = of && of.body(name);
       if (!body) throw new RangeError("no body named " + name);
-      model.setFrame(player.frame, player.fraction);
+      of.setFrame(player.frame, player.fraction);
       return body;
     };
     return {
       ready: false,
-      frames: recording.frames,
+      get frames() { return recording.frames; },
       get frame() { return player.frame; },
       get time() { return player.time; },
       get playing() { return player.playing; },
       play: () => player.play(),
       pause: () => player.pause(),
       show: (k) => player.show(k),
-      pose(name) {
-        const body = bodyNamed(name);
+      // Of the first run, or of the second that is laid over it.
+      pose(name, run = 1) {
+        const body = bodyNamed(name, run === 2 ? second : model);
         body.updateWorldMatrix(true, false);
         const [p, q, scale] = [new THREE.Vector3(), new THREE.Quaternion(), new THREE.Vector3()];
         body.matrixWorld.decompose(p, q, scale);

@@ -28,8 +28,10 @@
   };
 
   Gelenk.Model = class {
-    constructor(recording) {
+    // With an opacity below 1, what is behind shows through.
+    constructor(recording, opacity = 1) {
       this.recording = recording;
+      this.opacity = opacity;
       this.root = new THREE.Group();
       this.materials = new Map();
       this.geometries = new Map();
@@ -44,9 +46,12 @@
     makeBody(shapes) {
       const group = new THREE.Group();
       group.name = shapes.name;
-      const { solid, wire, outline } = this.geometryOf(shapes);
+      const { solid, symbols, wire, outline } = this.geometryOf(shapes);
       const side = shapes.meshes.length ? "two-sided" : "solid";
       if (solid) group.add(new THREE.Mesh(solid, this.material(side, shapes.color)));
+      for (const [role, symbol] of symbols) {
+        group.add(new THREE.Mesh(symbol, this.material("solid", this.recording.colors[role] || shapes.color)));
+      }
       if (wire) group.add(new THREE.LineSegments(wire, this.material("line", shapes.color)));
       group.userData = { shapes, outline, center: Gelenk.firstCenter(shapes) };
       this.root.add(group);
@@ -58,8 +63,11 @@
       const key = shapes.meshes.length ? shapes : JSON.stringify([shapes.tubes, shapes.balls, shapes.lines]);
       if (!this.geometries.has(key)) {
         const solid = Gelenk.solidGeometry(shapes);
+        const symbols = ["joint", "loop"].map((role) => [role, Gelenk.solidGeometry(shapes, role)])
+          .filter(([, symbol]) => symbol);
         const wire = Gelenk.lineGeometry(shapes.lines);
-        this.geometries.set(key, { solid, wire, outline: Gelenk.outlinePoints([solid, wire].filter(Boolean)) });
+        const all = [solid, wire, ...symbols.map(([, symbol]) => symbol)].filter(Boolean);
+        this.geometries.set(key, { solid, symbols, wire, outline: Gelenk.outlinePoints(all) });
       }
       return this.geometries.get(key);
     }
@@ -71,6 +79,7 @@
           ? new THREE.LineBasicMaterial()
           : new THREE.MeshLambertMaterial({ side: kind === "two-sided" ? THREE.DoubleSide : THREE.FrontSide });
         material.userData.color = color;
+        if (this.opacity < 1) Object.assign(material, { transparent: true, opacity: this.opacity });
         if (this.background) material.color.copy(Gelenk.readableColor(color, this.background));
         this.materials.set(key, material);
       }
@@ -109,6 +118,17 @@
       this.box = new THREE.Box3().setFromArray(this.cloud);
       this.center = this.box.getCenter(new THREE.Vector3());
       this.radius = this.box.getSize(vector).length() / 2 || 1;
+    }
+
+    // Lets the camera see what another mechanism reaches, too.
+    include(other) {
+      const cloud = new Float32Array(this.cloud.length + other.cloud.length);
+      cloud.set(this.cloud);
+      cloud.set(other.cloud, this.cloud.length);
+      this.cloud = cloud;
+      this.box.union(other.box);
+      this.box.getCenter(this.center);
+      this.radius = this.box.getSize(nextPosition).length() / 2 || 1;
     }
 
     // The same of the bodies alone, where they are now.

@@ -12,7 +12,7 @@
       Object.assign(this, { recording, player, redraw });
       this.element = document.getElementById("panel");
       this.charts = [];
-      this.available = recording.frames > 1 && recording.signals.length > 0;
+      this.available = (recording.frames > 1 || recording.live) && recording.signals.length > 0;
       if (!this.available) return;
       this.search = document.getElementById("search");
       this.search.addEventListener("input", () => this.fillList());
@@ -64,6 +64,12 @@
       if (!chart) return;
       chart.canvas.remove();
       this.charts.splice(this.charts.indexOf(chart), 1);
+    }
+
+    // Call when frames have been added.
+    extend() {
+      for (const chart of this.charts) chart.measure(this.recording.time);
+      this.prepare();
     }
 
     chartOf(signal) {

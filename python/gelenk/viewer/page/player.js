@@ -20,14 +20,23 @@
     // `changed` is called after every change of state, `passed` with the last event passed by.
     constructor(recording, changed, passed) {
       Object.assign(this, { recording, changed, passed });
-      this.first = recording.time[0];
-      this.last = recording.time[recording.frames - 1];
-      this.speed = Gelenk.initialSpeed(this.last - this.first);
+      this.measure();
       this.loop = true;
       this.playing = false;
       this.time = this.first;
       this.frame = 0;
       this.fraction = 0;
+    }
+
+    // Call when the times of the recording have become others.
+    measure() {
+      const { recording } = this;
+      const before = this.last - this.first;
+      this.first = recording.time[0];
+      this.last = recording.time[recording.frames - 1];
+      if (this.speed && (recording.live || this.last - this.first === before)) return;
+      this.speed = Gelenk.initialSpeed(this.last - this.first);
+      if (this.frame !== undefined) this.time = recording.time[this.frame];
     }
 
     show(k) {

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gears and wheels of the gallery: closed-form ratios and motions, published figures."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import GRAVITY, Array
+from models.disc import steady
+from models.whipple import linear_theory
+
+import gelenk
+from gallery.entries import assert_stated, file, ran, source, vectors
+
+
+def test_gears() -> None:
+    """The load sinks with v = V (1 - exp(-t/T)), V and T from the inertia and the brake, seen at the load."""
+    run = ran("gears")
+    r = 0.15
+    mass = 50 + (0.3 + 4**2 * 0.05 + 16**2 * 0.002) / r**2
+    brake = 16**2 * 0.1 / r**2
+    V, T = 50 * GRAVITY / brake, mass / brake
+    np.testing.assert_allclose(run["guide.v"], -V * (1 - np.exp(-run.time / T)), atol=1e-8)  # ten tolerances
+    np.testing.assert_allclose(run["rotor_shaft.w"], 16 / r * run["guide.v"], rtol=1e-10, atol=1e-10)
+    assert_stated("gears", V, "m/s")
+
+
+def test_planetary_gear() -> None:
+    """Willis 1841: (sun - carrier) / (ring - carrier) = -60/24; the torques are as 24 : 60 : -84."""
+    run = ran("planetary_gear")
+    carrier = 2 * math.pi / (1 + 60 / 24)
+    np.testing.assert_allclose(run["carrier_shaft.w"], carrier, rtol=1e-12)  # rounding
+    np.testing.assert_allclose(run["pin1.w"], -24 / 18 * (2 * math.pi - carrier), rtol=1e-12)
+    load = 2 * carrier  # N m
+    np.testing.assert_allclose(run["drive.tau"], load * 24 / 84, rtol=1e-10)  # sums of a few torques, rounded
+    np.testing.assert_allclose(run["brake.tau"], load * 60 / 84, rtol=1e-10)
+    for planet in (2, 3):  # redundant meshes: they share alike
+        np.testing.assert_allclose(run[f"sun{planet}.tau"], run["sun1.tau"], rtol=1e-9)
+    assert_stated("planetary_gear", load * 24 / 84, "N m")
+
+
+def test_differential() -> None:
+    """In a circle, wheels turn as their distances from its center; the spider shares the torque evenly."""
+    run = ran("differential")
+    radius = 1.2 / math.tan(0.5)  # of the middle of the rear axle
+    ratio = (radius + 0.45) / (radius - 0.45)
+    np.testing.assert_allclose(run["right_hub.w"] / run["left_hub.w"], ratio, rtol=1e-10)
+    np.testing.assert_allclose(
+        2 * run["bearing.w"], run["left_hub.w"] + run["right_hub.w"], rtol=0, atol=1e-10
+    )
+    # The torques differ by what accelerates the spider about its pin, which also turns with the vehicle.
+    yaw, turned = run["ride.w"], run["bearing.phi"]
+    rate = run["spider_pin.a"] - run["ride.wd"] * np.sin(turned) - yaw * run["bearing.w"] * np.cos(turned)
+    difference = run["right_mesh.tau"] - run["left_mesh.tau"]
+    np.testing.assert_allclose(difference, 1e-4 * rate / 0.625, rtol=0, atol=1e-9)  # of 20 N m
+    assert_stated("differential", ratio, "")
+
+
+def test_rolling_disc() -> None:
+    """Steady turn: the yaw rate solves a quadratic equation in lean and spin (models/disc.py)."""
+    run = ran("rolling_disc")
+    turn = steady(-0.4, 6.0)
+    np.testing.assert_allclose(run["lean.phi"], -0.4, rtol=0, atol=1e-8)  # 100 tolerances
+    np.testing.assert_allclose(run["base.w"], turn.yaw_rate, rtol=1e-8)
+    contact = vectors(run, "contact.r")
+    radius = 0.3 * 6.0 / turn.yaw_rate  # the contact moves by R times the spin
+    np.testing.assert_allclose(
+        np.hypot(contact[:, 0], contact[:, 1]), radius, rtol=1e-4
+    )  # as the start has it
+    assert_stated("rolling_disc", turn.yaw_rate, "rad/s")
+
+
+# psi, h, theta, l, phi after 6 s for each drag c [N m s]: five coordinates with multipliers, DOP853 at 1e-13.
+ROS = {
+    0.0: (
+        15.275231571044845,
+        0.483542816244126,
+        -0.010508494666374504,
+        1.5634855231721154,
+        46.80399512013649,
+    ),
+    10.0: (12.288303527873085, 1.0511821927051725, 0.3224026250333311, 1.8208946505186998, 37.43308577013671),
+}
+
+
+@pytest.mark.parametrize("c", ROS)
+def test_mast_arm_disc(c: float) -> None:
+    run = gelenk.simulate(
+        file("mast_arm_disc"), parameters={"rolling_drag.damping": c}, tolerance=1e-11, step=0.5
+    )
+    found = [run[name][-1] for name in ("mast.phi", "mast.s", "hinge.phi", "shaft.s", "shaft.phi")]
+    signs = (1, 1, 1, 1, -1)
+    for x, sign, value in zip(found, signs, ROS[c], strict=True):
+        assert sign * x == pytest.approx(value, abs=1e-9 * max(1.0, abs(value)))  # 100 tolerances
+    if c:
+        assert_stated("mast_arm_disc", ROS[c][1], "m")
+
+
+def test_bicycle() -> None:
+    """Weave at 5 m/s, by the published matrices of the linear theory."""
+    expected = max(np.linalg.eigvals(linear_theory(5.0)), key=lambda s: s.imag)
+    found = max(
+        gelenk.modes(file("bicycle"), at={"lean.w": 0.0}).modes, key=lambda mode: mode.eigenvalue.imag
+    ).eigenvalue
+    assert abs(found - expected) < 1e-9  # positions of the scene have 15 digits
+    assert_stated("bicycle", -expected.real, "1/s")
+    assert_stated("bicycle", expected.imag, "rad/s")
+
+
+def fastest_growth(M: Any, D: Any, K: Any) -> float:
+    """The largest eigenvalue [1/s] of M q'' + D q' + K q = 0."""
+    n = len(M)
+    A: Array = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
+    return float(np.linalg.eigvals(A).real.max())
+
+
+def test_balancing_robot() -> None:
+    """Falling from upright: Lagrange's equations of a pendulum on an axle, for its position and pitch."""
+    r, h, m = 0.1, 0.3, 8.0
+    wheels = 2 * (0.6 + 0.003 / r**2)
+    M = [[m + wheels, m * h], [m * h, 0.25 + m * h**2]]
+    slip = np.array([1 / r, -1])  # of the hubs: the wheels against the chassis
+    rate = fastest_growth(M, 2 * 0.02 * np.outer(slip, slip), [[0, 0], [0, -m * GRAVITY * h]])
+    found = max(mode.eigenvalue.real for mode in gelenk.modes(file("balancing_robot")).modes)
+    assert found == pytest.approx(rate, rel=1e-9)  # rounding of a block of zeros beside it
+    assert_stated("balancing_robot", rate, "1/s")
+
+
+def test_cart_pole() -> None:
+    """Falling from upright: Lagrange's equations for cart and pole."""
+    M = [[1.2, 0.2 * 0.3], [0.2 * 0.3, 0.006 + 0.2 * 0.3**2]]
+    rate = fastest_growth(M, np.diag([0.1, 0.002]), [[0, 0], [0, -0.2 * GRAVITY * 0.3]])
+    found = gelenk.modes(file("cart_pole"), at={"hinge.phi": 0.0})
+    assert max(mode.eigenvalue.real for mode in found.modes) == pytest.approx(rate, rel=1e-9)
+    assert source("cart_pole")["joints"]["hinge"]["start"]["phi"] == 0.05  # rad: from where it falls
+    assert_stated("cart_pole", rate, "1/s")
