@@ -87,3 +87,11 @@ def test_a_run_that_fails_is_shown_up_to_its_end(tmp_path: Path) -> None:
     assert done.exit_code == 1
     assert "where no force can stop it" in done.output
     assert out.exists()
+
+
+@pytest.mark.parametrize(("length", "thickness"), [(5, 5.0), (40, 6.0)])
+def test_pins_of_long_chains_do_not_cover_links(length: int, thickness: float) -> None:
+    """Links of 1 m have a radius of 0.012 sizes of the mechanism, but of 6 links at most."""
+    data = gelenk.view(chain(length), stop=0.0)._data
+    (link,) = (tube for tube in data["bodies"][0]["tubes"] if not tube["role"])
+    assert link["r"] == pytest.approx(0.012 * thickness, rel=0.15)  # the last body ends at its center of mass

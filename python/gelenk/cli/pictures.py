@@ -211,7 +211,7 @@ def _put(page: View, files: Sequence[Path], choices: Mapping[str, Any]) -> None:
     written = [page.save(file, **(choices if is_picture(file) else {})) for file in files] or [page.show()]
     for file in written:
         size = file.stat().st_size
-        print(f"{file}: {size / 1e6:.1f} MB" if size >= 1e6 else f"{file}: {size / 1e3:.0f} kB")
+        print(f"{file}: {size / 1e6:.1f} MB" if size >= 5e5 else f"{file}: {size / 1e3:.0f} kB")
 
 
 def register(app: typer.Typer) -> None:

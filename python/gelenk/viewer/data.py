@@ -24,7 +24,7 @@ from gelenk.model.skeleton import (
     wheel_axes,
     wheels,
 )
-from gelenk.viewer.shapes import LINK_RADIUS, Shapes, shapes_of, slides
+from gelenk.viewer.shapes import LINK_RADIUS, Shapes, marks_of, shapes_of, slides
 
 if TYPE_CHECKING:
     from gelenk.simulation.recording import Recording
@@ -41,6 +41,7 @@ NEGLIGIBLE = 1e-7  # forces and torques, relative to the largest
 LARGEST_INTEGER = 32767  # of 16 bits
 UNITS = {"N": "N", "N.m": "N m"}
 EVENT_KINDS = {"singular": "singular configuration", "end": "the run ended"}  # by what their texts contain
+LONGEST = 6.0  # links; in longer mechanisms, links do not become thicker, or pins would cover them
 RAIL_RADIUS = 0.4  # in radii of links
 
 
@@ -51,8 +52,9 @@ def page_data(recording: Recording) -> dict[str, Any]:
     scene = recording.scene
     points = _points(recording)
     size = _size(scene, points[0])
-    shapes = shapes_of(scene, size)
-    _add_rails(shapes, recording, size)
+    thick = min(size, LONGEST * _link_length(scene, size))
+    shapes = shapes_of(scene, thick)
+    _add_rails(shapes, recording, thick)
     gravity = scene.get("gravity", (0.0, 0.0, 0.0))
     axes, is_flat = view_axes(points.reshape(-1, 3), gravity)
     names = list(scene["bodies"])
@@ -105,6 +107,16 @@ def _size(scene: Mapping[str, Any], points: Array) -> float:
         if body["mass"]:
             extents.append(2 * float(np.sqrt(sum(body["inertia"][:3]) / 2 / body["mass"])))
     return max(extents) or 1.0
+
+
+def _link_length(scene: Mapping[str, Any], size: float) -> float:
+    """Return the median length of bodies with several joints [m]; `size` without any."""
+    lengths = [
+        float(np.linalg.norm(np.ptp(points, axis=0)))
+        for name, points in marks_of(scene).items()
+        if name != GROUND and len(points) > 1
+    ]
+    return float(np.median(lengths)) if lengths else size
 
 
 def _add_rails(shapes: Mapping[str, Shapes], recording: Recording, size: float) -> None:

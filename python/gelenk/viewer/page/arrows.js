@@ -5,7 +5,7 @@
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
   const kinds = ["load", "reaction", "contact"];
-  const kindNames = { load: "forces and motors", reaction: "joint reactions", contact: "contact forces" };
+  const kindNames = { load: "loads", reaction: "reactions", contact: "contacts" };
   const colors = {
     "load N": "#e8590c", "reaction N": "#1971c2", "contact N": "#2f9e44",
     "load N m": "#f08c00", "reaction N m": "#7048e8", "contact N m": "#0c8599"
@@ -147,7 +147,7 @@
       if (this.element.hidden) return;
       for (const { unit, bar, text, name } of this.rows) {
         const pixels = this.arrows.scales[unit] * this.arrows.factor / orbit.lengthOfPixel();
-        const round = Gelenk.roundStep(60 / pixels, 1);
+        const round = Gelenk.roundStep(45 / pixels, 1);
         const label = `${Number(round.toPrecision(1))} ${unit}: ${name}`;
         if (text.textContent !== label) text.textContent = label;
         bar.style.width = `${(round * pixels).toFixed(1)}px`;

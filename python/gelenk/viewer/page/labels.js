@@ -5,6 +5,7 @@
   const Gelenk = window.Gelenk = window.Gelenk || {};
 
   const gap = 2;
+  const mostBoxes = 60;
 
   Gelenk.Labels = class {
     constructor(container, recording, model) {
@@ -17,6 +18,8 @@
       recording.bodies.forEach((shapes, b) => {
         if (shapes.name) this.add(shapes.name, "body", b, model.bodies[b].userData.center.toArray(), 0);
       });
+      // Boxes around many labels take longer to draw than the mechanism.
+      container.classList.toggle("many", this.items.length > mostBoxes);
       this.setVisible(recording.joints.length <= 12);
     }
 

@@ -98,8 +98,7 @@
     function resize() {
       const stage = element("stage");
       const header = stage.querySelector("header");
-      const above = recording.modes.length ? element("modes").offsetHeight : 0;
-      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight + above);
+      orbit.resize(stage.clientWidth, stage.clientHeight, header.offsetHeight);
       picture.resize(orbit.width, orbit.height);
       picture.draw(scene, orbit.camera, player.playing);
       redraw();
