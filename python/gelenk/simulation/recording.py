@@ -100,6 +100,20 @@ def record(scene: Scene, **run: Any) -> Recording:
         raise
 
 
+def still(scene: Mapping[str, Any], poses: Sequence[float] | Array) -> Recording:
+    """Return a mechanism at rest, without outputs.
+
+    Args:
+        scene: as plain data.
+        poses: positions and quaternions of its bodies, as in a recording of one frame, in any shape.
+    """
+    rows = np.zeros(1, np.intp)
+    return Recording(
+        scene, np.zeros(1), np.reshape(np.asarray(poses, float), (1, len(scene["bodies"]), 7)),
+        Result((), np.zeros((1, 1)), {}), rows,
+    )  # fmt: skip
+
+
 def _recording_of(scene: Mapping[str, Any], result: Result) -> Recording:
     """Return the recording of a run whose outputs are those that `record` adds, or of a part of it."""
     rows = _frames(len(result))
