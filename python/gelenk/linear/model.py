@@ -157,6 +157,11 @@ class LinearModel:
     def __str__(self) -> str:
         return _shown(self)
 
+    def _repr_html_(self) -> str:
+        from gelenk.linear.model_html import model_html
+
+        return model_html(self)
+
 
 def equilibrium_rate_bounds(A: Array, sizes: Array) -> Array:
     """Return the rates up to which states are considered at rest, in the mechanism's own units.

@@ -99,6 +99,12 @@ class Modes:
         title = f"{self.name} at t = {self.time:g} s" if self.name else f"t = {self.time:g} s"
         return table(f"{title}: {self.stability}", self.why, self.modes)
 
+    def _repr_html_(self) -> str:
+        from gelenk.modal.modes_html import modes_html
+
+        title = f"{self.name} at t = {self.time:g} s" if self.name else f"t = {self.time:g} s"
+        return modes_html(title, self.stability, self.why, self.modes)
+
 
 def modes(
     source: Mechanism | OperatingPoint | LinearModel | control.StateSpace,
