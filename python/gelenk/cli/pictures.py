@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gelenk
+from gelenk.cli import completion
 from gelenk.cli.arguments import AssemblyTolerance, InputTable, ParametersAndInputs, parse_parameters
-from gelenk.cli.errors import report_user_errors
-from gelenk.cli.progress import progress_bar
+from gelenk.cli.command import Report, command
 from gelenk.errors import StepError, UsageError
+from gelenk.simulation.progress import terminal_bar
 
 if TYPE_CHECKING:
     from gelenk.viewer import View
 
 
-@report_user_errors
+@command
 def plot(
     run: Annotated[
         Path,
@@ -27,13 +28,17 @@ def plot(
     ],
     signals: Annotated[
         list[str] | None,
-        typer.Argument(metavar="SIGNAL...", help="Signals, or patterns: 'crank.*'; default: all positions."),
+        typer.Argument(
+            metavar="SIGNAL...",
+            help="Signals, or patterns: 'crank.*'; default: all positions.",
+            autocompletion=completion.signals,
+        ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf; default: RUN.png."),
     ] = None,
-) -> None:
+) -> Report:
     """Plot results over time, with a panel for each unit."""
     from gelenk.simulation.files import ENDINGS
 
@@ -43,13 +48,16 @@ def plot(
     if run.suffix.lower() in ENDINGS:
         result = gelenk.Result.read(run)
     else:
-        with progress_bar(sys.stderr) as progress:
+        with terminal_bar(sys.stderr) as progress:
             result = gelenk.simulate(run, progress=progress)
     result.plot(signals or ()).savefig(file, dpi=150)
-    print(f"{file}: {len(result)} rows, to {result.time[-1]:g} s")
+    return Report(
+        f"{file}: {len(result)} rows, to {result.time[-1]:g} s",
+        {"file": str(file), "rows": len(result), "stop": float(result.time[-1])},
+    )
 
 
-@report_user_errors
+@command
 def view(
     plant: Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")],
     stop: Annotated[
@@ -62,7 +70,7 @@ def view(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.html", help="Write the page, do not open the browser."),
     ] = None,
-) -> None:
+) -> Report:
     """Simulate a scene or an FMU and show it in the browser.
 
     The page is one file, which can be mailed and needs no network.
@@ -70,24 +78,25 @@ def view(
     if output is not None and output.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"--output {output}: expected FILE.html")
     try:
-        with progress_bar(sys.stderr) as progress:
+        with terminal_bar(sys.stderr) as progress:
             page = gelenk.view(
                 plant, stop=stop, inputs=inputs,
                 parameters=parse_parameters(settings or [], assembly_tolerance), progress=progress,
             )  # fmt: skip
     except StepError as e:
-        if e.view is not None:
-            _put(e.view, output)
-        raise
-    _put(page, output)
+        if e.view is None:
+            raise
+        return _put(e.view, output, e)
+    return _put(page, output)
 
 
-def _put(page: View, output: Path | None) -> None:
+def _put(page: View, output: Path | None, failure: StepError | None = None) -> Report:
     file = page.show() if output is None else page.save(output)
-    print(f"{file}: {len(page.html.encode()) / 1e6:.1f} MB")
+    size = len(page.html.encode())
+    return Report(f"{file}: {size / 1e6:.1f} MB", {"file": str(file), "bytes": size}, failure)
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the application."""
-    for command in (plot, view):
-        app.command()(command)
+    for function in (plot, view):
+        app.command()(function)
