@@ -170,6 +170,16 @@ def test_verbose_commands_report_events_on_stderr(tmp_path: Path) -> None:
     assert "solver.evaluations = " in all_messages.stderr
 
 
+def test_events_of_an_fmu_are_logged_by_the_fmu(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """As often as the scene itself reports them."""
+    fmu = gelenk.export_fmu(bouncing(), tmp_path / "x.fmu")
+    with caplog.at_level(logging.INFO, "gelenk"):
+        gelenk.simulate(fmu, stop=0.5)
+    events = gelenk.simulate(bouncing(), stop=0.5).events
+    messages = [r.getMessage() for r in caplog.records if "lower limit" in r.getMessage()]
+    assert len(messages) == len(events) > 0
+
+
 def test_messages_are_logged_and_never_printed(
     caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -19,6 +19,7 @@ import gelenk
 from gelenk import _html
 from gelenk.linear.model import LinearModel
 from gelenk.simulation.result_html import BINS, MAX_EVENTS, MAX_SIGNALS, extremes_in_bins
+from gelenk.simulation.run import open_plant
 
 TAGS = {"div", "p", "b", "br", "table", "thead", "tbody", "tr", "th", "td", "details", "summary"}
 TAGS |= {"svg", "polyline", "polygon", "circle", "text"}
@@ -222,3 +223,13 @@ def test_reprs_name_what_there_is(four_bar: gelenk.Scene) -> None:
     many = result([f"x{k}" for k in range(14)], np.ones((2, 14)))
     assert repr(many).endswith("x10, x11 and 2 more>")
     assert repr(result((), np.empty((2, 0)))) == "<Result 0 to 1 s, 2 rows: no signals>"
+
+
+def test_reprs_of_analyses_are_one_line(root: Path) -> None:
+    cart = root / "scenes" / "cart_pole.yaml"
+    model = gelenk.linear.linear_model(cart, at={"hinge.phi": 0})
+    assert repr(model) == "<LinearModel CartPole at t = 0 s: 4 states, 1 input, 6 outputs>"
+    assert repr(gelenk.modes(model)) == "<Modes of CartPole at t = 0 s: 4 modes, unstable>"
+    found = repr(gelenk.inspect(cart))
+    assert found.startswith("<Inspection of CartPole: 2 degrees of freedom, as counted")
+    assert repr(open_plant(cart, ())) == "<ScenePlant CartPole: 1 input, 6 outputs>"

@@ -124,6 +124,9 @@ class Inspection:
     def __str__(self) -> str:
         return "\n".join(_lines(self))
 
+    def __repr__(self) -> str:
+        return f"<Inspection of {self.name}: {_mobility(self)}>"
+
     def _repr_html_(self) -> str:
         from gelenk.model.inspection_html import inspection_html
 
