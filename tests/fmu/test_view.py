@@ -96,7 +96,7 @@ def test_the_same_scene_gives_the_same_bytes(tmp_path: Path) -> None:
     assert gelenk.export_fmu(crank_rocker(), tmp_path / "y.fmu").read_bytes() == first
     (tmp_path / "s.json").write_text(json.dumps(crank_rocker()))
     code = "import gelenk; gelenk.export_fmu('s.json', 'z.fmu')"
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, timeout=120)
     assert (tmp_path / "z.fmu").read_bytes() == first
 
 
@@ -129,4 +129,4 @@ def test_plates_and_links_need_no_scipy(name: str, root: Path, tmp_path: Path) -
         f"import sys, gelenk; gelenk.export_fmu({str(root / 'scenes' / name)!r} + '.yaml', 'x.fmu')\n"
         "assert not {name for name in sys.modules if name.partition('.')[0] in ('scipy', 'fmpy', 'control')}"
     )
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, timeout=120)
