@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -36,7 +37,7 @@ def _section(name: str, command: Any) -> str:
     arguments = [p for p in command.params if p.param_type_name == "argument"]
     options = [p for p in command.params if p.param_type_name == "option" and p.name not in COMMON]
     usage = " ".join(["gelenk", name, *(_argument(p) for p in arguments), "[OPTIONS]"])
-    text = " ".join(command.help.split())
+    text = textwrap.fill(" ".join(command.help.split()), 140)
     lines = [f"### `gelenk {name}`", "", text, "", f"    {usage}", ""]
     if arguments or options:
         lines += ["| | |", "|---|---|"]
