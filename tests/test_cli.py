@@ -18,7 +18,7 @@ from typing import IO
 import pytest
 
 import gelenk
-from gelenk.cli import progress
+from gelenk.simulation import progress
 
 COMMAND = [sys.executable, "-m", "gelenk"]
 
@@ -298,7 +298,7 @@ def test_long_run_shows_its_progress_on_a_terminal(
     monkeypatch.setattr(progress, "QUIET", 0.0)
     monkeypatch.setattr(progress, "PERIOD", 0.0)
     end, stream = terminal
-    with progress.progress_bar(stream) as reached:
+    with progress.terminal_bar(stream) as reached:
         assert reached is not None
         reached(1.0, 4.0)
         assert re.search(r"25%.*1 of 4 s", seen(end))
@@ -315,7 +315,7 @@ def test_short_run_shows_no_progress(four_bar_file: Path, terminal: tuple[int, I
 
 
 def test_no_progress_is_shown_where_no_one_looks(tmp_path: Path) -> None:
-    with (tmp_path / "log").open("w") as stream, progress.progress_bar(stream) as reached:
+    with (tmp_path / "log").open("w") as stream, progress.terminal_bar(stream) as reached:
         assert reached is None
 
 

@@ -13,8 +13,8 @@ import pytest
 
 import gelenk
 from gelenk import extras
-from gelenk.cli import progress
 from gelenk.io.urdf import import_urdf
+from gelenk.simulation import progress
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_without_tqdm_a_run_goes_on_and_its_extra_is_told_once(monkeypatch: pyte
     monkeypatch.setattr(progress, "QUIET", 0.0)
     monkeypatch.setattr(progress, "PERIOD", 0.0)
     stream = Terminal()
-    with progress.progress_bar(stream) as reached:
+    with progress.terminal_bar(stream) as reached:
         assert reached is not None
         for k in range(5):
             reached(0.2 * k, 1.0)

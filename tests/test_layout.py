@@ -127,9 +127,9 @@ PACKAGE = ROOT / "python" / "gelenk"
 # What a package of Python, or a module beside the packages, may import of ours: itself, other modules beside
 # them, and these packages. Modules that are not listed may import none.
 IMPORTS: dict[str, set[str]] = {"model": set()}
-IMPORTS["io"] = {"model"}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
+IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}
 IMPORTS["equilibria"] = {"linear", *IMPORTS["linear"]}

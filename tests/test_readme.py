@@ -40,6 +40,7 @@ def test_scene_of_the_readme_is_the_one_of_scenes(folder: Path, four_bar: gelenk
         ("docs/linearization.md", 4),
         ("docs/modes.md", 1),
         ("docs/assembly.md", 2),
+        ("docs/command-line.md", 2),
         ("docs/tutorial-lqr.md", 1),
         ("docs/tutorial-wheels.md", 1),
         ("docs/tutorial-stiction.md", 1),
@@ -167,8 +168,8 @@ def test_targets_of_make_are_there(root: Path) -> None:
 
 PAGES = (
     "scene-format", "reductions", "methods", "linearization", "modes", "assembly", "tutorial-lqr",
-    "tutorial-wheels", "tutorial-stiction", "internals/architecture", "internals/notation", "viewer",
-    "gallery/README",
+    "tutorial-wheels", "tutorial-stiction", "command-line", "viewer", "internals/architecture",
+    "internals/notation", "gallery/README",
 )  # fmt: skip
 
 

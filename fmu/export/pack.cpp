@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fmu/export/pack.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -81,6 +82,16 @@ void add_licenses(Zip& zip, const fs::path& directory) {
   }
 }
 
+std::vector<double> poses_of_bodies(Simulation& simulation) {
+  std::vector<double> out;
+  for (std::size_t b = 0; b < simulation.scene().bodies.size(); ++b) {
+    const Pose3 X_WB = simulation.body_pose(static_cast<int>(b));
+    const Eigen::Quaterniond Q(X_WB.R);
+    out.insert(out.end(), {X_WB.p.x(), X_WB.p.y(), X_WB.p.z(), Q.x(), Q.y(), Q.z(), Q.w()});
+  }
+  return out;
+}
+
 // A temporary file next to its final location, deleted unless it is moved there.
 class DraftFile {
  public:
@@ -116,7 +127,7 @@ class DraftFile {
 }  // namespace
 
 void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const fs::path& out,
-                const fs::path& licenses, const Compress& compress) {
+                const fs::path& licenses, const Compress& compress, const WriteView& view) {
   std::vector<Binary> binaries;
   for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
   const WantedPart part = wanted_part(scene);
@@ -136,7 +147,10 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   if (compress) zip.add("model.png", write_png(picture, compress));
   for (const Binary& binary : binaries) add_binary(zip, binary, facts.model_identifier);
   zip.add("resources/scene.json", json);
-  zip.add("documentation/index.html", write_documentation(simulation, catalog, picture, part.report()));
+  const std::string page = view ? view(json, poses_of_bodies(simulation)) : std::string();
+  zip.add("documentation/index.html",
+          write_documentation(simulation, catalog, {picture, !page.empty(), part.report()}));
+  if (!page.empty()) zip.add("documentation/view.html", page);
   if (!licenses.empty()) {
     add_licenses(zip, licenses);
     std::error_code none;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,6 +18,11 @@ class ExportError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Returns a page that shows the mechanism at its start in three dimensions, for documentation/view.html; empty: none.
+//   scene  as written to resources/scene.json
+//   poses  X_WB of each body of that scene: position [m] and quaternion (x, y, z, w)
+using WriteView = std::function<std::string(const std::string& scene, const std::vector<double>& poses)>;
+
 // Writes the FMU to `out`, completely or not at all. The same arguments give the same bytes.
 //   runtimes  libraries with the FMI functions; the extension determines the platform: .so linux64, .dll win64. Since
 //   they
@@ -25,8 +31,10 @@ class ExportError : public std::runtime_error {
 //             after the platforms of the FMU; empty: none
 //   compress  used for all other files; empty: they are stored uncompressed, and model.png is omitted because of its
 //   size
+//   view      writes the page with the view in three dimensions; empty: the documentation has only a drawing
 // Throws ExportError, SceneError, and AssemblyError if the loops cannot be closed from the start values.
 void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
-                const std::filesystem::path& out, const std::filesystem::path& licenses, const Compress& compress);
+                const std::filesystem::path& out, const std::filesystem::path& licenses, const Compress& compress,
+                const WriteView& view);
 
 }  // namespace gelenk

@@ -66,6 +66,8 @@ View view_of(const Simulation& simulation) {
 
 // Corners of the convex hull of points, in order (Andrew's monotone chain).
 std::vector<Vector2d> hull(std::vector<Vector2d> points) {
+  // In pixels; without rounding, points in line above each other would be in the order of their rounding errors.
+  for (Vector2d& p : points) p = (1e6 * p).array().round() / 1e6;
   std::ranges::sort(
       points, [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
   std::vector<Vector2d> out;

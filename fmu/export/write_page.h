@@ -10,9 +10,13 @@
 
 namespace gelenk {
 
-// simulation: of the same scene, assembled at its start values. left_out: clause about parts that were omitted because
-// no wanted output depends on them; may be empty.
-std::string write_documentation(Simulation& simulation, const Catalog& catalog, const Picture& picture,
-                                const std::string& left_out);
+struct PageContents {
+  const Picture& picture;
+  bool has_view;         // whether view.html, with a view in three dimensions, is beside the page
+  std::string left_out;  // clause about parts that were omitted because no wanted output depends on them; may be empty
+};
+
+// simulation: of the same scene as the catalog, assembled at its start values.
+std::string write_documentation(Simulation& simulation, const Catalog& catalog, const PageContents& contents);
 
 }  // namespace gelenk

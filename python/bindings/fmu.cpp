@@ -7,15 +7,17 @@
 #include "bindings.h"
 #include "fmu/export/file_name.h"
 #include "fmu/export/pack.h"
+#include "fmu/export/picture.h"
+#include "simulation/simulation.h"
 
 namespace nb = nanobind;
 
 namespace {
 
-// compress: zlib.compress, or None.
+// compress: zlib.compress, or None. view: as WriteView, or None.
 void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem::path>& runtimes,
-                   const std::filesystem::path& out, const std::filesystem::path& licenses,
-                   const nb::object& compress) {
+                   const std::filesystem::path& out, const std::filesystem::path& licenses, const nb::object& compress,
+                   const nb::object& view) {
   gelenk::Compress call;
   if (!compress.is_none()) {
     call = [&compress](std::string_view bytes) {
@@ -24,18 +26,38 @@ void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem
       return std::string(stream.c_str(), stream.size());
     };
   }
+  gelenk::WriteView draw;
+  if (!view.is_none()) {
+    draw = [&view](const std::string& json, const std::vector<double>& poses) {
+      const nb::gil_scoped_acquire held;
+      return nb::cast<std::string>(view(json, poses));
+    };
+  }
   const nb::gil_scoped_release released;
-  gelenk::export_fmu(scene, runtimes, out, licenses, call);
+  gelenk::export_fmu(scene, runtimes, out, licenses, call, draw);
+}
+
+std::string svg_of(const gelenk::Scene& scene) {
+  const nb::gil_scoped_release released;
+  gelenk::Simulation simulation(scene);
+  simulation.assemble();
+  return gelenk::write_svg(gelenk::draw(simulation));
 }
 
 }  // namespace
 
 void gelenk::bind_fmu(nb::module_& m) {
   m.def("export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-        nb::arg("compress").none(),
+        nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
         "Write the FMU with the scene, the runtime libraries and the files of the folder licenses, compressed by "
         "compress\n"
-        "(zlib.compress, or None). Raises ExportError, SceneError, AssemblyError.");
+        "(zlib.compress, or None). view returns documentation/view.html for the scene as JSON and the poses of its "
+        "bodies\n"
+        "(position and quaternion x, y, z, w, in one list); None: there is no such page. Raises ExportError, "
+        "SceneError,\n"
+        "AssemblyError, and what view raises.");
+  m.def("draw_svg", &svg_of, nb::arg("scene"),
+        "A drawing of the scene at its start, as an SVG element. Raises SceneError, AssemblyError.");
   m.def("file_stem", &gelenk::file_stem, nb::arg("name"),
         "The name, or a similar one that is a valid file name on Linux, macOS and Windows.");
   m.def("is_device_name", &gelenk::is_device_name, nb::arg("name"), "Whether Windows reserves the name for a device.");

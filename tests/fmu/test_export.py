@@ -87,11 +87,15 @@ def test_without_a_compressor_members_are_stored(tmp_path: Path) -> None:
     _core.export_fmu(scene, [library], large, export.licenses(), None)
     usual = gelenk.export_fmu(crank_rocker(), tmp_path / "usual.fmu")
     with zipfile.ZipFile(small) as a, zipfile.ZipFile(large) as b, zipfile.ZipFile(usual) as c:
-        assert a.namelist() == b.namelist() == [name for name in c.namelist() if name != "model.png"]
+        extra = ("model.png", "documentation/view.html")
+        assert a.namelist() == b.namelist() == [name for name in c.namelist() if name not in extra]
         binary = "binaries/linux64/FourBar.so"
         assert a.getinfo(binary).compress_type == zipfile.ZIP_DEFLATED
-        assert all(stored_member(b, name) == c.read(name) for name in b.namelist())
-        assert all(stored_member(a, name) == c.read(name) for name in a.namelist() if name != binary)
+        page = "documentation/index.html"  # mentions the view
+        assert all(stored_member(b, name) == c.read(name) for name in b.namelist() if name != page)
+        assert all(
+            stored_member(a, name) == c.read(name) for name in a.namelist() if name not in (binary, page)
+        )
     run, same = (gelenk.simulate(fmu, stop=0.1, step=0.01) for fmu in (large, usual))
     assert all(np.array_equal(run[name], same[name]) for name in same.names)
 
@@ -152,6 +156,18 @@ def test_every_scene_has_a_picture(file: Path, tmp_path: Path) -> None:
     assert len(circles) >= len(source["bodies"])  # each has its center of mass
     if len(source["joints"]) <= 12:
         assert {e.text for e in svg if e.tag.endswith("text")} >= set(source["bodies"])
+
+
+def test_the_picture_of_a_link_reaches_both_of_its_joints(four_bar: gelenk.Scene, tmp_path: Path) -> None:
+    """Also of a vertical one with its center of mass between them, three points in line."""
+    with zipfile.ZipFile(gelenk.export_fmu(four_bar, tmp_path / "x.fmu")) as archive:
+        page = archive.read("documentation/index.html").decode()
+    svg = ElementTree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
+    joints = {(e.get("cx"), e.get("cy")) for e in svg if e.tag.endswith("circle") and e.get("r") == "6"}
+    lines = [e.get("points", "").split() for e in svg if e.tag.endswith("polyline")]
+    ends = {tuple(point.split(",")) for points in lines for point in (points[0], points[-1])}
+    assert len(joints) == 4
+    assert joints <= ends
 
 
 def test_the_picture_shows_where_bodies_start(tmp_path: Path) -> None:

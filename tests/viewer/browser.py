@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import shutil
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,21 @@ class Browser:
         """Open a page that is served, and wait until it has drawn."""
         self._driver.get(address)
         self.wait("return Boolean(window.gelenk && window.gelenk.ready)")
+
+    def show(self, page: Path) -> None:
+        """Open any page."""
+        self._driver.get(page.as_uri())
+
+    @contextmanager
+    def frame(self, selector: str) -> Iterator[None]:
+        """Run scripts in a frame of the page."""
+        from selenium.webdriver.common.by import By
+
+        self._driver.switch_to.frame(self._driver.find_element(By.CSS_SELECTOR, selector))
+        try:
+            yield
+        finally:
+            self._driver.switch_to.default_content()
 
     def run(self, script: str) -> Any:
         """Run JavaScript, and return its result."""

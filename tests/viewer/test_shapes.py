@@ -92,6 +92,30 @@ def test_three_joints_span_a_plate_of_which_all_triangles_face_outwards() -> Non
     assert volume(found) == pytest.approx(0.5 * 0.012)
 
 
+def test_rounding_removes_no_corner_of_a_plate() -> None:
+    """A turned square, some of whose joints lie in line on its edges; 16 joints give its area, 1 m2."""
+    turn = 0.7  # rad
+    places = [(i / 4, j / 4) for i in range(5) for j in range(5) if {i, j} & {0, 4}]
+    corners = [
+        (x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), 0) for x, y in places
+    ]
+    bodies = {"plate": body(1.0)} | {f"arm{k}": body(1.0) for k in range(len(corners))}
+    joints = {f"J{k}": joint("revolute", frame("plate", p), frame(f"arm{k}")) for k, p in enumerate(corners)}
+    joints["F"] = joint("free", frame("ground"), frame("plate"))
+    found = shapes(bodies, joints)["plate"]
+    assert volume(found) == pytest.approx(0.012, rel=1e-6)
+
+
+def test_joints_out_of_one_plane_span_their_hull() -> None:
+    """A tetrahedron."""
+    corners = [(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    bodies = {"plate": body(1.0)} | {f"arm{k}": body(1.0) for k in range(4)}
+    joints = {f"J{k}": joint("revolute", frame("plate", p), frame(f"arm{k}")) for k, p in enumerate(corners)}
+    joints["F"] = joint("free", frame("ground"), frame("plate"))
+    found = shapes(bodies, joints)["plate"]
+    assert volume(found) == pytest.approx(1 / 6)
+
+
 def test_three_joints_in_line_are_a_link() -> None:
     places = [0.5, 0.0, 1.0]
     bodies = {"bar": body(1.0)} | {f"arm{k}": body(1.0) for k in range(3)}

@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> doubts;
     const gelenk::Scene scene = read_scene(options.files[0], doubts);
     for (const std::string& doubt : doubts) std::cerr << doubt << '\n';
-    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, zlib_stream);
+    gelenk::export_fmu(scene, options.runtimes, options.files[1], options.licenses, zlib_stream, {});
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import warnings
 from pathlib import Path
@@ -12,8 +11,10 @@ from typing import Annotated
 import typer
 
 import gelenk
+from gelenk.cli import completion
 from gelenk.cli.arguments import (
     AssemblyTolerance,
+    Parameters,
     parse_input_values,
     parse_numbers,
     parse_operating_point,
@@ -21,34 +22,37 @@ from gelenk.cli.arguments import (
     split_all_names,
     split_names,
 )
-from gelenk.cli.errors import report_user_errors
+from gelenk.cli.command import Report, command
 from gelenk.errors import UsageError
 
 # Options that these commands share.
 Plant = Annotated[Path, typer.Argument(metavar="SCENE|FMU", help="Scene file or .fmu file.")]
 Given = Annotated[
     list[str] | None,
-    typer.Option("--input", metavar="NAME=VALUE|FILE.csv", help="Inputs at the operating point; repeatable."),
+    typer.Option(
+        "--input",
+        metavar="NAME=VALUE|FILE.csv",
+        help="Inputs at the operating point; repeatable.",
+        autocompletion=completion.input_values,
+    ),
 ]
 States = Annotated[
     str | None,
     typer.Option(
-        metavar="LIST", help="Coordinates that are states, separated by commas; default: the plant's."
+        metavar="LIST",
+        help="Coordinates that are states, separated by commas; default: the plant's.",
+        autocompletion=completion.signals,
     ),
 ]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A parameter; repeatable.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON with all digits.")]
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to an application."""
-    for command in (linearize, equilibrium, modes):
-        app.command()(command)
+    for function in (linearize, equilibrium, modes):
+        app.command()(function)
 
 
-@report_user_errors
+@command
 def linearize(
     plant: Plant,
     at: Annotated[
@@ -56,6 +60,7 @@ def linearize(
         typer.Option(
             metavar="T|NAME=VALUE",
             help="Operating point: a time [s], or values of states and parameters; repeatable.",
+            autocompletion=completion.signal_values,
         ),
     ] = None,
     given: Annotated[
@@ -64,27 +69,40 @@ def linearize(
             "--input",
             metavar="NAME=VALUE|FILE.csv",
             help="Inputs at the operating point and before it; repeatable.",
+            autocompletion=completion.input_values,
         ),
     ] = None,
     inputs: Annotated[
         str | None,
-        typer.Option(metavar="LIST", help="Inputs of the model, separated by commas; default: all."),
+        typer.Option(
+            metavar="LIST",
+            help="Inputs of the model, separated by commas; default: all.",
+            autocompletion=completion.inputs,
+        ),
     ] = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option(metavar="LIST", help="Outputs of the model, names or patterns; repeatable."),
+        typer.Option(
+            metavar="LIST",
+            help="Outputs of the model, names or patterns; repeatable.",
+            autocompletion=completion.signals,
+        ),
     ] = None,
     states: States = None,
-    settings: Settings = None,
+    settings: Parameters = None,
     assembly_tolerance: AssemblyTolerance = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Relative tolerance of the integrator if --at is a time.")
     ] = None,
     friction: Annotated[
-        str, typer.Option(help="What joints with dry friction do: present, locked, sliding or off.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="What joints with dry friction do: present, locked, sliding or off.",
+            autocompletion=completion.frictions,
+        ),
     ] = "present",
-    as_json: AsJson = False,
-) -> None:
+) -> Report:
     """Print the linear model of a scene or an FMU.
 
     It consists of states, inputs, outputs and the matrices A, B, C, D. Rates of states that are not in
@@ -98,19 +116,23 @@ def linearize(
     )  # fmt: skip
     if model.residual_rates:
         print(model.residual_rates, file=sys.stderr)
-    print(json.dumps(model.to_dict(), indent=2) if as_json else model)
+    return Report(str(model), model.to_dict())
 
 
-@report_user_errors
+@command
 def modes(
     plant: Plant,
     at: Annotated[
         list[str] | None,
-        typer.Option(metavar="T|NAME=VALUE", help="Operating point, as for linearize; repeatable."),
+        typer.Option(
+            metavar="T|NAME=VALUE",
+            help="Operating point, as for linearize; repeatable.",
+            autocompletion=completion.signal_values,
+        ),
     ] = None,
     given: Given = None,
     states: States = None,
-    settings: Settings = None,
+    settings: Parameters = None,
     assembly_tolerance: AssemblyTolerance = None,
     animate: Annotated[
         int | None, typer.Option(metavar="MODE", help="Number of a mode whose shape is drawn into --output.")
@@ -122,8 +144,7 @@ def modes(
         bool,
         typer.Option("--view", help="Show the mode shapes in the browser, or write the page to --output."),
     ] = False,
-    as_json: AsJson = False,
-) -> None:
+) -> Report:
     """Print the modes of a scene or an FMU and its stability.
 
     Each mode has an eigenvalue, a frequency, a damping ratio and a shape.
@@ -146,38 +167,53 @@ def modes(
         page = found.view()
         file = page.show() if output is None else page.save(output)
         print(f"{file}: {file.stat().st_size / 1e6:.1f} MB", file=sys.stderr)
-    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
+    return Report(str(found), found.to_dict())
 
 
-@report_user_errors
+@command
 def equilibrium(
     plant: Plant,
     at: Annotated[
         list[str] | None,
-        typer.Option(metavar="T|NAME=VALUE", help="Initial pose, as for linearize; repeatable."),
+        typer.Option(
+            metavar="T|NAME=VALUE",
+            help="Initial pose, as for linearize; repeatable.",
+            autocompletion=completion.signal_values,
+        ),
     ] = None,
     hold: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Coordinate to be held at a value; repeatable."),
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="Coordinate to be held at a value; repeatable.",
+            autocompletion=completion.signal_values,
+        ),
     ] = None,
     steady: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME[=VALUE]", help="Velocity that remains constant, at a value if given; repeatable."
+            metavar="NAME[=VALUE]",
+            help="Velocity that remains constant, at a value if given; repeatable.",
+            autocompletion=completion.signals,
         ),
     ] = None,
     solve_for: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Input to be determined; repeatable.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="Input to be determined; repeatable.", autocompletion=completion.inputs
+        ),
     ] = None,
     given: Given = None,
-    settings: Settings = None,
+    settings: Parameters = None,
     assembly_tolerance: AssemblyTolerance = None,
     friction: Annotated[
         str | None,
-        typer.Option(help="What dry friction does: off, or present, which asks whether it holds the pose."),
+        typer.Option(
+            metavar="NAME",
+            help="What dry friction does: off, or present, which asks whether it holds the pose.",
+        ),
     ] = None,
-    as_json: AsJson = False,
-) -> None:
+) -> Report:
     """Find an equilibrium or a steady motion.
 
     With --solve-for, inputs that hold the mechanism are determined, too (trim).
@@ -191,4 +227,4 @@ def equilibrium(
         input_values=parse_input_values(given or []),
         parameters=parse_parameters(settings or [], assembly_tolerance), friction=friction,
     )  # fmt: skip
-    print(json.dumps(found.to_dict(), indent=2) if as_json else found)
+    return Report(str(found), found.to_dict())

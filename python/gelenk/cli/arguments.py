@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gelenk
+from gelenk.cli import completion
 from gelenk.errors import UsageError
 from gelenk.model.values import Value, number
 
@@ -31,7 +32,37 @@ InputTable = Annotated[
 ParametersAndInputs = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="NAME=VALUE", help="Value of a parameter or of a constant input; repeatable."
+        "--set",
+        metavar="NAME=VALUE",
+        help="Value of a parameter or of a constant input; repeatable.",
+        autocompletion=completion.settings,
+    ),
+]
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="A parameter; repeatable.",
+        autocompletion=completion.settings,
+    ),
+]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--without",
+        metavar="NAME",
+        help="Switch off a reduction, or `all`; repeatable.",
+        autocompletion=completion.reductions,
+    ),
+]
+Outputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--outputs",
+        metavar="NAME",
+        help="Requested output, or a pattern: 'crank.*'; repeatable.",
+        autocompletion=completion.signals,
     ),
 ]
 

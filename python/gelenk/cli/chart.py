@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gelenk.chart.progress import status_line
-from gelenk.cli.errors import report_user_errors
+from gelenk.cli import completion
+from gelenk.cli.command import Report, command
 from gelenk.errors import UsageError
 from gelenk.extras import pyplot
 from gelenk.model.values import number, unknown
@@ -33,14 +34,25 @@ app = typer.Typer(
 Methods = Annotated[
     list[str] | None,
     typer.Option(
-        "--method", metavar="NAME", help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; default: all."
+        "--method",
+        metavar="NAME",
+        help="`auto`, `erk`, `baumgarte+ida`, ...; repeatable; default: all.",
+        autocompletion=completion.methods,
     ),
 ]
 Tolerances = Annotated[
     list[float] | None, typer.Option("--tolerance", metavar="X", help="Relative tolerance; repeatable.")
 ]
 Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Output folder.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of concurrent runs.")]
+Jobs = Annotated[
+    int,
+    typer.Option(
+        "--jobs",
+        min=1,
+        show_default=False,
+        help="Number of concurrent runs; default: one for each processor, 4 at most.",
+    ),
+]
 Quick = Annotated[bool, typer.Option("--quick", help="Make a few runs only.")]
 Limit = Annotated[
     float | None, typer.Option("--limit", metavar="S", help="Wall-clock limit of one run in seconds.")
@@ -50,7 +62,7 @@ SOME_JOBS = max(1, min(4, os.cpu_count() or 1))  # default number of concurrent 
 
 
 @app.command("work-precision")
-@report_user_errors
+@command
 def work_precision(
     scenes: Annotated[
         list[str],
@@ -70,7 +82,7 @@ def work_precision(
     jobs: Jobs = SOME_JOBS,
     quick: Quick = False,
     limit: Limit = None,
-) -> None:
+) -> Report:
     """Plot work-precision diagrams.
 
     They show CPU time and evaluations of every method against its error.
@@ -90,8 +102,10 @@ def work_precision(
     with status_line(sys.stderr) as progress:
         studies = study(cases, wanted, settings, progress)
     output.mkdir(parents=True, exist_ok=True)
-    for one in studies:
-        _written(one, output)
+    reports = [_written(one, output) for one in studies]
+    return Report(
+        "\n".join(report.text for report in reports), {"studies": [report.data for report in reports]}
+    )
 
 
 def _changed[S: (work_precision_study.Settings, stability_study.Settings)](
@@ -131,7 +145,7 @@ def _require_distinct(names: list[str]) -> None:
             raise UsageError(f"{name}: two scenes with this name; their charts would have the same file name")
 
 
-def _written(one: work_precision_study.Study, folder: Path) -> None:
+def _written(one: work_precision_study.Study, folder: Path) -> Report:
     from gelenk.chart import draw_work_precision, runs_csv
     from gelenk.chart.outcome import Outcome
     from gelenk.chart.work_precision import regrets
@@ -142,16 +156,23 @@ def _written(one: work_precision_study.Study, folder: Path) -> None:
     draw_work_precision.draw(one, picture)
     count = Counter(str(run.outcome) for run in one.runs)
     counts = ", ".join(f"{count[outcome]} {outcome}" for outcome in Outcome if count[outcome])
-    print(f"{name}: {len(one.runs)} runs, {counts}; reference {one.reference.words}")
-    print(f"  {table}, {picture}")
+    lines = [
+        f"{name}: {len(one.runs)} runs, {counts}; reference {one.reference.words}",
+        f"  {table}, {picture}",
+    ]
     for regret in regrets(one.runs):
         cpu = "not finished" if math.isnan(regret.cpu) else f"{1e3 * regret.cpu:.3g} ms"
         best = "none" if math.isnan(regret.best_cpu) else f"{regret.best} {1e3 * regret.best_cpu:.3g} ms"
-        print(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")
+        lines.append(f"  tolerance {regret.tolerance:.0e}: auto {regret.outcome}, {cpu}; best {best}")
+    data = {
+        "name": name, "runs": len(one.runs), "outcomes": dict(count), "reference": one.reference.words,
+        "files": [str(table), str(picture)],
+    }  # fmt: skip
+    return Report("\n".join(lines), data)
 
 
 @app.command("stability")
-@report_user_errors
+@command
 def stability(
     scenes: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Scenes of the map; default: all.")
@@ -162,7 +183,7 @@ def stability(
     jobs: Jobs = SOME_JOBS,
     quick: Quick = False,
     limit: Limit = None,
-) -> None:
+) -> Report:
     """Plot a stability map.
 
     It is a colored table with the outcome of every method on every scene.
@@ -191,5 +212,9 @@ def stability(
     for tolerance in settings.tolerances:
         pictures.append(output / f"stability-{tolerance:.0e}.png".replace("e-0", "e-"))
         draw_stability.draw(found, tolerance, pictures[-1])
-    print(tables.counts(found))
-    print(", ".join(str(path) for path in (table, page, *pictures)))
+    files = [str(path) for path in (table, page, *pictures)]
+    outcomes = dict(Counter(str(run.outcome) for run in found.runs))
+    return Report(
+        f"{tables.counts(found)}\n{', '.join(files)}",
+        {"runs": len(found.runs), "outcomes": outcomes, "files": files},
+    )

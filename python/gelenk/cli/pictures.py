@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import gelenk
+from gelenk.cli import completion
 from gelenk.cli.arguments import (
     AssemblyTolerance,
     InputTable,
@@ -21,9 +22,9 @@ from gelenk.cli.arguments import (
     parse_size,
     parse_span,
 )
-from gelenk.cli.errors import report_user_errors
-from gelenk.cli.progress import progress_bar
+from gelenk.cli.command import Report, command
 from gelenk.errors import StepError, UsageError
+from gelenk.simulation.progress import terminal_bar
 from gelenk.viewer.endings import PICTURES, is_picture
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from gelenk.viewer import View
 
 
-@report_user_errors
+@command
 def plot(
     run: Annotated[
         Path,
@@ -39,13 +40,17 @@ def plot(
     ],
     signals: Annotated[
         list[str] | None,
-        typer.Argument(metavar="SIGNAL...", help="Signals, or patterns: 'crank.*'; default: all positions."),
+        typer.Argument(
+            metavar="SIGNAL...",
+            help="Signals, or patterns: 'crank.*'; default: all positions.",
+            autocompletion=completion.signals,
+        ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf; default: RUN.png."),
     ] = None,
-) -> None:
+) -> Report:
     """Plot results over time, with a panel for each unit."""
     from gelenk.simulation.files import ENDINGS
 
@@ -55,13 +60,16 @@ def plot(
     if run.suffix.lower() in ENDINGS:
         result = gelenk.Result.read(run)
     else:
-        with progress_bar(sys.stderr) as progress:
+        with terminal_bar(sys.stderr) as progress:
             result = gelenk.simulate(run, progress=progress)
     result.plot(signals or ()).savefig(file, dpi=150)
-    print(f"{file}: {len(result)} rows, to {result.time[-1]:g} s")
+    return Report(
+        f"{file}: {len(result)} rows, to {result.time[-1]:g} s",
+        {"file": str(file), "rows": len(result), "stop": float(result.time[-1])},
+    )
 
 
-@report_user_errors
+@command
 def view(
     plant: Annotated[
         Path,
@@ -136,7 +144,7 @@ def view(
     trails: Annotated[bool, typer.Option("--trails", help="Draw paths of points in pictures.")] = False,
     time_stamp: Annotated[bool, typer.Option("--time", help="Write the time into pictures.")] = False,
     dark: Annotated[bool, typer.Option("--dark", help="Draw pictures in dark colors.")] = False,
-) -> None:
+) -> Report:
     """Simulate a scene or an FMU, or take results, and show the motion in the browser.
 
     The page is one file, which can be mailed and needs no network. With --output, --png or --gif files are
@@ -162,10 +170,9 @@ def view(
         if given or reactions:
             names = ", ".join([*given, *(["--reactions"] if reactions else [])])
             raise UsageError(f"{names}: only for simulations, found results in {plant}")
-        _put(_view_of_file(plant, scene, parameters), files, choices)
-        return
+        return _put(_view_of_file(plant, scene, parameters), files, choices)
     try:
-        with progress_bar(sys.stderr) as progress:
+        with terminal_bar(sys.stderr) as progress:
             common: dict[str, Any] = {
                 "stop": stop,
                 "inputs": inputs,
@@ -177,10 +184,10 @@ def view(
                 more = parse_settings(other_settings or [], "--with-set")
                 page = page.overlay(gelenk.view(other or plant, parameters={**parameters, **more}, **common))
     except StepError as e:
-        if e.view is not None:
-            _put(e.view, files, choices)
-        raise
-    _put(page, files, choices)
+        if e.view is None:
+            raise
+        return _put(e.view, files, choices, e)
+    return _put(page, files, choices)
 
 
 def _view_of_file(run: Path, scene: Path | None, parameters: Mapping[str, Value]) -> View:
@@ -207,14 +214,20 @@ def _files(output: Path | None, png: Path | None, gif: Path | None) -> list[Path
     return [file for file, _ in expected.values() if file is not None]
 
 
-def _put(page: View, files: Sequence[Path], choices: Mapping[str, Any]) -> None:
+def _put(
+    page: View, files: Sequence[Path], choices: Mapping[str, Any], failure: StepError | None = None
+) -> Report:
     written = [page.save(file, **(choices if is_picture(file) else {})) for file in files] or [page.show()]
-    for file in written:
-        size = file.stat().st_size
-        print(f"{file}: {size / 1e6:.1f} MB" if size >= 5e5 else f"{file}: {size / 1e3:.0f} kB")
+    sizes = [file.stat().st_size for file in written]
+    lines = [
+        f"{file}: {size / 1e6:.1f} MB" if size >= 1e6 else f"{file}: {size / 1e3:.0f} kB"
+        for file, size in zip(written, sizes, strict=True)
+    ]
+    data = [{"file": str(file), "bytes": size} for file, size in zip(written, sizes, strict=True)]
+    return Report("\n".join(lines), data[0] if len(data) == 1 else {"files": data}, failure)
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the application."""
-    for command in (plot, view):
-        app.command()(command)
+    for function in (plot, view):
+        app.command()(function)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from gelenk.equilibria.pose import LinearizedPose, PosedPlant
 from gelenk.errors import AssemblyError, EquilibriumError, UsageError
 from gelenk.linear.model import equilibrium_rate_bounds
+
+log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -72,6 +75,7 @@ class Search:
                 self._try(dq, du, 1.0)
                 self.converged = self._is_equilibrium() or not self._pseudo_transient_step()
                 continue
+            log.debug("step %d, of length %.3g", self.steps, size)
             # Shortened steps would oscillate for ever about a pose between two others at which A is singular.
             shorter = size < PROGRESS_FACTOR * shortest
             in_vain = 0 if shorter else in_vain + 1

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+import logging
 import zlib
 from collections.abc import Iterable, Sequence
 from importlib import resources
@@ -10,8 +12,10 @@ from os import PathLike
 from pathlib import Path
 
 from gelenk import _core
-from gelenk.errors import ExportError
+from gelenk.errors import ExportError, UsageError
 from gelenk.model.scene import Source, load
+
+log = logging.getLogger(__name__)
 
 RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so.gz", "win64": "runtime/win64/gelenk_fmu.dll.gz"}
 
@@ -21,6 +25,8 @@ def export_fmu(
     out: str | PathLike[str],
     platforms: Sequence[str] = ("linux64",),
     outputs: Iterable[str] | None = None,
+    *,
+    view: bool = True,
 ) -> Path:
     """Write an FMI 2.0 co-simulation FMU; no incomplete file remains after an error.
 
@@ -30,6 +36,7 @@ def export_fmu(
         platforms: platforms of the FMU, `linux64` or `win64`; see `missing_platforms`.
         outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
             of them depends are not in the FMU.
+        view: whether the documentation of the FMU shows the mechanism in three dimensions, in 0.2 MB.
 
     Returns:
         Path: the file written.
@@ -56,8 +63,21 @@ def export_fmu(
     if outputs is not None:
         loaded = loaded.with_outputs(outputs)
     with loaded.located():
-        _core.export_fmu(loaded._core, runtimes, target, licenses(), zlib.compress)
+        _core.export_fmu(loaded._core, runtimes, target, licenses(), zlib.compress, _view if view else None)
+    log.info("%s: %.2f MB, %s", target, target.stat().st_size / 1e6, ", ".join(platforms))
     return target
+
+
+def _view(scene: str, poses: list[float]) -> str:
+    """Return the page that shows a scene, given as JSON, at its start; empty if Gelenk has no viewer."""
+    from gelenk.simulation.recording import still
+    from gelenk.viewer.pages import view_of
+
+    try:
+        return view_of(still(json.loads(scene), poses)).html
+    except UsageError as e:
+        log.warning("the FMU has no view in three dimensions: %s", e)
+        return ""
 
 
 def fmu_file(name: str) -> Path:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     import control
 
 type Names = Sequence[str]
+
+log = logging.getLogger(__name__)
 
 TREATMENTS = ("present", "locked", "sliding", "off")  # of friction, see linearize()
 
@@ -146,7 +149,11 @@ def model_at(
     reached.check(found)
     model = _assembled(plant.name, point.time, found, inputs, outputs, states)
     model = replace(model, friction=friction)
-    return _without_locked(model, found.rates) if states is None else model
+    if states is None:
+        model = _without_locked(model, found.rates)
+    sizes = len(model.states), len(model.inputs), len(model.outputs)
+    log.info("%s: linearized at t = %g s, %d states, %d inputs, %d outputs", model.name, model.time, *sizes)
+    return model
 
 
 def _without_locked(model: LinearModel, rates: Mapping[str, str]) -> LinearModel:

@@ -157,6 +157,16 @@ class LinearModel:
     def __str__(self) -> str:
         return _shown(self)
 
+    def __repr__(self) -> str:
+        sizes = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
+        listed = ", ".join(_count(len(names), what) for names, what in sizes)
+        return f"<LinearModel {self.name} at t = {self.time:g} s: {listed}>"
+
+    def _repr_html_(self) -> str:
+        from gelenk.linear.model_html import model_html
+
+        return model_html(self)
+
 
 def equilibrium_rate_bounds(A: Array, sizes: Array) -> Array:
     """Return the rates up to which states are considered at rest, in the mechanism's own units.

@@ -121,6 +121,16 @@ class Modes:
         title = f"{self.name} at t = {self.time:g} s" if self.name else f"t = {self.time:g} s"
         return table(f"{title}: {self.stability}", self.why, self.modes)
 
+    def __repr__(self) -> str:
+        count = f"{len(self.modes)} mode{'' if len(self.modes) == 1 else 's'}"
+        return f"<Modes of {self.name} at t = {self.time:g} s: {count}, {self.stability}>"
+
+    def _repr_html_(self) -> str:
+        from gelenk.modal.modes_html import modes_html
+
+        title = f"{self.name} at t = {self.time:g} s" if self.name else f"t = {self.time:g} s"
+        return modes_html(title, self.stability, self.why, self.modes)
+
 
 def modes(
     source: Mechanism | OperatingPoint | LinearModel | control.StateSpace,

@@ -56,15 +56,20 @@ def _complex(x: complex) -> str:
 def _shapes(modes: Sequence[Mode]) -> str:
     names = list(dict.fromkeys(name for mode in modes for name in mode.shape))
     first = max(len("shapes"), *map(len, names))
-    cells = [[_cell(mode.shape[name]) if name in mode.shape else "" for mode in modes] for name in names]
+    cells = [
+        [shape_component(mode.shape[name]) if name in mode.shape else "" for mode in modes] for name in names
+    ]
     lines = ["  ".join([f"{'shapes':{first}}", *(f"{mode.number:>16}" for mode in modes)])]
     for name, row in zip(names, cells, strict=True):
         lines.append("  ".join([f"{name:{first}}", *(f"{cell:>16}" for cell in row)]).rstrip())
     return "\n".join(lines)
 
 
-def _cell(x: complex) -> str:
-    """Return a real number, or magnitude and phase if the component is not in phase with the largest one."""
+def shape_component(x: complex) -> str:
+    """Return a component of a mode shape as text.
+
+    It is a real number, or magnitude and phase if the component is not in phase with the largest one.
+    """
     if abs(x) < DISPLAY_TOLERANCE:
         return "0"
     phase = round(float(np.degrees(np.angle(x))))  # slight damping causes phases below 0.5 degrees

@@ -124,6 +124,14 @@ class Inspection:
     def __str__(self) -> str:
         return "\n".join(_lines(self))
 
+    def __repr__(self) -> str:
+        return f"<Inspection of {self.name}: {_mobility(self)}>"
+
+    def _repr_html_(self) -> str:
+        from gelenk.model.inspection_html import inspection_html
+
+        return inspection_html(self, _mobility(self))
+
 
 def inspect(scene: Source, without: Iterable[str] = (), outputs: Iterable[str] | None = None) -> Inspection:
     """Reduce a scene, close its loops, and report the reductions and what they save.
@@ -246,7 +254,7 @@ def _lines(report: Inspection) -> Iterable[str]:
         notes = list(reduction.notes) if reduction.on else ["switched off", *reduction.notes]
         yield from _entry(name, report.cost_without[name].text, notes or ["nothing to do"])
     yield ""
-    yield from _paragraph("  mobility  ", "; ".join([_counted(report), *report.mobility]))
+    yield from _paragraph("  mobility  ", _mobility(report))
     if report.moved_frames:
         yield ""
         yield "  frames moved so that the loops close   rotation [rad]   shift [m]"
@@ -274,6 +282,10 @@ def _reason(report: Inspection, key: str) -> str:
     if key not in _CAUSES or report.to_dict()["described"][key] == report.to_dict()["reduced"][key]:
         return ""
     return ", ".join(name for name in _CAUSES[key] if report.reductions[name].changed)
+
+
+def _mobility(report: Inspection) -> str:
+    return "; ".join([_counted(report), *report.mobility])
 
 
 def _counted(report: Inspection) -> str:

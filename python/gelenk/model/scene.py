@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gelenk import _core
+from gelenk import _core, _html
 from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
@@ -216,13 +216,27 @@ class Scene:
         target.write_bytes(self._given.written(self._core, language).encode("utf-8"))
 
     def __repr__(self) -> str:
+        return f"<Scene {self.name}: {self._counts()}>"
+
+    def _counts(self) -> str:
         data = self.to_dict()
-        counts = [
+        return ", ".join(
             f"{len(data[key])} {key if len(data[key]) != 1 else key[:-1].replace('bodie', 'body')}"
-            for key in ("bodies", "joints", "motors", "forces", "sensors")
+            for key in ("bodies", "joints", "motors", "forces", "constraints", "sensors")
             if data.get(key)
-        ]
-        return f"<Scene {self.name}: {', '.join(counts)}>"
+        )
+
+    def _repr_html_(self) -> str:
+        try:
+            drawing = _core.draw_svg(self._core)
+        except (SceneError, AssemblyError) as e:  # for example, loops that cannot be closed
+            picture = _html.joined(_html.paragraph(line) for line in e.lines)
+        else:
+            # Lines and letters are dark, and a notebook may be, too.
+            picture = _html.Fragment(
+                f'<div style="background:#fff;color:#000;display:inline-block">{drawing}</div>'
+            )
+        return _html.joined([_html.heading(self.name, self._counts()), picture])
 
 
 def known_parameters(scene: Scene, settings: Mapping[str, Value]) -> dict[str, Value]:

@@ -144,7 +144,8 @@ def view_axes(points: Array, gravity: Sequence[float]) -> tuple[Array, bool]:
     oblique = np.array(OBLIQUE) @ [right, np.cross(up, right), up]
     # The factor R has at most three rows, however many points there are.
     _, extent, V = np.linalg.svd(np.linalg.qr(points - points.mean(axis=0), mode="r"))
-    is_flat = bool(len(extent) < 3 or extent[2] < FLAT * max(extent[0], 1e-300))
+    extent = np.pad(extent, (0, 3 - len(extent)))
+    is_flat = bool(extent[2] < FLAT * max(extent[0], 1e-300))
     is_flat = is_flat and bool(extent[1] > FLAT * extent[0])
     toward = V[2] if is_flat else oblique
     if is_flat and toward @ oblique < 0:

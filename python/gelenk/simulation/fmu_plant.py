@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import re
 import shutil
@@ -30,6 +31,8 @@ from gelenk.model.values import Value, number
 from gelenk.simulation.derivatives import Derivatives, differentiated_name
 from gelenk.simulation.fmu_slave import instantiated
 from gelenk.simulation.plant import Plant
+
+log = logging.getLogger(__name__)
 
 _WARNING = 1  # fmi2Warning; larger statuses are failures
 _DISCARD = 2  # fmi2Discard: the values are not available
@@ -63,7 +66,9 @@ class FmuPlant(Plant):
             _extract(path, self._folder)
             self._annotations = _annotations(self._folder)
             with self._reporting(UsageError):
-                self._slave = instantiated(self._folder, self._description, self._log)
+                self._slave = instantiated(
+                    self._folder, self._description, self._log, verbose=log.isEnabledFor(logging.INFO)
+                )
         except BaseException:
             self.close()
             raise
@@ -264,7 +269,9 @@ class FmuPlant(Plant):
             if status > _WARNING:  # without names of C functions and of unpacked files
                 text = re.sub(r"^fmi2\w+: ", "", text)
                 self._messages.append(text.replace(f"{self._folder}/resources/scene.json", str(self._file)))
-            elif status == _WARNING:
+            else:
+                log.info("%s", text)
+            if status == _WARNING:
                 self._warnings.append(text)
 
     @contextmanager

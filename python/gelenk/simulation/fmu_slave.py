@@ -13,7 +13,7 @@ from fmpy import fmi2
 from gelenk import _core
 
 
-def instantiated(folder: str, description: Any, log: _core.FmuLog) -> Any:
+def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: bool) -> Any:
     """Load and instantiate an FMU.
 
     fmpy's own logger is not used: `instantiate_fmu(logger=...)` stores it in one pointer for the whole
@@ -24,6 +24,7 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog) -> Any:
         folder: folder with the extracted FMU.
         description: fmpy's model description of an FMI 2.0 co-simulation FMU.
         log: receives the messages of the FMU; must live as long as the instance.
+        verbose: whether the FMU logs all of its messages, or only errors and warnings.
 
     Returns:
         Any: fmpy's FMU2Slave.
@@ -45,7 +46,7 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog) -> Any:
         componentEnvironment=c_void_p(log.environment),
     )
     try:
-        slave.instantiate(callbacks=callbacks)  # keeps a reference to the callbacks
+        slave.instantiate(callbacks=callbacks, loggingOn=verbose)  # keeps a reference to the callbacks
     except BaseException:
         slave.freeLibrary()
         raise

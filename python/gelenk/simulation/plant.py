@@ -100,3 +100,8 @@ class Plant(Protocol):
 
     def close(self) -> None:
         """Release the plant's resources."""
+
+    def __repr__(self) -> str:
+        counts = ((len(self.inputs), "input"), (len(self.outputs), "output"))
+        listed = ", ".join(f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts)
+        return f"<{type(self).__name__} {self.name}: {listed}>"

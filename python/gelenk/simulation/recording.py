@@ -114,6 +114,20 @@ def record(scene: Scene, *, reactions: bool = False, **run: Any) -> Recording:
         raise
 
 
+def still(scene: Mapping[str, Any], poses: Sequence[float] | Array) -> Recording:
+    """Return a mechanism at rest, without outputs.
+
+    Args:
+        scene: as plain data.
+        poses: positions and quaternions of its bodies, as in a recording of one frame, in any shape.
+    """
+    rows = np.zeros(1, np.intp)
+    return Recording(
+        scene, np.zeros(1), np.reshape(np.asarray(poses, float), (1, len(scene["bodies"]), 7)),
+        Result((), np.zeros((1, 1)), {}), rows,
+    )  # fmt: skip
+
+
 def _recording_of(
     scene: Mapping[str, Any], recorded: Scene, result: Result, run: Mapping[str, Any]
 ) -> Recording:

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from gelenk.viewer.pages import View
 
 
+LISTED = 12  # names of signals in a repr
+
+
 class Result:
     """Signals over time: `result["A.phi"]` is an array with the shape of `result.time`."""
 
@@ -183,6 +186,15 @@ class Result:
 
         return to_xarray(self)
 
+    def _repr_html_(self) -> str:
+        from gelenk.simulation.result_html import result_html
+
+        return result_html(self)
+
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"
-        return f"<Result {span}, {len(self)} rows: {', '.join(self.names)}>"
+        listed = ", ".join(self.names[:LISTED])
+        left = len(self.names) - LISTED
+        more = f" and {left} more" if left > 0 else ""
+        events = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.events else ""
+        return f"<Result {span}, {len(self)} rows{events}: {listed or 'no signals'}{more}>"

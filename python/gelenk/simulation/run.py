@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
@@ -18,8 +19,11 @@ from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, check_names, unknown
 from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
 from gelenk.simulation.plant import Plant
+from gelenk.simulation.progress import progress_bar
 from gelenk.simulation.result import Result
 from gelenk.simulation.scene_plant import ScenePlant
+
+log = logging.getLogger(__name__)
 
 SINGULAR_CROSSINGS = "solver.singular_positions"  # diagnostic: number of singular configurations crossed
 MAX_NUMBERS = 500_000_000  # in a result, 4 GB
@@ -39,7 +43,7 @@ def simulate(
     outputs: Sequence[str] | None = None,
     without: Sequence[str] = (),
     assembly_tolerance: float | None = None,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Callable[[float, float], None] | bool | None = None,
 ) -> Result:
     """Simulate a scene or an FMU from t = 0.
 
@@ -62,7 +66,8 @@ def simulate(
         without: reductions to switch off, see `gelenk.inspect`; scenes only.
         assembly_tolerance: the parameter `assembly.tolerance`: the largest correction of joint frames (rad,
             and lengths of about the mechanism's size) that closes loops with rounded dimensions.
-        progress: called after every step with the time reached and `stop` [s].
+        progress: called after every step with the time reached and `stop` [s]. True: a progress bar, in
+            notebooks a widget, which requires tqdm.
 
     Returns:
         Result: `time` and the outputs.
@@ -104,7 +109,11 @@ def simulate(
             name: polynomial(signal, 0.0, first)[1] for name, signal in signals.items() if is_motion(name)
         }
         opened.start(tolerance, {name: signal(0.0) for name, signal in signals.items()}, motions)
-        result = _run(opened, times, names, signals, progress)
+        log.info("%s: 0 to %g s in %d steps, %d outputs", opened.name, times[-1], len(times) - 1, len(names))
+        with progress_bar(progress) as reached:
+            result = _run(opened, times, names, signals, reached)
+        if log.isEnabledFor(logging.DEBUG):
+            _log_diagnostics(opened)
         result.run = (plant, {
             "stop": stop, "step": step, "tolerance": tolerance, "integrator": integrator,
             "formulation": formulation, "inputs": inputs, "parameters": parameters, "outputs": outputs,
@@ -276,7 +285,10 @@ def _run(
         set_inputs(plant, signals, t, end)
         try:
             plant.advance(t, end)
-            events += plant.events
+            found = plant.events
+            events += found
+            for time, text in found:
+                log.info("t = %.9g s: %s", time, text)
             values = plant.read()
             rows[k, 1:] = values[: len(names)]
             if column < len(values) and values[column] > count:
@@ -288,3 +300,11 @@ def _run(
         if progress is not None:
             progress(end, stop)
     return result(len(times))
+
+
+def _log_diagnostics(plant: Plant) -> None:
+    """Log the diagnostics after a run: counts of steps and evaluations, constraint errors, energies."""
+    names = [name for name in plant.units if name in _DIAGNOSTICS]
+    plant.select(names)
+    for name, value in zip(names, plant.read().tolist(), strict=True):
+        log.debug("%s = %.9g%s", name, value, "" if plant.units[name] == "1" else f" {plant.units[name]}")

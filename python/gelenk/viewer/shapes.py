@@ -63,6 +63,22 @@ class Shapes:
                 row[1:] = row[:0:-1]
         self.meshes.append((points, triangles.astype(np.uint32)))
 
+    def add_prism(self, outline: Array, height: Array) -> None:
+        """Add a prism.
+
+        Args:
+            outline: corners of its base, convex, counterclockwise about `height`, shape (corners, 3).
+            height: from the base to the other face.
+        """
+        n = len(outline)
+        triangles = [(0, k + 1, k) for k in range(1, n - 1)] + [
+            (n, n + k, n + k + 1) for k in range(1, n - 1)
+        ]
+        for k in range(n):
+            after = (k + 1) % n
+            triangles += [(k, after, n + after), (k, n + after, n + k)]
+        self.meshes.append((np.vstack([outline, outline + height]), np.array(triangles, np.uint32)))
+
 
 def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
     """Return the shapes of all bodies and of the ground.
@@ -148,9 +164,33 @@ def _add_plate(out: Shapes, marks: Array, size: float) -> None:
         out.add_tube(marks[along.argmin()], marks[along.argmax()], LINK_RADIUS * size)
         return
     if len(extent) < 3 or extent[2] <= thin:
-        normal = V[2] * PLATE_THICKNESS * size / 2
-        marks = np.vstack([marks + normal, marks - normal])
-    out.add_hull(marks)
+        height = np.cross(V[0], V[1]) * PLATE_THICKNESS * size
+        corners = _outline((marks - middle) @ V[:2].T)
+        out.add_prism(middle + corners @ V[:2] - height / 2, height)
+    else:
+        out.add_hull(marks)
+
+
+def _outline(points: Array) -> Array:
+    """Return the corners of the convex hull of points in a plane, counterclockwise (Andrew 1979)."""
+    # Without rounding, points in line above each other would be in the order of their rounding errors.
+    grain = 1e-9 * float(np.ptp(points, axis=0).max())
+    ordered = sorted(map(tuple, ((points / grain).round() * grain).tolist()))
+
+    def half(points: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
+        chain: list[tuple[float, ...]] = []
+        for p in points:
+            while len(chain) > 1 and _area(chain[-2], chain[-1], p) <= 0:
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
+
+    return np.array([*half(ordered), *half(ordered[::-1])])
+
+
+def _area(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> float:
+    """Return twice the area of a triangle, positive if its corners are counterclockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, largest: float) -> None:
@@ -172,8 +212,8 @@ def _add_block(out: Shapes, body: Mapping[str, Any], com: Array, size: float, la
         return
     squares = 12 * (inertia.sum() / 2 - inertia) / mass
     edges = np.clip(np.sqrt(squares.clip(0)), SMALLEST_BLOCK * size, largest * size)
-    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-    out.add_hull(com + corners * edges @ V.T)
+    base = np.array([[-0.5, -0.5, -0.5], [0.5, -0.5, -0.5], [0.5, 0.5, -0.5], [-0.5, 0.5, -0.5]])
+    out.add_prism(com + base * edges @ V.T, edges[2] * V[:, 2])
 
 
 def _axis_of_symmetry(inertia: Array) -> int | None:
