@@ -49,6 +49,8 @@ class JointModes final : public Branching {
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
+  // The speed of the coordinate of a lock as a sum of factors times velocities, in the mechanism's sign.
+  const typename LockedCoordinates<A>::Row& row(int lock) const { return locks_.row(lock); }
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
   void set_force_size(const std::vector<double>& f) {

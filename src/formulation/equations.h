@@ -35,6 +35,16 @@ class Equations {
   // Whether the evaluation budget is used up: an advance then ends after the current step.
   virtual bool budget_exhausted() const { return false; }
 
+  // --- with velocities that jump (contact/time_stepper.h) ---
+  // Whether shapes can touch, so that only steps with impulses are possible.
+  virtual bool has_contacts() const { return false; }
+  // Makes contacts, friction and limits act by impulses in steps, instead of by modes between events. Call first.
+  virtual void use_impulses() {}
+  // Call where a run begins with steps of length h at (t, y): finds the forces there.
+  virtual void restart_impulses(double /*t*/, double /*h*/, const double* /*y*/) {}
+  // Advances y from t by h, without projection. Returns false if it is not finite.
+  virtual bool step_with_impulses(double /*t*/, double /*h*/, double* /*y*/) { return false; }
+
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // 0: an ODE, for any integrator
   int unknowns() const { return size() + multipliers(); }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "contact/time_stepper.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
@@ -39,6 +40,7 @@ struct FormulationContext {
   Dynamics& dynamics;
   Inputs& inputs;  // set to the time of each evaluation
   EventLog& events;
+  const Loads& loads;
   FormulationOptions options{};
 };
 
@@ -55,6 +57,10 @@ class Formulation : public Equations, private ModeEquations {
   // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
+  bool has_contacts() const final { return !mechanism_.shapes.empty(); }
+  void use_impulses() final;
+  void restart_impulses(double t, double h, const double* y) final;
+  bool step_with_impulses(double t, double h, double* y) final;
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
 
@@ -79,6 +85,8 @@ class Formulation : public Equations, private ModeEquations {
   // Singular configurations crossed since the start.
   const SingularityMonitor& singularity_monitor() const { return singularity_monitor_; }
   long jacobians() const { return jacobian_count_; }  // computed since construction
+  // With steps by impulses; null: otherwise.
+  TimeStepper* stepper() const { return stepper_.get(); }
 
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
@@ -107,17 +115,20 @@ class Formulation : public Equations, private ModeEquations {
   std::string describe_dead_center();
   void mode_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
+  void accelerations_after_impulses(double t, const double* y, double* vdot);
   void solve_at(double t, const double* y, double* vdot);
 
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
+  const Loads& loads_;
+  std::unique_ptr<TimeStepper> stepper_;  // null: modes between events
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;
   long jacobian_count_ = 0;
   long last_evaluation_ = LONG_MAX;
-  std::vector<double> dv_, ydot_;
+  std::vector<double> dv_, ydot_, trial_;
 };
 
 struct FormulationKind {

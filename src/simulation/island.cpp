@@ -31,7 +31,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
       equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_,
-                                                             options_of(scene, prepared_.mobility)})),
+                                                             loads_, options_of(scene, prepared_.mobility)})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -220,6 +220,8 @@ void Island::realize(Stage stage) {
   }
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
+  TimeStepper* stepper = equations_->stepper();
+  if (stage == Stage::acceleration && stepper != nullptr) contacts_ = stepper->seen().data();
   realized_ = stage;
 }
 
@@ -231,7 +233,8 @@ Reading Island::reading() const {
           equations_->revolutions().coordinates().data(),
           equations_->revolutions().speeds().data(),
           equations_->modes().recorded_forces().data(),
-          equations_->modes().recorded_sides().data()};
+          equations_->modes().recorded_sides().data(),
+          contacts_};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
