@@ -19,7 +19,8 @@ class AcceleratedGradient {
     const Index n = at.size();
     memory_.start(7 * n);
     ConeVector shift = memory_.vector(n), y = memory_.vector(n), uy = memory_.vector(n);
-    ConeVector next = memory_.vector(n), next_u = memory_.vector(n), last = memory_.vector(n), last_u = memory_.vector(n);
+    ConeVector next = memory_.vector(n), next_u = memory_.vector(n), last = memory_.vector(n),
+               last_u = memory_.vector(n);
     FrozenShift frozen(at, shift.data(), next.data());
     double curvature = estimate(at, shift, next, next_u);
     double t = 1;

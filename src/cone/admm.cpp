@@ -14,9 +14,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double relaxation = 1.6;
-constexpr int balance_interval = 10;   // iterations between changes of the penalty
-constexpr double imbalance = 2;        // a smaller factor is not worth a factorization
+constexpr double relaxation = 1.8;
+constexpr int balance_interval = 10;  // iterations between changes of the penalty
+constexpr double imbalance = 5;       // a smaller factor is not worth a factorization
 constexpr double min_penalty = 1e-8, max_penalty = 1e4;
 
 class Admm {
@@ -44,7 +44,8 @@ class Admm {
       frozen.renew_if_solved();
       if (k % balance_interval != 0) continue;
       const double primal = (free - at.x()).norm() / std::max(free.norm(), at.x().norm());
-      const double dual = penalty * (at.x() - last).norm() / std::max((at.u() - at.b()).norm(), (at.b() + shift).norm());
+      const double dual =
+          penalty * (at.x() - last).norm() / std::max((at.u() - at.b()).norm(), (at.b() + shift).norm());
       const double factor = std::sqrt(primal / dual);
       if (!std::isfinite(factor) || (factor < imbalance && factor > 1 / imbalance)) continue;
       const double next = std::clamp(factor * penalty, min_penalty, max_penalty);

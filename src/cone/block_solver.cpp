@@ -66,7 +66,7 @@ class BlockProblem {
       y[k] = -along / modes.lambda[k];
       for (std::size_t i = 0; i < n_; ++i) step[i] += modes.q[k][i] * along;
     }
-    std::array<double, Cone::max_size * Cone::max_size> A{};
+    std::array<double, Cone::max_block> A{};
     const Block change = lifted_product(step, sigma);
     for (std::size_t r = 0; r < count; ++r) {
       for (std::size_t i = 0; i < n_; ++i) y[r] -= modes.q[r][i] * change[i];

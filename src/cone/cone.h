@@ -30,12 +30,13 @@ struct ConeGroup {
 
 // One block of unknowns.
 //   contact    [n, t (tangential), s (about the normal), r (about tangential axes)] with n >= 0, |t| <= friction n,
-//              |s| <= spinning n, |r| <= rolling n. Groups may be absent; the coefficient of a group that is present may
-//              be 0, which makes the group 0.
+//              |s| <= spinning n, |r| <= rolling n. Groups may be absent; the coefficient of a group that is present
+//              may be 0, which makes the group 0.
 //   interval   one number, lower <= x <= upper; either bound may be infinite
 struct Cone {
-  static constexpr int groups = 3;    // t, s, r
-  static constexpr int max_size = 6;  // n; t1, t2; s; r1, r2
+  static constexpr int groups = 3;            // t, s, r
+  static constexpr std::size_t max_size = 6;  // n; t1, t2; s; r1, r2
+  static constexpr std::size_t max_block = max_size * max_size;
 
   bool interval = false;
   int first = 0;  // unknown of the problem
@@ -117,12 +118,13 @@ struct ConeProblem {
 // each cone (normal and tangential ones together are one group) has a length-preserving scale d_g = 1 / sqrt(mean of
 // G's diagonal over the group); with P_K the projection in the scaled variables x_g / d_g,
 //   residual = | x/d - P_K(x/d - d (u + s)) | / d_n,
-// which for a contact without spinning and rolling is |x - P_K(x - tau (u + s))| / tau, tau = d_n^2. Rotation rates count
-// with the length d_r / d_n, about a radius of gyration. It is 0 at solutions only.
+// which for a contact without spinning and rolling is |x - P_K(x - tau (u + s))| / tau, tau = d_n^2. Rotation rates
+// count with the length d_r / d_n, about a radius of gyration. It is 0 at solutions only, but never below the rounding
+// of x/d.
 struct ConeResult {
-  double residual = 0;   // m/s
-  int iterations = 0;    // of all phases of a method
-  int products = 0;      // with G
+  double residual = 0;  // m/s
+  int iterations = 0;   // of all phases of a method
+  int products = 0;     // with G
   bool converged = false;
 };
 
@@ -139,8 +141,8 @@ struct ConeOptions {
   ConeObserver* observer = nullptr;
 };
 
-// A solver keeps its memory: a call for a problem no larger than those before allocates nothing. It carries nothing else
-// from call to call; the same calls give the same bits.
+// A solver keeps its memory: a call for a problem no larger than those before allocates nothing. It carries nothing
+// else from call to call; the same calls give the same bits.
 class ConeSolver {
  public:
   virtual ~ConeSolver() = default;

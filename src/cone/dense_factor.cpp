@@ -39,17 +39,26 @@ void solve_symmetric(const ConeMatrix& A, ConeVector x) {
   }
 }
 
+namespace {
+
+// Exchanges row j with that of the largest entry below the diagonal of column j; returns the latter's number.
+Index exchange_rows(ConeMatrix& A, Index j) {
+  Index pivot = j;
+  for (Index i = j + 1; i < A.rows(); ++i) {
+    if (std::abs(A(i, j)) > std::abs(A(pivot, j))) pivot = i;
+  }
+  if (pivot != j) {
+    for (Index c = 0; c < A.cols(); ++c) std::swap(A(j, c), A(pivot, c));
+  }
+  return pivot;
+}
+
+}  // namespace
+
 void factorize_general(ConeMatrix A, int* pivots, double least_pivot) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {
-    Index pivot = j;
-    for (Index i = j + 1; i < n; ++i) {
-      if (std::abs(A(i, j)) > std::abs(A(pivot, j))) pivot = i;
-    }
-    pivots[j] = static_cast<int>(pivot);
-    if (pivot != j) {
-      for (Index c = 0; c < n; ++c) std::swap(A(j, c), A(pivot, c));
-    }
+    pivots[j] = static_cast<int>(exchange_rows(A, j));
     if (!(std::abs(A(j, j)) >= least_pivot)) A(j, j) = A(j, j) < 0 ? -least_pivot : least_pivot;
     const double inverse = 1 / A(j, j);
     double* column = &A(j, j) + 1;
@@ -57,7 +66,6 @@ void factorize_general(ConeMatrix A, int* pivots, double least_pivot) {
     for (Index i = 0; i < below; ++i) column[i] *= inverse;
     for (Index c = j + 1; c < n; ++c) {
       const double factor = A(j, c);
-      if (factor == 0) continue;
       double* target = &A(j, c) + 1;
       for (Index i = 0; i < below; ++i) target[i] -= factor * column[i];
     }

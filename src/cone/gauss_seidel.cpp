@@ -31,26 +31,26 @@ class GaussSeidel {
 
  private:
   static void relax(ConeIteration& at, const Eigen::Map<const Eigen::MatrixXd>& G, const Cone& cone) {
-    const int n = cone.size();
-    std::array<double, Cone::max_size * Cone::max_size> W{};
+    const auto n = static_cast<std::size_t>(cone.size());
+    const Index first = cone.first;
+    std::array<double, Cone::max_block> W{};
     std::array<double, Cone::max_size> q{}, x{};
-    for (int i = 0; i < n; ++i) {
-      const Index row = cone.first + i;
-      x[static_cast<std::size_t>(i)] = at.x()[row];
-      double sum = at.u()[row];
-      for (int j = 0; j < n; ++j) {
-        const double w = at.scale(row) * G(row, cone.first + j) * at.scale(cone.first + j);
-        W[static_cast<std::size_t>(i * n + j)] = w;
-        sum -= w * at.x()[cone.first + j];
+    for (std::size_t i = 0; i < n; ++i) {
+      const Index row = first + static_cast<Index>(i);
+      x[i] = at.x()[row];
+      q[i] = at.u()[row];
+      for (std::size_t j = 0; j < n; ++j) {
+        const Index column = first + static_cast<Index>(j);
+        W[i * n + j] = at.scale(row) * G(row, column) * at.scale(column);
+        q[i] -= W[i * n + j] * at.x()[column];
       }
-      q[static_cast<std::size_t>(i)] = sum;
     }
     solve_block(cone, W.data(), q.data(), at.exact(), x.data());
-    for (int j = 0; j < n; ++j) {
-      const Index column = cone.first + j;
-      const double change = x[static_cast<std::size_t>(j)] - at.x()[column];
+    for (std::size_t j = 0; j < n; ++j) {
+      const Index column = first + static_cast<Index>(j);
+      const double change = x[j] - at.x()[column];
       if (change == 0) continue;
-      at.x()[column] = x[static_cast<std::size_t>(j)];
+      at.x()[column] = x[j];
       const double factor = at.scale(column) * change;
       for (Index i = 0; i < at.size(); ++i) at.u()[i] += at.scale(i) * G(i, column) * factor;
     }

@@ -26,7 +26,7 @@ bool valid(const Cone& cone) {
   for (const ConeGroup& group : cone.limited()) {
     if (group.size < 0 || !(group.coefficient >= 0) || !std::isfinite(group.coefficient)) return false;
   }
-  return cone.size() <= Cone::max_size && cone.tangential <= 2 && cone.spin <= 1 && cone.roll <= 2;
+  return cone.tangential <= 2 && cone.spin <= 1 && cone.roll <= 2;
 }
 
 }  // namespace
@@ -80,16 +80,18 @@ void ConeIteration::take_memory() {
   }
 }
 
-// Groups whose diagonal is zero, up to rounding, get the scale of the cone's other groups, or that of the stiffest cone.
+// Groups whose diagonal is zero, up to rounding, get the scale of the cone's other groups, or that of the stiffest
+// cone.
 void ConeIteration::set_up_scales() {
-  std::array<double, static_cast<std::size_t>(Cone::max_size) * Cone::max_size> block{};
+  std::array<double, Cone::max_block> block{};
   double largest = 0;
   for (const Cone& cone : cones_) {
     problem_->G.diagonal_block(cone, block.data());
-    for (int i = 0; i < cone.size(); ++i) {
-      const double diagonal = block[static_cast<std::size_t>(i * cone.size() + i)];
-      d_[cone.first + i] = diagonal;
-      largest = std::max(largest, diagonal);
+    const auto n = static_cast<std::size_t>(cone.size());
+    double* diagonal = d_ + cone.first;
+    for (std::size_t i = 0; i < n; ++i) {
+      diagonal[i] = block[i * n + i];
+      largest = std::max(largest, diagonal[i]);
     }
   }
   if (!(largest > 0)) largest = 1;
@@ -223,23 +225,30 @@ double ConeIteration::present_residual() {
   project_all(work_, work_);
   double largest = 0;
   for (const Cone& cone : cones_) {
-    double sum = 0;
-    for (int i = cone.first; i < cone.first + cone.size(); ++i) sum += (x_[i] - work_[i]) * (x_[i] - work_[i]);
-    const double residual = std::sqrt(sum) / d_[cone.first];
+    double sum = 0, size = 0;
+    for (int i = cone.first; i < cone.first + cone.size(); ++i) {
+      sum += (x_[i] - work_[i]) * (x_[i] - work_[i]);
+      size = std::max(size, std::abs(x_[i]));
+    }
+    // Where impulses grow without bound, their rounding hides the velocities.
+    const double residual = std::max(std::sqrt(sum), 0.5 * epsilon * size) / d_[cone.first];
     if (!(residual <= largest)) largest = residual;  // NaN, too
   }
   return largest;
 }
 
-// What rounding leaves of the residual at a solution.
+// What rounding leaves of the residual at a solution. Redundant impulses may be larger than the velocities that they
+// cause, but impulses that grow without any effect do not make a solution.
 double ConeIteration::rounding() const {
-  double largest = 0;
+  constexpr double most_redundant = 1e3;
+  double velocity = 0, impulse = 0;
   for (const Cone& cone : cones_) {
     for (int i = cone.first; i < cone.first + cone.size(); ++i) {
-      largest = std::max(largest, (std::abs(b_[i]) + std::abs(u_[i]) + std::abs(x_[i])) / d_[cone.first]);
+      velocity = std::max(velocity, (std::abs(b_[i]) + std::abs(u_[i])) / d_[cone.first]);
+      impulse = std::max(impulse, std::abs(x_[i]) / d_[cone.first]);
     }
   }
-  return 8 * epsilon * largest;
+  return 8 * epsilon * (velocity + std::min(impulse, most_redundant * velocity));
 }
 
 // Iterates outside K, of Newton's method, are projected before they count as solutions.

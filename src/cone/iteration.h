@@ -48,19 +48,18 @@ class ConeIteration {
   ConeVector x() { return {x_, size_}; }
   ConeVector u() { return {u_, size_}; }
 
-  void multiply(const double* in, double* out);                // out <- G in; counted
-  void project_all(const double* in, double* out) const;       // out <- P_K(in); they may be the same
-  void add_lift(const double* u, double* out) const;           // out <- out + s(u)
-  void update_velocity();                                      // u <- G x + b
-  Eigen::Map<const Eigen::MatrixXd> matrix();                  // G, not scaled
+  void multiply(const double* in, double* out);           // out <- G in; counted
+  void project_all(const double* in, double* out) const;  // out <- P_K(in); they may be the same
+  void add_lift(const double* u, double* out) const;      // out <- out + s(u)
+  void update_velocity();                                 // u <- G x + b
+  Eigen::Map<const Eigen::MatrixXd> matrix();             // G, not scaled
   void count_product() { ++result_.products; }
 
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
   bool advance();
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
-  double residual() const { return residual_; }        // of the present iterate, at the last advance()
+  double residual() const { return residual_; }  // of the present iterate, at the last advance()
   double best_residual() const { return result_.residual; }
-  double tolerance() const { return options_->tolerance; }
   void return_to_best();
 
  private:

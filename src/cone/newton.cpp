@@ -2,6 +2,7 @@
 #include "cone/newton.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cone/dense_factor.h"
@@ -11,21 +12,22 @@ namespace {
 
 using Eigen::Index;
 
-// Regularization relative to the mean diagonal of G: above the rounding of the factorization (1e-13 of 300 unknowns), and
-// raised to the last value if smaller ones give no progress.
+// Regularization relative to the mean diagonal of G: above the rounding of the factorization (1e-13 of 300 unknowns),
+// and raised to the last value if smaller ones give no progress.
 constexpr double regularizations[] = {1e-11, 1e-7, 1e-4, 1e-2};
-constexpr double least_fraction = 1.0 / 64;  // of a step
+constexpr int halvings = 6;  // of a step
 
 std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 void SemismoothNewton::take_memory(Index n, std::size_t cones) {
-  memory_.start(9 * n + Cone::max_size * n + n * n);
+  constexpr Index columns = Cone::max_size;
+  memory_.start((9 + columns + n) * n);
   for (double** piece : {&z_, &F_, &sigma_, &dx_, &Gdx_, &trial_x_, &trial_u_, &trial_F_, &rhs_}) {
     *piece = memory_.take(n);
   }
-  T_ = memory_.take(Cone::max_size * n);
+  T_ = memory_.take(columns * n);
   A_ = memory_.take(n * n);
   if (modes_.size() < cones) modes_.resize(cones);
   if (first_.size() < cones) first_.resize(cones);
@@ -68,45 +70,54 @@ void SemismoothNewton::linearize(ConeIteration& at) {
   rows_ = rows;
 }
 
+// T <- column k of D G D Q_j for each mode k of a cone, from this row on.
+void SemismoothNewton::move_by_modes(ConeIteration& at, const Cone& cone, const ProjectionModes& modes, Index from) {
+  const Index n = at.size();
+  const Eigen::Map<const Eigen::MatrixXd> G = at.matrix();
+  for (int k = 0; k < modes.count; ++k) {
+    ConeVector T(T_ + k * n, n);
+    T.tail(n - from).setZero();
+    for (int c = 0; c < cone.size(); ++c) {
+      const double q = modes.q[at_index(k)][at_index(c)] * at.scale(cone.first + c);
+      if (q != 0) T.tail(n - from) += q * G.col(cone.first + c).tail(n - from);
+    }
+    for (Index i = from; i < n; ++i) T[i] *= at.scale(i);
+  }
+}
+
+// Q_i^T (1 + S) T for the modes of one cone and one column T, of which `velocity` has the cone's components.
+void SemismoothNewton::project_on_modes(const Cone& cone, const ProjectionModes& modes, const double* velocity,
+                                        double* out) const {
+  const int size = cone.size();
+  double normal = velocity[0];
+  for (int c = 1; c < size; ++c) normal += sigma_[cone.first + c] * velocity[c];
+  for (int r = 0; r < modes.count; ++r) {
+    const auto& q = modes.q[at_index(r)];
+    double sum = q[0] * normal;
+    for (int c = 1; c < size; ++c) sum += q[at_index(c)] * velocity[c];
+    out[r] = sum;
+  }
+}
+
 // The matrix of the reduced system, for a convex problem only its lower triangle.
 void SemismoothNewton::assemble(ConeIteration& at, double eps) {
   const Index n = at.size();
-  const Eigen::Map<const Eigen::MatrixXd> G = at.matrix();
   ConeMatrix A(A_, rows_, rows_);
   const std::span<const Cone> cones = at.cones();
   for (std::size_t j = 0; j < cones.size(); ++j) {
-    const Index from = at.exact() ? 0 : cones[j].first;  // row of G
+    move_by_modes(at, cones[j], modes_[j], at.exact() ? 0 : cones[j].first);
     for (int k = 0; k < modes_[j].count; ++k) {
-      ConeVector T(T_ + k * n, n);  // column k of D G D Q_j
-      T.tail(n - from).setZero();
-      for (int c = 0; c < cones[j].size(); ++c) {
-        const double q = modes_[j].q[at_index(k)][at_index(c)] * at.scale(cones[j].first + c);
-        if (q != 0) T.tail(n - from) += q * G.col(cones[j].first + c).tail(n - from);
+      const Index column = first_[j] + k;
+      for (std::size_t i = at.exact() ? 0 : j; i < cones.size(); ++i) {
+        project_on_modes(cones[i], modes_[i], T_ + k * n + cones[i].first, A_ + column * rows_ + first_[i]);
       }
-      for (Index i = from; i < n; ++i) T[i] *= at.scale(i);
-    }
-    for (std::size_t i = at.exact() ? 0 : j; i < cones.size(); ++i) {
-      for (int k = 0; k < modes_[j].count; ++k) {
-        const double* T = T_ + k * n + cones[i].first;
-        double lift = 0;
-        for (int c = 1; c < cones[i].size(); ++c) lift += sigma_[cones[i].first + c] * T[c];
-        for (int r = 0; r < modes_[i].count; ++r) {
-          const auto& q = modes_[i].q[at_index(r)];
-          double sum = q[0] * (T[0] + lift);
-          for (int c = 1; c < cones[i].size(); ++c) sum += q[at_index(c)] * T[c];
-          A(first_[i] + r, first_[j] + k) = sum;
-        }
-      }
-    }
-    for (int k = 0; k < modes_[j].count; ++k) {
-      A(first_[j] + k, first_[j] + k) += 1 / modes_[j].lambda[at_index(k)] - 1 + eps;
+      A(column, column) += 1 / modes_[j].lambda[at_index(k)] - 1 + eps;
     }
   }
 }
 
 // dx <- dx_0, and the right side of the reduced system.
 void SemismoothNewton::right_side(ConeIteration& at) {
-  const Index n = at.size();
   const std::span<const Cone> cones = at.cones();
   bool moved = false;
   for (std::size_t i = 0; i < cones.size(); ++i) {
@@ -124,15 +135,35 @@ void SemismoothNewton::right_side(ConeIteration& at) {
   }
   if (!moved || rows_ == 0) return;
   at.multiply(dx_, Gdx_);
+  std::array<double, Cone::max_size> change{};
   for (std::size_t i = 0; i < cones.size(); ++i) {
-    double* change = Gdx_ + cones[i].first;
-    for (int c = 1; c < cones[i].size(); ++c) change[0] += sigma_[cones[i].first + c] * change[c];
-    for (int k = 0; k < modes_[i].count; ++k) {
-      const auto& q = modes_[i].q[at_index(k)];
-      for (int c = 0; c < cones[i].size(); ++c) rhs_[first_[i] + k] -= q[at_index(c)] * change[c];
-    }
+    project_on_modes(cones[i], modes_[i], Gdx_ + cones[i].first, change.data());
+    for (int k = 0; k < modes_[i].count; ++k) rhs_[first_[i] + k] -= change[at_index(k)];
   }
-  (void)n;
+}
+
+// rhs <- the solution y of the reduced system.
+void SemismoothNewton::solve_reduced(bool general, double eps) {
+  const ConeMatrix A(A_, rows_, rows_);
+  ConeVector y(rhs_, rows_), correction(T_, rows_);
+  const auto solve = [&](const ConeVector& x) {
+    if (general) {
+      solve_general(A, pivots_.data(), x);
+    } else {
+      solve_symmetric(A, x);
+    }
+  };
+  if (general) {
+    factorize_general(A, pivots_.data(), eps);
+  } else {
+    factorize_symmetric(A, eps);
+  }
+  solve(y);
+  if (eps > regularizations[0]) return;
+  // (A + eps) y = rhs leaves eps y in A y = rhs: a step of iterative refinement removes it up to eps^2.
+  correction = eps * y;
+  solve(correction);
+  y += correction;
 }
 
 // dx <- the Newton step for this regularization, and Gdx. False if it is not finite.
@@ -140,15 +171,7 @@ bool SemismoothNewton::find_step(ConeIteration& at, double eps) {
   right_side(at);
   if (rows_ > 0) {
     assemble(at, eps);
-    const ConeMatrix A(A_, rows_, rows_);
-    const ConeVector y(rhs_, rows_);
-    if (at.exact()) {
-      factorize_general(A, pivots_.data(), eps);
-      solve_general(A, pivots_.data(), y);
-    } else {
-      factorize_symmetric(A, eps);
-      solve_symmetric(A, y);
-    }
+    solve_reduced(at.exact(), eps);
     const std::span<const Cone> cones = at.cones();
     for (std::size_t i = 0; i < cones.size(); ++i) {
       for (int k = 0; k < modes_[i].count; ++k) {
@@ -167,7 +190,8 @@ bool SemismoothNewton::find_step(ConeIteration& at, double eps) {
 // Moves along dx, halving the step until the natural map is smaller. False if it never is.
 bool SemismoothNewton::take_step(ConeIteration& at) {
   const Index n = at.size();
-  for (double fraction = 1; fraction >= least_fraction; fraction /= 2) {
+  double fraction = 1;
+  for (int k = 0; k <= halvings; ++k, fraction /= 2) {
     for (Index i = 0; i < n; ++i) {
       trial_x_[i] = at.x()[i] + fraction * dx_[i];
       trial_u_[i] = at.u()[i] + fraction * Gdx_[i];

@@ -27,17 +27,20 @@ class SemismoothNewton {
   void take_memory(Eigen::Index n, std::size_t cones);
   double natural_map(ConeIteration& at, const double* x, const double* u, double* F) const;
   void linearize(ConeIteration& at);
+  void move_by_modes(ConeIteration& at, const Cone& cone, const ProjectionModes& modes, Eigen::Index from);
+  void project_on_modes(const Cone& cone, const ProjectionModes& modes, const double* velocity, double* out) const;
   void assemble(ConeIteration& at, double eps);
   void right_side(ConeIteration& at);
+  void solve_reduced(bool general, double eps);
   bool find_step(ConeIteration& at, double eps);
   bool take_step(ConeIteration& at);
 
   ConeMemory memory_;
   std::vector<ProjectionModes> modes_;
-  std::vector<int> first_;   // row of each cone's first mode
+  std::vector<int> first_;  // row of each cone's first mode
   std::vector<int> pivots_;
-  Eigen::Index rows_ = 0;    // of the reduced system
-  double merit_ = 0;         // squared norm of F
+  Eigen::Index rows_ = 0;  // of the reduced system
+  double merit_ = 0;       // squared norm of F
   double *z_ = nullptr, *F_ = nullptr, *sigma_ = nullptr, *dx_ = nullptr, *Gdx_ = nullptr;
   double *trial_x_ = nullptr, *trial_u_ = nullptr, *trial_F_ = nullptr, *rhs_ = nullptr, *A_ = nullptr, *T_ = nullptr;
 };

@@ -12,8 +12,8 @@ class FrozenShift {
   // shift, work: at.size() numbers each. Sets the shift to s(u) of the present iterate; to 0 in a convex problem.
   FrozenShift(ConeIteration& at, double* shift, double* work) : at_(at), shift_(shift), work_(work) { renew(); }
 
-  // Call after each iteration. Renews the shift once the residual of the convex problem is a fraction of that of the exact
-  // one; returns whether it did.
+  // Call after each iteration. Renews the shift once the residual of the convex problem is a fraction of that of the
+  // exact one; returns whether it did.
   bool renew_if_solved();
 
  private:

@@ -3,8 +3,8 @@
 
     minimize 1/2 x^T G x + b^T x,  x in the product of the cones |(x1, x2)| <= mu x0
 
-All numbers follow from the number of the problem, which seeds splitmix64 (Steele, Lea & Flood 2014). A solution x and a
-velocity u = G x + b in the dual cone, orthogonal to x, are drawn first; b follows.
+All numbers follow from the number of the problem, which seeds splitmix64 (Steele, Lea & Flood 2014). A solution
+x and a velocity u = G x + b in the dual cone, orthogonal to x, are drawn first; b follows.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class _Draw:
     def unit_vector(self, n: int) -> Array:
         """Return a direction in n dimensions."""
         v = np.array([self.normal() for _ in range(n)])
-        return v / np.linalg.norm(v)
+        return np.array(v / np.linalg.norm(v))
 
 
 @dataclass(frozen=True)
@@ -88,12 +88,12 @@ def project(z: Array, mu: float) -> Array:
     if mu * length <= -z[0]:
         return np.zeros(3)
     normal = (z[0] + mu * length) / (1 + mu * mu)
-    return normal * np.array([1, *(mu * z[1:] / length)])
+    return np.array([normal, *(normal * mu / length * z[1:])])
 
 
 def _dense(draw: _Draw, n: int, condition: float) -> Array:
     """Eigenvalues from 1 to 1 / condition, evenly spread in the exponent, turned by six reflections."""
-    G = np.diag([condition ** (-i / (n - 1)) for i in range(n)])
+    G: Array = np.diag([condition ** (-i / (n - 1)) for i in range(n)])
     for _ in range(6):
         v = draw.unit_vector(n)
         w = G @ v
@@ -102,7 +102,7 @@ def _dense(draw: _Draw, n: int, condition: float) -> Array:
 
 
 def _chain(draw: _Draw, n: int, condition: float) -> Array:
-    """A stack: contact i between the bodies i - 1 and i of unequal masses; the body below the first does not move."""
+    """A stack: contact i between the bodies i - 1 and i of unequal masses; body 0 does not move."""
     contacts = n // 3
     masses = [10 ** (math.log10(condition) / 2 * (draw.uniform() - 0.5)) for _ in range(contacts + 1)]
     inverse = [0.0, *(1 / m for m in masses[1:])]
@@ -111,17 +111,17 @@ def _chain(draw: _Draw, n: int, condition: float) -> Array:
         G[i, i] = inverse[i + 1] + inverse[i]
         if i:
             G[i, i - 1] = G[i - 1, i] = -inverse[i]
-    return np.kron(G, np.eye(3))
+    return np.array(np.kron(G, np.eye(3)))
 
 
 def _redundant(draw: _Draw, n: int) -> Array:
     """More unknowns than degrees of freedom: G of half its rank."""
     D = np.array([[draw.normal() for _ in range(n // 2)] for _ in range(n)])
-    return D @ D.T / n
+    return np.array(D @ D.T / n)
 
 
 def _pair(draw: _Draw, mu: float) -> tuple[Array, Array]:
-    """An impulse in the cone and a velocity in its dual, orthogonal to each other: open, sticking or sliding."""
+    """An impulse in the cone and a velocity in its dual, orthogonal to it: open, sticking or sliding."""
     choice, angle = draw.uniform(), 2 * math.pi * draw.uniform()
     t = np.array([math.cos(angle), math.sin(angle)])
     impulse, speed = (10 ** (2 * draw.uniform() - 1) for _ in range(2))

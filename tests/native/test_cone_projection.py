@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Projections onto cones of contact, against a constrained minimization by scipy and their defining properties."""
+"""Projections onto cones of contact, against minimizations by scipy and their defining properties."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROUNDING = 4e-15  # of a few operations on numbers about 1 to 4
 
 
 def minimized(y: Array, limits: list[tuple[slice, float]]) -> Array:
-    """The nearest point found by sequential quadratic programming; constraints as differentiable functions."""
+    """The nearest point, by sequential quadratic programming with differentiable constraints."""
     constraints: list[dict[str, Any]] = [{"type": "ineq", "fun": lambda x: x[0]}]
     for part, mu in limits:
         constraints.append(
@@ -24,9 +24,13 @@ def minimized(y: Array, limits: list[tuple[slice, float]]) -> Array:
     start = np.zeros(len(y))
     start[0] = np.abs(y).max() + 1
     found = minimize(
-        lambda x: 0.5 * (x - y) @ (x - y), start, jac=lambda x: x - y, constraints=constraints, method="SLSQP",
+        lambda x: 0.5 * (x - y) @ (x - y),
+        start,
+        jac=lambda x: x - y,
+        constraints=constraints,
+        method="SLSQP",
         options={"ftol": 1e-15, "maxiter": 500},
-    )  # fmt: skip
+    )
     return np.asarray(found.x)
 
 
@@ -48,9 +52,9 @@ def test_a_projection_is_the_nearest_point(units: Any, coefficients: tuple[float
         found = np.array(cone.project(list(y)))
         assert all(np.linalg.norm(found[part]) <= mu * found[0] + ROUNDING for part, mu in limits)
         reference = minimized(y, limits)
-        # SLSQP stops where the objective has settled to 1e-15, which leaves some 1e-7 in x, also outside the cone.
+        # SLSQP stops where the objective has settled to 1e-15: some 1e-7 in x, also outside the cone.
         assert np.linalg.norm(found - y) <= np.linalg.norm(reference - y) + 1e-6
-        nearer += np.linalg.norm(found - reference) < 1e-6
+        nearer += int(np.linalg.norm(found - reference) < 1e-6)
     assert nearer > 25  # and there it is the same point
 
 
@@ -126,8 +130,8 @@ def test_components_without_friction_vanish(units: Any, y: list[float]) -> None:
 def test_intervals(units: Any) -> None:
     inf = np.inf
     for lower, upper, y, expected, derivative in [
-        (-1, 2, 0.5, 0.5, 1), (-1, 2, 3, 2, 0), (-1, 2, -3, -1, 0), (0, inf, 5, 5, 1), (0, inf, -1e-300, 0, 0),
-        (-inf, inf, -7, -7, 1), (0, 0, 3, 0, 0), (0, 0, 0, 0, 0),
+        (-1, 2, 0.5, 0.5, 1), (-1, 2, 3, 2, 0), (-1, 2, -3, -1, 0), (0, inf, 5, 5, 1),
+        (0, inf, -1e-300, 0, 0), (-inf, inf, -7, -7, 1), (0, 0, 3, 0, 0), (0, 0, 0, 0, 0),
     ]:  # fmt: skip
         cone = units.Cone.within(0, lower, upper)
         assert cone.project([y]) == [expected]
@@ -137,5 +141,7 @@ def test_intervals(units: Any) -> None:
 def test_a_contact_in_a_plane_has_single_components(units: Any) -> None:
     cone = units.Cone.planar_contact(0, 0.5, 0.1)
     assert cone.size == 3
-    assert cone.project([1, 2, 0.05]) == pytest.approx([1.6, 0.8, 0.05], rel=1e-15)  # n = (1 + 0.5 * 2) / 1.25
+    assert cone.project([1, 2, 0.05]) == pytest.approx(
+        [1.6, 0.8, 0.05], rel=1e-15
+    )  # n = (1 + 0.5 * 2) / 1.25
     assert cone.project([1, -2, 0.05]) == pytest.approx([1.6, -0.8, 0.05], rel=1e-15)

