@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Array
-from models.cone_problems import COUNT, cone_problem
+from gelenk.chart.cone_problems import COUNT, cone_problem
 
 SOLVERS = ["hybrid", "p-spg-fb", "apgd", "newton", "admm", "gauss-seidel"]
 TOLERANCE = 1e-12  # m/s

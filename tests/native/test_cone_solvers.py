@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Array
-from models.cone_problems import COUNT, ConeProblem, cone_problem
+from gelenk.chart.cone_problems import COUNT, ConeProblem, cone_problem
 
 TOLERANCE = 1e-10  # of the published natural map, relative to |b|
 SOLVERS = ["hybrid", "p-spg-fb", "apgd", "newton", "admm", "gauss-seidel"]

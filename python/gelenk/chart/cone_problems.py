@@ -3,8 +3,8 @@
 
     minimize 1/2 x^T G x + b^T x,  x in the product of the cones |(x1, x2)| <= mu x0
 
-All numbers follow from the number of the problem, which seeds splitmix64 (Steele, Lea & Flood 2014). A solution
-x and a velocity u = G x + b in the dual cone, orthogonal to x, are drawn first; b follows.
+All numbers follow from the number of the problem, which seeds splitmix64 (Steele, Lea & Flood 2014). A
+solution x and a velocity u = G x + b in the dual cone, orthogonal to x, are drawn first; b follows.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from mechanisms import Array
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 COUNT = 100
 _BITS = (1 << 64) - 1
