@@ -21,6 +21,7 @@ BELOW["check"] = {"scene", *BELOW["scene"]}
 BELOW["scene_file"] = {"check", *BELOW["check"]}
 BELOW["mechanism"] = {"scene", *BELOW["scene"]}
 BELOW["linear"] = set()
+BELOW["cone"] = set()
 BELOW["kinematics"] = {"mechanism", "linear", *BELOW["mechanism"]}
 BELOW["derivatives"] = {"kinematics", *BELOW["kinematics"]}
 BELOW["dynamics"] = {"derivatives", *BELOW["derivatives"]}
@@ -37,7 +38,7 @@ BELOW["modelDescription"] = {"scene_file", "simulation", *BELOW["scene_file"], *
 BELOW["fmu/runtime"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu/export"] = {"modelDescription", *BELOW["modelDescription"]}
 BELOW["fmu"] = {"fmu/runtime", *BELOW["fmu/runtime"]}
-BELOW["bindings"] = {"fmu/runtime", "fmu/export", *BELOW["modelDescription"]}
+BELOW["bindings"] = {"cone", "fmu/runtime", "fmu/export", *BELOW["modelDescription"]}
 
 FOLDERS = {room: ROOT / "src" / room for room in BELOW} | {
     "modelDescription": ROOT / "modelDescription",

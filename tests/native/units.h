@@ -14,6 +14,10 @@ namespace native {
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;
 
+// Calls of malloc and operator new in this module so far.
+long allocations();
+
+void bind_cones(nanobind::module_& m);
 void bind_box_complementarity(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
