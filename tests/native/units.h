@@ -17,6 +17,7 @@ using Table = std::vector<Numbers>;
 void bind_box_complementarity(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
+void bind_shapes(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);
 void bind_times(nanobind::module_& m);
 
