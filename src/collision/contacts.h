@@ -19,13 +19,13 @@ struct ContactPoint {
 
 constexpr int max_contact_points = 4;
 
-// Finds the contact points with a gap up to the margin [m]; returns their number, 0 to max_contact_points. out[0] is
-// the closest or deepest pair of points of the two solids, the others are further points that support both, as on two
-// faces. Features are in ascending order from out[1] on.
+// Finds contact points with a gap up to the margin [m], in ascending order of their features; returns their number, 0
+// to max_contact_points. The smallest gap is the distance of the two solids or, if they overlap, the negative of the
+// shortest translation that separates them. Shapes that touch along an edge or face have several points.
 //
 // The gap of a feature pair is a smooth function of the poses, and its rate is normal . (v_B(p) - v_A(p)), with the
-// velocities of the points of both bodies at p. Never allocates; same arguments, same bits; exchanging A and B reverses
-// the normals and keeps everything else.
+// velocities at p of both bodies. Nothing is allocated; same arguments, same bits. If the shapes are of different
+// kinds, exchanging them reverses the normals and changes nothing else. Two half-spaces have no contact points.
 int find_contacts(const AnyShape& A, const Pose3& X_WA, const AnyShape& B, const Pose3& X_WB, double margin,
                   ContactPoint* out);
 

@@ -3,6 +3,7 @@
 
 NB_MODULE(native_units, m) {
   native::bind_box_complementarity(m);
+  native::bind_contacts(m);
   native::bind_descent(m);
   native::bind_factors(m);
   native::bind_shapes(m);

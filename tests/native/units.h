@@ -15,6 +15,7 @@ using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;
 
 void bind_box_complementarity(nanobind::module_& m);
+void bind_contacts(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
