@@ -14,7 +14,7 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 # the evaluation of power series, for output derivatives.
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
-  "/(util|field|element|event|scene|check|scene_file|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
+  "/(util|field|shape|element|event|scene|check|scene_file|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
   "/(formulation/(branch_acceleration|registry)|integrator/registry|cone/registry|derivatives/forward_ad|analysis/(equilibrium|independent_columns|rest_forces|rest_pose|singular_start|mobility)|kinematics/(loads|model)|modes/mode_changes|linear/(box_complementarity|least_load|singular_values)|outputs/(outputs_dual|port_readings)|simulation/(assemblies|assembled_start|events|inspection|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")

@@ -14,6 +14,8 @@ ROOT = Path(__file__).resolve().parent.parent
 # What a room may include of ours: itself and these.
 BELOW: dict[str, set[str]] = {"util": set(), "math": set()}
 BELOW["field"] = {"util"}
+BELOW["shape"] = {"field", "math", *BELOW["field"]}
+BELOW["collision"] = {"shape", *BELOW["shape"]}
 BELOW["joint"] = {"field", "math", *BELOW["field"]}
 BELOW["element"] = {"joint", *BELOW["joint"]}
 BELOW["scene"] = {"element", *BELOW["element"]}

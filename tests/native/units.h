@@ -19,8 +19,10 @@ long allocations();
 
 void bind_cones(nanobind::module_& m);
 void bind_box_complementarity(nanobind::module_& m);
+void bind_contacts(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
+void bind_shapes(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);
 void bind_times(nanobind::module_& m);
 
