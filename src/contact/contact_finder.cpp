@@ -60,11 +60,7 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
     boxes_[i] = bounds(shape.is, poses_[i]).grown(reach_[i]);
   }
   points_.clear();
-  for (int a = 0; a < static_cast<int>(poses_.size()); ++a) {
-    for (int b = a + 1; b < static_cast<int>(poses_.size()); ++b) {
-      if (boxes_[static_cast<std::size_t>(a)].meets(boxes_[static_cast<std::size_t>(b)])) add_points(a, b);
-    }
-  }
+  for (const SweepAndPrune::Pair& pair : broad_phase_.pairs(boxes_)) add_points(pair.i, pair.j);
   std::ranges::sort(points_, {}, &TouchPoint::key);
   return points_;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collision/contacts.h"
+#include "collision/sweep_and_prune.h"
 #include "dynamics/dynamics.h"
 
 namespace gelenk {
@@ -47,6 +48,7 @@ class ContactFinder {
   std::vector<Pose3> poses_;     // X_0S
   std::vector<double> reach_;    // m
   std::vector<Aabb> boxes_;
+  SweepAndPrune broad_phase_;
   std::vector<TouchPoint> points_;
 };
 
