@@ -158,44 +158,64 @@ void flat_normals(const ConvexBody& body, const Eigen::Vector3d& n, const Propos
   }
 }
 
-// Whether a body touches with a single point in the direction n, and this point.
-bool touches_with_point(const ConvexBody& body, const ClosestPoints& found, Support Difference::* of,
-                        const Eigen::Vector3d& n, Eigen::Vector3d& p) {
+// The part of a body that touches: a point, an edge or line through a point, or something flat.
+struct Touching {
+  enum class Kind { point, line, flat };
+  Kind kind = Kind::flat;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+};
+
+Touching touching(const ConvexBody& body, const ClosestPoints& found, Support Difference::* of,
+                  const Eigen::Vector3d& n) {
+  Touching out{.p = body.support(n).p};
   if (const CylinderPose* cylinder = body.cylinder()) {
-    const double along = std::abs(n.dot(cylinder->axis));
-    p = body.support(n).p;
-    return along > 1e-9 && n.cross(cylinder->axis).norm() > flat_cap;
+    if (n.cross(cylinder->axis).norm() <= flat_cap) return out;
+    out.kind = std::abs(n.dot(cylinder->axis)) <= flat_cap ? Touching::Kind::line : Touching::Kind::point;
+    out.along = cylinder->axis;
+    return out;
   }
-  int vertex = -1;
+  std::array<const Support*, 3> distinct{};
+  std::size_t count = 0;
   for (int i = 0; i < found.count; ++i) {
-    if (!(found.weights[static_cast<std::size_t>(i)] > 1e-9)) continue;
     const Support& s = found.by[static_cast<std::size_t>(i)].*of;
-    if (vertex >= 0 && s.vertex != vertex) return false;
-    vertex = s.vertex;
-    p = s.p;
+    bool known = false;
+    for (std::size_t k = 0; k < count; ++k) known = known || distinct[k]->vertex == s.vertex;
+    if (!known) distinct[count++] = &s;
   }
-  return true;
+  if (count == 3) return out;
+  out.p = distinct[0]->p;
+  out.kind = count == 1 ? Touching::Kind::point : Touching::Kind::line;
+  if (count == 2) out.along = (distinct[1]->p - out.p).normalized();
+  return out;
 }
 
+// The points that touch. A facet of an iteration can be part of a larger flat one, in which the weights mean nothing;
+// points and edges are exact.
 void set_points(const ConvexBody& A, const ConvexBody& B, ClosestPoints& found) {
-  Eigen::Vector3d p;
+  using Kind = Touching::Kind;
+  const Touching a = touching(A, found, &Difference::a, found.n);
+  const Touching b = touching(B, found, &Difference::b, -found.n);
   const Eigen::Vector3d between = found.distance * found.n;
-  if (touches_with_point(A, found, &Difference::a, found.n, p)) {
-    found.a = p;
-    found.b = p + between;
-    return;
-  }
-  if (touches_with_point(B, found, &Difference::b, -found.n, p)) {
-    found.a = p - between;
-    found.b = p;
-    return;
-  }
-  found.a.setZero();
-  found.b.setZero();
-  for (int i = 0; i < found.count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    found.a += found.weights[k] * found.by[k].a.p;
-    found.b += found.weights[k] * found.by[k].b.p;
+  const Eigen::Vector3d cross = a.along.cross(b.along);
+  if (a.kind == Kind::point) {
+    found.a = a.p;
+    found.b = a.p + between;
+  } else if (b.kind == Kind::point) {
+    found.a = b.p - between;
+    found.b = b.p;
+  } else if (a.kind == Kind::line && b.kind == Kind::line && cross.norm() > 1e-9) {
+    const Eigen::Vector3d d = b.p - a.p;
+    found.a = a.p + d.dot(b.along.cross(cross)) / cross.squaredNorm() * a.along;
+    found.b = found.a + between;
+  } else {
+    found.a.setZero();
+    found.b.setZero();
+    for (int i = 0; i < found.count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      found.a += found.weights[k] * found.by[k].a.p;
+      found.b += found.weights[k] * found.by[k].b.p;
+    }
   }
 }
 
