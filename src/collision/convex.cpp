@@ -157,13 +157,6 @@ std::optional<ClosestPoints> closest_points(const ConvexBody& A, const ConvexBod
   if (!found) return found;
   refine(A, B, *found);
   if (found->distance > limit) return std::nullopt;
-  found->a.setZero();
-  found->b.setZero();
-  for (int i = 0; i < found->count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    found->a += found->weights[k] * found->by[k].a.p;
-    found->b += found->weights[k] * found->by[k].b.p;
-  }
   return found;
 }
 

@@ -5,6 +5,7 @@
 
 #include "collision/convex.h"
 #include "collision/face_contacts.h"
+#include "collision/line_contacts.h"
 #include "collision/pairs.h"
 
 namespace gelenk {
@@ -49,6 +50,30 @@ int feature_of(const ConvexBody& body, const ClosestPoints& found, Support Diffe
   return to_end <= no_weight ? 0 : to_end >= 1 - no_weight ? 1 : 2;
 }
 
+Line line_of(const ConvexBody& body) {
+  const ConvexBody::Axis& segment = *body.segment();
+  return {.center = body.center(), .along = segment.along, .half = segment.half, .radius = body.radius()};
+}
+
+// Contact points around the closest ones.
+void further_contacts(const ConvexBody& a, const ConvexBody& b, const Eigen::Vector3d& n, double distance,
+                      ContactSet& out) {
+  const double size = std::min(a.size(), b.size());
+  const ClosestNormal at{n, distance - a.radius() - b.radius() - same_contact * size};
+  const PointSink in_order(out, false, b.feature_count());
+  const PointSink exchanged = in_order.exchanged();
+  if (a.solid() != nullptr) {
+    if (b.solid() != nullptr) face_contacts(*a.solid(), *b.solid(), n, distance, out);
+    if (b.cylinder() != nullptr) cylinder_on_solid(*b.cylinder(), *a.solid(), at.reversed(), exchanged);
+  } else if (a.cylinder() != nullptr) {
+    if (b.solid() != nullptr) cylinder_on_solid(*a.cylinder(), *b.solid(), at, in_order);
+    if (b.cylinder() != nullptr) cylinder_on_cylinder(*a.cylinder(), *b.cylinder(), at, in_order);
+  } else if (a.segment() != nullptr) {
+    if (b.solid() != nullptr) line_on_solid(line_of(a), *b.solid(), at, in_order);
+    if (b.cylinder() != nullptr) line_on_cylinder(line_of(a), *b.cylinder(), at, in_order);
+  }
+}
+
 }  // namespace
 
 void convex_contacts(const AnyShape& A, const Pose3& X_A, const AnyShape& B, const Pose3& X_B, ContactSet& out) {
@@ -58,7 +83,7 @@ void convex_contacts(const AnyShape& A, const Pose3& X_A, const AnyShape& B, con
   const std::optional<ClosestPoints> found = closest_points(a, b, out.margin() + radii);
   if (!found) return;
   const Eigen::Vector3d& n = found->n;
-  if (a.solid() != nullptr && b.solid() != nullptr) face_contacts(*a.solid(), *b.solid(), n, found->distance, out);
+  further_contacts(a, b, n, found->distance, out);
   const double gap = found->distance - radii;
   if (out.least_gap() <= gap + 1e-12 * (a.size() + b.size())) return;
   const int feature = pair_feature(feature_of(a, *found, &Difference::a, n), feature_of(b, *found, &Difference::b, -n),

@@ -26,13 +26,14 @@ struct CylinderPose {
 };
 
 // Numbers of the features of a cylinder. A rim touches with its point farthest in some direction; a rim point is fixed
-// to the cylinder.
+// to the cylinder. A crossing is one of two points in which a rim crosses an edge or another rim.
 namespace cylinder_feature {
 constexpr int rim(int end) { return end; }
 constexpr int rim_point(int end, int k) { return 2 + 4 * end + k; }
 constexpr int side = 10;
 constexpr int cap(int end) { return 11 + end; }
-constexpr int count = 13;
+constexpr int crossing(int end, bool second) { return 13 + 2 * end + (second ? 1 : 0); }
+constexpr int count = 17;
 }  // namespace cylinder_feature
 
 // Below this sine of the angle between the axis and the normal of a surface, a cap is flat on it: the lowest point of

@@ -10,9 +10,6 @@ namespace {
 // Corners this close to an edge, relative to the smaller body, are on it; so rounding errors do not decide which of two
 // equal faces in the same place a corner belongs to.
 constexpr double relative_slack = 1e-6;
-// Feature pairs whose own distance is smaller than that of the bodies by more than this part of the size belong to
-// other directions of contact.
-constexpr double same_contact = 1e-9;
 
 struct Facing {
   const Solid& A;
@@ -52,12 +49,12 @@ struct Facing {
     for (std::size_t i = 0; i < loop_A.size(); ++i) {
       const Eigen::Vector3d from = A.vertex(loop_A[i]);
       const Eigen::Vector3d along = A.vertex(loop_A[(i + 1) % loop_A.size()]) - from;
-      const int feature = A.edge_feature(edge_at(A, a, i));
+      const int feature = A.edge_feature(A.edge_at(a, i));
       for (std::size_t k = 0; k < loop_B.size(); ++k) {
         const Eigen::Vector3d to = B.vertex(loop_B[k]);
         const Eigen::Vector3d along_B = B.vertex(loop_B[(k + 1) % loop_B.size()]) - to;
         add_crossing(from, along, to, along_B,
-                     pair_feature(feature, B.edge_feature(edge_at(B, b, k)), B.feature_count()));
+                     pair_feature(feature, B.edge_feature(B.edge_at(b, k)), B.feature_count()));
       }
     }
   }
@@ -79,10 +76,6 @@ struct Facing {
     if (!is_between(s, length_A) || !is_between(t, length_B)) return;
     const double gap = normal.dot(d);
     if (gap >= least) out.add_above(q + t * along_B, normal, gap, feature);
-  }
-  static int edge_at(const Solid& of, int face, std::size_t place) {
-    const auto first = static_cast<std::size_t>(of.shape().faces[static_cast<std::size_t>(face)].first);
-    return of.shape().loop_edges[first + place];
   }
 };
 

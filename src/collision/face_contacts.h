@@ -11,6 +11,10 @@ namespace gelenk {
 // larger angles their other corners are farther apart than any margin in use.
 constexpr double facing = 0.985;
 
+// Feature pairs whose gap is smaller than the distance of the bodies by more than this part of the size belong to other
+// directions of contact.
+constexpr double same_contact = 1e-9;
+
 // Number of the pair of feature i of A and k of B.
 inline int pair_feature(int i, int k, int count_B) {
   return static_cast<int>((static_cast<unsigned>(i) * static_cast<unsigned>(count_B) + static_cast<unsigned>(k)) &

@@ -10,9 +10,9 @@
 namespace gelenk {
 namespace {
 
-constexpr int most_points = 160;
-constexpr int most_facets = 400;
-constexpr int most_edges = 120;
+constexpr int most_points = 240;
+constexpr int most_facets = 1000;
+constexpr int most_edges = 160;
 constexpr std::array<std::size_t, 3> successor = {1, 2, 0};
 
 struct Facet {
@@ -27,7 +27,12 @@ struct HorizonEdge {
 
 class Polytope {
  public:
-  Polytope(const ConvexBody& A, const ConvexBody& B) : A_(A), B_(B), size_(A.size() + B.size()) {}
+  Polytope(const ConvexBody& A, const ConvexBody& B)
+      : A_(A),
+        B_(B),
+        size_(A.size() + B.size()),
+        // On curved surfaces refine() does the rest.
+        enough_((A.cylinder() != nullptr || B.cylinder() != nullptr ? 1e-9 : 1e-13) * size_) {}
 
   bool start(const std::array<Difference, 4>& points, int count);
   void expand();
@@ -59,7 +64,7 @@ class Polytope {
 
   const ConvexBody& A_;
   const ConvexBody& B_;
-  double size_;
+  double size_, enough_;
   std::array<Difference, most_points> points_;
   std::array<Facet, most_facets> facets_;
   std::array<HorizonEdge, most_edges> horizon_;
@@ -162,7 +167,7 @@ bool Polytope::find_horizon(const Eigen::Vector3d& eye, int start) {
 bool Polytope::add_point(int from) {
   const Difference next = farthest(facet(from).normal);
   const double beyond = facet(from).normal.dot(next.w) - facet(from).offset;
-  if (!(beyond > least()) || point_count_ == most_points) return false;
+  if (!(beyond > enough_) || point_count_ == most_points) return false;
   if (!find_horizon(next.w, from) || facet_count_ + horizon_count_ > most_facets) {
     for (int i = 0; i < seen_count_; ++i) facet(seen_[static_cast<std::size_t>(i)]).removed = false;
     return false;

@@ -39,6 +39,11 @@ class Solid {
   int edge_feature(int edge) const { return static_cast<int>(shape_->vertices.size()) + edge; }
   int face_feature(int face) const { return edge_feature(static_cast<int>(shape_->edges.size()) + face); }
   int feature_count() const { return face_feature(face_count()); }
+  // Edge from vertex loop(face)[place] to its successor.
+  int edge_at(int face, std::size_t place) const {
+    const auto first = static_cast<std::size_t>(shape_->faces[static_cast<std::size_t>(face)].first);
+    return shape_->loop_edges[first + place];
+  }
   // Edge between two vertices, or -1.
   int edge_between(int a, int b) const;
 

@@ -9,5 +9,6 @@ NB_MODULE(native_units, m) {
   native::bind_factors(m);
   native::bind_shapes(m);
   native::bind_whitened_rows(m);
+  native::bind_sweep_and_prune(m);
   native::bind_times(m);
 }

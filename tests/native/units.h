@@ -24,6 +24,7 @@ void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
 void bind_shapes(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);
+void bind_sweep_and_prune(nanobind::module_& m);
 void bind_times(nanobind::module_& m);
 
 }  // namespace native
