@@ -37,7 +37,7 @@ struct Checker {
   const Section& section;
   Faults& faults;
   bool partial;
-  std::set<std::string> prescribed{};  // coordinates that have a prescribed motion
+  std::set<std::string> prescribed{};          // coordinates that have a prescribed motion
   std::set<std::vector<std::string>> pairs{};  // of surfaces that have a contact
 
   void joint(const Port& port, const std::string& name, const std::string& path) {
@@ -132,8 +132,8 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
                text::quoted(solver.integrator) + " with contacts." + text::printable(scene.contacts.front().name),
                "auto or moreau-jean");
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
-    faults.add("solver.formulation",
-               text::quoted(solver.formulation) + " with the integrator moreau-jean", "the formulation projection");
+    faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",
+               "the formulation projection");
   }
 }
 

@@ -16,7 +16,8 @@ void check_shapes(const Scene& scene, const std::vector<BodyShape>& shapes, cons
     const std::string path = owner + ".shapes." + text::printable(shape.name);
     const ShapeKind& kind = kind_of(shape.is);
     if (!names.insert(shape.name).second) faults.add(path, "twice", "every name once");
-    if (of_body && !kind.bounded) faults.add(path, std::string(kind.kind), "a shape of finite size; a plane is a shape of the ground");
+    if (of_body && !kind.bounded)
+      faults.add(path, std::string(kind.kind), "a shape of finite size; a plane is a shape of the ground");
     check_frame({.body = ground, .X_BF = shape.X_BS}, scene, path, faults, partial);
     if (!partial) {
       const auto no_fault = [] { return std::optional<ElementFault>(); };

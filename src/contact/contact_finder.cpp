@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-
 namespace gelenk {
 
 ContactFinder::ContactFinder(const Mechanism& mechanism)

@@ -15,11 +15,11 @@ namespace gelenk {
 // A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene.
 struct TouchPoint {
   int a = 0, b = 0;
-  int contact = 0;                                     // of the scene
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();         // m, in the root frame
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // unit, from a to b, in the root frame
-  double gap = 0;                                      // m
-  int feature = 0;                                     // number of the touching features; the same while they touch
+  int contact = 0;                                    // of the scene
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();        // m, in the root frame
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from a to b, in the root frame
+  double gap = 0;                                     // m
+  int feature = 0;                                    // number of the touching features; the same while they touch
 
   // Identifies the point from one step to the next.
   std::tuple<int, int, int> key() const { return {a, b, feature}; }
@@ -45,8 +45,8 @@ class ContactFinder {
   int contact_of(int a, int b) const;
 
   const Mechanism& mechanism_;
-  std::vector<Pose3> poses_;     // X_0S
-  std::vector<double> reach_;    // m
+  std::vector<Pose3> poses_;   // X_0S
+  std::vector<double> reach_;  // m
   std::vector<Aabb> boxes_;
   SweepAndPrune broad_phase_;
   std::vector<TouchPoint> points_;

@@ -83,7 +83,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
     : mechanism_(mechanism),
       dynamics_(dynamics),
       loads_(loads),
-      rows_(dynamics.contact_rows()),
+      rows_(dynamics.branching().contact_rows()),
       finder_(mechanism),
       operator_(std::make_unique<Operator>(rows_)),
       solver_(make_cone_solver(cone_solver_kinds().front().name)),
@@ -185,7 +185,7 @@ void TimeStepper::add_locks(double h) {
     if (lock.friction >= 0) {
       const double limit = h * (std::abs(speed) <= rest_speed ? lock.sticking_limit : lock.slipping_limit);
       cones_.push_back(Cone::within(rows_.count(), -limit, limit));
-      rows_.add_lock(i);
+      rows_.add_lock(i, lock.sign);
       lock_rows_.push_back({i, 0, 0});
     }
     if (lock.limit < 0) continue;
@@ -196,7 +196,7 @@ void TimeStepper::add_locks(double h) {
         continue;
       cones_.push_back(side > 0 ? Cone::within(rows_.count(), -unlimited, 0)
                                 : Cone::within(rows_.count(), 0, unlimited));
-      rows_.add_lock(i);
+      rows_.add_lock(i, lock.sign);
       lock_rows_.push_back({i, side, depth});
     }
   }

@@ -81,7 +81,7 @@ class TimeStepper {
   ContactState state_;
   Counts counts_;
 
-  std::vector<TouchPoint> points_;      // of this step
+  std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_, correction_cones_;

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "math/spatial.h"
+
 namespace gelenk {
 
 class ContactRows {
@@ -20,8 +22,8 @@ class ContactRows {
   // Adds the row of the velocity of link b relative to link a at the point p along d [m/s] or, if it turns, of the
   // relative angular velocity about d [rad/s]. p, d: in the root frame.
   virtual void add(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns) = 0;
-  // Adds the row of the speed of the coordinate of a lock (branching.h), in the user's sign.
-  virtual void add_lock(int lock) = 0;
+  // Adds the row of the speed of the coordinate of a lock (branching.h), times a factor.
+  virtual void add_lock(int lock, double factor) = 0;
   virtual int count() const = 0;
 
   // out <- R v, by row; v: generalized velocities.
@@ -35,6 +37,11 @@ class ContactRows {
   virtual void add_generalized(int first, const double* x, double factor, double* out) const = 0;
   // v <- v + M^-1 P' R^T x: the effect of the impulses x.
   virtual void strike(const double* x, double* v) const = 0;
+
+  // Makes Dynamics::solve() apply these wrenches to the links, besides the loads, and show them in reactions. By link,
+  // about the origin and along the axes of the root frame, in spatial mechanisms only. along: generalized forces, by
+  // velocity. Read at each evaluation; null: none.
+  virtual void apply_forces(const Spatial::Force* wrenches, const double* along) = 0;
 };
 
 }  // namespace gelenk

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dynamics/contact_rows.h"
-#include "dynamics/joint_modes.h"
+#include "dynamics/locked_coordinates.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
 
@@ -19,12 +19,12 @@ class ContactRowsOf final : public ContactRows {
  public:
   // All must outlive it.
   ContactRowsOf(const Model<A>& model, const Workspace<A>& ws, const MassFactor<A>& M, const MassWeightedJacobian<A>& Y,
-                const JointModes<A>& modes)
+                const LockedCoordinates<A>& locks)
       : model_(model),
         ws_(ws),
         M_(M),
         Y_(Y),
-        modes_(modes),
+        locks_(locks),
         work_(static_cast<std::size_t>(model.nv)),
         zero_(static_cast<std::size_t>(model.rows)) {}
 
@@ -39,8 +39,8 @@ class ContactRowsOf final : public ContactRows {
 
   void add(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns) override {
     if constexpr (!A::planar) {
-      const typename A::Force F_0 = turns ? typename A::Force{d, Eigen::Vector3d::Zero()}
-                                          : typename A::Force{p.cross(d), d};
+      const typename A::Force F_0 =
+          turns ? typename A::Force{d, Eigen::Vector3d::Zero()} : typename A::Force{p.cross(d), d};
       // Links are numbered depth first: the one with the larger number is never an ancestor of the other.
       int a = link_a;
       int b = link_b;
@@ -53,9 +53,8 @@ class ContactRowsOf final : public ContactRows {
     finish_row();
   }
 
-  void add_lock(int lock) override {
-    const double sign = modes_.lock(lock).sign;
-    for (const auto& term : modes_.row(lock)) push(term.v, sign * term.factor);
+  void add_lock(int lock, double factor) override {
+    for (const auto& term : locks_.row(lock)) push(term.v, factor * term.factor);
     finish_row();
   }
 
@@ -93,6 +92,27 @@ class ContactRowsOf final : public ContactRows {
     combine(x);
     M_.solve(work_.data());
     for (std::size_t k = 0; k < work_.size(); ++k) v[k] += work_[k];
+  }
+
+  void apply_forces(const Spatial::Force* wrenches, const double* along) override {
+    wrenches_ = wrenches;
+    along_ = along;
+  }
+  bool has_wrenches() const { return wrenches_ != nullptr; }
+  // Adds the applied wrenches to the loads of the links.
+  void add_wrenches(Workspace<A>& ws) const {
+    if constexpr (!A::planar) {
+      if (wrenches_ == nullptr) return;
+      for (std::size_t i = 1; i < model_.links.size(); ++i) {
+        if (wrenches_[i].f.isZero(0) && wrenches_[i].n.isZero(0)) continue;
+        ws.F_ext[i] += ws.X_0L[i].to_child(wrenches_[i]);
+      }
+    }
+  }
+  // Adds the applied generalized forces to f.
+  void add_along(double* f) const {
+    if (along_ == nullptr) return;
+    for (int k = 0; k < model_.nv; ++k) f[k] += along_[k];
   }
 
  private:
@@ -168,7 +188,9 @@ class ContactRowsOf final : public ContactRows {
   const Workspace<A>& ws_;
   const MassFactor<A>& M_;
   const MassWeightedJacobian<A>& Y_;
-  const JointModes<A>& modes_;
+  const LockedCoordinates<A>& locks_;
+  const Spatial::Force* wrenches_ = nullptr;
+  const double* along_ = nullptr;
   std::vector<int> first_{0}, columns_;  // of each row
   std::vector<double> values_;
   std::vector<int> whitened_first_{0}, whitened_columns_;

@@ -8,7 +8,6 @@
 
 #include "derivatives/forward_ad.h"
 #include "derivatives/recursive.h"
-#include "dynamics/contact_rows_of.h"
 #include "dynamics/joint_modes.h"
 #include "dynamics/mass_factor.h"
 #include "dynamics/mass_weighted_jacobian.h"
@@ -56,7 +55,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
         M_(model_, ws_, loads.added_inertia),
         Y_(M_, ws_.J, model_.nv),
         modes_({model_, loads_, ws_, q_, v_, cut_reference_}, M_, Y_),
-        contact_rows_(model_, ws_, M_, Y_, modes_),
         max_rank_(model_.rows),
         w_(model_.nv),
         extrapolated_(model_.nv),
@@ -246,11 +244,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   StateReadings& readings() override { return *this; }
   const StateReadings& readings() const override { return *this; }
   Branching& branching() override { return modes_; }
-  ContactRows& contact_rows() override { return contact_rows_; }
-  void set_contact_forces(const Spatial::Force* wrenches, const double* along) override {
-    contact_wrenches_ = wrenches;
-    contact_forces_along_ = along;
-  }
   int rank() const override { return Y_.rank(); }
   double pivot_ratio() const override { return Y_.rank() < max_rank_ ? 0 : Y_.pivot_ratio(); }
   void set_max_rank(int rank) override {
@@ -307,29 +300,17 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // f <- tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    const bool none = loads_.only_along_tree && contact_wrenches_ == nullptr;
+    const bool none = loads_.only_along_tree && !modes_.contact_rows().has_wrenches();
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
       kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));
-      add_contact_wrenches();
+      modes_.contact_rows().add_wrenches(ws_);
     }
     link_loads_are_zero_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f, modes_.held());
-    if (contact_forces_along_ == nullptr) return;
-    for (int k = 0; k < model_.nv; ++k) f[k] += contact_forces_along_[k];
-  }
-
-  void add_contact_wrenches() {
-    if constexpr (!A::planar) {
-      if (contact_wrenches_ == nullptr) return;
-      for (std::size_t i = 1; i < model_.links.size(); ++i) {
-        const Spatial::Force& F_0 = contact_wrenches_[i];
-        if (F_0.f.isZero(0) && F_0.n.isZero(0)) continue;
-        ws_.F_ext[i] += ws_.X_0L[i].to_child(F_0);
-      }
-    }
+    modes_.contact_rows().add_along(f);
   }
 
   // Replaces the derivatives on the branches of the state by those on the held branches.
@@ -376,9 +357,6 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   MassFactor<A> M_;
   MassWeightedJacobian<A> Y_;
   mutable JointModes<A> modes_;
-  ContactRowsOf<A> contact_rows_;
-  const Spatial::Force* contact_wrenches_ = nullptr;
-  const double* contact_forces_along_ = nullptr;
   int max_rank_;
   bool regularized_ = false;  // the last solve() had an extrapolated vdot
   std::vector<double> w_, extrapolated_, zero_, tau_, biased_gamma_;

@@ -13,7 +13,6 @@
 
 #include "derivatives/jacobians.h"
 #include "dynamics/branching.h"
-#include "dynamics/contact_rows.h"
 #include "kinematics/kinematics.h"
 #include "kinematics/model.h"
 #include "kinematics/readings.h"
@@ -79,11 +78,6 @@ class Dynamics : public Kinematics {
   virtual StateReadings& readings() = 0;
   virtual const StateReadings& readings() const = 0;
   virtual Branching& branching() = 0;
-  virtual ContactRows& contact_rows() = 0;
-  // Makes solve() apply these wrenches to the links, besides the loads, and show them in reactions. By link, about the
-  // origin and along the axes of the root frame, in spatial mechanisms only. along: generalized forces, by velocity.
-  // Read at each evaluation; null: none.
-  virtual void set_contact_forces(const Spatial::Force* wrenches, const double* along) = 0;
 
   virtual long evaluations() const = 0;  // calls of solve and assemble
 };

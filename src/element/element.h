@@ -32,10 +32,10 @@ struct BodyFrame {
 // A frame, a joint or a pair of surfaces to which an element refers.
 struct Port {
   enum class Kind {
-    frame,  // a frame on a body
-    point,  // a point on a body: a frame without orientation
-    body,   // a body: a frame without position and orientation
-    joint,  // a joint
+    frame,     // a frame on a body
+    point,     // a point on a body: a frame without orientation
+    body,      // a body: a frame without position and orientation
+    joint,     // a joint
     surfaces,  // two surfaces of shapes
   };
   Kind kind = Kind::frame;

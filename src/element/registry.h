@@ -56,9 +56,7 @@ struct ElementKind {
   int frames() const {
     return static_cast<int>(std::ranges::count_if(ports, [](const Port& port) { return port.is_frame(); }));
   }
-  int joints() const {
-    return static_cast<int>(std::ranges::count(ports, Port::Kind::joint, &Port::kind));
-  }
+  int joints() const { return static_cast<int>(std::ranges::count(ports, Port::Kind::joint, &Port::kind)); }
 };
 
 // All types of a section, in the order of its list; Any: AnyMotor, AnyForce, ...

@@ -9,6 +9,22 @@
 
 namespace gelenk {
 
+// Equations whose velocities jump at the ends of steps: contacts, friction and limits act by impulses in each step,
+// instead of by modes between events.
+class ImpulseEquations {
+ public:
+  virtual ~ImpulseEquations() = default;
+
+  // Whether shapes can touch, so that there is no other way.
+  virtual bool are_required() const = 0;
+  // Call before all else, if steps are made with impulses.
+  virtual void use() = 0;
+  // Call where a run begins with steps of length h at (t, y): finds the forces there.
+  virtual void restart(double t, double h, const double* y) = 0;
+  // Advances y from t by h, without projection. Returns false if it is not finite.
+  virtual bool step(double t, double h, double* y) = 0;
+};
+
 class Equations {
  public:
   virtual ~Equations() = default;
@@ -35,15 +51,8 @@ class Equations {
   // Whether the evaluation budget is used up: an advance then ends after the current step.
   virtual bool budget_exhausted() const { return false; }
 
-  // --- with velocities that jump (contact/time_stepper.h) ---
-  // Whether shapes can touch, so that only steps with impulses are possible.
-  virtual bool has_contacts() const { return false; }
-  // Makes contacts, friction and limits act by impulses in steps, instead of by modes between events. Call first.
-  virtual void use_impulses() {}
-  // Call where a run begins with steps of length h at (t, y): finds the forces there.
-  virtual void restart_impulses(double /*t*/, double /*h*/, const double* /*y*/) {}
-  // Advances y from t by h, without projection. Returns false if it is not finite.
-  virtual bool step_with_impulses(double /*t*/, double /*h*/, double* /*y*/) { return false; }
+  // The same equations with velocities that jump; null: they are not available.
+  virtual ImpulseEquations* impulses() { return nullptr; }
 
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // 0: an ODE, for any integrator

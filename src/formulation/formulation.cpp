@@ -24,7 +24,7 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
-      loads_(context.loads),
+      impulses_({mechanism_, dynamics_, context.loads, drives_, projector_, modes_.locks()}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {}
@@ -78,7 +78,7 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  if (!stepper_) modes_.locks().start(t, y);
+  if (!impulses_.are_used()) modes_.locks().start(t, y);
   return true;
 }
 
@@ -147,7 +147,11 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  if (stepper_) return accelerations_after_impulses(t, y, vdot);
+  if (impulses_.are_used()) {
+    drives_.go_to_outputs(t);
+    const ImpulseSteps::AppliedForces forces(impulses_);
+    return solve_at(t, y, vdot);
+  }
   const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -157,39 +161,11 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   modes_.apply_recorded_forces();
 }
 
-// The forces of contacts, friction and limits are the means over the last step.
-void Formulation::accelerations_after_impulses(double t, const double* y, double* vdot) {
-  drives_.go_to_outputs(t);
-  const ContactState& state = stepper_->state();
-  dynamics_.set_contact_forces(has_contacts() ? state.wrenches.data() : nullptr, state.along.data());
-  solve_at(t, y, vdot);
-  dynamics_.set_contact_forces(nullptr, nullptr);
-}
-
-void Formulation::use_impulses() {
-  stepper_ = std::make_unique<TimeStepper>(mechanism_, dynamics_, loads_);
-  if (!modes_.locks().empty()) modes_.locks().release();
-}
-
-void Formulation::restart_impulses(double t, double h, const double* y) {
-  trial_.assign(y, y + size());
-  stepper_->forget();
-  step_with_impulses(t, h, trial_.data());
-}
-
-bool Formulation::step_with_impulses(double t, double h, double* y) {
-  if (!all_finite(y, size())) return false;
-  drives_.go_to(t + h / 2);
-  const bool made = stepper_->step(h, drives_.u().data(), y);
-  projector().factors_changed();
-  return made && all_finite(y, size());
-}
-
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
-  if (!stepper_) modes_.locks().start(t, y);
+  if (!impulses_.are_used()) modes_.locks().start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {
@@ -197,7 +173,7 @@ void Formulation::serialize(Archive& archive) {
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
   modes_.locks().serialize(archive);
-  if (stepper_) stepper_->serialize(archive);
+  impulses_.serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

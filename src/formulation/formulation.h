@@ -12,13 +12,13 @@
 #include <string_view>
 #include <vector>
 
-#include "contact/time_stepper.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
 #include "formulation/constraint_projector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
+#include "formulation/impulse_steps.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
@@ -53,14 +53,10 @@ class Formulation : public Equations, private ModeEquations {
   bool rhs(double t, const double* y, double* ydot) override;
   bool jacobian(double t, const double* y, double* J) override;
   std::string obstacle(const double* y) override;
-  void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  bool has_contacts() const final { return !mechanism_.shapes.empty(); }
-  void use_impulses() final;
-  void restart_impulses(double t, double h, const double* y) final;
-  bool step_with_impulses(double t, double h, double* y) final;
+  ImpulseSteps* impulses() final { return &impulses_; }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
 
@@ -85,8 +81,6 @@ class Formulation : public Equations, private ModeEquations {
   // Singular configurations crossed since the start.
   const SingularityMonitor& singularity_monitor() const { return singularity_monitor_; }
   long jacobians() const { return jacobian_count_; }  // computed since construction
-  // With steps by impulses; null: otherwise.
-  TimeStepper* stepper() const { return stepper_.get(); }
 
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
@@ -112,23 +106,22 @@ class Formulation : public Equations, private ModeEquations {
   Jacobians jacobians_;
 
  private:
+  void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
-  void accelerations_after_impulses(double t, const double* y, double* vdot);
   void solve_at(double t, const double* y, double* vdot);
 
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
-  const Loads& loads_;
-  std::unique_ptr<TimeStepper> stepper_;  // null: modes between events
+  ImpulseSteps impulses_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;
   long jacobian_count_ = 0;
   long last_evaluation_ = LONG_MAX;
-  std::vector<double> dv_, ydot_, trial_;
+  std::vector<double> dv_, ydot_;
 };
 
 struct FormulationKind {

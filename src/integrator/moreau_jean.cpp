@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `moreau-jean`: fixed steps of the time-stepping scheme of Moreau and Jean (contact/time_stepper.h), projected after
 // each. For contacts, of which there may be many: velocities jump at the ends of steps, and no event is located.
+#include <stdexcept>
+
 #include "integrator/fixed_step.h"
 
 namespace gelenk {
@@ -9,17 +11,18 @@ namespace {
 class MoreauJean final : public FixedStep {
  public:
   MoreauJean(Equations& system, const IntegratorOptions& options) : FixedStep(system, options), step_(options.step) {
-    system.use_impulses();
+    if (system.impulses() == nullptr) throw std::invalid_argument("these equations have no steps with impulses");
+    system.impulses()->use();
   }
   void restart(double t, const double* y) override {
     FixedStep::restart(t, y);
-    system_.restart_impulses(t, step_, y);
+    system_.impulses()->restart(t, step_, y);
   }
 
  private:
   bool locates_events() const override { return false; }
   void make_step(double t, double h) override {
-    if (!system_.step_with_impulses(t, h, y_.data())) refuse(system_, t, y_.data(), "the velocities are not finite");
+    if (!system_.impulses()->step(t, h, y_.data())) refuse(system_, t, y_.data(), "the velocities are not finite");
   }
 
   double step_;

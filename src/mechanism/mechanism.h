@@ -81,15 +81,13 @@ struct LinkShape {
 // Which shapes can touch.
 struct ContactTable {
   std::vector<std::string> surfaces;
-  std::vector<int> contacts;  // surfaces x surfaces: the contact of the scene, -1: none
+  std::vector<int> contacts;                // surfaces x surfaces: the contact of the scene, -1: none
   std::vector<std::pair<int, int>> joined;  // bodies that share a joint, the smaller first; ascending
   std::vector<bool> touches_joined;         // by contact of the scene: also between such bodies
 
-  std::vector<int> first_surfaces;          // by contact of the scene
+  std::vector<int> first_surfaces;  // by contact of the scene
 
-  bool is_first(int contact, int surface) const {
-    return first_surfaces[static_cast<std::size_t>(contact)] == surface;
-  }
+  bool is_first(int contact, int surface) const { return first_surfaces[static_cast<std::size_t>(contact)] == surface; }
   int contact(int surface_a, int surface_b) const {
     return contacts[static_cast<std::size_t>(surface_a) * surfaces.size() + static_cast<std::size_t>(surface_b)];
   }
@@ -111,7 +109,7 @@ struct Mechanism {
   // Pose of the ground link's frame in the world: at the first joint on the ground, so that a mechanism far from the
   // origin of the world loses no digits.
   Pose3 X_W0;
-  std::vector<double> heights;  // planar: position of each link's origin along the normal [m]
+  std::vector<double> heights;    // planar: position of each link's origin along the normal [m]
   std::vector<LinkShape> shapes;  // those that can touch others; bodies of the scene in their order, the ground last
   ContactTable contact_table;     // if there are shapes
 

@@ -17,8 +17,8 @@
 #include "element/registry.h"
 #include "joint/registry.h"
 #include "math/spatial.h"
-#include "shape/registry.h"
 #include "scene/unit_system.h"
+#include "shape/registry.h"
 
 namespace gelenk {
 
@@ -93,7 +93,7 @@ struct ElementPlace {
   std::string name;
   std::vector<BodyFrame> frames;
   std::vector<std::string> joints;
-  std::string coordinate;             // coordinate of the first joint, if the kind has a coordinate
+  std::string coordinate;               // coordinate of the first joint, if the kind has a coordinate
   std::vector<std::string> surfaces{};  // two, if the kind refers to surfaces
 };
 template <class Any>

@@ -54,8 +54,8 @@ MassProperties mass_properties(const std::vector<BodyShape>& shapes) {
   if (!(sum.m > 0)) return out;
   out.volume = sum.m;
   out.center = sum.h / sum.m;
-  out.inertia = sum.I - sum.m * (out.center.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                 out.center * out.center.transpose());
+  out.inertia =
+      sum.I - sum.m * (out.center.squaredNorm() * Eigen::Matrix3d::Identity() - out.center * out.center.transpose());
   return out;
 }
 
@@ -71,9 +71,8 @@ std::vector<bool> bodies_that_touch(const Scene& scene) {
   std::vector<bool> out(scene.bodies.size(), false);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     for (const BodyShape& shape : scene.bodies[b].shapes) {
-      out[b] = out[b] || std::ranges::any_of(scene.contacts, [&](const Contact& contact) {
-                 return refers_to(contact, shape.surface);
-               });
+      out[b] = out[b] || std::ranges::any_of(scene.contacts,
+                                             [&](const Contact& contact) { return refers_to(contact, shape.surface); });
     }
   }
   return out;

@@ -52,7 +52,8 @@ BodyShape read_shape(const std::string& name, const Json& value, const std::stri
   BodyShape out;
   out.name = name;
   const std::vector<std::string> names = names_of_kinds();
-  Fields fields(value, path, faults, "a mapping with one of " + text::list(names) + ", and position, rotation, surface");
+  Fields fields(value, path, faults,
+                "a mapping with one of " + text::list(names) + ", and position, rotation, surface");
   if (!fields.valid()) return out;
   std::string found;
   for (std::size_t n = 0; n < names.size(); ++n) {

@@ -30,8 +30,8 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
-      equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_,
-                                                             loads_, options_of(scene, prepared_.mobility)})),
+      equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_, loads_,
+                                                             options_of(scene, prepared_.mobility)})),
       time_(time),
       y_(prepared_.start.q),
       vdot_(prepared_.mechanism.nv, 0.0),
@@ -220,8 +220,7 @@ void Island::realize(Stage stage) {
   }
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
-  TimeStepper* stepper = equations_->stepper();
-  if (stage == Stage::acceleration && stepper != nullptr) contacts_ = stepper->seen().data();
+  if (stage == Stage::acceleration) contacts_ = equations_->impulses()->seen();
   realized_ = stage;
 }
 

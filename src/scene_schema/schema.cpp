@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // JSON Schema of scene files: fields, types, sizes, signs. References to names, inertias and everything else that
 // requires arithmetic are checked by the reader only.
+#include "scene_schema/schema.h"
+
 #include <limits>
 
 #include "joint/registry.h"
 #include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/read.h"
-#include "scene_file/schema_parts.h"
+#include "scene_schema/schema_parts.h"
 
 namespace gelenk {
 namespace {

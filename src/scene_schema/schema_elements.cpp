@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "scene_file/element_fields.h"
-#include "scene_file/schema_parts.h"
+#include "scene_schema/schema_parts.h"
 #include "util/text.h"
 
 namespace gelenk::schema {
@@ -201,9 +201,10 @@ Json elements(const Section& section, const std::vector<Contact>&) { return elem
 Json elements(const Section& section, const std::vector<Sensor>&) { return elements<AnySensor>(section); }
 
 Json shapes() {
-  Json fields = {{"position", list(3, "m", "Origin of its frame in the body")},
-                 {"rotation", reference("rotation")},
-                 {"surface", schema::string("Name of its surface, to which contacts refer; it touches nothing if not given")}};
+  Json fields = {
+      {"position", list(3, "m", "Origin of its frame in the body")},
+      {"rotation", reference("rotation")},
+      {"surface", schema::string("Name of its surface, to which contacts refer; it touches nothing if not given")}};
   Json kinds = Json::array();
   for (std::size_t n = 0; n < shape_kinds().size(); ++n) {
     const ShapeKind& kind = shape_kinds()[n];
@@ -220,14 +221,15 @@ Json shapes() {
     } else {
       own = object(own, required);
     }
-    own["description"] = sentence(std::string(kind.summary)) + (own.contains("description") ? ": " + own["description"].get<std::string>() : "");
+    own["description"] = sentence(std::string(kind.summary)) +
+                         (own.contains("description") ? ": " + own["description"].get<std::string>() : "");
     fields[name] = std::move(own);
     kinds.push_back({{"required", {name}}});
   }
   Json shape = object(fields, {});
   shape["oneOf"] = kinds;
-  return schema::section(shape, "Shapes, which give the body its picture, its mass if a density is given, and its contacts.",
-                         false);
+  return schema::section(
+      shape, "Shapes, which give the body its picture, its mass if a density is given, and its contacts.", false);
 }
 
 }  // namespace gelenk::schema
