@@ -21,9 +21,10 @@ constexpr double min_penalty = 1e-8, max_penalty = 1e4;
 
 class Admm {
  public:
+  void reserve(Index n) { memory_.start(5 * n + n * n); }
   void run(ConeIteration& at) {
     const Index n = at.size();
-    memory_.start(5 * n + n * n);
+    reserve(n);
     ConeVector shift = memory_.vector(n), free = memory_.vector(n), w = memory_.vector(n), last = memory_.vector(n);
     ConeVector work = memory_.vector(n);
     ConeMatrix A = memory_.matrix(n, n);
@@ -70,6 +71,7 @@ class Admm {
 };
 
 class AdmmSolver final : public IterativeConeSolver {
+  void reserve(ConeIteration& at) override { method_.reserve(at.size()); }
   void run(ConeIteration& at) override { method_.run(at); }
   Admm method_;
 };

@@ -141,7 +141,8 @@ struct ConeOptions {
   ConeObserver* observer = nullptr;
 };
 
-// A solver keeps its memory: a call for a problem no larger than those before allocates nothing. It carries nothing
+// A solver keeps its memory: a call for a problem no larger than those before allocates nothing (but the matrix of an
+// operator that has none, when it is first formed). It carries nothing
 // else from call to call; the same calls give the same bits.
 class ConeSolver {
  public:

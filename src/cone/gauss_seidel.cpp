@@ -58,6 +58,7 @@ class GaussSeidel {
 };
 
 class GaussSeidelSolver final : public IterativeConeSolver {
+  void reserve(ConeIteration&) override {}
   void run(ConeIteration& at) override { method_.run(at); }
   GaussSeidel method_;
 };

@@ -55,6 +55,17 @@ void DenseConeOperator::diagonal_block(const Cone& cone, double* out) const {
   }
 }
 
+void add_lift(std::span<const Cone> cones, const double* u, double* out) {
+  for (const Cone& cone : cones) {
+    if (cone.interval) continue;
+    for (const ConeGroup& group : cone.limited()) {
+      double square = 0;
+      for (int i = cone.first + group.offset; i < cone.first + group.offset + group.size; ++i) square += u[i] * u[i];
+      out[cone.first] += group.coefficient * std::sqrt(square);
+    }
+  }
+}
+
 void ConeIteration::check() const {
   int next = 0;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
@@ -182,17 +193,6 @@ void ConeIteration::project_all(const double* in, double* out) const {
   for (const Cone& cone : cones_) project(cone, in + cone.first, out + cone.first);
 }
 
-void ConeIteration::add_lift(const double* u, double* out) const {
-  for (const Cone& cone : cones_) {
-    if (cone.interval) continue;
-    for (const ConeGroup& group : cone.limited()) {
-      double square = 0;
-      for (int i = cone.first + group.offset; i < cone.first + group.offset + group.size; ++i) square += u[i] * u[i];
-      out[cone.first] += group.coefficient * std::sqrt(square);
-    }
-  }
-}
-
 void ConeIteration::update_velocity() {
   multiply(x_, u_);
   u() += b();
@@ -219,7 +219,7 @@ double ConeIteration::present_residual() {
   for (Index i = 0; i < size_; ++i) work_[i] = x_[i] - u_[i];
   if (exact()) {
     std::fill_n(unscaled_, size_, 0.0);
-    add_lift(u_, unscaled_);
+    add_lift(cones_, u_, unscaled_);
     for (Index i = 0; i < size_; ++i) work_[i] -= unscaled_[i];
   }
   project_all(work_, work_);
@@ -278,6 +278,7 @@ void ConeIteration::return_to_best() {
 
 ConeResult IterativeConeSolver::solve(const ConeProblem& problem, const ConeOptions& options, double* x) {
   iteration_.start(problem, options, x);
+  reserve(iteration_);
   if (!iteration_.done()) run(iteration_);
   return iteration_.finish();
 }

@@ -32,6 +32,9 @@ class ConeMemory {
   Eigen::Index used_ = 0;
 };
 
+// out <- out + s(u), De Saxce's shift
+void add_lift(std::span<const Cone> cones, const double* u, double* out);
+
 class ConeIteration {
  public:
   // Starts at x, projected onto K. problem, options and x stay in use until finish().
@@ -50,9 +53,9 @@ class ConeIteration {
 
   void multiply(const double* in, double* out);           // out <- G in; counted
   void project_all(const double* in, double* out) const;  // out <- P_K(in); they may be the same
-  void add_lift(const double* u, double* out) const;      // out <- out + s(u)
   void update_velocity();                                 // u <- G x + b
-  Eigen::Map<const Eigen::MatrixXd> matrix();             // G, not scaled
+  bool has_matrix() const { return problem_->G.dense() != nullptr; }
+  Eigen::Map<const Eigen::MatrixXd> matrix();  // G, not scaled
   void count_product() { ++result_.products; }
 
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
@@ -94,6 +97,8 @@ class IterativeConeSolver : public ConeSolver {
   ConeResult solve(const ConeProblem& problem, const ConeOptions& options, double* x) final;
 
  protected:
+  // Allocates what problems of this size need, also for methods that only some of them need.
+  virtual void reserve(ConeIteration& at) = 0;
   virtual void run(ConeIteration& at) = 0;
 
  private:

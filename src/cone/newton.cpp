@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 
 #include "cone/dense_factor.h"
 
@@ -14,14 +14,17 @@ using Eigen::Index;
 
 // Regularization relative to the mean diagonal of G: above the rounding of the factorization (1e-13 of 300 unknowns),
 // and raised to the last value if smaller ones give no progress.
-constexpr double regularizations[] = {1e-11, 1e-7, 1e-4, 1e-2};
-constexpr int halvings = 6;  // of a step
+constexpr double regularizations[] = {1e-9, 1e-7, 1e-4, 1e-2};
+constexpr double sufficient_decrease = 0.1;  // of the squared norm of the natural map
+constexpr double fraction_solved = 1e-6;     // of a problem with a constant shift, squared
+constexpr int patience = 20;                 // steps without a new least value after which the method gives up
+constexpr int halvings = 10;                 // of a step
 
 std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void SemismoothNewton::take_memory(Index n, std::size_t cones) {
+void SemismoothNewton::reserve(Index n, std::size_t cones) {
   constexpr Index columns = Cone::max_size;
   memory_.start((9 + columns + n) * n);
   for (double** piece : {&z_, &F_, &sigma_, &dx_, &Gdx_, &trial_x_, &trial_u_, &trial_F_, &rhs_}) {
@@ -38,7 +41,8 @@ void SemismoothNewton::take_memory(Index n, std::size_t cones) {
 double SemismoothNewton::natural_map(ConeIteration& at, const double* x, const double* u, double* F) const {
   const Index n = at.size();
   std::fill_n(z_, n, 0.0);
-  if (at.exact()) at.add_lift(u, z_);
+  if (exact_) add_lift(at.cones(), u, z_);
+  if (shift_) std::copy_n(shift_, n, z_);
   for (Index i = 0; i < n; ++i) z_[i] = x[i] - u[i] - z_[i];
   at.project_all(z_, F);
   double sum = 0;
@@ -59,7 +63,7 @@ void SemismoothNewton::linearize(ConeIteration& at) {
     first_[k] = rows;
     rows += modes_[k].count;
     ++k;
-    if (!at.exact() || cone.interval) continue;
+    if (!exact_ || cone.interval) continue;
     for (const ConeGroup& group : cone.limited()) {
       const auto u = at.u().segment(cone.first + group.offset, group.size);
       const double length = u.norm();
@@ -105,10 +109,10 @@ void SemismoothNewton::assemble(ConeIteration& at, double eps) {
   ConeMatrix A(A_, rows_, rows_);
   const std::span<const Cone> cones = at.cones();
   for (std::size_t j = 0; j < cones.size(); ++j) {
-    move_by_modes(at, cones[j], modes_[j], at.exact() ? 0 : cones[j].first);
+    move_by_modes(at, cones[j], modes_[j], exact_ ? 0 : cones[j].first);
     for (int k = 0; k < modes_[j].count; ++k) {
       const Index column = first_[j] + k;
-      for (std::size_t i = at.exact() ? 0 : j; i < cones.size(); ++i) {
+      for (std::size_t i = exact_ ? 0 : j; i < cones.size(); ++i) {
         project_on_modes(cones[i], modes_[i], T_ + k * n + cones[i].first, A_ + column * rows_ + first_[i]);
       }
       A(column, column) += 1 / modes_[j].lambda[at_index(k)] - 1 + eps;
@@ -171,7 +175,7 @@ bool SemismoothNewton::find_step(ConeIteration& at, double eps) {
   right_side(at);
   if (rows_ > 0) {
     assemble(at, eps);
-    solve_reduced(at.exact(), eps);
+    solve_reduced(exact_, eps);
     const std::span<const Cone> cones = at.cones();
     for (std::size_t i = 0; i < cones.size(); ++i) {
       for (int k = 0; k < modes_[i].count; ++k) {
@@ -187,9 +191,11 @@ bool SemismoothNewton::find_step(ConeIteration& at, double eps) {
   return true;
 }
 
-// Moves along dx, halving the step until the natural map is smaller. False if it never is.
+// Moves along dx, halving the step until the natural map is smaller than the largest of the last ones. False if it
+// never is.
 bool SemismoothNewton::take_step(ConeIteration& at) {
   const Index n = at.size();
+  const double largest = *std::max_element(merits_.begin(), merits_.end());
   double fraction = 1;
   for (int k = 0; k <= halvings; ++k, fraction /= 2) {
     for (Index i = 0; i < n; ++i) {
@@ -197,7 +203,7 @@ bool SemismoothNewton::take_step(ConeIteration& at) {
       trial_u_[i] = at.u()[i] + fraction * Gdx_[i];
     }
     const double merit = natural_map(at, trial_x_, trial_u_, trial_F_);
-    if (merit < (1 - 0.1 * fraction) * merit_) {
+    if (merit < (1 - sufficient_decrease * fraction) * largest) {
       std::copy_n(trial_x_, n, at.x().data());
       std::copy_n(trial_u_, n, at.u().data());
       return true;
@@ -207,9 +213,33 @@ bool SemismoothNewton::take_step(ConeIteration& at) {
 }
 
 void SemismoothNewton::run(ConeIteration& at, int max_steps) {
-  take_memory(at.size(), at.cones().size());
-  for (int step = 0; step < max_steps; ++step) {
-    merit_ = natural_map(at, at.x().data(), at.u().data(), F_);
+  exact_ = at.exact();
+  shift_ = nullptr;
+  iterate(at, max_steps, 0);
+}
+
+void SemismoothNewton::run_with(const double* shift, ConeIteration& at, int max_steps) {
+  exact_ = false;
+  shift_ = shift;
+  iterate(at, max_steps, fraction_solved);
+}
+
+// Ends, too, if the natural map's squared norm is below this fraction of that at the start.
+void SemismoothNewton::iterate(ConeIteration& at, int max_steps, double fraction) {
+  reserve(at.size(), at.cones().size());
+  merits_.fill(0);
+  double first = 0;
+  double least = std::numeric_limits<double>::infinity();
+  int least_at = 0;
+  for (int step = 0; step < max_steps && step - least_at < patience; ++step) {
+    const double merit = natural_map(at, at.x().data(), at.u().data(), F_);
+    if (step == 0) first = merit;
+    if (step > 0 && merit < fraction * first) return;
+    merits_[static_cast<std::size_t>(step) % merits_.size()] = merit;
+    if (merit < least) {
+      least = merit;
+      least_at = step;
+    }
     linearize(at);
     bool moved = false;
     for (const double eps : regularizations) {
@@ -224,6 +254,7 @@ void SemismoothNewton::run(ConeIteration& at, int max_steps) {
 namespace {
 
 class NewtonSolver final : public IterativeConeSolver {
+  void reserve(ConeIteration& at) override { method_.reserve(at.size(), at.cones().size()); }
   void run(ConeIteration& at) override {
     constexpr int all = 1 << 30;
     method_.run(at, all);

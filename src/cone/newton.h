@@ -11,6 +11,7 @@
 // they are.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "cone/iteration.h"
@@ -20,11 +21,16 @@ namespace gelenk {
 
 class SemismoothNewton {
  public:
-  // Up to max_steps steps. Returns early if no step reduces the natural map.
+  // Allocates what a problem of this size needs.
+  void reserve(Eigen::Index unknowns, std::size_t cones);
+  // Up to max_steps steps. Returns early if steps no longer reduce the natural map.
   void run(ConeIteration& at, int max_steps);
+  // The same for the convex problem with a constant shift of the velocities (at.size() numbers), until that is solved
+  // to a fraction.
+  void run_with(const double* shift, ConeIteration& at, int max_steps);
 
  private:
-  void take_memory(Eigen::Index n, std::size_t cones);
+  void iterate(ConeIteration& at, int max_steps, double fraction);
   double natural_map(ConeIteration& at, const double* x, const double* u, double* F) const;
   void linearize(ConeIteration& at);
   void move_by_modes(ConeIteration& at, const Cone& cone, const ProjectionModes& modes, Eigen::Index from);
@@ -35,12 +41,16 @@ class SemismoothNewton {
   bool find_step(ConeIteration& at, double eps);
   bool take_step(ConeIteration& at);
 
+  bool exact_ = false;
+  const double* shift_ = nullptr;
   ConeMemory memory_;
   std::vector<ProjectionModes> modes_;
   std::vector<int> first_;  // row of each cone's first mode
   std::vector<int> pivots_;
   Eigen::Index rows_ = 0;  // of the reduced system
-  double merit_ = 0;       // squared norm of F
+  // Squared norms of F at the last iterates. A step may exceed all but the largest: monotone steps stall where impulses
+  // are redundant (nonmonotone line search: Grippo, Lampariello & Lucidi 1986).
+  std::array<double, 6> merits_{};
   double *z_ = nullptr, *F_ = nullptr, *sigma_ = nullptr, *dx_ = nullptr, *Gdx_ = nullptr;
   double *trial_x_ = nullptr, *trial_u_ = nullptr, *trial_F_ = nullptr, *rhs_ = nullptr, *A_ = nullptr, *T_ = nullptr;
 };

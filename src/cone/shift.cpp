@@ -12,7 +12,7 @@ constexpr double fraction_solved = 0.2;  // a closer solution of the convex prob
 
 void FrozenShift::renew() {
   std::fill_n(shift_, at_.size(), 0.0);
-  if (at_.exact()) at_.add_lift(at_.u().data(), shift_);
+  if (at_.exact()) add_lift(at_.cones(), at_.u().data(), shift_);
 }
 
 // As ConeIteration's, with the constant shift.

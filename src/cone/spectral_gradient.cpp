@@ -51,7 +51,7 @@ double SpectralGradient::step_fraction(double decrease, double curvature) {
 
 void SpectralGradient::run(ConeIteration& at, int max_steps) {
   const Index n = at.size();
-  memory_.start(4 * n);
+  reserve(n);
   for (double** piece : {&shift_, &gradient_, &d_, &Gd_}) *piece = memory_.take(n);
   ConeVector gradient(gradient_, n), d(d_, n), Gd(Gd_, n), shift(shift_, n);
   FrozenShift frozen(at, shift_, d_);
@@ -86,6 +86,7 @@ void SpectralGradient::run(ConeIteration& at, int max_steps) {
 namespace {
 
 class SpectralSolver final : public IterativeConeSolver {
+  void reserve(ConeIteration& at) override { method_.reserve(at.size()); }
   void run(ConeIteration& at) override {
     while (!at.done()) {
       const double before = at.best_residual();

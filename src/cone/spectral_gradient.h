@@ -11,6 +11,8 @@ namespace gelenk {
 
 class SpectralGradient {
  public:
+  // Allocates what a problem of this size needs.
+  void reserve(Eigen::Index unknowns) { memory_.start(4 * unknowns); }
   // Up to max_steps iterations. In an exact problem the shift s(u) is constant until the convex problem has been solved
   // to a fraction of the residual, then it is renewed.
   void run(ConeIteration& at, int max_steps);

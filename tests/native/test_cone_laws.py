@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Array
+
 from gelenk.chart.cone_problems import COUNT, cone_problem
 
 SOLVERS = ["hybrid", "p-spg-fb", "apgd", "newton", "admm", "gauss-seidel"]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mechanisms import Array
+
 from gelenk.chart.cone_problems import COUNT, ConeProblem, cone_problem
 
 TOLERANCE = 1e-10  # of the published natural map, relative to |b|
@@ -138,6 +139,10 @@ def test_the_same_calls_give_the_same_bits_and_allocate_once(units: Any, name: s
     assert results[1].x == first.x
     assert results[0].x == results[2].x
     assert run(units.ConeSolver(name), small).x == results[0].x
+    warm = units.ConeSolver(name)  # its first call is at the solution, and needs little
+    b = list(large.b)
+    assert warm.solve(large.G.tolist(), b, cones_of(units, large), first.x, 1e9).iterations == 0
+    assert run(warm, large).allocations == 0
 
 
 @pytest.mark.parametrize("name", SOLVERS)

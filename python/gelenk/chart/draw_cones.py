@@ -53,14 +53,13 @@ def draw(runs: Sequence[ConeRun], path: Path, exact_coulomb: bool = False) -> No
             share = [100 * (1 - solved(mine[solver], level) / total) for level in LEVELS]
             axes[2][j].plot(LEVELS, share, **_look(solver))
         _axes(axes[:, j])
-    for row, label in enumerate(
-        ("products with G, median", "CPU time [µs], median", "not solved [%]")
-    ):
+    for row, label in enumerate(("products with G, median", "CPU time [µs], median", "not solved [%]")):
         axes[row][0].set_ylabel(label)
     handles = [axes[0][0].plot([], [], label=solver, **_look(solver))[0] for solver in solvers]
     figure.legend(handles=handles, loc="outside right center", fontsize=9, handlelength=3)
     law = "Coulomb's law" if exact_coulomb else "convex problems"
-    figure.suptitle(f"Cone solvers: work and failures against residual, {law}", fontsize=12, fontweight="bold")
+    title = f"Cone solvers: work and failures against residual, {law}"
+    figure.suptitle(title, fontsize=12, fontweight="bold")
     save(figure, path, 85)
     plt.close(figure)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gelenk.chart import work_precision as work_precision_study
 
 app = typer.Typer(
-    help="Plot work-precision diagrams and stability maps of the solver methods, and the work of cone solvers.",
+    help="Plot work-precision diagrams and stability maps of the solver methods, the work of cone solvers.",
     no_args_is_help=True,
     rich_markup_mode=None,  # as in the main application
     context_settings={"help_option_names": ["-h", "--help"]},
