@@ -74,7 +74,7 @@ class Refinement {
 
   double best() const { return best_; }
 
-  // Takes a direction if the bodies are separated farther along it: whatever it comes from, it is then closer to the
+  // Takes a direction if the bodies are separated farther along it: it is then closer to the
   // direction of contact.
   void propose(const Eigen::Vector3d& direction) {
     const double length = direction.norm();

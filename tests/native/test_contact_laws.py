@@ -68,7 +68,8 @@ def check_rates(pair: Pair, margin: float, rng: np.random.Generator) -> int:
     """The rate of each gap by finite differences of h = 1e-7 s at velocities of about 1 m/s and 1 rad/s.
 
     Rounding errors divided by h are 1e-9; the third derivatives are up to 1e4, of the lowest
-    point of a rim at tilts of 1e-2, times h^2. Points whose distance is of the order of the motion have larger ones.
+    point of a rim at tilts of 1e-2, times h^2. Points at distances of the order of the motion have
+    larger ones.
     """
     h, count = 1e-7, 0
     V = rng.normal(size=(2, 2, 3))
@@ -110,7 +111,8 @@ def test_points_are_halfway_between_surfaces_at_their_gap(units: Any, a: str, b:
             surface = np.array(p) + sign * gap / 2 * np.array(n)
             shape, X = (pair.A, pair.B)[body], numbers(pair.R[body], pair.p[body])
             [(_, _, distance, _)] = units.contacts(tiny, numbers(np.eye(3), surface), shape, X, 1e9)
-            assert distance == pytest.approx(-1e-9, abs=1e-8)
+            # On cylinders an iteration ends with directions within 1e-7.
+            assert distance == pytest.approx(-1e-9, abs=1e-6)
 
 
 @pytest.mark.parametrize(("a", "b"), PAIRS)
