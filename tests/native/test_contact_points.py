@@ -20,7 +20,7 @@ E3 = np.eye(3)
 
 
 def turned(*vector: float) -> Array:
-    return Rotation.from_rotvec(vector).as_matrix()
+    return np.asarray(Rotation.from_rotvec(vector).as_matrix())
 
 
 def contacts(units: Any, A: Any, B: Any, p: Any, R: Array = E3, margin: float = 1e-3) -> list[Contact]:

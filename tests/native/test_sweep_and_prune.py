@@ -59,7 +59,7 @@ def test_one_huge_and_one_distant_body_cost_one_comparison_with_each_other_one(u
 
 def test_bodies_that_touch_and_bodies_in_the_same_place_overlap(units: Any) -> None:
     cube = [0.0, 0, 0, 1, 1, 1]
-    shifts = [
+    shifts: list[tuple[list[float], bool]] = [
         ([1, 0, 0], True),
         ([1, 1, 1], True),
         ([0, 0, 0], True),
