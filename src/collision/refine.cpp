@@ -74,8 +74,8 @@ class Refinement {
 
   double best() const { return best_; }
 
-  // Takes a direction if the bodies are separated farther along it: no matter where it comes from, it is then closer to
-  // the direction of contact.
+  // Takes a direction if the bodies are separated farther along it: it is then closer to the
+  // direction of contact.
   void propose(const Eigen::Vector3d& direction) {
     const double length = direction.norm();
     if (!(length > 0)) return;
@@ -110,6 +110,7 @@ class Refinement {
     if (along != nullptr) n -= n.dot(*along) * *along;
     if (!(n.norm() > 0.1)) return;
     n.normalize();
+    propose(n);
     for (int step = 0; step < 12; ++step) {
       Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
       const Eigen::Vector3d d = b.support(-n, curvature) - a.support(n, curvature);
@@ -209,13 +210,14 @@ void set_points(const ConvexBody& A, const ConvexBody& B, ClosestPoints& found) 
     found.a = a.p + d.dot(b.along.cross(cross)) / cross.squaredNorm() * a.along;
     found.b = found.a + between;
   } else {
-    found.a.setZero();
-    found.b.setZero();
+    // Anywhere within both flat parts, on their planes.
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (int i = 0; i < found.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      found.a += found.weights[k] * found.by[k].a.p;
-      found.b += found.weights[k] * found.by[k].b.p;
+      middle += found.weights[k] / 2 * (found.by[k].a.p + found.by[k].b.p);
     }
+    found.a = middle + found.n.dot(a.p - middle) * found.n;
+    found.b = found.a + between;
   }
 }
 

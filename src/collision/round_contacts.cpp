@@ -9,12 +9,14 @@
 namespace gelenk {
 namespace {
 
-// Adds the contact of balls about a and b. along: the normal if the centers coincide.
+// Adds the contact of balls about a and b. along: the normal if the centers coincide but for rounding errors.
 void add_balls(const Eigen::Vector3d& a, double radius_A, const Eigen::Vector3d& b, double radius_B,
                const Eigen::Vector3d& along, int feature, ContactSet& out) {
+  constexpr double coinciding = 1e-12;  // relative to the radii
   const Eigen::Vector3d d = b - a;
   const double distance = d.stableNorm();
-  const Eigen::Vector3d n = distance > 0 ? d.stableNormalized() : along;
+  const bool apart = distance > coinciding * (radius_A + radius_B);
+  const Eigen::Vector3d n = apart ? Eigen::Vector3d(d.stableNormalized()) : along;
   const double gap = distance - radius_A - radius_B;
   out.add_above(b - radius_B * n, n, gap, feature);
 }

@@ -59,13 +59,14 @@ def test_one_huge_and_one_distant_body_cost_one_comparison_with_each_other_one(u
 
 def test_bodies_that_touch_and_bodies_in_the_same_place_overlap(units: Any) -> None:
     cube = [0.0, 0, 0, 1, 1, 1]
-    for shift, expected in [
+    shifts: list[tuple[list[float], bool]] = [
         ([1, 0, 0], True),
         ([1, 1, 1], True),
         ([0, 0, 0], True),
         ([1 + 1e-15, 0, 0], False),
-    ]:
-        boxes = np.array([cube, np.add(cube, [*shift, *shift])])
+    ]
+    for shift, expected in shifts:
+        boxes = np.array([cube, np.add(cube, np.tile(shift, 2))])
         assert (len(units.SweepAndPrune().pairs(boxes)) == 1) == expected
     points = np.zeros((5, 6))
     assert len(units.SweepAndPrune().pairs(points)) == 10
