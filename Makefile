@@ -8,7 +8,7 @@
 # make reductions  measure the gain of each reduction: tables of docs/reductions.md
 # make charts   measure the methods: charts and tables of docs/work-precision.md and docs/stability.md
 # make accuracy  measure the errors of adaptive integrators against their tolerance: docs/accuracy.md; QUICK=1: a subset
-# make nonsmooth  measure dry friction and hard limits: charts and map of docs/friction.md; QUICK=1: a subset
+# make nonsmooth  measure dry friction, hard limits, cone solvers: docs/friction.md, docs/contact.md; QUICK=1: a subset
 # make tutorial  draw the figures of docs/tutorial-*.md
 # make real-time  measure control loops that step FMUs: table of docs/fmu.md
 # make growth   measure how cost scales with the size of a scene: table of docs/performance.md
@@ -90,6 +90,7 @@ accuracy: $(VENV)/gelenk.stamp
 # Some minutes; MuJoCo and EXUDYN take part if they are installed.
 nonsmooth: $(VENV)/gelenk.stamp
 	$(BIN)/python -m benchmarks.nonsmooth $(if $(QUICK),--quick)
+	$(BIN)/python -m benchmarks.cones $(if $(QUICK),--quick)
 
 tutorial: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	$(BIN)/python benchmarks/tutorial.py

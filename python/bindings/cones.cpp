@@ -27,7 +27,7 @@ using History = std::vector<std::tuple<int, double, double>>;  // products, seco
 
 class Recorder final : public ConeObserver {
  public:
-  void after_iteration(const ConeResult& so_far) override {
+  void reached(const ConeResult& so_far) override {
     const std::chrono::duration<double> time = Clock::now() - start_;
     history_.emplace_back(so_far.products, time.count(), so_far.residual);
   }

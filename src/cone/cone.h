@@ -128,11 +128,11 @@ struct ConeResult {
   bool converged = false;
 };
 
-// Called after each iteration, for charts. The residual is the best so far.
+// Called at the initial guess and after each iteration, for charts. The residual is the best so far.
 class ConeObserver {
  public:
   virtual ~ConeObserver() = default;
-  virtual void after_iteration(const ConeResult& so_far) = 0;
+  virtual void reached(const ConeResult& so_far) = 0;
 };
 
 struct ConeOptions {

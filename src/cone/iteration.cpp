@@ -150,6 +150,7 @@ void ConeIteration::start(const ConeProblem& problem, const ConeOptions& options
   update_velocity();
   keep();
   start_residual_ = residual_;
+  if (options.observer) options.observer->reached(result_);
   std::copy_n(x_, size_, start_x_);
 }
 
@@ -267,7 +268,7 @@ bool ConeIteration::keep() {
 bool ConeIteration::advance() {
   ++result_.iterations;
   keep();
-  if (options_->observer) options_->observer->after_iteration(result_);
+  if (options_->observer) options_->observer->reached(result_);
   return !done();
 }
 

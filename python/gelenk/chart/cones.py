@@ -30,7 +30,7 @@ ROUNDS = 3  # each run is timed several times; the least time counts
 class ConeRun:
     """One solver on one problem.
 
-    `residuals` are relative to the largest entry of b, after each iteration; `products` and `seconds` are the
+    `residuals` are relative to the largest entry of b, at the start and after each iteration; `products` and `seconds` are the
     work up to then.
     """
 
