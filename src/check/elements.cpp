@@ -127,6 +127,10 @@ bool steps_with_impulses(const Scene& scene) {
 
 void check_contact_methods(const Scene& scene, Faults& faults) {
   const Solver& solver = scene.solver;
+  if (!scene.contacts.empty() && solver.start == "equilibrium") {
+    faults.add("solver.start", "'equilibrium' with contacts." + text::printable(scene.contacts.front().name),
+               "as_given: equilibria are found without contacts only");
+  }
   if (!scene.contacts.empty() && !steps_with_impulses(scene) && !solver.integrator.empty()) {
     faults.add("solver.integrator",
                text::quoted(solver.integrator) + " with contacts." + text::printable(scene.contacts.front().name),

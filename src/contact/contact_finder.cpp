@@ -78,4 +78,12 @@ void ContactFinder::smallest_gaps(const Readings<double>& readings, std::vector<
   }
 }
 
+int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts) {
+  if (mechanism.shapes.empty()) return -1;
+  std::vector<double> gaps(contacts);
+  ContactFinder(mechanism).smallest_gaps(readings, gaps);
+  const auto closed = std::ranges::find_if(gaps, [](double gap) { return gap <= touch_tolerance; });
+  return closed == gaps.end() ? -1 : static_cast<int>(closed - gaps.begin());
+}
+
 }  // namespace gelenk

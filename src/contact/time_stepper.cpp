@@ -10,9 +10,6 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Gaps below this are contact, and penetrations below it are not removed [natural units of length, rad]: rounding of
-// positions, far below what anybody measures.
-constexpr double touch_tolerance = 1e-10;
 // Points with a tangential speed up to this stick at the start of a step [natural units of speed]: what the solver
 // leaves of zero.
 constexpr double rest_speed = 1e-9;
