@@ -55,7 +55,8 @@ class ContactFinder {
 // Gaps up to this are contact [natural units of length]: rounding of positions, far below what can be measured.
 inline constexpr double touch_tolerance = 1e-10;
 
-// The first contact of the scene that is closed at the present position of `dynamics`, after set_root_poses(); -1: none.
+// The first contact of the scene that is closed at the present position of `dynamics`, after set_root_poses(); -1:
+// none.
 int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts);
 
 }  // namespace gelenk

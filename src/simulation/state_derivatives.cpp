@@ -112,15 +112,14 @@ std::string describe_mode_boundary(const Scene& scene, const Island& island, int
 }
 
 // Derivatives do not know the forces of contacts.
-void refuse_closed_contacts(const Simulation::Impl& s) {
-  for (const auto& island : s.islands) {
+void refuse_closed_contacts(const Scene& scene, const std::vector<std::unique_ptr<Island>>& islands) {
+  for (const auto& island : islands) {
     if (island->prepared().mechanism.shapes.empty()) continue;
     island->realize(Stage::velocity);
-    const int closed =
-        closed_contact(island->prepared().mechanism, island->reading().dynamics, s.scene.contacts.size());
+    const int closed = closed_contact(island->prepared().mechanism, island->reading().dynamics, scene.contacts.size());
     if (closed < 0) continue;
-    throw NotDifferentiable("t = " + text::rounded(s.time) + " s: contacts." +
-                            s.scene.contacts[static_cast<std::size_t>(closed)].name +
+    throw NotDifferentiable("t = " + text::rounded(island->time()) + " s: contacts." +
+                            scene.contacts[static_cast<std::size_t>(closed)].name +
                             " is closed: derivatives exist for open contacts only");
   }
 }
@@ -171,7 +170,7 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());
   }
-  refuse_closed_contacts(s);
+  refuse_closed_contacts(s.scene, s.islands);
   try {
     s.u.go_to(s.time);
     return evaluate(*s.sensitivity);
