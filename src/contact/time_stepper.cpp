@@ -154,15 +154,13 @@ void TimeStepper::collect(double h) {
   if (n == 0) return;
   operator_->update();
   rows_.speeds(v0_.data(), speeds_.data());
+  set_friction();
   guess(h);
 }
 
 void TimeStepper::add_contact(const TouchPoint& point) {
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
-  const RememberedContact* before = state_.find(point);
-  const bool sticks = before != nullptr && !before->slides;
-  const double friction = sticks ? law.static_friction : law.sliding_friction;
-  const Cone cone = Cone::contact(rows_.count(), friction, law.spinning, law.rolling);
+  const Cone cone = Cone::contact(rows_.count(), law.static_friction, law.spinning, law.rolling);
   const Eigen::Matrix3d axes = contact_axes(point.normal);
   const int a = mechanism_.shapes[static_cast<std::size_t>(point.a)].link;
   const int b = mechanism_.shapes[static_cast<std::size_t>(point.b)].link;
@@ -172,6 +170,28 @@ void TimeStepper::add_contact(const TouchPoint& point) {
   for (int i = 0; i < cone.roll; ++i) rows_.add(a, b, point.p, axes.col(1 + i), true);
   frames_.push_back(axes);
   cones_.push_back(cone);
+}
+
+// What slid in the last step, or strikes with a tangential speed, has sliding friction.
+void TimeStepper::set_friction() {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[i].contact)];
+    if (law.static_friction == law.sliding_friction) continue;
+    const RememberedContact* before = state_.find(points_[i]);
+    const bool slides = before != nullptr ? before->slides : slip(i, speeds_).norm() > rest_speed;
+    if (slides) cones_[i].friction = law.sliding_friction;
+  }
+}
+
+// The tangential velocity of the second surface relative to the first at a point. speeds: by row.
+Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& speeds) const {
+  const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[point].contact)];
+  const Eigen::Vector3d belt = finder_.pose(points_[point].b).R * law.belt_velocity;
+  Eigen::Vector3d out = belt - belt.dot(points_[point].normal) * points_[point].normal;
+  for (int k = 0; k < cones_[point].tangential; ++k) {
+    out += frames_[point].col(1 + k) * speeds[static_cast<std::size_t>(cones_[point].first + 1 + k)];
+  }
+  return out;
 }
 
 void TimeStepper::add_locks(double h) {
@@ -310,14 +330,11 @@ void TimeStepper::remember(double h) {
     contact.a = point.a;
     contact.b = point.b;
     contact.feature = point.feature;
-    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(point.contact)];
-    Eigen::Vector3d slip = finder_.pose(point.b).R * law.belt_velocity;
     contact.force = frames_[i].col(0) * (x[0] / h);
     for (int k = 0; k < cone.tangential; ++k) {
       contact.force += frames_[i].col(1 + k) * (x[1 + k] / h);
-      slip += frames_[i].col(1 + k) * free_speeds_[static_cast<std::size_t>(cone.first + 1 + k)];
     }
-    contact.slides = cone.tangential == 0 || (slip - slip.dot(point.normal) * point.normal).norm() > rest_speed;
+    contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > rest_speed;
     const double* moment = x + 1 + cone.tangential;
     if (cone.spin > 0) contact.moment += frames_[i].col(0) * (*moment++ / h);
     for (int k = 0; k < cone.roll; ++k) contact.moment += frames_[i].col(1 + k) * (moment[k] / h);

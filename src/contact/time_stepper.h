@@ -63,6 +63,8 @@ class TimeStepper {
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_locks(double h);
+  void set_friction();
+  Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
   void set_velocities(double h);
   void set_lock_velocity(const LockRow& row, std::size_t r, double h);
   void guess(double h);

@@ -61,8 +61,9 @@ struct SurfaceContact {
              .unit = "m/s",
              .text = "velocity of the second surface relative to its body, as of a belt, in the axes of its shape",
              .tunable = true}),
-        field<&SurfaceContact::adjacent>(
-            {.name = "adjacent", .text = "whether bodies that share a joint can touch, too"})};
+        field<&SurfaceContact::adjacent>({.name = "adjacent",
+                                          .text = "whether bodies that share a joint can touch, too; those on joints "
+                                                  "to the ground always can touch it"})};
     return all;
   }
 

@@ -19,8 +19,8 @@ class ImpulseEquations {
   virtual bool are_required() const = 0;
   // Call before all else, if steps are made with impulses.
   virtual void use() = 0;
-  // Call where a run begins with steps of length h at (t, y): finds the forces there.
-  virtual void restart(double t, double h, const double* y) = 0;
+  // Call at the start of a run with steps of length h at (t, y): finds the forces there.
+  virtual void start(double t, double h, const double* y) = 0;
   // Advances y from t by h, without projection. Returns false if it is not finite.
   virtual bool step(double t, double h, double* y) = 0;
 };

@@ -165,6 +165,7 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
+  impulses_.forget();
   if (!impulses_.are_used()) modes_.locks().start(t, y);
 }
 

@@ -12,7 +12,7 @@ void ImpulseSteps::use() {
 }
 
 // Finds them by a trial step.
-void ImpulseSteps::restart(double t, double h, const double* y) {
+void ImpulseSteps::start(double t, double h, const double* y) {
   trial_.assign(y, y + with_.mechanism.nq + with_.mechanism.nv);
   stepper_->forget();
   step(t, h, trial_.data());

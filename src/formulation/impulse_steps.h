@@ -29,9 +29,13 @@ class ImpulseSteps final : public ImpulseEquations {
   bool are_required() const override { return !with_.mechanism.shapes.empty(); }
   bool are_used() const { return stepper_ != nullptr; }
   void use() override;
-  void restart(double t, double h, const double* y) override;
+  void start(double t, double h, const double* y) override;
   bool step(double t, double h, double* y) override;
 
+  // Forgets the forces of the last step.
+  void forget() {
+    if (are_used()) stepper_->forget();
+  }
   // The forces of contacts with the gaps at the present position of `dynamics`, by contact of the scene; null: there
   // are none. After set_root_poses().
   const SeenContact* seen();

@@ -16,7 +16,9 @@ class MoreauJean final : public FixedStep {
   }
   void restart(double t, const double* y) override {
     FixedStep::restart(t, y);
-    system_.impulses()->restart(t, step_, y);
+    // Only once: a state that is restored has its forces.
+    if (!started_) system_.impulses()->start(t, step_, y);
+    started_ = true;
   }
 
  private:
@@ -26,6 +28,7 @@ class MoreauJean final : public FixedStep {
   }
 
   double step_;
+  bool started_ = false;
 };
 
 }  // namespace

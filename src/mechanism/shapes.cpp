@@ -22,6 +22,7 @@ ContactTable table_of(const Scene& scene, const BodyNumbers& number) {
     if (kind_of(joint.is).nv == 6) continue;  // it constrains nothing
     const int parent = number(joint.parent.body);
     const int child = number(joint.child.body);
+    if (parent < 0 || child < 0) continue;  // what is on a joint to the ground may touch the ground, as of a robot
     out.joined.emplace_back(std::min(parent, child), std::max(parent, child));
   }
   std::ranges::sort(out.joined);

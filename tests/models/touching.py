@@ -27,6 +27,8 @@ def on_plane(
 
     Args:
         shape: its shape, about the center of mass.
+        mass: of the body [kg].
+        inertia: principal moments [kg m2].
         start: of the free joint: r [m], Q, v [m/s], w [rad/s].
         law: fields of the contact.
         normal: of the plane through the origin.
