@@ -16,7 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import gelenk
-from gelenk.chart import cones, master, mechanisms, published, reference, runs_csv, stability, work_precision
+from gelenk.chart import master, mechanisms, published, reference, runs_csv, stability, work_precision
 from gelenk.chart.case import Array, Case, Jumps, case_of
 from gelenk.chart.measure import Course, Reference, Run, Task, compared, measured
 from gelenk.chart.methods import AUTO, Method, all_methods, chosen, registered
@@ -353,33 +353,6 @@ def test_stability_from_the_command_line(tmp_path: Path) -> None:
     assert "| n-four-bar-1 |" in (tmp_path / "stability.md").read_text(encoding="utf-8")
 
 
-def test_cones_from_the_command_line(tmp_path: Path) -> None:
-    """Twelve problems; the default solves all, also Coulomb's law."""
-    for options, name in ([], "cones"), (["--coulomb"], "cones-coulomb"):
-        arguments = ["chart", "cones", "--quick", *options, "-o", str(tmp_path)]
-        result = CliRunner().invoke(app, arguments)
-        assert result.exit_code == 0, result.output
-        assert_drawn(tmp_path / f"{name}.png")
-        rows = (tmp_path / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-        assert rows[0] == "problem,kind,solver,residual,products,seconds"
-        reached = [row.split(",") for row in rows if ",hybrid,1e-10," in row]
-        assert len(reached) == 12
-        assert all(0 < int(row[4]) < 100 for row in reached)
-        assert "| `gauss-seidel` |" in result.output
-
-
-def test_runs_of_cone_solvers_end_at_the_known_solution() -> None:
-    """The residual of the chart is that of the solution, and failures are told from successes."""
-    (run,) = cones.study(["p-spg-fb"], [1])
-    products, seconds = run.work(1e-4)
-    assert 1 < products < 3000
-    assert 0 < seconds < 10
-    assert run.work(1e-13) == (math.inf, math.inf)  # condition 12000: it stalls
-    assert cones.solved([run], 1e-4) == 1
-    assert cones.solved([run], 1e-13) == 0
-    assert cones.median_work([run], 1e-13) == (math.inf, math.inf)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -387,7 +360,6 @@ def test_runs_of_cone_solvers_end_at_the_known_solution() -> None:
         (["work-precision", "four_bar", "--method", "erg"], "--method erg: no such method"),
         (["work-precision", "four_bar", "--tolerance", "2"], "--tolerance: found 2.0, expected a"),
         (["work-precision", "four_bar", "four_bar"], "four_bar: two scenes with this name"),
-        (["cones", "newtom"], "newtom: no such cone solver; did you mean newton?"),
         (["stability", "bricart"], "bricart: no such scene of the map; did you mean bricard?"),
     ],
 )

@@ -22,7 +22,7 @@ namespace gelenk {
 class SemismoothNewton {
  public:
   // Allocates what a problem of this size needs.
-  void reserve(Eigen::Index unknowns, std::size_t cones);
+  void reserve(Eigen::Index n, std::size_t cones);
   // Up to max_steps steps. Returns early if steps no longer reduce the natural map.
   void run(ConeIteration& at, int max_steps);
   // The same for the convex problem with a constant shift of the velocities (at.size() numbers), until that is solved

@@ -30,8 +30,8 @@ ROUNDS = 3  # each run is timed several times; the least time counts
 class ConeRun:
     """One solver on one problem.
 
-    `residuals` are relative to the largest entry of b, at the start and after each iteration; `products` and `seconds` are the
-    work up to then.
+    `residuals` are relative to the largest entry of b, at the start and after each iteration; `products` and
+    `seconds` are the work up to then.
     """
 
     problem: int
