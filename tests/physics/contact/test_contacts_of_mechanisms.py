@@ -65,7 +65,7 @@ def test_loops_are_closed_to_rounding_while_a_load_slides() -> None:
     modes = set(run["grip.mode"])
     assert {1, 2} <= modes  # sticks and slides
     assert np.ptp(run["L.r[1]"]) > 1e-3
-    # Penetration is removed in the step in which it arises, up to h2 times the acceleration of the load, < 100 m/s2.
+    # Penetration is removed in the step in which it arises, up to h2 times the acceleration, < 100 m/s2.
     assert run["grip.gap"].min() > -1e-4
 
 
@@ -93,7 +93,7 @@ def test_stacks_rest(boxes: int) -> None:
 
 
 def test_pendulum_strikes_a_wall() -> None:
-    """A rod falls from the horizontal, strikes a wall with e = 0.5 and swings back to a quarter of the height.
+    """A rod falls from the horizontal, strikes a wall with e = 0.5 and rises to a quarter of the height.
 
     The impact is up to a step early or late.
     """
