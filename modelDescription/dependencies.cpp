@@ -116,7 +116,8 @@ class DependencyAnalysis {
       all_islands_.positions.insert(islands_[p].positions.begin(), islands_[p].positions.end());
       all_islands_.states.insert(islands_[p].states.begin(), islands_[p].states.end());
     }
-    structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_);
+    // Which bodies touch changes during a run.
+    structure_is_known_ = structure_is_known_ && !geometry_may_change(scene_) && scene_.contacts.empty();
     for (IslandKnowns& island : islands_) island.list();
     all_islands_.list();
   }

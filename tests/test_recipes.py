@@ -35,7 +35,7 @@ ADDED = {
     "height": ("Height", "AnySensor"),
     "preload": ("std::optional<Preload>", "JointForces"),
 }
-BUILT = ("util", "field", "math", "joint", "element", "scene", "check", "scene_file")
+BUILT = ("util", "field", "math", "shape", "joint", "element", "scene", "check", "scene_file", "scene_schema")
 NOT_BUILT = ("yaml.cpp", "rod.cpp")  # of no use to JSON and to scenes
 # These see every joint, force, constraint, sensor and motor there is.
 KERNELS = (

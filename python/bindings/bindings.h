@@ -6,6 +6,7 @@
 
 namespace gelenk {
 
+void bind_cones(nanobind::module_& m);
 void bind_errors(nanobind::module_& m);
 void bind_scene(nanobind::module_& m);
 void bind_parameters(nanobind::module_& m);

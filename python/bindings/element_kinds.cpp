@@ -26,7 +26,7 @@ const char* range_name(Range range) {
   return names[static_cast<int>(range)];
 }
 const char* kind_name(Port::Kind kind) {
-  static constexpr const char* names[] = {"frame", "point", "body", "joint"};
+  static constexpr const char* names[] = {"frame", "point", "body", "joint", "surfaces"};
   return names[static_cast<int>(kind)];
 }
 
@@ -164,6 +164,7 @@ nb::dict shown_kinds() {
   out["motors"] = section<AnyMotor>();
   out["forces"] = section<AnyForce>();
   out["constraints"] = section<AnyConstraint>();
+  out["contacts"] = section<AnyContact>();
   out["sensors"] = section<AnySensor>();
   out["joints"] = along_joints();
   return out;

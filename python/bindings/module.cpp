@@ -11,6 +11,7 @@ NB_MODULE(_core, m) {
   gelenk::bind_assemblies(m);
   gelenk::bind_fmu(m);
   gelenk::bind_fmu_log(m);
+  gelenk::bind_cones(m);
   gelenk::bind_joints(m);
   gelenk::bind_elements(m);
 }

@@ -18,6 +18,7 @@
 #include "scene/signals.h"
 #include "scene/wanted_outputs.h"
 #include "scene_file/read.h"
+#include "scene_schema/schema.h"
 
 namespace nb = nanobind;
 using gelenk::Scene;

@@ -128,6 +128,7 @@ void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect
   check_finite(scene.gravity.data(), 3, "gravity", faults);
   check_names(scene, faults);
   check_bodies(scene, faults, partial);
+  check_shapes(scene, faults, partial);
   check_joints(scene, faults, partial);
   check_connection(scene, faults);
   check_elements(scene, faults, partial);

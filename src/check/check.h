@@ -24,6 +24,8 @@ void find_faults(const Scene& scene, Faults& faults, const SuspectNames& suspect
 // The checks of find_faults(). partial: reading has reported errors, whose consequences are not reported again.
 void check_names(const Scene& scene, Faults& faults);
 void check_bodies(const Scene& scene, Faults& faults, bool partial);
+// The shapes of bodies and of the ground.
+void check_shapes(const Scene& scene, Faults& faults, bool partial);
 void check_inertias(const Scene& scene, Faults& faults, bool partial);
 void check_joints(const Scene& scene, Faults& faults, bool partial);
 void check_connection(const Scene& scene, Faults& faults);

@@ -7,6 +7,7 @@
 #include "check/fields.h"
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
+#include "scene/shapes.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -36,7 +37,8 @@ struct Checker {
   const Section& section;
   Faults& faults;
   bool partial;
-  std::set<std::string> prescribed{};  // coordinates that have a prescribed motion
+  std::set<std::string> prescribed{};          // coordinates that have a prescribed motion
+  std::set<std::vector<std::string>> pairs{};  // of surfaces that have a contact
 
   void joint(const Port& port, const std::string& name, const std::string& path) {
     if (name.empty() && (partial || port.optional)) return;
@@ -64,11 +66,29 @@ struct Checker {
     if (!port.on_ground && frame.body == ground) faults.add(own + ".body", "'ground'", "a body that a force can move");
   }
 
+  void surfaces(const ElementPlace& element, const std::string& path) {
+    if (partial) return;
+    const std::vector<std::string> known = surfaces_of(scene);
+    for (const std::string& name : element.surfaces) {
+      if (name.empty() || std::ranges::find(known, name) != known.end()) continue;
+      faults.add(path, text::quoted(name), text::one_of(name, known, "surfaces of shapes"));
+    }
+    std::vector<std::string> pair = element.surfaces;
+    std::ranges::sort(pair);
+    if (!pairs.insert(pair).second) {
+      faults.add(path, "a second contact between " + pair[0] + " and " + pair[1], "one contact for each pair");
+    }
+  }
+
   void ports(const ElementPlace& element, const ElementKind& kind, const std::string& path) {
     std::size_t frames = 0;
     std::size_t joints = 0;
     for (const Port& port : kind.ports) {
-      if (port.kind != Port::Kind::joint) {
+      if (port.kind == Port::Kind::surfaces) {
+        surfaces(element, path + "." + std::string(port.name));
+        continue;
+      }
+      if (port.is_frame()) {
         frame(port, element.frames.at(frames++), path);
         continue;
       }
@@ -99,6 +119,27 @@ struct Checker {
     }
   }
 };
+
+// Whether the integrator steps with impulses.
+bool steps_with_impulses(const Scene& scene) {
+  return scene.solver.integrator == "moreau-jean" || (scene.solver.integrator == "auto" && !scene.contacts.empty());
+}
+
+void check_contact_methods(const Scene& scene, Faults& faults) {
+  const Solver& solver = scene.solver;
+  if (!scene.contacts.empty() && solver.start == "equilibrium") {
+    faults.add("solver.start", "'equilibrium' with contacts." + text::printable(scene.contacts.front().name),
+               "as_given: equilibria are found without contacts only");
+  }
+  if (!scene.contacts.empty() && !steps_with_impulses(scene) && !solver.integrator.empty()) {
+    faults.add("solver.integrator",
+               text::quoted(solver.integrator) + " with contacts." + text::printable(scene.contacts.front().name),
+               "auto or moreau-jean");
+  } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
+    faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",
+               "the formulation projection");
+  }
+}
 
 // Dependent coordinates cannot be solved for if a constraint acts on velocities only; and only `projection` keeps
 // coordinates at rest.
@@ -134,6 +175,7 @@ void check_numbers(const Element<Any>& element, const std::string& path, const C
 template void check_numbers(const Motor&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Force&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Constraint&, const std::string&, const Coordinate&, Faults&);
+template void check_numbers(const Contact&, const std::string&, const Coordinate&, Faults&);
 template void check_numbers(const Sensor&, const std::string&, const Coordinate&, Faults&);
 
 void check_elements(const Scene& scene, Faults& faults, bool partial) {
@@ -141,6 +183,7 @@ void check_elements(const Scene& scene, Faults& faults, bool partial) {
     Checker{.scene = scene, .section = section, .faults = faults, .partial = partial}.run(elements);
   });
   check_formulation(scene, faults);
+  check_contact_methods(scene, faults);
 }
 
 }  // namespace gelenk

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "dynamics/contact_rows.h"
 #include "dynamics/holding_forces.h"
 
 namespace gelenk {
@@ -38,6 +39,8 @@ class Branching {
   };
   virtual int locks() const = 0;
   virtual Lock lock(int lock) const = 0;
+  // Contacts between shapes, which act by impulses.
+  virtual ContactRows& contact_rows() = 0;
   // How far the coordinate is beyond its upper (side 1) or lower limit (side -1) at the current position, and how close
   // to it counts as contact [rad, m].
   struct Depth {

@@ -300,15 +300,17 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // f <- tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
-    const bool none = loads_.only_along_tree;
+    const bool none = loads_.only_along_tree && !modes_.contact_rows().has_wrenches();
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
       kernels::cut_loads(model_, loads_, u, cut_reference_.data(), ws_, modes_.held(true));
+      modes_.contact_rows().add_wrenches(ws_);
     }
     link_loads_are_zero_ = none;
     kernels::inverse_dynamics_bias(model_, ws_, tau_.data());
     for (int k = 0; k < model_.nv; ++k) f[k] = -tau_[k];
     loads_.tree.add(q_.data(), v_.data(), u, f, modes_.held());
+    modes_.contact_rows().add_along(f);
   }
 
   // Replaces the derivatives on the branches of the state by those on the held branches.

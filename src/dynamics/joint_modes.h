@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dynamics/branching.h"
+#include "dynamics/contact_rows_of.h"
 #include "dynamics/locked_coordinates.h"
 #include "kinematics/load_kernels.h"
 
@@ -30,6 +31,7 @@ class JointModes final : public Branching {
       : state_(state),
         M_(M),
         locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
+        contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
@@ -49,6 +51,7 @@ class JointModes final : public Branching {
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
+  ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
   void set_force_size(const std::vector<double>& f) {
@@ -287,6 +290,7 @@ class JointModes final : public Branching {
   std::vector<Lock> found_;
   std::vector<int> lock_of_;  // by force with modes; -1: it cannot lock
   LockedCoordinates<A> locks_;
+  ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
   double sqrt_mass_ = 0;   // of the whole mechanism
   double force_size_ = 0;  // |L^-T f| for a force f that acts on the whole mechanism

@@ -48,6 +48,7 @@ class LockedCoordinates {
         factor_(nv, static_cast<int>(rows_.size())) {}
 
   int count() const { return static_cast<int>(rows_.size()); }
+  const Row& row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   bool any() const { return locked_count_ > 0; }
   bool is_locked(int i) const { return locked_[i] != 0; }
   // Number of locks that act independently of each other and of the constraint equations, and of all.

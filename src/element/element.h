@@ -29,13 +29,14 @@ struct BodyFrame {
   Pose3 X_BF;  // pose of the frame in the body's frame
 };
 
-// A frame or a joint to which an element refers.
+// A frame, a joint or a pair of surfaces to which an element refers.
 struct Port {
   enum class Kind {
-    frame,  // a frame on a body
-    point,  // a point on a body: a frame without orientation
-    body,   // a body: a frame without position and orientation
-    joint,  // a joint
+    frame,     // a frame on a body
+    point,     // a point on a body: a frame without orientation
+    body,      // a body: a frame without position and orientation
+    joint,     // a joint
+    surfaces,  // two surfaces of shapes
   };
   Kind kind = Kind::frame;
   std::string_view name;  // key in scene files; if empty, body, position and rotation are keys of the element
@@ -44,6 +45,8 @@ struct Port {
   bool on_ground = true;                     // of a frame: whether the body may be the ground
   bool has_coordinate = false;               // of a joint: the element refers to one of its coordinates
   bool (*fits)(const JointKind&) = nullptr;  // permitted joint types; null for all
+
+  bool is_frame() const { return kind != Kind::joint && kind != Kind::surfaces; }
 };
 
 // The evaluation stage that a signal requires.

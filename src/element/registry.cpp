@@ -138,6 +138,14 @@ bool holds_positions(const AnyConstraint& constraint) {
       constraint);
 }
 
+bool includes_joined(const AnyContact& contact) {
+  return std::visit([](const auto& c) { return c.adjacent; }, contact);
+}
+
+ContactLaw law_of(const AnyContact& contact) {
+  return std::visit([](const auto& c) { return c.law(); }, contact);
+}
+
 double inertia_of(const AnyMotor& motor) {
   return std::visit(
       [](const auto& m) -> double {
@@ -168,6 +176,7 @@ bool is_idle(const JointForces& forces) {
 GELENK_SECTION(AnyMotor)
 GELENK_SECTION(AnyForce)
 GELENK_SECTION(AnyConstraint)
+GELENK_SECTION(AnyContact)
 GELENK_SECTION(AnySensor)
 #undef GELENK_SECTION
 

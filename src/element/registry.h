@@ -2,6 +2,7 @@
 // The list of all element types. A new type requires a header and its name in the list of its section.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <tuple>
 #include <variant>
@@ -27,6 +28,7 @@
 #include "element/rolling.h"
 #include "element/spring_damper.h"
 #include "element/stop.h"
+#include "element/surface_contact.h"
 #include "element/wrench.h"
 
 namespace gelenk {
@@ -34,6 +36,7 @@ namespace gelenk {
 using AnyMotor = std::variant<Drive>;
 using AnyForce = std::variant<SpringDamper, Wrench, Bushing, Drag, Moment>;
 using AnyConstraint = std::variant<Motion, Gear, Rack, Rolling, KnifeEdge>;
+using AnyContact = std::variant<SurfaceContact>;
 using AnySensor = std::variant<Reaction, FrameSensor, EnergySensor, Distance, Power>;
 
 // Elements along each coordinate of a joint; those in std::optional need not be present.
@@ -50,15 +53,10 @@ struct ElementKind {
   bool is_between_bodies = false;                 // constraint.h
 
   // Number of ports that are frames, points or bodies, and of those that are joints.
-  int frames() const { return count(false); }
-  int joints() const { return count(true); }
-
- private:
-  int count(bool of_joints) const {
-    int n = 0;
-    for (const Port& port : ports) n += (port.kind == Port::Kind::joint) == of_joints ? 1 : 0;
-    return n;
+  int frames() const {
+    return static_cast<int>(std::ranges::count_if(ports, [](const Port& port) { return port.is_frame(); }));
   }
+  int joints() const { return static_cast<int>(std::ranges::count(ports, Port::Kind::joint, &Port::kind)); }
 };
 
 // All types of a section, in the order of its list; Any: AnyMotor, AnyForce, ...
@@ -96,6 +94,11 @@ std::optional<ElementFault> fault_of(const Any& element, const Coordinate& coord
 // Whether a constraint between joints constrains positions, not only their rates; false for constraints between bodies,
 // of which single equations may constrain positions.
 bool holds_positions(const AnyConstraint& constraint);
+
+// Whether shapes of bodies that share a joint can touch by this contact, too.
+bool includes_joined(const AnyContact& contact);
+// The law of a contact.
+ContactLaw law_of(const AnyContact& contact);
 
 // Returns the inertia that a motor adds to its joint coordinate [kg m2, kg].
 double inertia_of(const AnyMotor& motor);

@@ -9,6 +9,22 @@
 
 namespace gelenk {
 
+// Equations whose velocities jump at the ends of steps: contacts, friction and limits act by impulses in each step,
+// instead of by modes between events.
+class ImpulseEquations {
+ public:
+  virtual ~ImpulseEquations() = default;
+
+  // Whether shapes can touch, so that there is no other way.
+  virtual bool are_required() const = 0;
+  // Call before all else, if steps are made with impulses.
+  virtual void use() = 0;
+  // Call at the start of a run with steps of length h at (t, y): finds the forces there.
+  virtual void start(double t, double h, const double* y) = 0;
+  // Advances y from t by h, without projection. Returns false if it is not finite.
+  virtual bool step(double t, double h, double* y) = 0;
+};
+
 class Equations {
  public:
   virtual ~Equations() = default;
@@ -34,6 +50,9 @@ class Equations {
   virtual EventSource& modes() = 0;
   // Whether the evaluation budget is used up: an advance then ends after the current step.
   virtual bool budget_exhausted() const { return false; }
+
+  // The same equations with velocities that jump; null: they are not available.
+  virtual ImpulseEquations* impulses() { return nullptr; }
 
   // --- as a DAE; that of an ODE is xdot - f(t, x) = 0 ---
   virtual int multipliers() const { return 0; }  // 0: an ODE, for any integrator

@@ -24,6 +24,7 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
+      impulses_({mechanism_, dynamics_, context.loads, drives_, projector_, modes_.locks()}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {}
@@ -77,7 +78,7 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  modes_.locks().start(t, y);
+  if (!impulses_.are_used()) modes_.locks().start(t, y);
   return true;
 }
 
@@ -146,6 +147,11 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
+  if (impulses_.are_used()) {
+    drives_.go_to_outputs(t);
+    const ImpulseSteps::AppliedForces forces(impulses_);
+    return solve_at(t, y, vdot);
+  }
   const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -159,7 +165,8 @@ void Formulation::start(const std::vector<double>& cut_q, double t, const double
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
-  modes_.locks().start(t, y);
+  impulses_.forget();
+  if (!impulses_.are_used()) modes_.locks().start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {
@@ -167,6 +174,7 @@ void Formulation::serialize(Archive& archive) {
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
   modes_.locks().serialize(archive);
+  impulses_.serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

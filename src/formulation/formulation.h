@@ -18,6 +18,7 @@
 #include "formulation/constraint_projector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
+#include "formulation/impulse_steps.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
@@ -39,6 +40,7 @@ struct FormulationContext {
   Dynamics& dynamics;
   Inputs& inputs;  // set to the time of each evaluation
   EventLog& events;
+  const Loads& loads;
   FormulationOptions options{};
 };
 
@@ -51,10 +53,10 @@ class Formulation : public Equations, private ModeEquations {
   bool rhs(double t, const double* y, double* ydot) override;
   bool jacobian(double t, const double* y, double* J) override;
   std::string obstacle(const double* y) override;
-  void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
+  ImpulseSteps* impulses() final { return &impulses_; }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
 
@@ -104,6 +106,7 @@ class Formulation : public Equations, private ModeEquations {
   Jacobians jacobians_;
 
  private:
+  void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
@@ -112,6 +115,7 @@ class Formulation : public Equations, private ModeEquations {
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
+  ImpulseSteps impulses_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;

@@ -220,6 +220,7 @@ class Automatic final : public Integrator {
 
 std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options) {
   if (system.multipliers() > 0) return make_ida(system, options);
+  if (system.impulses() != nullptr && system.impulses()->are_required()) return make_moreau_jean(system, options);
   return std::make_unique<Automatic>(system, options);
 }
 

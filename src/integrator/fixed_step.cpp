@@ -29,7 +29,7 @@ double FixedStep::advance(double end, double* y) {
   const double h = fits ? step_ : span / needed;
   for (long i = 0; i < count && (i == 0 || !system_.budget_exhausted()); ++i) {
     const double next = i + 1 == count ? end : start + static_cast<double>(i + 1) * h;
-    if (locator_.is_needed()) {
+    if (locates_events() && locator_.is_needed()) {
       step_by_events(next);
     } else {
       take_step(start + static_cast<double>(i) * h, h, next);

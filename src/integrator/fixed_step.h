@@ -19,6 +19,8 @@ class FixedStep : public Integrator, private Stepping {
 
   // Advances y_ from t to t + h, without projection.
   virtual void make_step(double t, double h) = 0;
+  // Whether steps end at events.
+  virtual bool locates_events() const { return true; }
   // Computes k_ = f(t, y). Throws IntegrationError if it is not finite.
   void evaluate(double t, const double* y);
 

@@ -89,6 +89,7 @@ std::unique_ptr<Integrator> make_integrator(std::string_view name, Equations& sy
 
 // One function per integrator.
 std::unique_ptr<Integrator> make_automatic(Equations& system, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_moreau_jean(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_rk4(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode(Equations& system, const IntegratorOptions& options);
 std::unique_ptr<Integrator> make_cvode_adams(Equations& system, const IntegratorOptions& options);

@@ -14,8 +14,9 @@ std::unique_ptr<Integrator> with_starter_of(Equations& system, const IntegratorO
   return with_starter(make(system, options), system, options);
 }
 
-constexpr std::array<IntegratorKind, 11> kinds = {{
-    {"auto", "automatic: erk, or cvode where that costs less; ida for formulations with multipliers", make_automatic},
+constexpr std::array<IntegratorKind, 12> kinds = {{
+    {"auto", "automatic: erk, or cvode where that costs less; ida with multipliers, moreau-jean with contacts",
+     make_automatic},
     {"erk", "explicit Runge-Kutta, adaptive step and order (ARKODE), projected after each step", make_erk},
     {"ida", "BDF, variable step and order (IDA), projected within each step; for stiff scenes",
      with_starter_of<make_ida>},
@@ -31,6 +32,8 @@ constexpr std::array<IntegratorKind, 11> kinds = {{
      make_generalized_alpha},
     {"hht", "implicit, second order with damping of high frequencies, fixed steps (Hilber, Hughes & Taylor)", make_hht},
     {"newmark", "trapezoidal rule: implicit, second order without numerical damping, fixed steps", make_newmark},
+    {"moreau-jean", "time stepping with contacts, friction and limits by impulses, fixed steps (Moreau; Jean)",
+     make_moreau_jean},
 }};
 
 }  // namespace

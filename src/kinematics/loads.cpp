@@ -53,6 +53,8 @@ struct LoadCollector {
     loads.cuts.resize(mechanism.cuts.size());
     for (std::size_t c = 0; c < mechanism.cuts.size(); ++c) reserve_capacity(loads.cuts[c], mechanism.cuts[c].nv);
     loads.added_inertia.assign(mechanism.nv, 0);
+    loads.contacts.clear();
+    for (const Contact& contact : scene.contacts) loads.contacts.push_back(law_of(contact.is));
   }
 
   static void reserve_capacity(JointLoads& loads, int nv) {
@@ -258,6 +260,7 @@ std::vector<int> links_with_loads(const Mechanism& mechanism, const Loads& loads
       for (const Attachment& at : force.at) needed[at.link] = true;
     }
   });
+  for (const LinkShape& shape : mechanism.shapes) needed[shape.link] = true;
   for (std::size_t i = mechanism.links.size() - 1; i > 0; --i) {
     if (needed[i]) needed[mechanism.links[i].parent] = true;
   }

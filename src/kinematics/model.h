@@ -161,6 +161,7 @@ struct Loads {
   JointLoads tree;
   std::vector<JointLoads> cuts;       // by cut
   std::vector<double> added_inertia;  // kg m2 (kg), by velocity: of motors
+  std::vector<ContactLaw> contacts;   // by contact of the scene
   std::vector<int> inputs;            // indices of the scene's inputs that act on this island
   bool only_along_tree = false;       // no force acts on links or along cuts
   // J: the part of gravity's potential energy that the kernels omit, between the origins of the world and the root

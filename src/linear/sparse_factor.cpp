@@ -64,7 +64,7 @@ void SparseFactor::solve_transposed(double* x) const {
   for (int i = size() - 1; i >= 0; --i) carry_inwards(i, x);
 }
 
-void SparseFactor::solve_transposed(double* x, const std::vector<int>& nonzeros) const {
+void SparseFactor::solve_transposed(double* x, std::span<const int> nonzeros) const {
   for (auto i = nonzeros.rbegin(); i != nonzeros.rend(); ++i) carry_inwards(*i, x);
 }
 

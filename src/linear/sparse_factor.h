@@ -3,6 +3,7 @@
 // L_ij is zero unless velocity j lies on the path from velocity i to the ground (Featherstone 2008, sec. 6.5).
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace gelenk {
@@ -30,7 +31,7 @@ class SparseFactor {
 
   void solve_transposed(double* x) const;  // x <- L^-T x: whitens a generalized force
   // The same for a sparse x. nonzeros: its indices, ascending and with all ancestors of each.
-  void solve_transposed(double* x, const std::vector<int>& nonzeros) const;
+  void solve_transposed(double* x, std::span<const int> nonzeros) const;
   void solve(double* x) const;                      // x <- L^-1 x: from whitened to generalized velocities
   void multiply(const double* x, double* y) const;  // y = L x: whitens generalized velocities
   // The same for each column of x (size() x columns), stored row by row.

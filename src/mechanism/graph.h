@@ -106,11 +106,11 @@ std::vector<ContactEdge> contacts_of(const Scene& scene, const std::vector<int>&
 std::vector<CoordinateRow> coordinate_rows(const Scene& scene, const Graph& graph, int island, ReducedScene& places);
 
 // The plane of motion of a planar mechanism (plane.cpp).
-struct Plane {
+struct MotionPlane {
   std::vector<Eigen::Vector3d> normals;  // by group, in its frame; empty if the mechanism is not planar
   std::string why_not;                   // a clause: "no joint axis defines a plane"
 };
-Plane find_plane(const Scene& scene, const Graph& graph);
+MotionPlane find_plane(const Scene& scene, const Graph& graph);
 
 // Rotates all joint frames so that their z axes are along the normals.
 void align_to_plane(Graph& graph, const std::vector<Eigen::Vector3d>& normals);
@@ -127,6 +127,9 @@ bool must_not_be_cut(const Joint& joint, bool planar);
 
 // The graph with bodies split where a loop cannot be cut otherwise, unless they have no mass (split_bodies.cpp).
 Graph with_split_bodies(const Scene& scene, const Graph& graph, bool planar);
+
+// Adds the shapes that can touch to the islands in which something can (shapes.cpp).
+void add_shapes(const Scene& scene, ReducedScene& reduced);
 
 // The mechanism of one island; registers bodies and joints in `places` (links.cpp). normal: of the plane, in the world,
 // if the graph is aligned to one.

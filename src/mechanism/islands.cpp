@@ -6,6 +6,7 @@
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
+#include "scene/shapes.h"
 
 namespace gelenk {
 namespace {
@@ -45,6 +46,15 @@ DisjointSets coupled_groups(const Scene& scene, const Graph& graph) {
       for (const int group : groups) sets.join(groups.front(), group);
     }
   });
+  // So do all bodies that may touch others.
+  const std::vector<bool> touches = bodies_that_touch(scene);
+  int first = 0;
+  for (std::size_t b = 0; b < touches.size(); ++b) {
+    const int group = group_of[b + 1];
+    if (!touches[b] || group == 0) continue;
+    if (first == 0) first = group;
+    sets.join(first, group);
+  }
   return sets;
 }
 

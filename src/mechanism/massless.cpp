@@ -9,6 +9,7 @@
 
 #include "mechanism/disjoint_sets.h"
 #include "mechanism/graph.h"
+#include "scene/shapes.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -23,6 +24,10 @@ class InteractionIndex {
     each_section(scene, [&](const Section&, const auto& elements) {
       for (const auto& element : elements) enter(element, kind_of(element.is));
     });
+    const std::vector<bool> touches = bodies_that_touch(scene);
+    for (std::size_t b = 0; b < touches.size(); ++b) {
+      if (touches[b]) bodies_.insert(scene.bodies[b].name);
+    }
   }
 
   // Whether an element acts along the joint or may be tuned to do so, or the reaction there is read.

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "element/cut_joint.h"
@@ -68,6 +69,30 @@ struct CoordinateRow {
   bool moves() const { return law || input >= 0; }
 };
 
+// A shape fixed in a link.
+struct LinkShape {
+  int link = 0;
+  Pose3 X_LS;
+  AnyShape is;
+  int surface = 0;      // number of its surface in ContactTable
+  int scene_body = -1;  // -1: the ground
+};
+
+// Which shapes can touch.
+struct ContactTable {
+  std::vector<std::string> surfaces;
+  std::vector<int> contacts;                // surfaces x surfaces: the contact of the scene, -1: none
+  std::vector<std::pair<int, int>> joined;  // bodies that share a joint, the smaller first; ascending
+  std::vector<bool> touches_joined;         // by contact of the scene: also between such bodies
+
+  std::vector<int> first_surfaces;  // by contact of the scene
+
+  bool is_first(int contact, int surface) const { return first_surfaces[static_cast<std::size_t>(contact)] == surface; }
+  int contact(int surface_a, int surface_b) const {
+    return contacts[static_cast<std::size_t>(surface_a) * surfaces.size() + static_cast<std::size_t>(surface_b)];
+  }
+};
+
 // Rigid links in depth-first order on a spanning tree, and the remaining joints, which close loops. Link 0 is the
 // ground; each other link has one tree joint. In a planar mechanism the z axes of all link frames, including that of
 // the ground, are along the normal of the plane.
@@ -84,7 +109,9 @@ struct Mechanism {
   // Pose of the ground link's frame in the world: at the first joint on the ground, so that a mechanism far from the
   // origin of the world loses no digits.
   Pose3 X_W0;
-  std::vector<double> heights;  // planar: position of each link's origin along the normal [m]
+  std::vector<double> heights;    // planar: position of each link's origin along the normal [m]
+  std::vector<LinkShape> shapes;  // those that can touch others; bodies of the scene in their order, the ground last
+  ContactTable contact_table;     // if there are shapes
 
   int first_coordinate_row() const { return rows - static_cast<int>(coordinate_rows.size()); }
   // Whether any constraint equation depends on time or on an input.

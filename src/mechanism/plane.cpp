@@ -44,9 +44,9 @@ bool fits(const Edge& edge, const Eigen::Vector3d& n_F) {
 
 }  // namespace
 
-Plane find_plane(const Scene& scene, const Graph& graph) {
+MotionPlane find_plane(const Scene& scene, const Graph& graph) {
   const auto name = [&](const Edge& edge) { return scene.joints[edge.scene_joint].name; };
-  const auto none = [](std::string why) { return Plane{.normals = {}, .why_not = std::move(why)}; };
+  const auto none = [](std::string why) { return MotionPlane{.normals = {}, .why_not = std::move(why)}; };
   for (const Edge& edge : graph.edges) {
     if (role(edge) != PlanarRole::never) continue;
     return none("joint " + name(edge) + " (" + std::string(kind_of(edge.joint).name) +
@@ -54,7 +54,7 @@ Plane find_plane(const Scene& scene, const Graph& graph) {
   }
   const auto start = candidate(graph);
   if (!start) return none("no joint axis defines a plane");
-  Plane plane;
+  MotionPlane plane;
   plane.normals.assign(graph.groups.size(), Eigen::Vector3d::Zero());
   const auto edges_of = graph.edges_of_groups();
   std::deque<int> open = {start->first};

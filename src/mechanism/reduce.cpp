@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mechanism/graph.h"
+#include "scene/shapes.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -30,6 +31,7 @@ std::string joints_in(const Scene& scene, const Graph& graph) {
 struct Reducer {
   const Scene& scene;
   std::vector<bool> observed;
+  std::vector<bool> touches;  // by body: whether it has shapes that can touch others
   const std::vector<bool>& rods_stay_bodies;
   ReducedScene out{};
 
@@ -42,6 +44,16 @@ struct Reducer {
   std::string observed_reaction(const Graph& graph) const {
     for (const Edge& edge : graph.edges) {
       if (observed[edge.scene_joint]) return scene.joints[edge.scene_joint].name;
+    }
+    return {};
+  }
+
+  // The name of a body with shapes that can touch others, or nothing.
+  std::string touching_body(const Graph& graph) const {
+    for (const Group& group : graph.groups) {
+      for (const int body : group.bodies) {
+        if (touches[static_cast<std::size_t>(body)]) return scene.bodies[static_cast<std::size_t>(body)].name;
+      }
     }
     return {};
   }
@@ -77,7 +89,10 @@ struct Reducer {
       return in_space("constraint " + scene.constraints[graph.contacts.front().constraint].name +
                       " requires spatial algebra");
     }
-    const Plane plane = find_plane(scene, graph);
+    if (const std::string body = touching_body(graph); !body.empty()) {
+      return in_space("the shapes of body " + body + " can touch others, which requires spatial algebra");
+    }
+    const MotionPlane plane = find_plane(scene, graph);
     if (plane.normals.empty()) return in_space(plane.why_not);
     Graph aligned = graph;
     align_to_plane(aligned, plane.normals);
@@ -136,7 +151,10 @@ struct Reducer {
 ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile) { return reduce(scene, immobile, {}); }
 
 ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const std::vector<bool>& rods_stay_bodies) {
-  Reducer reducer{.scene = scene, .observed = observed_reactions(scene), .rods_stay_bodies = rods_stay_bodies};
+  Reducer reducer{.scene = scene,
+                  .observed = observed_reactions(scene),
+                  .touches = bodies_that_touch(scene),
+                  .rods_stay_bodies = rods_stay_bodies};
   ReducedScene& out = reducer.out;
   out.bodies.resize(scene.bodies.size());
   out.joints.resize(scene.joints.size());
@@ -153,6 +171,7 @@ ReducedScene reduce(const Scene& scene, const ImmobileJoints& immobile, const st
   const Group& immobile_group = graph.groups[0];
   for (std::size_t i = 0; i < immobile_group.bodies.size(); ++i)
     out.bodies[immobile_group.bodies[i]] = {-1, 0, immobile_group.X_GB[i], -1};
+  add_shapes(scene, out);
   return std::move(reducer.out);
 }
 

@@ -89,6 +89,12 @@ class Pruner {
     std::vector<int> out;
     for (const BodyFrame& frame : element.frames) out.push_back(part_of(frame.body));
     for (const std::string& joint : element.joints) out.push_back(part_of_joint(joint));
+    for (const std::string& surface : element.surfaces) {
+      for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+        const auto has_it = [&](const BodyShape& shape) { return shape.surface == surface; };
+        if (std::ranges::any_of(scene_.bodies[b].shapes, has_it)) out.push_back(part_of_body_[b]);
+      }
+    }
     return out;
   }
   std::vector<int> touched(const Joint& joint) const {
@@ -156,6 +162,7 @@ class Pruner {
       spread(scene_.joints);
       spread(scene_.forces);
       spread(scene_.constraints);
+      spread(scene_.contacts);
     }
   }
 
@@ -190,6 +197,7 @@ class Pruner {
     drop(out.joints, kept.joints);
     drop(out.forces, kept.forces);
     drop(out.constraints, kept.constraints);
+    drop(out.contacts, kept.contacts);
     return out;
   }
 

@@ -13,6 +13,7 @@ Outputs::Outputs(const Scene& scene, const ReducedScene& reduced, const std::vec
     ports_.emplace_back(scene, reduced, sensor, kind_of(sensor.is).reads_reaction);
   }
   for (const Constraint& constraint : scene.constraints) constraints_.push_back(constraint.is);
+  for (const Contact& contact : scene.contacts) contacts_.push_back(contact.is);
   for (const Signal& signal : signals) {
     sources_.push_back(signal.level == 3   ? joint_force_source(signal, branching)
                        : signal.joint >= 0 ? joint_source(signal)
@@ -92,6 +93,15 @@ Outputs::Source Outputs::element_source(const Scene& scene, const Signal& signal
     const auto i = static_cast<std::size_t>(signal.element);
     out.kind = kind_of(scene.sensors[i].is).of_whole ? Kind::whole : Kind::sensor;
     out.island = out.kind == Kind::whole ? none : ports_[i].island;
+    return out;
+  }
+  if (signal.section == sections::contacts) {
+    const auto touches = [](const Mechanism& mechanism) { return !mechanism.shapes.empty(); };
+    const auto found = std::ranges::find_if(reduced_.islands, touches);
+    out.kind = found == reduced_.islands.end() ? Kind::constant : Kind::contact;
+    out.stage = Stage::acceleration;
+    out.island = found == reduced_.islands.end() ? none : static_cast<int>(found - reduced_.islands.begin());
+    out.sign = 0;
     return out;
   }
   out.island = reduced_.constraints[static_cast<std::size_t>(signal.element)].island;

@@ -24,6 +24,7 @@ struct ReadingOf {
   // Of each force with modes (Branching) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
+  const SeenContact* contacts = nullptr;  // by contact of the scene; null: nothing touches
 };
 using Reading = ReadingOf<double>;
 
@@ -71,6 +72,7 @@ class Outputs {
     sensor,
     whole,  // a sensor of the whole mechanism
     constraint,
+    contact,
   };
   struct Source {
     Kind kind = Kind::constant;
@@ -96,6 +98,7 @@ class Outputs {
   std::vector<AnySensor> sensors_;  // by sensor of the scene
   std::vector<PortPlaces> ports_;
   std::vector<AnyConstraint> constraints_;  // by constraint of the scene
+  std::vector<AnyContact> contacts_;        // by contact of the scene
 };
 
 }  // namespace gelenk

@@ -39,6 +39,11 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
       return sensor_value<T>(s, &reading.dynamics);
     case Kind::constraint:
       return constraint_value<T>(s, reading.dynamics);
+    case Kind::contact:
+      if (reading.contacts == nullptr) break;
+      return T(std::visit(
+          [&](const auto& contact) { return contact.output(reading.contacts[s.index], s.group, s.component); },
+          contacts_[static_cast<std::size_t>(s.index)]));
     case Kind::constant:
     case Kind::whole:
       break;

@@ -18,8 +18,17 @@
 #include "joint/registry.h"
 #include "math/spatial.h"
 #include "scene/unit_system.h"
+#include "shape/registry.h"
 
 namespace gelenk {
+
+// A shape fixed in a body or in the ground, whose frame is the world frame then.
+struct BodyShape {
+  std::string name;
+  AnyShape is;
+  Pose3 X_BS;           // of the shape's frame in the body's
+  std::string surface;  // to which contacts refer; empty: it touches nothing
+};
 
 struct Body {
   std::string name;
@@ -27,6 +36,7 @@ struct Body {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, in the body's frame B
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m2, about the center of mass, along B's axes
   std::optional<Pose3> pose;                          // X_WB in the reference configuration (`at:` joints)
+  std::vector<BodyShape> shapes;
 
   // All fields but the inertia matrix, which is read separately.
   static std::span<const Field> fields() {
@@ -83,7 +93,8 @@ struct ElementPlace {
   std::string name;
   std::vector<BodyFrame> frames;
   std::vector<std::string> joints;
-  std::string coordinate;  // coordinate of the first joint, if the kind has a coordinate
+  std::string coordinate;               // coordinate of the first joint, if the kind has a coordinate
+  std::vector<std::string> surfaces{};  // two, if the kind refers to surfaces
 };
 template <class Any>
 struct Element : ElementPlace {
@@ -92,6 +103,7 @@ struct Element : ElementPlace {
 using Motor = Element<AnyMotor>;
 using Force = Element<AnyForce>;
 using Constraint = Element<AnyConstraint>;
+using Contact = Element<AnyContact>;
 using Sensor = Element<AnySensor>;
 
 struct Experiment {
@@ -151,10 +163,12 @@ struct Scene {
   UnitSystem units;                                   // units of the numbers in this scene
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
   std::vector<Body> bodies;
+  std::vector<BodyShape> ground_shapes;
   std::vector<Joint> joints;
   std::vector<Motor> motors;
   std::vector<Force> forces;
   std::vector<Constraint> constraints;
+  std::vector<Contact> contacts;
   std::vector<Sensor> sensors;
   std::vector<std::string> parameters;  // paths of the FMU's parameters, such as "crank.mass"
   std::vector<std::string> outputs;     // names and patterns of the wanted outputs (wanted_outputs.h); empty: all
@@ -175,11 +189,13 @@ inline constexpr Section motors_section = {"motors", "Motors, each an input.", "
 inline constexpr Section forces_section = {"forces", "Springs, dampers, loads."};
 inline constexpr Section constraints_section = {
     "constraints", "Constraints in addition to those of joints: prescribed motions, gears, rolling."};
+inline constexpr Section contacts_section = {
+    "contacts", "Contacts between shapes: friction and restitution by pairs of surfaces.", "contact"};
 inline constexpr Section sensors_section = {"sensors", "Outputs in addition to the joints' states."};
 
 // Indices of the sections in the order of each_section().
 namespace sections {
-inline constexpr int motors = 0, forces = 1, constraints = 2, sensors = 3;
+inline constexpr int motors = 0, forces = 1, constraints = 2, contacts = 3, sensors = 4;
 }
 
 // Calls visit(section, elements) for each section of elements.
@@ -188,6 +204,7 @@ void each_section(S& scene, Visit&& visit) {
   visit(motors_section, scene.motors);
   visit(forces_section, scene.forces);
   visit(constraints_section, scene.constraints);
+  visit(contacts_section, scene.contacts);
   visit(sensors_section, scene.sensors);
 }
 

@@ -261,6 +261,7 @@ void take_tunables(Scene& scene, const Scene& from) {
   take(scene.motors, from.motors);
   take(scene.forces, from.forces);
   take(scene.constraints, from.constraints);
+  take(scene.contacts, from.contacts);
 }
 
 }  // namespace gelenk

@@ -140,6 +140,7 @@ std::vector<Signal> output_signals(const Scene& scene) {
   add_section(signals, scene, sections::motors, scene.motors, groups);
   add_section(signals, scene, sections::forces, scene.forces, groups);
   add_section(signals, scene, sections::constraints, scene.constraints, groups);
+  add_section(signals, scene, sections::contacts, scene.contacts, groups);
   return signals;
 }
 

@@ -8,6 +8,7 @@
 
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
+#include "scene/shapes.h"
 
 namespace gelenk {
 namespace {
@@ -74,6 +75,7 @@ double size_of_bodies(const Scene& scene) {
   for (const Body& body : scene.bodies) {
     out.add(body.com.norm());
     if (body.mass > 0) out.add(std::sqrt(body.inertia.trace() / body.mass));
+    for (const BodyShape& shape : body.shapes) out.add(size_of(shape.is));
   }
   for (const Joint& joint : scene.joints) {
     for (const BodyFrame* frame : {&joint.parent, &joint.child}) out.add(*frame, false);
@@ -103,6 +105,7 @@ class Converter {
   void convert(Scene& scene) const {
     scene.gravity *= length_;
     for (Body& body : scene.bodies) convert(body);
+    for (BodyShape& shape : scene.ground_shapes) convert(shape);
     for (Joint& joint : scene.joints) convert(joint);
     each_section(scene, [&](const Section&, auto& elements) {
       for (auto& element : elements) {
@@ -119,8 +122,14 @@ class Converter {
     each_number(fields, element, [&](const Number& x) { *x.value /= units_.size_of(x.unit(coordinate)); });
   }
 
+  void convert(BodyShape& shape) const {
+    shape.X_BS.p *= length_;
+    scale(shape.is, length_);
+  }
+
   void convert(Body& body) const {
     convert(Body::fields(), &body, {});
+    for (BodyShape& shape : body.shapes) convert(shape);
     body.inertia *= mass_ * length_ * length_;
     if (body.pose) body.pose->p *= length_;
   }

@@ -28,7 +28,8 @@ inline const std::vector<std::string> formulations = {
     "projection",           "baumgarte",   "udwadia-kalaba", "penalty",
     "augmented-lagrangian", "independent", "index3",         "stabilized-index2"};
 inline const std::vector<std::string> integrators = {
-    "auto", "ida", "erk", "rk4", "euler", "cvode", "cvode-adams", "dirk", "generalized-alpha", "hht", "newmark"};
+    "auto", "ida",     "erk",        "rk4", "euler", "cvode", "cvode-adams", "dirk", "generalized-alpha",
+    "hht",  "newmark", "moreau-jean"};
 // Initial state of a run: the start values, or the equilibrium found from them.
 inline const std::vector<std::string> starts = {"as_given", "equilibrium"};
 // Integrators that a formulation can be combined with; formulations not listed here permit all.

@@ -6,7 +6,6 @@
 
 #include "check/check.h"
 #include "scene_file/frames.h"
-#include "scene_file/schema_parts.h"
 #include "util/text.h"
 
 namespace gelenk {

@@ -38,7 +38,4 @@ std::string write_scene_json(const Scene& scene);
 // combination (moments of inertia), after numbers were changed. Throws SceneError.
 Scene checked(const Scene& scene);
 
-// Returns the JSON Schema (draft 2020-12) of scene files, generated from the registries of joints and elements.
-std::string scene_schema();
-
 }  // namespace gelenk

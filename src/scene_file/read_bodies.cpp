@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/shapes.h"
 #include "scene_file/element_fields.h"
 #include "scene_file/reader.h"
 
@@ -25,6 +26,23 @@ Eigen::Matrix3d read_inertia(const Json& value, const std::string& path, Faults&
   return I;
 }
 
+// Reads {density: d}: mass, center of mass and inertia are those of the shapes.
+void read_density(const Json& value, Fields& of_body, Body& body) {
+  Faults& faults = of_body.faults();
+  Fields fields(value, of_body.path("mass"), faults, "a number in kg, or {density: number in kg/m3}");
+  const double density = fields.required_number("density", "kg/m3", Range::positive);
+  fields.done();
+  for (const char* other : {"com", "inertia"}) {
+    if (of_body.find(other) != nullptr)
+      faults.add(of_body.path(other), "a value beside a density", "none: it is that of the shapes");
+  }
+  const MassProperties of = mass_properties(body.shapes);
+  if (!(of.volume > 0)) faults.add(of_body.path("mass"), "a density without shapes", "shapes of finite size");
+  body.mass = density * of.volume;
+  body.com = of.center;
+  body.inertia = density * of.inertia;
+}
+
 }  // namespace
 
 void read_bodies(const Json& section, Reader& reader) {
@@ -32,10 +50,16 @@ void read_bodies(const Json& section, Reader& reader) {
   each_entry(section, "bodies", faults, [&](const std::string& name, const Json& value, const std::string& path) {
     Body body;
     body.name = name;
-    Fields fields(value, path, faults, "a mapping with mass, com, inertia, pose");
-    read_fields(fields, Body::fields(), &body, {});
-    if (const Json* inertia = fields.find("inertia")) {
-      body.inertia = read_inertia(*inertia, fields.path("inertia"), faults);
+    Fields fields(value, path, faults, "a mapping with mass, com, inertia, pose, shapes");
+    if (const Json* shapes = fields.find("shapes")) body.shapes = read_shapes(*shapes, fields.path("shapes"), faults);
+    const Json* mass = fields.find("mass");
+    if (mass != nullptr && mass->is_object()) {
+      read_density(*mass, fields, body);
+    } else {
+      read_fields(fields, Body::fields(), &body, {});
+      if (const Json* inertia = fields.find("inertia")) {
+        body.inertia = read_inertia(*inertia, fields.path("inertia"), faults);
+      }
     }
     if (const Json* pose = fields.find("pose")) {
       Fields inner(*pose, fields.path("pose"), faults, "{position, rotation}");
@@ -45,6 +69,13 @@ void read_bodies(const Json& section, Reader& reader) {
     fields.done();
     reader.scene.bodies.push_back(std::move(body));
   });
+}
+
+void read_ground(const Json& section, Reader& reader) {
+  Fields fields(section, ground, reader.faults, "a mapping with shapes");
+  if (const Json* shapes = fields.find("shapes"))
+    reader.scene.ground_shapes = read_shapes(*shapes, fields.path("shapes"), reader.faults);
+  fields.done();
 }
 
 }  // namespace gelenk

@@ -60,9 +60,31 @@ BodyFrame read_frame(Fields& fields, const Port& port, Reader& reader) {
   return frame;
 }
 
+// Reads the names of two surfaces.
+std::vector<std::string> read_surfaces(Fields& fields, const Port& port) {
+  const std::string key(port.name);
+  constexpr const char* expected = "the names of two surfaces, such as [wood, steel]";
+  const Json* value = fields.require(key, expected);
+  if (value == nullptr) return {"", ""};
+  if (!value->is_array() || value->size() != 2) {
+    fields.faults().add(fields.path(key), shown(*value), expected);
+    return {"", ""};
+  }
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string path = fields.path(key) + "[" + std::to_string(i + 1) + "]";
+    out.push_back(read_text((*value)[i], path, fields.faults(), "the name of a surface").value_or(""));
+  }
+  return out;
+}
+
 void read_ports(Fields& fields, const ElementKind& kind, Reader& reader, ElementPlace& element) {
   for (const Port& port : kind.ports) {
-    if (port.kind != Port::Kind::joint) {
+    if (port.kind == Port::Kind::surfaces) {
+      element.surfaces = read_surfaces(fields, port);
+      continue;
+    }
+    if (port.is_frame()) {
       element.frames.push_back(read_frame(fields, port, reader));
       continue;
     }

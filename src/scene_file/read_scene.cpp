@@ -56,6 +56,7 @@ void read_sections(Fields& fields, Scene& scene, SuspectNames& suspect_names) {
   if (bodies != nullptr && bodies->is_object()) reader.bodies = {ground};
   for (std::string& name : keys(bodies)) reader.bodies.push_back(std::move(name));
   if (bodies != nullptr) read_bodies(*bodies, reader);
+  if (const Json* shapes = fields.find(ground)) read_ground(*shapes, reader);
   if (joints != nullptr) read_joints(*joints, reader);
   read_elements(fields, reader);
   constexpr std::pair<const char*, Read> rest[] = {{"parameters", read_parameters},

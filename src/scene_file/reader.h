@@ -27,6 +27,10 @@ struct Reader {
 Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults);
 
 void read_bodies(const Json& section, Reader& reader);
+// Reads the shapes of the ground: {shapes: {...}}.
+void read_ground(const Json& section, Reader& reader);
+// Reads {name: {sphere: 0.1, position: [..], surface: wood}, ...}. path: that of the mapping.
+std::vector<BodyShape> read_shapes(const Json& value, const std::string& path, Faults& faults);
 void read_joints(const Json& section, Reader& reader);
 // Reads all sections of elements.
 void read_elements(Fields& sections, Reader& reader);

@@ -34,6 +34,32 @@ Json point(const BodyFrame& frame) {
   return out;
 }
 
+template <class Element>
+Json section(const std::vector<Element>& elements, Json (*write)(const Element&)) {
+  Json out = Json::object();
+  for (const Element& element : elements) out[element.name] = write(element);
+  return out;
+}
+
+// Writes a shape under the name of its kind: {sphere: 0.1, position: [..], surface: wood}.
+Json shape(const BodyShape& shape) {
+  const ShapeKind& kind = kind_of(shape.is);
+  Json out;
+  Json& dimensions = out[std::string(kind.kind)];
+  if (kind.of_points) {
+    dimensions = Json::array();
+    for (const Eigen::Vector3d& point : points_of(shape.is)) dimensions.push_back(numbers_of(point));
+  } else if (!kind.bounded) {
+    dimensions = {0, 0, 1};
+  } else {
+    write_fields(dimensions, kind.fields, data_of(shape.is));
+    if (kind.fields.size() == 1) dimensions = Json(dimensions.front());
+  }
+  add_pose(out, shape.X_BS);
+  if (!shape.surface.empty()) out["surface"] = shape.surface;
+  return out;
+}
+
 Json body(const Body& body) {
   const Eigen::Matrix3d& I = body.inertia;
   Json out;
@@ -44,6 +70,7 @@ Json body(const Body& body) {
     out["pose"] = Json::object();
     add_pose(out["pose"], *body.pose);
   }
+  if (!body.shapes.empty()) out["shapes"] = section(body.shapes, shape);
   return out;
 }
 
@@ -125,6 +152,10 @@ Json element(const ElementPlace& element, const ElementKind& kind, const void* d
   std::size_t joints = 0;
   for (const Port& port : kind.ports) {
     const std::string name(port.name);
+    if (port.kind == Port::Kind::surfaces) {
+      out[name] = element.surfaces;
+      continue;
+    }
     if (port.kind == Port::Kind::joint) {
       const std::string& joint = element.joints.at(joints++);
       if (!joint.empty()) out[name] = joint;
@@ -142,13 +173,6 @@ Json element(const ElementPlace& element, const ElementKind& kind, const void* d
     }
   }
   write_fields(out, kind.fields, data);
-  return out;
-}
-
-template <class Element>
-Json section(const std::vector<Element>& elements, Json (*write)(const Element&)) {
-  Json out = Json::object();
-  for (const Element& element : elements) out[element.name] = write(element);
   return out;
 }
 
@@ -181,6 +205,7 @@ std::string write_scene_json(const Scene& scene) {
   out["gelenk"] = scene_version;
   out["name"] = scene.name;
   out["gravity"] = numbers_of(scene.gravity);
+  if (!scene.ground_shapes.empty()) out["ground"]["shapes"] = section(scene.ground_shapes, shape);
   out["bodies"] = section(scene.bodies, body);
   out["joints"] = section(scene.joints, joint);
   each_section(scene, [&](const Section& of, const auto& elements) {

@@ -30,7 +30,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
       prepared_(std::move(prepared)),
       loads_(std::move(loads)),
       dynamics_(make_dynamics(prepared_.mechanism, loads_, !scene.solver.reduces(Reduction::outputs))),
-      equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_,
+      equations_(make_formulation(scene.solver.formulation, {prepared_.mechanism, *dynamics_, u, events_, loads_,
                                                              options_of(scene, prepared_.mobility)})),
       time_(time),
       y_(prepared_.start.q),
@@ -220,6 +220,7 @@ void Island::realize(Stage stage) {
   }
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
+  if (stage == Stage::acceleration) contacts_ = equations_->impulses()->seen();
   realized_ = stage;
 }
 
@@ -231,7 +232,8 @@ Reading Island::reading() const {
           equations_->revolutions().coordinates().data(),
           equations_->revolutions().speeds().data(),
           equations_->modes().recorded_forces().data(),
-          equations_->modes().recorded_sides().data()};
+          equations_->modes().recorded_sides().data(),
+          contacts_};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

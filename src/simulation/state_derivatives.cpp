@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/independent_columns.h"
+#include "contact/contact_finder.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "simulation/simulation_impl.h"
@@ -110,6 +111,19 @@ std::string describe_mode_boundary(const Scene& scene, const Island& island, int
          " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
 }
 
+// Derivatives do not know the forces of contacts.
+void refuse_closed_contacts(const Scene& scene, const std::vector<std::unique_ptr<Island>>& islands) {
+  for (const auto& island : islands) {
+    if (island->prepared().mechanism.shapes.empty()) continue;
+    island->realize(Stage::velocity);
+    const int closed = closed_contact(island->prepared().mechanism, island->reading().dynamics, scene.contacts.size());
+    if (closed < 0) continue;
+    throw NotDifferentiable("t = " + text::rounded(island->time()) + " s: contacts." +
+                            scene.contacts[static_cast<std::size_t>(closed)].name +
+                            " is closed: derivatives exist for open contacts only");
+  }
+}
+
 }  // namespace
 
 const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
@@ -156,6 +170,7 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());
   }
+  refuse_closed_contacts(s.scene, s.islands);
   try {
     s.u.go_to(s.time);
     return evaluate(*s.sensitivity);

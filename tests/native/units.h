@@ -14,10 +14,17 @@ namespace native {
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;
 
+// Calls of malloc and operator new in this module so far.
+long allocations();
+
+void bind_cones(nanobind::module_& m);
 void bind_box_complementarity(nanobind::module_& m);
+void bind_contacts(nanobind::module_& m);
 void bind_descent(nanobind::module_& m);
 void bind_factors(nanobind::module_& m);
+void bind_shapes(nanobind::module_& m);
 void bind_whitened_rows(nanobind::module_& m);
+void bind_sweep_and_prune(nanobind::module_& m);
 void bind_times(nanobind::module_& m);
 
 }  // namespace native

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "scene_file/read.h"
+#include "scene_schema/schema.h"
 
 int main(int argc, char** argv) try {
   if (argc != 2) {

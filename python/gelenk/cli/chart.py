@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from gelenk.chart import work_precision as work_precision_study
 
 app = typer.Typer(
-    help="Plot work-precision diagrams and stability maps of the solver methods.",
+    help="Plot work-precision diagrams and stability maps of the solver methods, the work of cone solvers.",
     no_args_is_help=True,
     rich_markup_mode=None,  # as in the main application
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -217,4 +217,39 @@ def stability(
     return Report(
         f"{tables.counts(found)}\n{', '.join(files)}",
         {"runs": len(found.runs), "outcomes": outcomes, "files": files},
+    )
+
+
+@app.command("cones")
+@command
+def cones(
+    solvers: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SOLVER]...", help="`hybrid`, `p-spg-fb`, ...; default: all."),
+    ] = None,
+    exact_coulomb: Annotated[
+        bool, typer.Option("--coulomb", help="Solve Coulomb's law instead of the convex problems.")
+    ] = False,
+    output: Output = Path("charts"),
+    quick: Annotated[bool, typer.Option("--quick", help="Solve twelve of the hundred problems.")] = False,
+) -> Report:
+    """Plot the work of the cone solvers against their residual.
+
+    They solve a hundred problems of frictional contact with known solutions.
+    """
+    from gelenk.chart import cones as cone_study
+    from gelenk.chart import draw_cones
+    from gelenk.chart.cone_problems import COUNT
+
+    pyplot()  # reports missing matplotlib before anything is run
+    with status_line(sys.stderr) as progress:
+        runs = cone_study.study(solvers, range(12 if quick else COUNT), exact_coulomb, progress)
+    output.mkdir(parents=True, exist_ok=True)
+    name = "cones-coulomb" if exact_coulomb else "cones"
+    table, picture = output / f"{name}.csv", output / f"{name}.png"
+    cone_study.write(runs, table)
+    draw_cones.draw(runs, picture, exact_coulomb)
+    return Report(
+        f"{cone_study.table(runs)}\n{table}, {picture}",
+        {"runs": len(runs), "files": [str(table), str(picture)]},
     )

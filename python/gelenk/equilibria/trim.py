@@ -161,6 +161,8 @@ def equilibrium(
         check_names(solve_for, plant.inputs, "input")
         wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
         scene = plant.scene
+        if scene is not None and scene.to_dict().get("contacts"):
+            raise UsageError("found a scene with contacts, expected one without: they are not part of equilibria yet")
         if steady is None and friction == "present":
             if scene is None:
                 raise UsageError("friction: found 'present' with an FMU of another tool, expected 'off'")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene_file/schema_parts.h"
+#include "scene_schema/schema_parts.h"
 
 namespace gelenk::schema {
 

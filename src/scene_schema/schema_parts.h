@@ -39,6 +39,9 @@ Json joint_numbers(const JointKind& kind, std::vector<std::string>& required);
 Json elements(const Section& section, const std::vector<Motor>&);
 Json elements(const Section& section, const std::vector<Force>&);
 Json elements(const Section& section, const std::vector<Constraint>&);
+Json elements(const Section& section, const std::vector<Contact>&);
 Json elements(const Section& section, const std::vector<Sensor>&);
+// Schema of a mapping from names to shapes.
+Json shapes();
 
 }  // namespace gelenk::schema

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // JSON Schema of scene files: fields, types, sizes, signs. References to names, inertias and everything else that
 // requires arithmetic are checked by the reader only.
+#include "scene_schema/schema.h"
+
 #include <limits>
 
 #include "joint/registry.h"
 #include "scene/quantity_groups.h"
 #include "scene/words.h"
 #include "scene_file/read.h"
-#include "scene_file/schema_parts.h"
+#include "scene_schema/schema_parts.h"
 
 namespace gelenk {
 namespace {
@@ -53,6 +55,7 @@ Json body() {
   Json fields = properties(Body::fields(), &plain, nullptr, required);
   fields["inertia"] = inertia;
   fields["pose"] = object(pose_fields(), {});
+  fields["shapes"] = reference("shapes");
   Json out = object(fields, required);
   out["properties"]["pose"]["description"] =
       "Pose in the world at the reference configuration, for joints given by 'at'.";
@@ -129,6 +132,7 @@ Json definitions() {
   out["rotation"] = rotation();
   out["frame"] = frame(true);
   out["point"] = frame(false);
+  out["shapes"] = shapes();
   for (const JointKind& kind : joint_kinds()) out["joint_" + std::string(kind.name)] = joint(kind);
   return out;
 }
@@ -220,6 +224,8 @@ std::string scene_schema() {
   fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
   fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
+  fields["ground"] = object({{"shapes", reference("shapes")}}, {});
+  fields["ground"]["description"] = "Shapes that do not move.";
   fields["joints"] =
       section(any_joint(), "Joints, the edges of the mechanism's graph, which may contain closed loops.", true);
   const Scene nothing;

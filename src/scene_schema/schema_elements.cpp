@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "scene_file/element_fields.h"
-#include "scene_file/schema_parts.h"
+#include "scene_schema/schema_parts.h"
 #include "util/text.h"
 
 namespace gelenk::schema {
@@ -159,6 +159,13 @@ void add_port(const Port& port, Json& fields, std::vector<std::string>& required
       fields[name] = schema::string("Name of a joint: " + text);
       if (port.has_coordinate)
         fields["coordinate"] = schema::string("Name of the coordinate, if the joint has several");
+      break;
+    case Port::Kind::surfaces:
+      fields[name] = {{"type", "array"},
+                      {"items", schema::string("Name of a surface")},
+                      {"minItems", 2},
+                      {"maxItems", 2},
+                      {"description", text}};
   }
   if (!port.optional) required.push_back(name);
 }
@@ -190,6 +197,39 @@ Json elements(const Section& section) {
 Json elements(const Section& section, const std::vector<Motor>&) { return elements<AnyMotor>(section); }
 Json elements(const Section& section, const std::vector<Force>&) { return elements<AnyForce>(section); }
 Json elements(const Section& section, const std::vector<Constraint>&) { return elements<AnyConstraint>(section); }
+Json elements(const Section& section, const std::vector<Contact>&) { return elements<AnyContact>(section); }
 Json elements(const Section& section, const std::vector<Sensor>&) { return elements<AnySensor>(section); }
+
+Json shapes() {
+  Json fields = {
+      {"position", list(3, "m", "Origin of its frame in the body")},
+      {"rotation", reference("rotation")},
+      {"surface", schema::string("Name of its surface, to which contacts refer; it touches nothing if not given")}};
+  Json kinds = Json::array();
+  for (std::size_t n = 0; n < shape_kinds().size(); ++n) {
+    const ShapeKind& kind = shape_kinds()[n];
+    const std::string name(kind.kind);
+    std::vector<std::string> required;
+    const AnyShape plain = make_shape(n);
+    Json own = properties(kind.fields, data_of(plain), nullptr, required);
+    if (kind.of_points) {
+      own = {{"type", "array"}, {"items", list(3, "m", "A point")}, {"minItems", 4}};
+    } else if (!kind.bounded) {
+      own = list(3, "", "Outward normal of the surface");
+    } else if (kind.fields.size() == 1) {
+      own = Json(own.front());
+    } else {
+      own = object(own, required);
+    }
+    own["description"] = sentence(std::string(kind.summary)) +
+                         (own.contains("description") ? ": " + own["description"].get<std::string>() : "");
+    fields[name] = std::move(own);
+    kinds.push_back({{"required", {name}}});
+  }
+  Json shape = object(fields, {});
+  shape["oneOf"] = kinds;
+  return schema::section(
+      shape, "Shapes, which give the body its picture, its mass if a density is given, and its contacts.", false);
+}
 
 }  // namespace gelenk::schema

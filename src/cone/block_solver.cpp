@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cone/block_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "cone/dense_factor.h"
+#include "cone/projection.h"
+
+namespace gelenk {
+namespace {
+
+using Block = std::array<double, Cone::max_size>;
+
+constexpr int max_steps = 30;
+constexpr double regularization = 1e-12;
+constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+
+// An iterate: x, u = W x + q, z = x - u - s(u) and F = x - P_K(z).
+struct Iterate {
+  Block x{}, u{}, z{}, F{};
+  double merit = 0;  // squared norm of F
+};
+
+class BlockProblem {
+ public:
+  BlockProblem(const Cone& cone, const double* W, const double* q, bool exact)
+      : cone_(cone), W_(W), q_(q), n_(static_cast<std::size_t>(cone.size())), exact_(exact && !cone.interval) {}
+
+  void evaluate(Iterate& at) const {
+    for (std::size_t i = 0; i < n_; ++i) {
+      at.u[i] = q_[i];
+      for (std::size_t j = 0; j < n_; ++j) at.u[i] += W_[i * n_ + j] * at.x[j];
+      at.z[i] = at.x[i] - at.u[i];
+    }
+    if (exact_) at.z[0] -= lift(at.u, nullptr);
+    project(cone_, at.z.data(), at.F.data());
+    at.merit = 0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      at.F[i] = at.x[i] - at.F[i];
+      at.merit += at.F[i] * at.F[i];
+    }
+  }
+
+  // What rounding leaves of the norm of F.
+  double floor(const Iterate& at) const {
+    double largest = 0;
+    for (std::size_t i = 0; i < n_; ++i) largest = std::max(largest, std::abs(at.x[i]) + std::abs(q_[i]));
+    return rounding * largest;
+  }
+
+  // x <- x + the Newton step
+  Iterate newton(const Iterate& at) const {
+    Block sigma{};
+    if (exact_) lift(at.u, sigma.data());
+    ProjectionModes modes;
+    projection_modes(cone_, at.z.data(), modes);
+    const auto count = static_cast<std::size_t>(modes.count);
+    Block step{}, y{};
+    for (std::size_t i = 0; i < n_; ++i) step[i] = -at.F[i];
+    for (std::size_t k = 0; k < count; ++k) {
+      double along = 0;
+      for (std::size_t i = 0; i < n_; ++i) along += modes.q[k][i] * at.F[i];
+      y[k] = -along / modes.lambda[k];
+      for (std::size_t i = 0; i < n_; ++i) step[i] += modes.q[k][i] * along;
+    }
+    std::array<double, Cone::max_block> A{};
+    const Block change = lifted_product(step, sigma);
+    for (std::size_t r = 0; r < count; ++r) {
+      for (std::size_t i = 0; i < n_; ++i) y[r] -= modes.q[r][i] * change[i];
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const Block column = lifted_product(modes.q[k], sigma);
+      for (std::size_t r = 0; r < count; ++r) {
+        for (std::size_t i = 0; i < n_; ++i) A[k * count + r] += modes.q[r][i] * column[i];
+      }
+      A[k * count + k] += 1 / modes.lambda[k] - 1 + regularization;
+    }
+    std::array<int, Cone::max_size> pivots{};
+    const ConeMatrix matrix(A.data(), modes.count, modes.count);
+    factorize_general(matrix, pivots.data(), regularization);
+    solve_general(matrix, pivots.data(), ConeVector(y.data(), modes.count));
+    Iterate out = at;
+    for (std::size_t i = 0; i < n_; ++i) {
+      for (std::size_t k = 0; k < count; ++k) step[i] += modes.q[k][i] * y[k];
+      out.x[i] += step[i];
+    }
+    return out;
+  }
+
+  // x <- P_K(x - (u + s) / trace W)
+  Iterate projected_gradient(const Iterate& at) const {
+    double trace = 0;
+    for (std::size_t i = 0; i < n_; ++i) trace += W_[i * n_ + i];
+    const double length = trace > 0 ? 1 / trace : 1;
+    Iterate out = at;
+    for (std::size_t i = 0; i < n_; ++i) out.z[i] = at.x[i] + length * (at.z[i] - at.x[i]);
+    project(cone_, out.z.data(), out.x.data());
+    return out;
+  }
+
+ private:
+  // s(u), and its derivative if that is not null.
+  double lift(const Block& u, double* sigma) const {
+    double sum = 0;
+    for (const ConeGroup& group : cone_.limited()) {
+      double square = 0;
+      for (int i = group.offset; i < group.offset + group.size; ++i) square += u[at(i)] * u[at(i)];
+      const double length = std::sqrt(square);
+      sum += group.coefficient * length;
+      if (!sigma || length == 0) continue;
+      for (int i = group.offset; i < group.offset + group.size; ++i) sigma[i] = group.coefficient * u[at(i)] / length;
+    }
+    return sum;
+  }
+  // (1 + S) W v
+  Block lifted_product(const Block& v, const Block& sigma) const {
+    Block out{};
+    for (std::size_t i = 0; i < n_; ++i) {
+      for (std::size_t j = 0; j < n_; ++j) out[i] += W_[i * n_ + j] * v[j];
+    }
+    for (std::size_t i = 1; i < n_; ++i) out[0] += sigma[i] * out[i];
+    return out;
+  }
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  const Cone& cone_;
+  const double* W_;
+  const double* q_;
+  std::size_t n_;
+  bool exact_;
+};
+
+}  // namespace
+
+void solve_block(const Cone& cone, const double* W, const double* q, bool exact, double* x) {
+  const BlockProblem problem(cone, W, q, exact);
+  Iterate at;
+  std::copy_n(x, cone.size(), at.x.begin());
+  problem.evaluate(at);
+  for (int k = 0; k < max_steps; ++k) {
+    const double floor = problem.floor(at);
+    if (!(at.merit > floor * floor)) break;
+    Iterate next = problem.newton(at);
+    problem.evaluate(next);
+    if (!(next.merit < 0.8 * at.merit)) {
+      next = problem.projected_gradient(at);
+      problem.evaluate(next);
+    }
+    at = next;
+  }
+  project(cone, at.x.data(), x);
+}
+
+}  // namespace gelenk

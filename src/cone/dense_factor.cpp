@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cone/dense_factor.h"
+
+#include <cmath>
+#include <utility>
+
+namespace gelenk {
+
+using Eigen::Index;
+
+void factorize_symmetric(ConeMatrix A, double least_pivot) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    if (!(A(j, j) >= least_pivot)) A(j, j) = least_pivot;
+    const double inverse = 1 / A(j, j);
+    const Index below = n - j - 1;
+    double* column = &A(j, j) + 1;
+    for (Index c = 0; c < below; ++c) {
+      const double factor = column[c] * inverse;
+      if (factor == 0) continue;
+      double* target = &A(j + 1 + c, j + 1 + c);
+      const double* source = column + c;
+      for (Index i = 0; i < below - c; ++i) target[i] -= factor * source[i];
+    }
+    for (Index i = 0; i < below; ++i) column[i] *= inverse;
+  }
+}
+
+void solve_symmetric(const ConeMatrix& A, ConeVector x) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    const double value = x[j];
+    for (Index i = j + 1; i < n; ++i) x[i] -= A(i, j) * value;
+  }
+  for (Index j = n - 1; j >= 0; --j) {
+    double sum = x[j] / A(j, j);
+    for (Index i = j + 1; i < n; ++i) sum -= A(i, j) * x[i];
+    x[j] = sum;
+  }
+}
+
+namespace {
+
+// Exchanges row j with that of the largest entry below the diagonal of column j; returns the latter's number.
+Index exchange_rows(ConeMatrix& A, Index j) {
+  Index pivot = j;
+  for (Index i = j + 1; i < A.rows(); ++i) {
+    if (std::abs(A(i, j)) > std::abs(A(pivot, j))) pivot = i;
+  }
+  if (pivot != j) {
+    for (Index c = 0; c < A.cols(); ++c) std::swap(A(j, c), A(pivot, c));
+  }
+  return pivot;
+}
+
+}  // namespace
+
+void factorize_general(ConeMatrix A, int* pivots, double least_pivot) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    pivots[j] = static_cast<int>(exchange_rows(A, j));
+    if (!(std::abs(A(j, j)) >= least_pivot)) A(j, j) = A(j, j) < 0 ? -least_pivot : least_pivot;
+    const double inverse = 1 / A(j, j);
+    double* column = &A(j, j) + 1;
+    const Index below = n - j - 1;
+    for (Index i = 0; i < below; ++i) column[i] *= inverse;
+    for (Index c = j + 1; c < n; ++c) {
+      const double factor = A(j, c);
+      double* target = &A(j, c) + 1;
+      for (Index i = 0; i < below; ++i) target[i] -= factor * column[i];
+    }
+  }
+}
+
+void solve_general(const ConeMatrix& A, const int* pivots, ConeVector x) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    if (pivots[j] != j) std::swap(x[j], x[pivots[j]]);
+  }
+  for (Index j = 0; j < n; ++j) {
+    const double value = x[j];
+    for (Index i = j + 1; i < n; ++i) x[i] -= A(i, j) * value;
+  }
+  for (Index j = n - 1; j >= 0; --j) {
+    x[j] /= A(j, j);
+    const double value = x[j];
+    for (Index i = 0; i < j; ++i) x[i] -= A(i, j) * value;
+  }
+}
+
+}  // namespace gelenk

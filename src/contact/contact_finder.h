@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The points at which shapes of a mechanism touch or nearly do.
+#pragma once
+
+#include <Eigen/Core>
+#include <tuple>
+#include <vector>
+
+#include "collision/contacts.h"
+#include "collision/sweep_and_prune.h"
+#include "dynamics/dynamics.h"
+
+namespace gelenk {
+
+// A point of contact of two shapes of Mechanism::shapes; a has the first surface of the contact of the scene.
+struct TouchPoint {
+  int a = 0, b = 0;
+  int contact = 0;                                    // of the scene
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();        // m, in the root frame
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from a to b, in the root frame
+  double gap = 0;                                     // m
+  int feature = 0;                                    // number of the touching features; the same while they touch
+
+  // Identifies the point from one step to the next.
+  std::tuple<int, int, int> key() const { return {a, b, feature}; }
+};
+
+class ContactFinder {
+ public:
+  explicit ContactFinder(const Mechanism& mechanism);
+
+  // All points with a gap of at most the reach of both shapes, ordered by their keys. readings: of dynamics, after
+  // set_root_poses() and set_velocity(). A shape reaches as far as it moves in `time` [s] with `speed` [m/s] more than
+  // its present speed, and `distance` [m] further.
+  const std::vector<TouchPoint>& find(const Readings<double>& readings, double time, double speed, double distance);
+  // The smallest gap of each contact of the scene; infinite if it has no pair of shapes.
+  void smallest_gaps(const Readings<double>& readings, std::vector<double>& gaps);
+
+  const Pose3& pose(int shape) const { return poses_[static_cast<std::size_t>(shape)]; }
+
+ private:
+  void place(const Readings<double>& readings);
+  void add_points(int a, int b);
+  // The contact between two shapes; -1: they cannot touch.
+  int contact_of(int a, int b) const;
+
+  const Mechanism& mechanism_;
+  std::vector<Pose3> poses_;   // X_0S
+  std::vector<double> reach_;  // m
+  std::vector<Aabb> boxes_;
+  SweepAndPrune broad_phase_;
+  std::vector<TouchPoint> points_;
+};
+
+// Gaps up to this are contact [natural units of length]: rounding of positions, far below what can be measured.
+inline constexpr double touch_tolerance = 1e-10;
+
+// The first contact of the scene that is closed at the present position of `dynamics`, after set_root_poses(); -1:
+// none.
+int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts);
+
+}  // namespace gelenk

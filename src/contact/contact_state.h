@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a time-stepping scheme remembers of contacts from one step to the next: the impulses at the points of contact,
+// from which the next step starts, and the wrenches that outputs show.
+#pragma once
+
+#include <Eigen/Core>
+#include <tuple>
+#include <vector>
+
+#include "contact/contact_finder.h"
+#include "util/archive.h"
+
+namespace gelenk {
+
+// A point that was in contact in the last step.
+struct RememberedContact {
+  int a = 0, b = 0, feature = 0;
+  bool slides = false;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N, on b, in the root frame: the mean over the step
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // N m
+
+  std::tuple<int, int, int> key() const { return {a, b, feature}; }
+};
+
+struct ContactState {
+  std::vector<RememberedContact> contacts;  // ordered by their keys
+  std::vector<double> forces_along;         // by lock: force of friction and limits [N m, N]
+  std::vector<Spatial::Force> wrenches;     // by link, about and in the root frame: of all contacts
+  std::vector<double> along;                // by velocity: generalized forces of friction and limits
+  std::vector<SeenContact> seen;            // by contact of the scene: force and mode
+
+  const RememberedContact* find(const TouchPoint& point) const;
+  // Saves or restores it. shapes: number of shapes of the mechanism.
+  void serialize(Archive& archive, int shapes);
+};
+
+}  // namespace gelenk

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The time-stepping scheme of Moreau and Jean (Jean 1999; Acary & Brogliato 2008, ch. 10): one step of length h of a
+// mechanism whose velocities may jump. With the middle position q_m = q + h/2 v,
+//
+//   M (v' - v) = h f(q_m, (v + v')/2) + J^T Lambda + R^T x,     q' = q_m + h/2 v'
+//
+// where the impulses x of contacts, joint friction and limits solve a cone complementarity problem for the velocities
+// at the end of the step; loops are eliminated exactly (dynamics/contact_rows.h). Times of events are not located: the
+// scheme is of order 1 where velocities jump, and of order 2 elsewhere. What penetrates is moved apart by the smallest
+// displacement in the mass metric, which does not change velocities.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cone/cone.h"
+#include "contact/contact_finder.h"
+#include "contact/contact_state.h"
+#include "dynamics/dynamics.h"
+#include "kinematics/model.h"
+
+namespace gelenk {
+
+class TimeStepper {
+ public:
+  // All must outlive it. loads: with the laws of contacts.
+  TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads);
+  ~TimeStepper();
+  TimeStepper(const TimeStepper&) = delete;
+  TimeStepper& operator=(const TimeStepper&) = delete;
+
+  // Advances y by h; `dynamics` must have the targets of the middle of the step, of which u are the inputs. Returns
+  // false if the result is not finite.
+  bool step(double h, const double* u, double* y);
+
+  // Forgets all impulses.
+  void forget();
+  // The forces of the last step, means over it.
+  const ContactState& state() const { return state_; }
+  // The same with the gaps at the present position of `dynamics`, by contact of the scene.
+  const std::vector<SeenContact>& seen();
+  void serialize(Archive& archive);
+
+  // Counts since construction, and the residual of the last step [m/s].
+  struct Counts {
+    long iterations = 0;
+    long unsolved = 0;  // steps whose problem was not solved to the tolerance
+    int points = 0;     // of the last step
+    double residual = 0;
+  };
+  const Counts& counts() const { return counts_; }
+
+ private:
+  class Operator;
+  // A row of one side of a limit, or of friction, of a lock.
+  struct LockRow {
+    int lock = 0;
+    int side = 0;  // of a limit; 0: friction
+    double depth = 0;
+  };
+
+  bool accelerate(double h, const double* u, const double* v0);
+  void collect(double h);
+  void add_contact(const TouchPoint& point);
+  void add_locks(double h);
+  void set_friction();
+  Eigen::Vector3d slip(std::size_t point, const std::vector<double>& speeds) const;
+  void set_velocities(double h);
+  void set_lock_velocity(const LockRow& row, std::size_t r, double h);
+  void guess(double h);
+  ConeResult solve_impulses();
+  bool correct_position(double h, double* dq);
+  void remember(double h);
+  void remember_locks(double h);
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  const Loads& loads_;
+  ContactRows& rows_;
+  ContactFinder finder_;
+  std::unique_ptr<Operator> operator_;
+  std::unique_ptr<ConeSolver> solver_;
+  ContactState state_;
+  Counts counts_;
+
+  std::vector<TouchPoint> points_;       // of this step
+  std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
+  std::vector<LockRow> lock_rows_;
+  std::vector<Cone> cones_, correction_cones_;
+  std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
+  std::vector<double> v0_, v1_, vm_, vdot_, dq_, gaps_, branching_;
+  std::vector<int> sides_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The interface of contacts, laws of the forces between touching shapes with two surfaces. A contact has
+//
+//   law()                    the numbers of its law
+//   output(seen, group, i)   component i of an output group, where seen offers force(), gap() and mode()
+#pragma once
+
+#include <Eigen/Core>
+
+#include "element/element.h"
+
+namespace gelenk {
+
+// Coulomb's law with rolling and spinning friction, and Newton's law of impact.
+struct ContactLaw {
+  double sliding_friction = 0, static_friction = 0;  // coefficients
+  double rolling = 0, spinning = 0;                  // m: largest moments per normal force
+  double restitution = 0;
+  Eigen::Vector3d belt_velocity = Eigen::Vector3d::Zero();  // m/s: of the second surface, in the axes of its shape
+};
+
+// What the outputs of a contact show. mode: 0: open; 1: all contact points stick; 2: some of them slide.
+struct SeenContact {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the bodies with the first surface, in the world's axes
+  double gap = 0;                                   // m
+  int mode = 0;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps of a mechanism with contacts, friction and limits by impulses, and the forces that outputs show between them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/time_stepper.h"
+#include "formulation/constraint_projector.h"
+#include "formulation/drives.h"
+#include "formulation/equations.h"
+#include "modes/lock_modes.h"
+
+namespace gelenk {
+
+class ImpulseSteps final : public ImpulseEquations {
+ public:
+  // All must outlive it. projector: told that factors have changed; locks: released.
+  struct Context {
+    const Mechanism& mechanism;
+    Dynamics& dynamics;
+    const Loads& loads;
+    Drives& drives;
+    ConstraintProjector& projector;
+    LockModes& locks;
+  };
+  explicit ImpulseSteps(const Context& context) : with_(context) {}
+
+  bool are_required() const override { return !with_.mechanism.shapes.empty(); }
+  bool are_used() const { return stepper_ != nullptr; }
+  void use() override;
+  void start(double t, double h, const double* y) override;
+  bool step(double t, double h, double* y) override;
+
+  // Forgets the forces of the last step.
+  void forget() {
+    if (are_used()) stepper_->forget();
+  }
+  // The forces of contacts with the gaps at the present position of `dynamics`, by contact of the scene; null: there
+  // are none. After set_root_poses().
+  const SeenContact* seen();
+  TimeStepper::Counts counts() const { return are_used() ? stepper_->counts() : TimeStepper::Counts{}; }
+  void serialize(Archive& archive);
+
+  // During its lifetime, solve() applies the mean forces of the last step.
+  class AppliedForces {
+   public:
+    explicit AppliedForces(ImpulseSteps& steps);
+    ~AppliedForces();
+    AppliedForces(const AppliedForces&) = delete;
+    AppliedForces& operator=(const AppliedForces&) = delete;
+
+   private:
+    ContactRows& rows_;
+  };
+
+ private:
+  Context with_;
+  std::unique_ptr<TimeStepper> stepper_;  // null: modes between events
+  std::vector<double> trial_;
+};
+
+}  // namespace gelenk

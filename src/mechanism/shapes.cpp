@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The shapes of an island that can touch each other.
+#include <algorithm>
+
+#include "mechanism/graph.h"
+#include "scene/shapes.h"
+
+namespace gelenk {
+namespace {
+
+int number_of(const std::string& surface, const std::vector<std::string>& surfaces) {
+  return static_cast<int>(std::ranges::find(surfaces, surface) - surfaces.begin());
+}
+
+ContactTable table_of(const Scene& scene, const BodyNumbers& number) {
+  ContactTable out;
+  out.surfaces = surfaces_of(scene);
+  for (const std::string& a : out.surfaces) {
+    for (const std::string& b : out.surfaces) out.contacts.push_back(contact_between(scene, a, b));
+  }
+  for (const Joint& joint : scene.joints) {
+    if (kind_of(joint.is).nv == 6) continue;  // it constrains nothing
+    const int parent = number(joint.parent.body);
+    const int child = number(joint.child.body);
+    if (parent < 0 || child < 0) continue;  // what is on a joint to the ground may touch the ground, as of a robot
+    out.joined.emplace_back(std::min(parent, child), std::max(parent, child));
+  }
+  std::ranges::sort(out.joined);
+  for (const Contact& contact : scene.contacts) {
+    out.touches_joined.push_back(includes_joined(contact.is));
+    out.first_surfaces.push_back(number_of(contact.surfaces.front(), out.surfaces));
+  }
+  return out;
+}
+
+bool can_touch(const ContactTable& table, const BodyShape& shape) {
+  if (shape.surface.empty()) return false;
+  const int surface = number_of(shape.surface, table.surfaces);
+  for (int other = 0; other < static_cast<int>(table.surfaces.size()); ++other) {
+    if (table.contact(surface, other) >= 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void add_shapes(const Scene& scene, ReducedScene& reduced) {
+  if (scene.contacts.empty()) return;
+  const BodyNumbers number(scene);
+  const ContactTable table = table_of(scene, number);
+  for (std::size_t island = 0; island < reduced.islands.size(); ++island) {
+    Mechanism& mechanism = reduced.islands[island];
+    const auto add = [&](const BodyShape& shape, const BodyPlace& place, int body) {
+      if (!can_touch(table, shape)) return;
+      mechanism.shapes.push_back(
+          {place.link, place.X_LB * shape.X_BS, shape.is, number_of(shape.surface, table.surfaces), body});
+    };
+    const Pose3 X_0W = mechanism.X_W0.inverse();
+    bool moves = false;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      const BodyPlace& place = reduced.bodies[b];
+      if (place.island >= 0 && place.island != static_cast<int>(island)) continue;
+      const BodyPlace at = place.island < 0 ? BodyPlace{place.island, 0, X_0W * place.X_LB, -1} : place;
+      const std::size_t before = mechanism.shapes.size();
+      for (const BodyShape& shape : scene.bodies[b].shapes) add(shape, at, static_cast<int>(b));
+      moves = moves || (place.island >= 0 && mechanism.shapes.size() > before);
+    }
+    for (const BodyShape& shape : scene.ground_shapes) add(shape, {-1, 0, X_0W, -1}, -1);
+    if (moves) {
+      mechanism.contact_table = table;
+    } else {
+      mechanism.shapes.clear();
+    }
+  }
+}
+
+}  // namespace gelenk

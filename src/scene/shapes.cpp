@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/shapes.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include "scene/element_numbers.h"
+
+namespace gelenk {
+namespace {
+
+template <class Visit>
+void each_shape(const Scene& scene, Visit visit) {
+  for (const Body& body : scene.bodies) {
+    for (const BodyShape& shape : body.shapes) visit(shape);
+  }
+  for (const BodyShape& shape : scene.ground_shapes) visit(shape);
+}
+
+bool refers_to(const Contact& contact, const std::string& surface) {
+  return !surface.empty() && std::ranges::find(contact.surfaces, surface) != contact.surfaces.end();
+}
+
+}  // namespace
+
+void scale(AnyShape& shape, double factor) {
+  const ShapeKind& kind = kind_of(shape);
+  if (kind.of_points) {
+    std::vector<Eigen::Vector3d> points(points_of(shape).begin(), points_of(shape).end());
+    for (Eigen::Vector3d& point : points) point *= factor;
+    shape = make_shape_of_points(shape.index(), std::move(points));
+  } else {
+    each_number(kind.fields, data_of(shape), [&](const Number& x) { *x.value *= factor; });
+  }
+}
+
+std::vector<std::string> surfaces_of(const Scene& scene) {
+  std::vector<std::string> out;
+  std::set<std::string_view> seen;
+  each_shape(scene, [&](const BodyShape& shape) {
+    if (!shape.surface.empty() && seen.insert(shape.surface).second) out.push_back(shape.surface);
+  });
+  return out;
+}
+
+MassProperties mass_properties(const std::vector<BodyShape>& shapes) {
+  Spatial::Inertia sum;
+  for (const BodyShape& shape : shapes) {
+    const std::optional<MassProperties> of = mass_properties(shape.is);
+    if (of) sum += Spatial::Inertia::about_com(of->volume, of->center, of->inertia).moved_by(shape.X_BS);
+  }
+  MassProperties out;
+  if (!(sum.m > 0)) return out;
+  out.volume = sum.m;
+  out.center = sum.h / sum.m;
+  out.inertia =
+      sum.I - sum.m * (out.center.squaredNorm() * Eigen::Matrix3d::Identity() - out.center * out.center.transpose());
+  return out;
+}
+
+int contact_between(const Scene& scene, const std::string& a, const std::string& b) {
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const std::vector<std::string>& pair = scene.contacts[i].surfaces;
+    if ((pair[0] == a && pair[1] == b) || (pair[0] == b && pair[1] == a)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::vector<bool> bodies_that_touch(const Scene& scene) {
+  std::vector<bool> out(scene.bodies.size(), false);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    for (const BodyShape& shape : scene.bodies[b].shapes) {
+      out[b] = out[b] || std::ranges::any_of(scene.contacts,
+                                             [&](const Contact& contact) { return refers_to(contact, shape.surface); });
+    }
+  }
+  return out;
+}
+
+}  // namespace gelenk

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shapes of a scene as a whole: surfaces, masses, units.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace gelenk {
+
+// Multiplies all lengths of a shape by a factor.
+void scale(AnyShape& shape, double factor);
+
+// Names of all surfaces, in the order of the file, each once.
+std::vector<std::string> surfaces_of(const Scene& scene);
+
+// Mass properties of all bounded shapes together for unit density, in the body's frame; shapes that overlap count twice
+// where they do.
+MassProperties mass_properties(const std::vector<BodyShape>& shapes);
+
+// Index of the contact between two surfaces, -1: none; either order.
+int contact_between(const Scene& scene, const std::string& a, const std::string& b);
+
+// By body of the scene: whether one of its shapes can touch something.
+std::vector<bool> bodies_that_touch(const Scene& scene);
+
+}  // namespace gelenk

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shape/registry.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace gelenk {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+template <class S>
+constexpr bool made_of_points = requires(const S& shape) { shape.points(); };
+
+template <class S>
+ShapeKind describe() {
+  return {.kind = S::kind,
+          .summary = S::summary,
+          .fields = S::fields(),
+          .bounded = S::bounded,
+          .of_points = made_of_points<S>};
+}
+
+template <class... S>
+auto describe_all(const std::variant<S...>*) {
+  return std::array<ShapeKind, sizeof...(S)>{describe<S>()...};
+}
+
+template <class... S>
+AnyShape make_nth(std::size_t n, const std::variant<S...>*) {
+  using Make = AnyShape (*)();
+  static constexpr std::array<Make, sizeof...(S)> makers = {[] { return AnyShape(S{}); }...};
+  return makers.at(n)();
+}
+
+}  // namespace
+
+std::span<const ShapeKind> shape_kinds() {
+  static const auto kinds = describe_all(static_cast<const AnyShape*>(nullptr));
+  return kinds;
+}
+
+const ShapeKind* find_shape_kind(std::string_view name) {
+  const auto kinds = shape_kinds();
+  const auto found = std::ranges::find(kinds, name, &ShapeKind::kind);
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+const ShapeKind& kind_of(const AnyShape& shape) { return shape_kinds()[shape.index()]; }
+
+AnyShape make_shape(std::size_t n) { return make_nth(n, static_cast<const AnyShape*>(nullptr)); }
+
+AnyShape make_shape_of_points(std::size_t n, Points points) {
+  AnyShape out = make_shape(n);
+  std::visit(
+      [&](auto& shape) {
+        using S = std::decay_t<decltype(shape)>;
+        if constexpr (made_of_points<S>) shape = S(std::move(points));
+      },
+      out);
+  return out;
+}
+
+std::span<const Eigen::Vector3d> points_of(const AnyShape& shape) {
+  return std::visit(
+      [](const auto& s) -> std::span<const Eigen::Vector3d> {
+        if constexpr (made_of_points<std::decay_t<decltype(s)>>) return s.points();
+        return {};
+      },
+      shape);
+}
+
+std::optional<MassProperties> mass_properties(const AnyShape& shape) {
+  return std::visit(
+      [](const auto& s) -> std::optional<MassProperties> {
+        if constexpr (std::decay_t<decltype(s)>::bounded) return s.mass_properties();
+        return std::nullopt;
+      },
+      shape);
+}
+
+std::optional<Eigen::Vector3d> support(const AnyShape& shape, const Eigen::Vector3d& d) {
+  return std::visit(
+      [&](const auto& s) -> std::optional<Eigen::Vector3d> {
+        if constexpr (std::decay_t<decltype(s)>::bounded) return s.support(d);
+        return std::nullopt;
+      },
+      shape);
+}
+
+double size_of(const AnyShape& shape) {
+  return std::visit(
+      [](const auto& s) {
+        if constexpr (std::decay_t<decltype(s)>::bounded) return s.size();
+        return std::numeric_limits<double>::infinity();
+      },
+      shape);
+}
+
+Aabb bounds(const AnyShape& shape, const Pose3& X_WS) {
+  return std::visit([&](const auto& s) { return s.bounds(X_WS); }, shape);
+}
+
+}  // namespace gelenk

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The interface of shapes: solids from which masses, pictures and contacts are computed. S is the frame of the shape.
+//
+//   kind, summary        key in scene files, and what follows "a shape: ..."
+//   fields()             the dimensions that are plain numbers or vectors (field/field.h)
+//   bounded              whether the solid is finite. Shapes that are have:
+//   mass_properties()    volume, center of mass and inertia for unit density, in S
+//   support(d)           a point of the solid farthest in the direction d, both in S; d need not be a unit vector
+//   size()               diameter of a sphere about the middle of the shape that contains it [m]; the length to which
+//                        tolerances refer
+//   bounds(X_WS)         the smallest axis-aligned box in W that contains the solid at the pose X_WS
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "field/field.h"
+#include "math/spatial.h"
+
+namespace gelenk {
+
+// Of a solid with unit density: divided by the density they have the units of mass and inertia.
+struct MassProperties {
+  double volume = 0;                                  // m3
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // m
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // m5, about the center of mass
+};
+
+// Axis-aligned box. Sides at infinity belong to unbounded shapes.
+struct Aabb {
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Vector3d upper = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+
+  // The box enlarged by a margin on every side.
+  Aabb grown(double margin) const { return {lower.array() - margin, upper.array() + margin}; }
+  // Whether the boxes have a point in common.
+  bool meets(const Aabb& b) const {
+    return (lower.array() <= b.upper.array()).all() && (b.lower.array() <= upper.array()).all();
+  }
+};
+
+}  // namespace gelenk

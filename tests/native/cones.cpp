@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cone/cone.h"
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cone/projection.h"
+#include "units.h"
+
+namespace nb = nanobind;
+
+namespace native {
+namespace {
+
+using gelenk::Cone;
+
+// A matrix that does not show itself.
+class Hidden final : public gelenk::ConeOperator {
+ public:
+  explicit Hidden(const Eigen::MatrixXd& G) : shown_(G) {}
+  int size() const override { return shown_.size(); }
+  void apply(const double* x, double* y) const override { shown_.apply(x, y); }
+  void diagonal_block(const Cone& cone, double* out) const override { shown_.diagonal_block(cone, out); }
+
+ private:
+  gelenk::DenseConeOperator shown_;
+};
+
+class Solved {
+ public:
+  Numbers x;
+  gelenk::ConeResult result;
+  long allocations = 0;  // during the solution
+};
+
+// A solver and the options of its calls.
+class Solver {
+ public:
+  explicit Solver(const std::string& name) : solver_(gelenk::make_cone_solver(name)) {}
+
+  Solved solve(const Table& rows, const Numbers& b, const std::vector<Cone>& cones, const Numbers& start,
+               double tolerance, int max_iterations, bool exact, bool matrix_free) {
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    Eigen::MatrixXd G(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      G.row(i) = Eigen::Map<const Eigen::RowVectorXd>(rows[static_cast<std::size_t>(i)].data(), n);
+    }
+    const gelenk::DenseConeOperator dense(G);
+    const Hidden hidden(G);
+    const gelenk::ConeOperator& chosen = matrix_free ? static_cast<const gelenk::ConeOperator&>(hidden) : dense;
+    Solved out;
+    out.x = start;
+    gelenk::ConeOptions options;
+    options.tolerance = tolerance;
+    options.max_iterations = max_iterations;
+    const long before = native::allocations();
+    out.result = solver_->solve({chosen, b, cones, exact}, options, out.x.data());
+    out.allocations = native::allocations() - before;
+    return out;
+  }
+
+ private:
+  std::unique_ptr<gelenk::ConeSolver> solver_;
+};
+
+}  // namespace
+
+void bind_cones(nb::module_& m) {
+  nb::class_<Cone>(m, "Cone")
+      .def_static("contact", &Cone::contact, nb::arg("first"), nb::arg("friction"), nb::arg("spinning") = 0.0,
+                  nb::arg("rolling") = 0.0)
+      .def_static("planar_contact", &Cone::planar_contact, nb::arg("first"), nb::arg("friction"),
+                  nb::arg("rolling") = 0.0)
+      .def_static("within", &Cone::within, nb::arg("first"), nb::arg("lower"), nb::arg("upper"))
+      .def_rw("tangential", &Cone::tangential)
+      .def_rw("spin", &Cone::spin)
+      .def_rw("roll", &Cone::roll)
+      .def_ro("first", &Cone::first)
+      .def_prop_ro("size", &Cone::size)
+      .def("project",
+           [](const Cone& cone, const Numbers& y) {
+             Numbers out(y.size());
+             gelenk::project(cone, y.data(), out.data());
+             return out;
+           })
+      .def("projection_jacobian", [](const Cone& cone, const Numbers& y) {
+        Numbers out(y.size() * y.size());
+        gelenk::projection_jacobian(cone, y.data(), out.data());
+        return out;
+      });
+  nb::class_<Solved>(m, "SolvedCones")
+      .def_ro("x", &Solved::x)
+      .def_prop_ro("residual", [](const Solved& of) { return of.result.residual; })
+      .def_prop_ro("iterations", [](const Solved& of) { return of.result.iterations; })
+      .def_prop_ro("products", [](const Solved& of) { return of.result.products; })
+      .def_prop_ro("converged", [](const Solved& of) { return of.result.converged; })
+      .def_ro("allocations", &Solved::allocations);
+  nb::class_<Solver>(m, "ConeSolver")
+      .def(nb::init<const std::string&>(), nb::arg("name"))
+      .def("solve", &Solver::solve, nb::arg("G"), nb::arg("b"), nb::arg("cones"), nb::arg("start"),
+           nb::arg("tolerance") = 1e-10, nb::arg("max_iterations") = 1000, nb::arg("exact") = true,
+           nb::arg("matrix_free") = false);
+  m.def("cone_solvers", [] {
+    std::vector<std::pair<std::string, std::string>> out;
+    for (const gelenk::ConeSolverKind& kind : gelenk::cone_solver_kinds()) out.emplace_back(kind.name, kind.summary);
+    return out;
+  });
+}
+
+}  // namespace native
