@@ -162,7 +162,9 @@ def equilibrium(
         wanted = {name: number(name, value, "real") for name, value in (hold or {}).items()}
         scene = plant.scene
         if scene is not None and scene.to_dict().get("contacts"):
-            raise UsageError("found a scene with contacts, expected one without: they are not part of equilibria yet")
+            raise UsageError(
+                "found a scene with contacts, expected one without: they are not part of equilibria yet"
+            )
         if steady is None and friction == "present":
             if scene is None:
                 raise UsageError("friction: found 'present' with an FMU of another tool, expected 'off'")
