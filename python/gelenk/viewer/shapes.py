@@ -22,6 +22,7 @@ from gelenk.model.skeleton import (
     wheel_axes,
     wheels,
 )
+from gelenk.viewer.solids import add_solids
 
 type Array = NDArray[np.float64]
 
@@ -91,9 +92,13 @@ def shapes_of(data: Mapping[str, Any], size: float) -> dict[str, Shapes]:
     marks = marks_of(data)
     rolling = wheels(data)
     for name, body in data["bodies"].items():
+        if body.get("shapes"):
+            add_solids(out[name], body["shapes"], size)
+            continue
         if name in rolling:
             _add_wheel(out[name], rolling[name], size)
         _add_body(out[name], body, marks[name], size, is_wheel=name in rolling)
+    add_solids(out[GROUND], data.get("ground", {}).get("shapes", {}), size)
     for p in marks[GROUND]:
         out[GROUND].add_ball(p, 1.5 * LINK_RADIUS * size)
     loops = loop_joints(data)
