@@ -16,7 +16,9 @@ from mechanisms import four_bar as four_bar_dict
 
 import gelenk
 
-INTEGRATORS = "auto, cvode, cvode-adams, dirk, erk, euler, generalized-alpha, hht, ida, newmark, rk4"
+INTEGRATORS = (
+    "auto, cvode, cvode-adams, dirk, erk, euler, generalized-alpha, hht, ida, moreau-jean, newmark, rk4"
+)
 
 
 def test_file_text_mapping_and_path_give_the_same_scene(four_bar_file: Path, four_bar: gelenk.Scene) -> None:
@@ -79,7 +81,7 @@ def test_parameters_change_a_copy(four_bar: gelenk.Scene) -> None:
             "leapfrog",
             f"solver.integrator: found 'leapfrog', expected one of {INTEGRATORS}",
         ),
-        ("solver.integrator", 12, f"solver.integrator: found 12, expected one of {INTEGRATORS}"),
+        ("solver.integrator", 13, f"solver.integrator: found 13, expected one of {INTEGRATORS}"),
     ],
 )
 def test_parameter_that_cannot_be_is_refused(
