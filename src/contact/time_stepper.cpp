@@ -116,7 +116,7 @@ bool TimeStepper::step(double h, const double* u, double* y) {
   for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
   if (!accelerate(h, u, v0_.data())) return false;
   for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
-  if (!correct_position(h, dq_.data())) return false;
+  correct_position(h, dq_.data());
   dynamics_.displace(y, dq_.data());
   std::ranges::copy(v1_, v);
   remember(h);
@@ -188,8 +188,9 @@ Eigen::Vector3d TimeStepper::slip(std::size_t point, const std::vector<double>& 
   const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(points_[point].contact)];
   const Eigen::Vector3d belt = finder_.pose(points_[point].b).R * law.belt_velocity;
   Eigen::Vector3d out = belt - belt.dot(points_[point].normal) * points_[point].normal;
+  const auto first = static_cast<std::size_t>(cones_[point].first) + 1;
   for (int k = 0; k < cones_[point].tangential; ++k) {
-    out += frames_[point].col(1 + k) * speeds[static_cast<std::size_t>(cones_[point].first + 1 + k)];
+    out += frames_[point].col(1 + k) * speeds[first + static_cast<std::size_t>(k)];
   }
   return out;
 }
@@ -282,38 +283,37 @@ ConeResult TimeStepper::solve_impulses() {
   return result;
 }
 
+// The gap that the first row of a cone changes: of a point or, with the sign of its rate, of a limit; friction has
+// none.
+TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
+  if (cone < points_.size()) return {points_[cone].gap, 1};
+  const LockRow& lock = lock_rows_[cone - points_.size()];
+  return {-lock.depth, -lock.side};
+}
+
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step.
-bool TimeStepper::correct_position(double h, double* dq) {
-  if (cones_.empty()) return true;
+void TimeStepper::correct_position(double h, double* dq) {
+  if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
-  correction_cones_ = cones_;
-  bool any = false;
   correction_cones_.clear();
+  std::ranges::fill(b_, 0.0);
+  std::ranges::fill(correction_, 0.0);
+  bool any = false;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const Cone& cone = cones_[i];
-    const bool is_point = i < points_.size();
-    const LockRow* lock = is_point ? nullptr : &lock_rows_[i - points_.size()];
-    for (int k = 0; k < cone.size(); ++k) {
-      const int r = cone.first + k;
-      const auto row = static_cast<std::size_t>(r);
-      const bool limits = k == 0 && (is_point || lock->side != 0);
-      correction_cones_.push_back(!limits                      ? Cone::within(r, 0, 0)
-                                  : is_point || lock->side < 0 ? Cone::within(r, 0, unlimited)
-                                                               : Cone::within(r, -unlimited, 0));
-      const double sign = is_point ? 1 : limits ? -lock->side : 0;
-      const double gap = (is_point ? points_[i].gap : -lock->depth) + sign * h / 2 * free_speeds_[row];
-      any = any || (limits && gap < -touch_tolerance);
-      b_[row] = limits ? sign * gap : 0;
-      correction_[row] = 0;
-    }
+    const int first = cones_[i].first;
+    const Gap at = gap_of(i);
+    const double gap = at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)];
+    any = any || (at.sign != 0 && gap < -touch_tolerance);
+    b_[static_cast<std::size_t>(first)] = at.sign * gap;
+    correction_cones_.push_back(Cone::within(first, at.sign < 0 ? -unlimited : 0, at.sign > 0 ? unlimited : 0));
+    for (int k = 1; k < cones_[i].size(); ++k) correction_cones_.push_back(Cone::within(first + k, 0, 0));
   }
-  if (!any) return true;
+  if (!any) return;
   ConeOptions options;
   options.tolerance = touch_tolerance / 10;
   options.max_iterations = max_iterations;
   solver_->solve({*operator_, b_, correction_cones_, false}, options, correction_.data());
   rows_.strike(correction_.data(), dq);
-  return true;
 }
 
 void TimeStepper::remember(double h) {

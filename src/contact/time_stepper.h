@@ -69,7 +69,12 @@ class TimeStepper {
   void set_lock_velocity(const LockRow& row, std::size_t r, double h);
   void guess(double h);
   ConeResult solve_impulses();
-  bool correct_position(double h, double* dq);
+  struct Gap {
+    double gap = 0;  // m, rad
+    int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
+  };
+  Gap gap_of(std::size_t cone) const;
+  void correct_position(double h, double* dq);
   void remember(double h);
   void remember_locks(double h);
 
