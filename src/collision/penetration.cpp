@@ -74,13 +74,13 @@ class Polytope {
 
 // Adds the farthest point along one of both directions if it is off what there is.
 bool Polytope::add_off(const Eigen::Vector3d& direction, bool (Polytope::*is_off)(const Eigen::Vector3d&) const) {
-  for (const double sign : {1.0, -1.0}) {
+  constexpr std::array<double, 2> signs = {1, -1};
+  return std::ranges::any_of(signs, [&](double sign) {
     const Difference found = farthest(sign * direction);
-    if (!(this->*is_off)(found.w)) continue;
+    if (!(this->*is_off)(found.w)) return false;
     points_[static_cast<std::size_t>(point_count_++)] = found;
     return true;
-  }
-  return false;
+  });
 }
 
 // A tetrahedron that contains the given points. False if the difference of the bodies has no volume.

@@ -24,7 +24,9 @@ using Points = std::span<const Eigen::Vector3d>;
 std::vector<int> flat_groups(Points points, const std::vector<Facet>& facets, double tolerance, int& count) {
   std::vector<std::size_t> order(facets.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t f) { return facets[f].area; });
+  std::ranges::sort(order, [&](std::size_t f, std::size_t g) {
+    return facets[f].area > facets[g].area || (facets[f].area == facets[g].area && f < g);
+  });
   std::vector<int> group(facets.size(), -1);
   count = 0;
   std::vector<std::size_t> members;
@@ -206,7 +208,8 @@ Polyhedron convex_hull(Points points) {
   const double extent = (upper - lower).norm();
   // Single precision: 2^-24 relative to each of three coordinates. Sets with clusters of nearly coinciding points may
   // need more.
-  for (double relative = 1e-7; relative < 2e-5; relative *= 4) {
+  double relative = 1e-7;
+  for (int attempt = 0; attempt < 4; ++attempt, relative *= 4) {
     const double tolerance = relative * extent;
     const std::optional<std::vector<Facet>> facets = Quickhull(points, tolerance).run();
     if (!facets) continue;

@@ -26,21 +26,27 @@ bool Quickhull::set_plane(Facet& of) const {
   return true;
 }
 
+// The points with the least and the largest coordinate along each axis.
+std::array<int, 6> Quickhull::extremes() const {
+  std::array<int, 6> out{};
+  for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      if (at(i)(axis) < at(out[2 * k])(axis)) out[2 * k] = i;
+      if (at(i)(axis) > at(out[2 * k + 1])(axis)) out[2 * k + 1] = i;
+    }
+  }
+  return out;
+}
+
 // A tetrahedron of far points.
 bool Quickhull::start() {
   const int n = static_cast<int>(points_.size());
-  std::array<int, 6> extremes{};
-  for (int i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<Eigen::Index>(k);
-      if (at(i)(axis) < at(extremes[2 * k])(axis)) extremes[2 * k] = i;
-      if (at(i)(axis) > at(extremes[2 * k + 1])(axis)) extremes[2 * k + 1] = i;
-    }
-  }
+  const std::array<int, 6> far = extremes();
   std::array<int, 4> corner{};
   double best = 0;
-  for (const int a : extremes) {
-    for (const int b : extremes) {
+  for (const int a : far) {
+    for (const int b : far) {
       const double length = (at(b) - at(a)).norm();
       if (length <= best) continue;
       best = length;

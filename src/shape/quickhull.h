@@ -35,6 +35,7 @@ class Quickhull {
   Facet& facet(int f) { return facets_[static_cast<std::size_t>(f)]; }
   double height(const Facet& of, const Eigen::Vector3d& p) const { return of.normal.dot(p) - of.offset; }
 
+  std::array<int, 6> extremes() const;
   bool start();
   bool set_plane(Facet& of) const;
   void assign(int point, std::span<const int> among);
