@@ -5,7 +5,7 @@ from math import cos, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from models.touching import inertia_of_box, on_plane
+from models.touching import SceneData, inertia_of_box, on_plane
 
 import gelenk
 
@@ -13,7 +13,7 @@ G = 9.81  # m/s2
 STEP = 1e-3  # s
 
 
-def slope(angle: float, friction: float, speed: float) -> dict:
+def slope(angle: float, friction: float, speed: float) -> SceneData:
     """A block of 0.4 x 0.3 x 0.1 m that starts up a slope with this speed [m/s]; angle [rad]."""
     normal = [sin(angle), 0, cos(angle)]
     return on_plane(
@@ -103,7 +103,11 @@ def test_ball_that_slides_rolls_in_the_end() -> None:
     R, m, mu = 0.05, 0.17, 0.2
     v0, w0 = np.array([2.0, 0.5]), np.array([0.0, -30.0, 5.0])
     ball = on_plane(
-        {"sphere": R}, m, [0.4 * m * R * R] * 3, {"r": [0, 0, R], "v": [*v0, 0], "w": w0}, {"friction": mu}
+        {"sphere": R},
+        m,
+        [0.4 * m * R * R] * 3,
+        {"r": [0, 0, R], "v": [*v0.tolist(), 0], "w": w0.tolist()},
+        {"friction": mu},
     )
     run = gelenk.simulate(ball, stop=1, step=0.1)
     slip = v0 + R * np.array([-w0[1], w0[0]])
@@ -201,7 +205,7 @@ def test_errors_of_a_tipping_box_are_of_the_order_of_the_step() -> None:
             weight = 2 * G * (-0.1 * c + 0.3 * s)
             return [y[1], (push + weight) / edge]
 
-        return solve_ivp(rhs, (0, stop), [0, 0], method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+        return float(solve_ivp(rhs, (0, stop), [0, 0], method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1])
 
     def error(step: float) -> float:
         scene = on_plane({"box": size}, 2, inertia, {"r": [0, 0, 0.3]}, {"friction": 0.5}, step=step)
@@ -216,7 +220,7 @@ def test_errors_of_a_tipping_box_are_of_the_order_of_the_step() -> None:
         }
         run = gelenk.simulate(scene, stop=0.2, step=0.1)
         tilt = 2 * np.arctan2(run["J.Q[2]"][-1], run["J.Q[4]"][-1])
-        return abs(tilt - truth(0.2))
+        return float(abs(tilt - truth(0.2)))
 
     coarse, fine = error(2e-3), error(1e-3)
     assert coarse < 1e-3

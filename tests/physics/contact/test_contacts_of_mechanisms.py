@@ -5,14 +5,14 @@ from math import pi
 
 import numpy as np
 import pytest
-from models.touching import inertia_of_box, stack
+from models.touching import SceneData, inertia_of_box, stack
 
 import gelenk
 
 G = 9.81  # m/s2
 
 
-def tray() -> dict:
+def tray() -> SceneData:
     """A parallelogram linkage whose coupler, a tray, carries a block; motor torque at the crank."""
     arm = {"mass": 0.5, "com": [0.2, 0, 0], "inertia": [1e-4, 7e-3, 7e-3]}
     hinge = {"type": "revolute", "axis": [0, -1, 0]}
