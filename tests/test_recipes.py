@@ -46,7 +46,7 @@ KERNELS = (
 )
 FIRST = (
     "scene_file/element_fields.h",
-    "scene_file/schema_parts.h",
+    "scene_schema/schema_parts.h",
     "check/check.h",
 )  # included everywhere, read once
 

@@ -109,6 +109,7 @@ bool TimeStepper::step(double h, const double* u, double* y) {
   dynamics_.factorize();
   dynamics_.readings().set_root_poses();
   dynamics_.set_velocity(v0_.data());
+  if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
   vm_ = v0_;
   if (!accelerate(h, u, v0_.data())) return false;

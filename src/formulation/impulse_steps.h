@@ -15,7 +15,7 @@ namespace gelenk {
 
 class ImpulseSteps final : public ImpulseEquations {
  public:
-  // All must outlive it. projector: told that factors have changed; locks: released.
+  // All must outlive it. projector: its factors are replaced by those of steps; locks: released.
   struct Context {
     const Mechanism& mechanism;
     Dynamics& dynamics;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assembly/loop_closure.h"
+#include "contact/contact_finder.h"
 #include "scene/element_numbers.h"
 #include "util/text.h"
 
@@ -373,6 +374,20 @@ std::string describe_exhausted_budget(double t, double end, long evaluations) {
 std::string describe_failed_step(const std::string& cause, double good_time) {
   return cause + ". The state is unchanged at t = " + text::rounded(good_time) +
          " s; the simulation can continue from there.";
+}
+
+std::string describe_closed_contact(const Scene& scene, const Mechanism& mechanism, const Dynamics& dynamics,
+                                    double t) {
+  const int closed = closed_contact(mechanism, dynamics.readings(), scene.contacts.size());
+  if (closed < 0) return {};
+  return "t = " + text::rounded(t) + " s: contacts." + scene.contacts[static_cast<std::size_t>(closed)].name +
+         " is closed: derivatives exist for open contacts only";
+}
+
+std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t) {
+  const BranchingForce of = branching_forces(loads)[static_cast<std::size_t>(force)];
+  return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +
+         " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
 }
 
 }  // namespace gelenk

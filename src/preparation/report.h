@@ -71,4 +71,11 @@ std::string describe_failed_step(const std::string& cause, double good_time);
 // Describes an event with its time.
 std::string describe_event(const EventReport& event);
 
+// Why no derivatives exist at the present position of `dynamics`, after set_root_poses(): they do not know the forces
+// of contacts; empty: no contact is closed.
+std::string describe_closed_contact(const Scene& scene, const Mechanism& mechanism, const Dynamics& dynamics, double t);
+
+// Why no derivatives exist where a force with modes (its index among those of the island) is between two of them.
+std::string describe_mode_boundary(const Scene& scene, const Loads& loads, int force, double t);
+
 }  // namespace gelenk

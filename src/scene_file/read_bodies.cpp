@@ -51,11 +51,9 @@ void read_bodies(const Json& section, Reader& reader) {
     Body body;
     body.name = name;
     Fields fields(value, path, faults, "a mapping with mass, com, inertia, pose, shapes");
-    if (const Json* shapes = fields.find("shapes")) body.shapes = read_shapes(*shapes, fields.path("shapes"), faults);
     const Json* mass = fields.find("mass");
-    if (mass != nullptr && mass->is_object()) {
-      read_density(*mass, fields, body);
-    } else {
+    const bool by_density = mass != nullptr && mass->is_object();
+    if (!by_density) {
       read_fields(fields, Body::fields(), &body, {});
       if (const Json* inertia = fields.find("inertia")) {
         body.inertia = read_inertia(*inertia, fields.path("inertia"), faults);
@@ -66,6 +64,8 @@ void read_bodies(const Json& section, Reader& reader) {
       body.pose = read_pose(inner);
       inner.done();
     }
+    if (const Json* shapes = fields.find("shapes")) body.shapes = read_shapes(*shapes, fields.path("shapes"), faults);
+    if (by_density) read_density(*mass, fields, body);
     fields.done();
     reader.scene.bodies.push_back(std::move(body));
   });

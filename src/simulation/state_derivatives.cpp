@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "analysis/independent_columns.h"
-#include "contact/contact_finder.h"
 #include "preparation/report.h"
 #include "preparation/start.h"
 #include "simulation/simulation_impl.h"
@@ -104,26 +103,6 @@ void check_size(const char* what, std::size_t found, std::size_t expected) {
                    std::to_string(expected));
 }
 
-// force: index among all forces with modes of the island.
-std::string describe_mode_boundary(const Scene& scene, const Island& island, int force, double t) {
-  const BranchingForce of = branching_forces(island.loads())[static_cast<std::size_t>(force)];
-  return "t = " + text::rounded(t) + " s: joints." + scene.joints[of.joint].name + "." + std::string(of.group) +
-         " is between two modes, so that the slightest change makes it hold or let go: derivatives do not exist there";
-}
-
-// Derivatives do not know the forces of contacts.
-void refuse_closed_contacts(const Scene& scene, const std::vector<std::unique_ptr<Island>>& islands) {
-  for (const auto& island : islands) {
-    if (island->prepared().mechanism.shapes.empty()) continue;
-    island->realize(Stage::velocity);
-    const int closed = closed_contact(island->prepared().mechanism, island->reading().dynamics, scene.contacts.size());
-    if (closed < 0) continue;
-    throw NotDifferentiable("t = " + text::rounded(island->time()) + " s: contacts." +
-                            scene.contacts[static_cast<std::size_t>(closed)].name +
-                            " is closed: derivatives exist for open contacts only");
-  }
-}
-
 }  // namespace
 
 const IndependentOutputs& StateDerivatives::independent() const { return impl_.independent; }
@@ -170,14 +149,19 @@ auto StateDerivatives::differentiate(Evaluate evaluate) {
     s.sensitivity = std::make_unique<Sensitivity>(s.prepared.reduced, s.islands, *s.readings, s.outputs, s.states,
                                                   s.independent_by_island, s.u.now());
   }
-  refuse_closed_contacts(s.scene, s.islands);
+  for (const auto& island : s.islands) {
+    island->realize(Stage::velocity);
+    const std::string closed =
+        describe_closed_contact(s.scene, island->prepared().mechanism, island->dynamics(), s.time);
+    if (!closed.empty()) throw NotDifferentiable(closed);
+  }
   try {
     s.u.go_to(s.time);
     return evaluate(*s.sensitivity);
   } catch (const NotDifferentiablePoint& fault) {
     if (fault.reason() == NotDifferentiablePoint::What::mode) {
       const Island& island = *s.islands[static_cast<std::size_t>(s.sensitivity->faulty_island())];
-      throw NotDifferentiable(describe_mode_boundary(s.scene, island, fault.force(), s.time));
+      throw NotDifferentiable(describe_mode_boundary(s.scene, island.loads(), fault.force(), s.time));
     }
     throw NotDifferentiable(
         describe_undetermined(s.scene, fault, s.time, s.names_of_coordinates(s.sensitivity->faulty_island())));

@@ -10,6 +10,7 @@
 #include "scene/settable.h"
 #include "scene/signals.h"
 #include "scene_file/read.h"
+#include "scene_schema/schema.h"
 
 namespace {
 
