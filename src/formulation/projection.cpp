@@ -324,6 +324,7 @@ bool Projection::close(double* y) {
 
 bool Projection::project(double t, double* y) {
   drives_.go_to(t);
+  if (impulses()->are_used()) rows_.discard_factors();  // those of the middle of the step
   if (corrections_ > 0 && mechanism_.rows > 0) return apply_fixed_corrections(y, y + mechanism_.nq);
   if (!rows_.is_regular()) rows_.update_singularity_status();  // the last accelerations used another weak fraction
   const bool closed = close(y) || (!rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq));
