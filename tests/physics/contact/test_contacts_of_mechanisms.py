@@ -61,7 +61,7 @@ def test_loops_are_closed_to_rounding_while_a_load_slides() -> None:
         scene, stop=1, step=0.002, outputs=outputs, inputs={"drive.tau": lambda t: 5 + 12 * np.sin(20 * t)}
     )
     assert run["constraints.position"].max() <= 1e-13
-    # Projection ends at 1e-14 of the largest velocity, or where rounding stalls it; the load tumbles at 97 rad/s.
+    # Projection ends at 1e-14 of the largest velocity, or where rounding stalls it; here 97 rad/s.
     assert run["constraints.velocity"].max() <= 1e-13 * np.abs(run["L.w[2]"]).max()
     modes = set(run["grip.mode"])
     assert {1, 2} <= modes  # sticks and slides
