@@ -7,11 +7,12 @@
 
 namespace gelenk {
 
-ContactFinder::ContactFinder(const Mechanism& mechanism)
+ContactFinder::ContactFinder(const Mechanism& mechanism, std::size_t contacts)
     : mechanism_(mechanism),
       poses_(mechanism.shapes.size()),
       reach_(mechanism.shapes.size()),
-      boxes_(mechanism.shapes.size()) {}
+      boxes_(mechanism.shapes.size()),
+      gaps_(contacts) {}
 
 int ContactFinder::contact_of(int a, int b) const {
   const LinkShape& of_a = mechanism_.shapes[static_cast<std::size_t>(a)];
@@ -64,24 +65,28 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
   return points_;
 }
 
-void ContactFinder::smallest_gaps(const Readings<double>& readings, std::vector<double>& gaps) {
+const std::vector<double>& ContactFinder::smallest_gaps(const Readings<double>& readings) {
   place(readings);
-  std::ranges::fill(gaps, std::numeric_limits<double>::infinity());
+  const auto same = [](const Pose3& a, const Pose3& b) { return a.R == b.R && a.p == b.p; };
+  if (std::ranges::equal(poses_, gap_poses_, same)) return gaps_;
+  gap_poses_ = poses_;
+  std::ranges::fill(gaps_, std::numeric_limits<double>::infinity());
   std::ranges::fill(reach_, std::numeric_limits<double>::infinity());
   points_.clear();
   for (int a = 0; a < static_cast<int>(poses_.size()); ++a) {
     for (int b = a + 1; b < static_cast<int>(poses_.size()); ++b) add_points(a, b);
   }
   for (const TouchPoint& point : points_) {
-    double& gap = gaps[static_cast<std::size_t>(point.contact)];
+    double& gap = gaps_[static_cast<std::size_t>(point.contact)];
     gap = std::min(gap, point.gap);
   }
+  return gaps_;
 }
 
 int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts) {
   if (mechanism.shapes.empty()) return -1;
-  std::vector<double> gaps(contacts);
-  ContactFinder(mechanism).smallest_gaps(readings, gaps);
+  ContactFinder finder(mechanism, contacts);
+  const std::vector<double>& gaps = finder.smallest_gaps(readings);
   const auto closed = std::ranges::find_if(gaps, [](double gap) { return gap <= touch_tolerance; });
   return closed == gaps.end() ? -1 : static_cast<int>(closed - gaps.begin());
 }

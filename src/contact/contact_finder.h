@@ -27,14 +27,15 @@ struct TouchPoint {
 
 class ContactFinder {
  public:
-  explicit ContactFinder(const Mechanism& mechanism);
+  // contacts: number of contacts of the scene.
+  ContactFinder(const Mechanism& mechanism, std::size_t contacts);
 
   // All points with a gap of at most the reach of both shapes, ordered by their keys. readings: of dynamics, after
   // set_root_poses() and set_velocity(). A shape reaches as far as it moves in `time` [s] with `speed` [m/s] more than
   // its present speed, and `distance` [m] further.
   const std::vector<TouchPoint>& find(const Readings<double>& readings, double time, double speed, double distance);
   // The smallest gap of each contact of the scene; infinite if it has no pair of shapes.
-  void smallest_gaps(const Readings<double>& readings, std::vector<double>& gaps);
+  const std::vector<double>& smallest_gaps(const Readings<double>& readings);
 
   const Pose3& pose(int shape) const { return poses_[static_cast<std::size_t>(shape)]; }
 
@@ -48,6 +49,8 @@ class ContactFinder {
   std::vector<Pose3> poses_;   // X_0S
   std::vector<double> reach_;  // m
   std::vector<Aabb> boxes_;
+  std::vector<double> gaps_;
+  std::vector<Pose3> gap_poses_;  // those of gaps_; empty: there are none yet
   SweepAndPrune broad_phase_;
   std::vector<TouchPoint> points_;
 };

@@ -35,9 +35,8 @@ void ContactState::serialize(Archive& archive, int shapes) {
     serialize_vector(archive, wrench.n);
     serialize_vector(archive, wrench.f);
   }
-  for (SeenContact& contact : seen) {
+  for (ContactSum& contact : sums) {
     serialize_vector(archive, contact.force);
-    archive.serialize(contact.gap);
     archive.serialize_in_range(contact.mode, 0, 2);
   }
 }

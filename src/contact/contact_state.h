@@ -22,12 +22,18 @@ struct RememberedContact {
   std::tuple<int, int, int> key() const { return {a, b, feature}; }
 };
 
+// Of all points of a contact of the scene.
+struct ContactSum {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // ContactReadings::force, mode
+  int mode = 0;
+};
+
 struct ContactState {
   std::vector<RememberedContact> contacts;  // ordered by their keys
   std::vector<double> forces_along;         // by lock: force of friction and limits [N m, N]
   std::vector<Spatial::Force> wrenches;     // by link, about and in the root frame: of all contacts
   std::vector<double> along;                // by velocity: generalized forces of friction and limits
-  std::vector<SeenContact> seen;            // by contact of the scene: force and mode
+  std::vector<ContactSum> sums;             // by contact of the scene
 
   const RememberedContact* find(const TouchPoint& point) const;
   // Saves or restores it. shapes: number of shapes of the mechanism.

@@ -81,21 +81,18 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       dynamics_(dynamics),
       loads_(loads),
       rows_(dynamics.branching().contact_rows()),
-      finder_(mechanism),
+      finder_(mechanism, loads.contacts.size()),
       operator_(std::make_unique<Operator>(rows_)),
       solver_(make_cone_solver(cone_solver_kinds().front().name)),
       v0_(static_cast<std::size_t>(mechanism.nv)),
       v1_(v0_.size()),
       vm_(v0_.size()),
       vdot_(v0_.size()),
-      dq_(v0_.size()),
-      gaps_(loads.contacts.size()),
-      branching_(static_cast<std::size_t>(dynamics.branching().count())),
-      sides_(branching_.size()) {
+      dq_(v0_.size()) {
   state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
-  state_.seen.resize(loads.contacts.size());
+  state_.sums.resize(loads.contacts.size());
 }
 
 TimeStepper::~TimeStepper() = default;
@@ -112,10 +109,10 @@ bool TimeStepper::step(double h, const double* u, double* y) {
   if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
   vm_ = v0_;
-  if (!accelerate(h, u, v0_.data())) return false;
+  if (!accelerate(h, u)) return false;
   // Once more, with forces at the mean velocity that was found.
   for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
-  if (!accelerate(h, u, v0_.data())) return false;
+  if (!accelerate(h, u)) return false;
   for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
   correct_position(h, dq_.data());
   dynamics_.displace(y, dq_.data());
@@ -125,15 +122,14 @@ bool TimeStepper::step(double h, const double* u, double* y) {
 }
 
 // v1_ <- the velocities at the end of the step, with the forces at vm_.
-bool TimeStepper::accelerate(double h, const double* u, const double* v0) {
+bool TimeStepper::accelerate(double h, const double* u) {
   dynamics_.set_velocity(vm_.data());
   dynamics_.solve(u, vdot_.data());
-  for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0[k] + h * vdot_[k];
+  for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
   if (!all_finite(v1_)) return false;
   if (cones_.empty()) return true;
   set_velocities(h);
-  const ConeResult result = solve_impulses();
-  counts_.residual = result.residual;
+  solve_impulses();
   rows_.strike(x_.data(), v1_.data());
   return true;
 }
@@ -149,7 +145,6 @@ void TimeStepper::collect(double h) {
     points_ = finder_.find(dynamics_.readings(), h, h * loads_.gravity.norm(), 2 * touch_tolerance);
   for (const TouchPoint& point : points_) add_contact(point);
   add_locks(h);
-  counts_.points = static_cast<int>(points_.size());
   const auto n = static_cast<std::size_t>(rows_.count());
   for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &correction_}) of->assign(n, 0.0);
   if (n == 0) return;
@@ -272,16 +267,13 @@ void TimeStepper::guess(double h) {
   }
 }
 
-ConeResult TimeStepper::solve_impulses() {
+void TimeStepper::solve_impulses() {
   double fastest = residual_floor;
   for (const double speed : b_) fastest = std::max(fastest, std::abs(speed));
   ConeOptions options;
   options.tolerance = residual_tolerance * fastest;
   options.max_iterations = max_iterations;
-  const ConeResult result = solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
-  counts_.iterations += result.iterations;
-  counts_.unsolved += result.converged ? 0 : 1;
-  return result;
+  solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
 }
 
 // The gap that the first row of a cone changes: of a point or, with the sign of its rate, of a limit; friction has
@@ -319,7 +311,7 @@ void TimeStepper::correct_position(double h, double* dq) {
 
 void TimeStepper::remember(double h) {
   for (Spatial::Force& wrench : state_.wrenches) wrench = {};
-  for (SeenContact& contact : state_.seen) contact = {};
+  for (ContactSum& contact : state_.sums) contact = {};
   rows_.speeds(v1_.data(), free_speeds_.data());
   state_.contacts.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -342,9 +334,9 @@ void TimeStepper::remember(double h) {
     const Spatial::Force on_b{contact.moment + point.p.cross(contact.force), contact.force};
     state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += on_b;
     state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= on_b;
-    SeenContact& seen = state_.seen[static_cast<std::size_t>(point.contact)];
-    seen.force -= mechanism_.X_W0.R * contact.force;
-    seen.mode = std::max(seen.mode, contact.slides ? 2 : 1);
+    ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
+    sum.force -= mechanism_.X_W0.R * contact.force;
+    sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
   }
   remember_locks(h);
 }
@@ -365,15 +357,10 @@ void TimeStepper::forget() {
   std::ranges::fill(state_.forces_along, 0.0);
 }
 
-const std::vector<SeenContact>& TimeStepper::seen() {
-  finder_.smallest_gaps(dynamics_.readings(), gaps_);
-  for (std::size_t i = 0; i < gaps_.size(); ++i) state_.seen[i].gap = gaps_[i];
-  return state_.seen;
+double TimeStepper::gap(int contact) {
+  return finder_.smallest_gaps(dynamics_.readings())[static_cast<std::size_t>(contact)];
 }
 
-void TimeStepper::serialize(Archive& archive) {
-  state_.serialize(archive, static_cast<int>(mechanism_.shapes.size()));
-  archive.serialize(counts_.iterations, counts_.unsolved, counts_.points, counts_.residual);
-}
+void TimeStepper::serialize(Archive& archive) { state_.serialize(archive, static_cast<int>(mechanism_.shapes.size())); }
 
 }  // namespace gelenk

@@ -21,7 +21,7 @@
 
 namespace gelenk {
 
-class TimeStepper {
+class TimeStepper final : public ContactReadings {
  public:
   // All must outlive it. loads: with the laws of contacts.
   TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads);
@@ -37,18 +37,11 @@ class TimeStepper {
   void forget();
   // The forces of the last step, means over it.
   const ContactState& state() const { return state_; }
-  // The same with the gaps at the present position of `dynamics`, by contact of the scene.
-  const std::vector<SeenContact>& seen();
+  // Of the last step; gap(): at the present position of `dynamics`, after set_root_poses().
+  Eigen::Vector3d force(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].force; }
+  int mode(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].mode; }
+  double gap(int contact) override;
   void serialize(Archive& archive);
-
-  // Counts since construction, and the residual of the last step [m/s].
-  struct Counts {
-    long iterations = 0;
-    long unsolved = 0;  // steps whose problem was not solved to the tolerance
-    int points = 0;     // of the last step
-    double residual = 0;
-  };
-  const Counts& counts() const { return counts_; }
 
  private:
   class Operator;
@@ -59,7 +52,7 @@ class TimeStepper {
     double depth = 0;
   };
 
-  bool accelerate(double h, const double* u, const double* v0);
+  bool accelerate(double h, const double* u);
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_locks(double h);
@@ -68,7 +61,7 @@ class TimeStepper {
   void set_velocities(double h);
   void set_lock_velocity(const LockRow& row, std::size_t r, double h);
   void guess(double h);
-  ConeResult solve_impulses();
+  void solve_impulses();
   struct Gap {
     double gap = 0;  // m, rad
     int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
@@ -86,15 +79,13 @@ class TimeStepper {
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
   ContactState state_;
-  Counts counts_;
 
   std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_, correction_cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
-  std::vector<double> v0_, v1_, vm_, vdot_, dq_, gaps_, branching_;
-  std::vector<int> sides_;
+  std::vector<double> v0_, v1_, vm_, vdot_, dq_;
 };
 
 }  // namespace gelenk

@@ -19,11 +19,25 @@ struct ContactLaw {
   Eigen::Vector3d belt_velocity = Eigen::Vector3d::Zero();  // m/s: of the second surface, in the axes of its shape
 };
 
-// What the outputs of a contact show. mode: 0: open; 1: all contact points stick; 2: some of them slide.
+// What the outputs of contacts show, by contact of the scene.
+class ContactReadings {
+ public:
+  virtual Eigen::Vector3d force(int contact) const = 0;  // N, on the bodies with the first surface, in the world's axes
+  virtual int mode(int contact) const = 0;               // 0: open; 1: all contact points stick; 2: some of them slide
+  virtual double gap(int contact) = 0;                   // m; found when it is asked for
+
+ protected:
+  ~ContactReadings() = default;
+};
+
+// The outputs of one contact.
 struct SeenContact {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the bodies with the first surface, in the world's axes
-  double gap = 0;                                   // m
-  int mode = 0;
+  ContactReadings& all;
+  int contact;
+
+  Eigen::Vector3d force() const { return all.force(contact); }
+  int mode() const { return all.mode(contact); }
+  double gap() const { return all.gap(contact); }
 };
 
 }  // namespace gelenk

@@ -85,7 +85,7 @@ struct SurfaceContact {
   }
 
   double output(const SeenContact& seen, int group, int i) const {
-    return group == 0 ? seen.force[i] : group == 1 ? seen.gap : seen.mode;
+    return group == 0 ? seen.force()[i] : group == 1 ? seen.gap() : seen.mode();
   }
 };
 

@@ -25,11 +25,8 @@ bool ImpulseSteps::step(double t, double h, double* y) {
   if (!finite()) return false;
   with_.drives.go_to(t + h / 2);
   const bool made = stepper_->step(h, with_.drives.u().data(), y);
-  with_.projector.factors_changed();
   return made && finite();
 }
-
-const SeenContact* ImpulseSteps::seen() { return are_used() ? stepper_->seen().data() : nullptr; }
 
 void ImpulseSteps::serialize(Archive& archive) {
   if (are_used()) stepper_->serialize(archive);

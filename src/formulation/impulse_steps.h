@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "contact/time_stepper.h"
-#include "formulation/constraint_projector.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
 #include "modes/lock_modes.h"
@@ -15,13 +14,12 @@ namespace gelenk {
 
 class ImpulseSteps final : public ImpulseEquations {
  public:
-  // All must outlive it. projector: its factors are replaced by those of steps; locks: released.
+  // All must outlive it. locks: released.
   struct Context {
     const Mechanism& mechanism;
     Dynamics& dynamics;
     const Loads& loads;
     Drives& drives;
-    ConstraintProjector& projector;
     LockModes& locks;
   };
   explicit ImpulseSteps(const Context& context) : with_(context) {}
@@ -36,10 +34,8 @@ class ImpulseSteps final : public ImpulseEquations {
   void forget() {
     if (are_used()) stepper_->forget();
   }
-  // The forces of contacts with the gaps at the present position of `dynamics`, by contact of the scene; null: there
-  // are none. After set_root_poses().
-  const SeenContact* seen();
-  TimeStepper::Counts counts() const { return are_used() ? stepper_->counts() : TimeStepper::Counts{}; }
+  // What outputs of contacts show; null: otherwise.
+  ContactReadings* readings() const { return stepper_.get(); }
   void serialize(Archive& archive);
 
   // During its lifetime, solve() applies the mean forces of the last step.

@@ -24,7 +24,7 @@ struct ReadingOf {
   // Of each force with modes (Branching) its force in the user's sign and its mode; null: there is none.
   const T* forces = nullptr;
   const int* modes = nullptr;
-  const SeenContact* contacts = nullptr;  // by contact of the scene; null: nothing touches
+  ContactReadings* contacts = nullptr;  // null: nothing touches
 };
 using Reading = ReadingOf<double>;
 

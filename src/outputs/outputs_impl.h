@@ -42,7 +42,9 @@ T Outputs::value(int output, const ReadingOf<T>& reading) const {
     case Kind::contact:
       if (reading.contacts == nullptr) break;
       return T(std::visit(
-          [&](const auto& contact) { return contact.output(reading.contacts[s.index], s.group, s.component); },
+          [&](const auto& contact) {
+            return contact.output(SeenContact{*reading.contacts, s.index}, s.group, s.component);
+          },
           contacts_[static_cast<std::size_t>(s.index)]));
     case Kind::constant:
     case Kind::whole:

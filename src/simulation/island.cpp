@@ -220,7 +220,6 @@ void Island::realize(Stage stage) {
   }
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
-  if (stage == Stage::acceleration) contacts_ = equations_->impulses()->seen();
   realized_ = stage;
 }
 
@@ -233,7 +232,7 @@ Reading Island::reading() const {
           equations_->revolutions().speeds().data(),
           equations_->modes().recorded_forces().data(),
           equations_->modes().recorded_sides().data(),
-          contacts_};
+          equations_->impulses()->readings()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

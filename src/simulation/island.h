@@ -97,7 +97,6 @@ class Island {
   std::unique_ptr<Integrator> integrator_;  // null if nothing can move
   double time_;
   std::vector<double> y_, vdot_;
-  const SeenContact* contacts_ = nullptr;  // at the stage of accelerations
   double backup_time_;
   std::vector<double> backup_;
   LockModes::State backup_modes_;  // before the last advance
