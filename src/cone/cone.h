@@ -80,6 +80,14 @@ struct Cone {
   }
 };
 
+// A sparse W with G = W^T W. Column j, of unknown j, has the entries first[j] to first[j + 1], in ascending rows.
+struct ConeRoot {
+  int rows = 0;
+  std::span<const int> first;
+  std::span<const int> row;
+  std::span<const double> value;
+};
+
 // G: symmetric and positive semidefinite.
 class ConeOperator {
  public:
@@ -91,6 +99,8 @@ class ConeOperator {
   virtual void diagonal_block(const Cone& cone, double* out) const = 0;
   // The whole matrix, or null if it is never formed. Methods that need it then form it, by size() products.
   virtual const Eigen::MatrixXd* dense() const { return nullptr; }
+  // A sparse root of G, which methods for large problems factorize; without columns: there is none.
+  virtual ConeRoot root() const { return {}; }
 };
 
 // A matrix as operator; it must outlive this.

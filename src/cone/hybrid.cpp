@@ -1,30 +1,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The default. Up to about a hundred contacts: semismooth Newton, led by some steps of the spectral projected gradient
-// where it stalls. Beyond, factorizing takes longer than many iterations of a gradient method: the accelerated one,
-// with Newton's method where it does not suffice and there is a matrix. Without a matrix, or with more than some
-// hundred contacts: the accelerated gradient alone.
+// The default. Up to about thirty contacts: semismooth Newton, led by some steps of the spectral projected gradient
+// where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented Lagrangian method in the
+// space of velocities in turn; if their factors fill in, or without a root: the accelerated gradient, with Newton's
+// method up to some hundred contacts if there is a matrix.
 #include <limits>
 
 #include "cone/accelerated_gradient.h"
+#include "cone/augmented_lagrangian.h"
 #include "cone/newton.h"
 #include "cone/spectral_gradient.h"
 
 namespace gelenk {
 namespace {
 
-constexpr Eigen::Index newton_first = 300;   // unknowns, up to which Newton's method comes first
+constexpr Eigen::Index newton_first = 300;   // unknowns, up to which Newton's method with a matrix comes first
 constexpr Eigen::Index newton_at_all = 900;  // unknowns, up to which it is used: some tenths of a second per step
 constexpr int newton_steps = 100;
 constexpr int fixed_point_steps = 200;  // between attempts at the exact problem
 constexpr int spectral_steps = 30;
 constexpr int accelerated_steps = 300;
+// With a sparse root:
+constexpr double max_factor_cost =
+    3e7;  // operations, some hundredths of a second: walls and towers of a thousand bodies
+constexpr int sparse_newton_steps = 30;
+constexpr int proximal_steps = 12;
+constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
+constexpr int max_failures = 3;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
+    if (!at.has_matrix() && !at.root().first.empty()) {
+      hessian_.start(at);
+      if (hessian_.cost() <= max_factor_cost) return run_sparse(at);
+    }
     if (at.size() > newton_at_all || (at.size() > newton_first && !at.has_matrix())) {
       accelerated_.run(at, std::numeric_limits<int>::max());
-      return;
+    } else {
+      run_dense(at);
     }
+  }
+
+  void run_dense(ConeIteration& at) {
+    newton_.reserve(at.size(), at.cones().size());
     bool newton = at.size() <= newton_first;
     for (; !at.done(); newton = !newton) {
       at.return_to_best();
@@ -39,12 +56,25 @@ class HybridSolver final : public IterativeConeSolver {
     }
   }
 
+  // Ends early if neither method gains any more.
+  void run_sparse(ConeIteration& at) {
+    newton_.reserve(at.size(), at.cones().size(), &hessian_);
+    for (int failures = 0; !at.done() && failures < max_failures;) {
+      const double before = at.best_residual();
+      newton_.run(at, sparse_newton_steps);
+      at.return_to_best();
+      if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps);
+      at.return_to_best();
+      failures = at.best_residual() < least_gain * before ? 0 : failures + 1;
+    }
+  }
+
   void reserve(ConeIteration& at) override {
     accelerated_.reserve(at.size());
     if (at.size() > newton_at_all) return;
     spectral_.reserve(at.size());
     shift_.start(at.size());
-    newton_.reserve(at.size(), at.cones().size());
+    if (at.has_matrix() || at.root().first.empty()) newton_.reserve(at.size(), at.cones().size());
   }
 
   // Solves the convex problem with De Saxce's shift of the present iterate, to a fraction: a step of the fixed-point
@@ -62,6 +92,8 @@ class HybridSolver final : public IterativeConeSolver {
   SemismoothNewton newton_;
   SpectralGradient spectral_;
   AcceleratedGradient accelerated_;
+  VelocityHessian hessian_;
+  AugmentedLagrangian lagrangian_;
 };
 
 }  // namespace

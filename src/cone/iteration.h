@@ -55,12 +55,14 @@ class ConeIteration {
   void project_all(const double* in, double* out) const;  // out <- P_K(in); they may be the same
   void update_velocity();                                 // u <- G x + b
   bool has_matrix() const { return problem_->G.dense() != nullptr; }
-  Eigen::Map<const Eigen::MatrixXd> matrix();  // G, not scaled
+  Eigen::Map<const Eigen::MatrixXd> matrix();           // G, not scaled
+  ConeRoot root() const { return problem_->G.root(); }  // of G, not scaled
   void count_product() { ++result_.products; }
 
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
   bool advance();
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
+  double tolerance() const { return options_->tolerance; }
   double residual() const { return residual_; }  // of the present iterate, at the last advance()
   double best_residual() const { return result_.residual; }
   void return_to_best();

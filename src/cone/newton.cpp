@@ -24,14 +24,17 @@ std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void SemismoothNewton::reserve(Index n, std::size_t cones) {
+void SemismoothNewton::reserve(Index n, std::size_t cones, VelocityHessian* hessian) {
   constexpr Index columns = Cone::max_size;
-  memory_.start((9 + columns + n) * n);
+  hessian_ = hessian;
+  memory_.start((9 + (hessian ? 0 : columns + n)) * n);
   for (double** piece : {&z_, &F_, &sigma_, &dx_, &Gdx_, &trial_x_, &trial_u_, &trial_F_, &rhs_}) {
     *piece = memory_.take(n);
   }
-  T_ = memory_.take(columns * n);
-  A_ = memory_.take(n * n);
+  if (!hessian) {
+    T_ = memory_.take(columns * n);
+    A_ = memory_.take(n * n);
+  }
   if (modes_.size() < cones) modes_.resize(cones);
   if (first_.size() < cones) first_.resize(cones);
   if (pivots_.size() < static_cast<std::size_t>(n)) pivots_.resize(static_cast<std::size_t>(n));
@@ -170,21 +173,28 @@ void SemismoothNewton::solve_reduced(bool general, double eps) {
   y += correction;
 }
 
+// x <- x + Q y
+void SemismoothNewton::expand(ConeIteration& at, const double* y, double* x) const {
+  const std::span<const Cone> cones = at.cones();
+  for (std::size_t i = 0; i < cones.size(); ++i) {
+    for (int k = 0; k < modes_[i].count; ++k) {
+      const double along = y[first_[i] + k];
+      for (int c = 0; c < cones[i].size(); ++c) x[cones[i].first + c] += along * modes_[i].q[at_index(k)][at_index(c)];
+    }
+  }
+}
+
 // dx <- the Newton step for this regularization, and Gdx. False if it is not finite.
 bool SemismoothNewton::find_step(ConeIteration& at, double eps) {
   right_side(at);
   if (rows_ > 0) {
-    assemble(at, eps);
-    solve_reduced(exact_, eps);
-    const std::span<const Cone> cones = at.cones();
-    for (std::size_t i = 0; i < cones.size(); ++i) {
-      for (int k = 0; k < modes_[i].count; ++k) {
-        const double along = rhs_[first_[i] + k];
-        for (int c = 0; c < cones[i].size(); ++c) {
-          dx_[cones[i].first + c] += along * modes_[i].q[at_index(k)][at_index(c)];
-        }
-      }
+    if (hessian_) {
+      if (!solve_sparse(at, eps)) return false;
+    } else {
+      assemble(at, eps);
+      solve_reduced(exact_, eps);
     }
+    expand(at, rhs_, dx_);
   }
   if (!ConeVector(dx_, at.size()).allFinite()) return false;
   at.multiply(dx_, Gdx_);
@@ -226,7 +236,7 @@ void SemismoothNewton::run_with(const double* shift, ConeIteration& at, int max_
 
 // Ends, too, if the natural map's squared norm is below this fraction of that at the start.
 void SemismoothNewton::iterate(ConeIteration& at, int max_steps, double fraction) {
-  reserve(at.size(), at.cones().size());
+  reserve(at.size(), at.cones().size(), hessian_);
   merits_.fill(0);
   double first = 0;
   double least = std::numeric_limits<double>::infinity();

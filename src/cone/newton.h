@@ -16,13 +16,15 @@
 
 #include "cone/iteration.h"
 #include "cone/projection.h"
+#include "cone/velocity_hessian.h"
 
 namespace gelenk {
 
 class SemismoothNewton {
  public:
-  // Allocates what a problem of this size needs.
-  void reserve(Eigen::Index n, std::size_t cones);
+  // Allocates what a problem of this size needs. hessian: solves the linear systems of problems with a sparse root, and
+  // is started with the problem; null: a dense matrix does.
+  void reserve(Eigen::Index n, std::size_t cones, VelocityHessian* hessian = nullptr);
   // Up to max_steps steps. Returns early if steps no longer reduce the natural map.
   void run(ConeIteration& at, int max_steps);
   // The same for the convex problem with a constant shift of the velocities (at.size() numbers), until that is solved
@@ -38,11 +40,21 @@ class SemismoothNewton {
   void assemble(ConeIteration& at, double eps);
   void right_side(ConeIteration& at);
   void solve_reduced(bool general, double eps);
+  bool solve_sparse(ConeIteration& at, double eps);
+  bool something_slides(std::span<const Cone> cones) const;
+  void set_weights(ConeIteration& at, double eps);
+  void solve_in_velocities(ConeIteration& at);
+  double set_left(ConeIteration& at);
+  void expand(ConeIteration& at, const double* y, double* x) const;
   bool find_step(ConeIteration& at, double eps);
   bool take_step(ConeIteration& at);
 
   bool exact_ = false;
   const double* shift_ = nullptr;
+  VelocityHessian* hessian_ = nullptr;
+  std::vector<ModeWeights> weights_;
+  std::vector<double> lifted_, y_, left_, right_side_;
+  Eigen::VectorXd w_, right_;
   ConeMemory memory_;
   std::vector<ProjectionModes> modes_;
   std::vector<int> first_;  // row of each cone's first mode

@@ -17,8 +17,10 @@ constexpr double rest_speed = 1e-9;
 constexpr double residual_tolerance = 1e-11;
 constexpr double residual_floor = 1e-3;
 constexpr int max_iterations = 200;
-// Rows up to which the Delassus operator is a matrix: larger ones cost more than they save.
+// Rows up to which the Delassus operator is a matrix: larger ones cost more than they save. Sparse methods, which
+// bodies without loops permit, are faster from a hundred rows on.
 constexpr int max_dense_rows = 400;
+constexpr int max_dense_rows_with_root = 100;
 
 // Axes with the first along n; a continuous function of n nearly everywhere.
 Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
@@ -44,7 +46,7 @@ class TimeStepper::Operator final : public ConeOperator {
   // Call when the rows have changed.
   void update() {
     const int n = rows_.count();
-    is_dense_ = n <= max_dense_rows;
+    is_dense_ = n <= (root().first.empty() ? max_dense_rows : max_dense_rows_with_root);
     if (!is_dense_) return;
     G_.resize(n, n);
     unit_.assign(static_cast<std::size_t>(n), 0.0);
@@ -68,6 +70,10 @@ class TimeStepper::Operator final : public ConeOperator {
     }
   }
   const Eigen::MatrixXd* dense() const override { return is_dense_ ? &G_ : nullptr; }
+  ConeRoot root() const override {
+    const WhitenedRows rows = rows_.whitened();
+    return {rows.columns, rows.first, rows.column, rows.value};
+  }
 
  private:
   const ContactRows& rows_;

@@ -7,10 +7,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
 #include "math/spatial.h"
 
 namespace gelenk {
+
+// Row r has the entries first[r] to first[r + 1], in ascending columns.
+struct WhitenedRows {
+  int columns = 0;
+  std::span<const int> first;
+  std::span<const int> column;
+  std::span<const double> value;
+};
 
 class ContactRows {
  public:
@@ -30,6 +39,8 @@ class ContactRows {
   virtual void speeds(const double* v, double* out) const = 0;
   // out <- G x.
   virtual void apply(const double* x, double* out) const = 0;
+  // Y^T by rows, so that G = Y^T Y; with loops nothing, as P is not sparse. Valid until rows change.
+  virtual WhitenedRows whitened() const = 0;
   // The rows and columns first to first + size of G, row by row. Without loops; with loops the same without P, which is
   // larger.
   virtual void block(int first, int size, double* out) const = 0;

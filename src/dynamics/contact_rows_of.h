@@ -76,6 +76,11 @@ class ContactRowsOf final : public ContactRows {
     }
   }
 
+  WhitenedRows whitened() const override {
+    if (model_.rows > 0) return {};
+    return {model_.nv, whitened_first_, whitened_columns_, whitened_};
+  }
+
   void block(int first, int size, double* out) const override {
     for (int i = 0; i < size; ++i) {
       for (int j = 0; j < size; ++j) out[i * size + j] = dot(first + i, first + j);

@@ -28,6 +28,55 @@ class Hidden final : public gelenk::ConeOperator {
   gelenk::DenseConeOperator shown_;
 };
 
+// G = W^T W, of which only W shows. W is stored by columns, without its zeros.
+class Rooted final : public gelenk::ConeOperator {
+ public:
+  // columns: of W, one for each unknown.
+  explicit Rooted(const Table& columns) {
+    for (const Numbers& column : columns) {
+      rows_ = static_cast<int>(column.size());
+      for (int i = 0; i < rows_; ++i) {
+        const double entry = column[static_cast<std::size_t>(i)];
+        if (entry == 0) continue;
+        row_.push_back(i);
+        value_.push_back(entry);
+      }
+      first_.push_back(static_cast<int>(row_.size()));
+    }
+  }
+  int size() const override { return static_cast<int>(first_.size()) - 1; }
+  void apply(const double* x, double* y) const override {
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(rows_);
+    for (int j = 0; j < size(); ++j) {
+      for (std::size_t k = begin(j); k < begin(j + 1); ++k) w[row_[k]] += value_[k] * x[j];
+    }
+    for (int j = 0; j < size(); ++j) {
+      y[j] = 0;
+      for (std::size_t k = begin(j); k < begin(j + 1); ++k) y[j] += value_[k] * w[row_[k]];
+    }
+  }
+  void diagonal_block(const Cone& cone, double* out) const override {
+    for (int i = 0; i < cone.size(); ++i) {
+      for (int j = 0; j < cone.size(); ++j) *out++ = dot(cone.first + i, cone.first + j);
+    }
+  }
+  gelenk::ConeRoot root() const override { return {rows_, first_, row_, value_}; }
+
+ private:
+  std::size_t begin(int j) const { return static_cast<std::size_t>(first_[static_cast<std::size_t>(j)]); }
+  double dot(int i, int j) const {
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(rows_);
+    for (std::size_t k = begin(i); k < begin(i + 1); ++k) w[row_[k]] = value_[k];
+    double sum = 0;
+    for (std::size_t k = begin(j); k < begin(j + 1); ++k) sum += value_[k] * w[row_[k]];
+    return sum;
+  }
+
+  int rows_ = 0;
+  std::vector<int> first_{0}, row_;
+  std::vector<double> value_;
+};
+
 class Solved {
  public:
   Numbers x;
@@ -50,6 +99,17 @@ class Solver {
     const gelenk::DenseConeOperator dense(G);
     const Hidden hidden(G);
     const gelenk::ConeOperator& chosen = matrix_free ? static_cast<const gelenk::ConeOperator&>(hidden) : dense;
+    return call(chosen, b, cones, start, tolerance, max_iterations, exact);
+  }
+
+  Solved solve_root(const Table& columns, const Numbers& b, const std::vector<Cone>& cones, const Numbers& start,
+                    double tolerance, int max_iterations, bool exact) {
+    return call(Rooted(columns), b, cones, start, tolerance, max_iterations, exact);
+  }
+
+ private:
+  Solved call(const gelenk::ConeOperator& chosen, const Numbers& b, const std::vector<Cone>& cones,
+              const Numbers& start, double tolerance, int max_iterations, bool exact) {
     Solved out;
     out.x = start;
     gelenk::ConeOptions options;
@@ -61,7 +121,6 @@ class Solver {
     return out;
   }
 
- private:
   std::unique_ptr<gelenk::ConeSolver> solver_;
 };
 
@@ -101,7 +160,9 @@ void bind_cones(nb::module_& m) {
       .def(nb::init<const std::string&>(), nb::arg("name"))
       .def("solve", &Solver::solve, nb::arg("G"), nb::arg("b"), nb::arg("cones"), nb::arg("start"),
            nb::arg("tolerance") = 1e-10, nb::arg("max_iterations") = 1000, nb::arg("exact") = true,
-           nb::arg("matrix_free") = false);
+           nb::arg("matrix_free") = false)
+      .def("solve_root", &Solver::solve_root, nb::arg("columns"), nb::arg("b"), nb::arg("cones"), nb::arg("start"),
+           nb::arg("tolerance") = 1e-10, nb::arg("max_iterations") = 1000, nb::arg("exact") = true);
   m.def("cone_solvers", [] {
     std::vector<std::pair<std::string, std::string>> out;
     for (const gelenk::ConeSolverKind& kind : gelenk::cone_solver_kinds()) out.emplace_back(kind.name, kind.summary);

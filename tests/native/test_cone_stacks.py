@@ -14,12 +14,12 @@ MU = 0.5
 TOLERANCE = 1e-10  # m/s
 
 
-def stack(boxes: int, seed: int | None = None, push: float = 0.0) -> tuple[Array, Array]:
-    """Return G and b of a tower of cubes of 0.2 m and 1 kg with contacts in their corners.
+HALF = 0.1  # m, of an edge
 
-    seed: of random velocities up to 1 % of `push`; push: velocity of the top cube along x [m/s].
-    """
-    half = 0.1
+
+def rows_of_corners(boxes: int) -> Array:
+    """Return the Jacobian of a tower of cubes of 0.2 m with contacts in their corners."""
+    half = HALF
     jacobian = np.zeros((12 * boxes, 6 * boxes))
     for k in range(boxes):
         for c in range(4):
@@ -32,13 +32,31 @@ def stack(boxes: int, seed: int | None = None, push: float = 0.0) -> tuple[Array
                 turn = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])  # v + w x arm
                 block = sign * np.hstack([np.eye(3), turn])[[2, 0, 1]]  # normal first
                 jacobian[rows, 6 * body : 6 * body + 6] += block
-    inverse = np.tile([1, 1, 1, *[1.5 / half**2] * 3], boxes)
+    return jacobian
+
+
+def inverse_masses(boxes: int) -> Array:
+    """Of cubes of 1 kg: inverse masses [1/kg] and moments of inertia [1/(kg m2)]."""
+    return np.tile([1, 1, 1, *[1.5 / HALF**2] * 3], boxes)
+
+
+def stack_root(boxes: int) -> Array:
+    """Return W^T of G = W^T W."""
+    return rows_of_corners(boxes) * np.sqrt(inverse_masses(boxes))
+
+
+def stack(boxes: int, seed: int | None = None, push: float = 0.0) -> tuple[Array, Array]:
+    """Return G and b of the tower.
+
+    seed: of random velocities up to 1 % of `push`; push: velocity of the top cube along x [m/s].
+    """
+    jacobian = rows_of_corners(boxes)
     v = np.zeros(6 * boxes)
     v[2::6] = -KICK
     v[6 * boxes - 6] += push
     if seed is not None:
         v += 0.01 * push * np.random.default_rng(seed).uniform(-1, 1, len(v))
-    return jacobian @ np.diag(inverse) @ jacobian.T, jacobian @ v
+    return jacobian @ np.diag(inverse_masses(boxes)) @ jacobian.T, jacobian @ v
 
 
 def solve(units: Any, name: str, G: Array, b: Array, **options: Any) -> Any:

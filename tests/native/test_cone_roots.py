@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Cone problems with a sparse root of G, which Newton's methods factorize in the space of velocities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import Array
+
+from gelenk.chart.cone_problems import COUNT, cone_problem
+
+from .test_cone_solvers import cones_of
+from .test_cone_stacks import KICK, MU, TOLERANCE, stack, stack_root
+
+
+def solve(units: Any, W: Array, b: Array, cones: list[Any] | None = None, **options: Any) -> Any:
+    """W: columns of the root, one row of the array for each unknown."""
+    cones = cones or [units.Cone.contact(3 * i, MU) for i in range(len(b) // 3)]
+    given = {"start": [0.0] * len(b), "tolerance": TOLERANCE, "max_iterations": 2000, **options}
+    return units.ConeSolver("hybrid").solve_root(W.tolist(), list(b), cones, **given)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("kind", ["dense", "chain", "redundant"])
+def test_problems_with_a_root_are_solved(units: Any, kind: str, exact: bool) -> None:
+    """The hundred problems, whose published solutions are those of the convex ones."""
+    for problem in map(cone_problem, range(COUNT)):
+        if problem.kind != kind:
+            continue
+        values, vectors = np.linalg.eigh(problem.G)
+        W = vectors * np.sqrt(np.maximum(values, 0))
+        tolerance = 1e-11 * np.linalg.norm(problem.b)
+        found = solve(units, W, problem.b, cones_of(units, problem), tolerance=tolerance, exact=exact)
+        assert found.converged, (problem.number, found.residual)
+        # W W^T differs from G by rounding, which condition numbers up to 1e6 amplify.
+        if not exact:
+            assert problem.residual(np.array(found.x)) < 1e-9, problem.number
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize(("boxes", "push"), [(10, 1.0), (20, 0.3), (40, 0.3), (60, 0.1)])
+def test_pushed_towers_are_solved_to_the_tolerance(units: Any, boxes: int, push: float, exact: bool) -> None:
+    """Corners slide, stick and open at once, with singular matrices G of condition boxes^4.
+
+    Convex problems are solved to the rounding of such matrices, those of Coulomb's law at least to 1e-6.
+    """
+    for seed in range(3):
+        G, b = stack(boxes, seed, push)
+        found = solve(units, stack_root(boxes), b, exact=exact)
+        bound = 1e-6 if exact else 2 * TOLERANCE
+        assert found.residual <= bound, (seed, found.iterations)
+        x = np.array(found.x).reshape(-1, 3)
+        u = (G @ x.ravel() + b).reshape(-1, 3)
+        assert (np.hypot(x[:, 1], x[:, 2]) <= MU * x[:, 0] * (1 + 1e-12)).all()
+        shift = MU * np.hypot(u[:, 1], u[:, 2]) if exact else np.zeros(len(u))
+        assert (u[:, 0] + shift >= MU * np.hypot(u[:, 1], u[:, 2]) - 10 * bound).all()
+        assert np.abs((x * u).sum(axis=1) + x[:, 0] * shift).max() < 100 * bound * np.abs(x).max()
+
+
+def test_a_tower_of_a_hundred_boxes_rests(units: Any) -> None:
+    """Every interface carries the weight above it, and the solution is that of the next step."""
+    G, b = stack(100)
+    found = solve(units, stack_root(100), b)
+    x = np.array(found.x)
+    assert found.converged
+    assert np.abs(G @ x + b).max() < 2 * TOLERANCE
+    assert x[::3].reshape(100, 4).sum(axis=1) == pytest.approx(KICK * np.arange(100, 0, -1), rel=1e-6)
+    assert x[::3].min() > 0
+    assert solve(units, stack_root(100), b, start=list(x)).iterations == 0
+
+
+def test_factors_that_fill_in_are_not_used(units: Any) -> None:
+    """Of a dense root: up to 3e7 operations, Newton's methods take few steps; beyond, gradients take many."""
+    rng = np.random.default_rng(1)
+    iterations = []
+    for rows in (420, 480):  # 2.5e7, 3.7e7 operations
+        W = rng.normal(size=(rows, rows)) / np.sqrt(rows)
+        b = rng.normal(size=rows)
+        found = solve(units, W, b, exact=False, max_iterations=3000, tolerance=1e-8)
+        iterations.append(found.iterations)
+    assert iterations[0] < 20
+    assert iterations[1] > 40
+
+
+def test_the_same_problems_give_the_same_bits(units: Any) -> None:
+    """Also after another problem: patterns and factors that are kept do not change results."""
+    b = stack(12, 3, 0.3)[1]
+    first = solve(units, stack_root(12), b)
+    solver = units.ConeSolver("hybrid")
+    for boxes in (12, 15, 12):
+        other = stack(boxes, 3, 0.3)[1]
+        last = solver.solve_root(
+            stack_root(boxes).tolist(),
+            list(other),
+            [units.Cone.contact(3 * i, MU) for i in range(len(other) // 3)],
+            [0.0] * len(other),
+            tolerance=TOLERANCE,
+            max_iterations=500,
+        )
+    assert last.x == first.x
