@@ -19,7 +19,7 @@ from mechanisms import Scene
 
 import gelenk
 from fmu.c_hosts import compiled, extracted
-from fmu.plants import crank_rocker, driven, gyroscope, touching
+from fmu.plants import crank_rocker, driven, gyroscope
 from fmu.scenarios import SCENARIOS
 
 TESTS = Path(__file__).resolve().parent.parent
@@ -57,7 +57,6 @@ def plants() -> dict[str, Scene]:
         found[f"crank_rocker-{integrator}"] = {**crank_rocker(), "solver": {"integrator": integrator}}
     found["gyroscope"] = gyroscope()
     found["driven"] = driven()
-    found["touching"] = touching(3)
     gripper = gelenk.load(TESTS.parent / "docs" / "gallery" / "gripper" / "scene.yaml")
     found["gripper"] = gripper.to_dict()
     for name in ("stewart", "slider_crank", "bicycle"):
