@@ -72,6 +72,9 @@ SHOTS: dict[str, dict[str, Shot]] = {
         "balancing_robot": Shot((0, 1), 0.0, speed=0.4, inputs={"push.f[1]": 0.1}),
         "cart_pole": Shot((0, 5), 0.6, speed=1.25),
     },
+    "Contacts": {
+        "gripper": Shot((0, 1.4), 0.9, inputs={"grip1.tau": 0.8, "grip2.tau": 0.8}),
+    },
     "Pendulums and tops": {
         "pendulum": Shot((0, 4), 0.0, trails=True),
         "double_pendulum": Shot((0, 4), 0.3, trails=True),

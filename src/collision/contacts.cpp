@@ -43,6 +43,9 @@ int find_contacts(const AnyShape& A, const Pose3& X_WA, const AnyShape& B, const
   const Pose3& X_first = exchange ? X_WB : X_WA;
   const Pose3& X_second = exchange ? X_WA : X_WB;
   const Eigen::Vector3d origin = X_second.p;
+  // Squares of larger distances are not finite: what has diverged touches nothing.
+  constexpr double farthest = 1e100;
+  if (!((X_first.p - origin).norm() < farthest) || !X_WA.R.allFinite() || !X_WB.R.allFinite()) return 0;
   ContactSet found(margin);
   std::visit(Pair{first, second, {X_first.R, X_first.p - origin}, {X_second.R, Eigen::Vector3d::Zero()}, found}, first,
              second);

@@ -17,6 +17,9 @@ double extent(const Aabb& box) { return (box.upper - box.lower).maxCoeff(); }
 // Boxes of more than this number of column widths are large: they would be in too many columns.
 constexpr double widest = 16;
 
+// Up to this number of boxes, comparing all of them is faster than sorting them.
+constexpr std::size_t few = 24;
+
 }  // namespace
 
 // Columns are twice as wide as the median of a sample of the boxes, so that most boxes are in one to four of them;
@@ -157,12 +160,19 @@ void SweepAndPrune::find(std::span<const Aabb> boxes) {
   comparisons_ = 0;
   unsorted_.clear();
   large_.clear();
-  choose_width(boxes);
+  const bool compares_all = boxes.size() <= few;
+  if (compares_all) {
+    const std::size_t all = boxes.size() * boxes.size() / 2;
+    unsorted_.reserve(all);
+    pairs_.reserve(all);
+  } else {
+    choose_width(boxes);
+  }
   is_large_.assign(boxes.size(), 0);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     // A NaN would break the order; the box meets nothing.
     const bool none = has_nan(boxes[i]);
-    if (!none && !is_large(boxes[i])) continue;
+    if (!none && !compares_all && !is_large(boxes[i])) continue;
     is_large_[i] = 1;
     if (!none) large_.push_back(static_cast<int>(i));
   }

@@ -97,8 +97,9 @@ class ConeOperator {
   virtual void apply(const double* x, double* y) const = 0;
   // The rows and columns of a cone: cone.size() squared numbers, row by row.
   virtual void diagonal_block(const Cone& cone, double* out) const = 0;
-  // The whole matrix, or null if it is never formed. Methods that need it then form it, by size() products.
-  virtual const Eigen::MatrixXd* dense() const { return nullptr; }
+  // The whole matrix, size() x size(), or null if it is never formed. Methods that need it then form it, by size()
+  // products.
+  virtual const double* dense() const { return nullptr; }
   // A sparse root of G, which methods for large problems factorize; without columns: there is none.
   virtual ConeRoot root() const { return {}; }
 };
@@ -110,7 +111,7 @@ class DenseConeOperator final : public ConeOperator {
   int size() const override { return static_cast<int>(G_.rows()); }
   void apply(const double* x, double* y) const override;
   void diagonal_block(const Cone& cone, double* out) const override;
-  const Eigen::MatrixXd* dense() const override { return &G_; }
+  const double* dense() const override { return G_.data(); }
 
  private:
   const Eigen::MatrixXd& G_;

@@ -200,7 +200,7 @@ void ConeIteration::update_velocity() {
 }
 
 Eigen::Map<const Eigen::MatrixXd> ConeIteration::matrix() {
-  if (const Eigen::MatrixXd* dense = problem_->G.dense()) return {dense->data(), size_, size_};
+  if (const double* dense = problem_->G.dense()) return {dense, size_, size_};
   if (!matrix_formed_) {
     formed_.start(size_ * size_);
     formed_matrix_ = formed_.take(size_ * size_);

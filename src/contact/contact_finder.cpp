@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/convex.h"
+#include "mechanism/touching.h"
+
 namespace gelenk {
 
 ContactFinder::ContactFinder(const Mechanism& mechanism, std::size_t contacts)
@@ -12,17 +15,17 @@ ContactFinder::ContactFinder(const Mechanism& mechanism, std::size_t contacts)
       poses_(mechanism.shapes.size()),
       reach_(mechanism.shapes.size()),
       boxes_(mechanism.shapes.size()),
-      gaps_(contacts) {}
+      gaps_(contacts),
+      gap_poses_(poses_.size()) {
+  // The first body of a kind allocates what all share.
+  for (const LinkShape& shape : mechanism.shapes)
+    if (kind_of(shape.is).bounded) ConvexBody(shape.is, shape.X_LS);
+}
 
 int ContactFinder::contact_of(int a, int b) const {
-  const LinkShape& of_a = mechanism_.shapes[static_cast<std::size_t>(a)];
-  const LinkShape& of_b = mechanism_.shapes[static_cast<std::size_t>(b)];
-  if (of_a.link == of_b.link) return -1;
-  const ContactTable& table = mechanism_.contact_table;
-  const int contact = table.contact(of_a.surface, of_b.surface);
-  if (contact < 0 || table.touches_joined[static_cast<std::size_t>(contact)]) return contact;
-  const std::pair pair(std::min(of_a.scene_body, of_b.scene_body), std::max(of_a.scene_body, of_b.scene_body));
-  return std::ranges::binary_search(table.joined, pair) ? -1 : contact;
+  const auto& shapes = mechanism_.shapes;
+  return contact_between(mechanism_.contact_table, shapes[static_cast<std::size_t>(a)],
+                         shapes[static_cast<std::size_t>(b)]);
 }
 
 void ContactFinder::place(const Readings<double>& readings) {
@@ -32,18 +35,17 @@ void ContactFinder::place(const Readings<double>& readings) {
   }
 }
 
-void ContactFinder::add_points(int a, int b) {
-  const int contact = contact_of(a, b);
-  if (contact < 0) return;
+ContactFinder::Found ContactFinder::points_of(int& a, int& b) const {
+  Found out;
+  out.contact = contact_of(a, b);
+  if (out.contact < 0) return out;
   const auto& shapes = mechanism_.shapes;
-  if (!mechanism_.contact_table.is_first(contact, shapes[static_cast<std::size_t>(a)].surface)) std::swap(a, b);
+  if (!mechanism_.contact_table.is_first(out.contact, shapes[static_cast<std::size_t>(a)].surface)) std::swap(a, b);
   const auto i = static_cast<std::size_t>(a);
   const auto j = static_cast<std::size_t>(b);
-  ContactPoint found[max_contact_points];
-  const int count = find_contacts(shapes[i].is, poses_[i], shapes[j].is, poses_[j], reach_[i] + reach_[j], found);
-  for (int k = 0; k < count; ++k) {
-    points_.push_back({a, b, contact, found[k].p, found[k].normal, found[k].gap, found[k].feature});
-  }
+  const double reach = reach_[i] + reach_[j];
+  out.count = find_contacts(shapes[i].is, poses_[i], shapes[j].is, poses_[j], reach, out.points.data());
+  return out;
 }
 
 const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readings, double time, double speed,
@@ -60,7 +62,13 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
     boxes_[i] = bounds(shape.is, poses_[i]).grown(reach_[i]);
   }
   points_.clear();
-  for (const SweepAndPrune::Pair& pair : broad_phase_.pairs(boxes_)) add_points(pair.i, pair.j);
+  for (auto [a, b] : broad_phase_.pairs(boxes_)) {
+    const Found found = points_of(a, b);
+    for (int k = 0; k < found.count; ++k) {
+      const ContactPoint& at = found.points[static_cast<std::size_t>(k)];
+      points_.push_back({a, b, found.contact, at.p, at.normal, at.gap, at.feature});
+    }
+  }
   std::ranges::sort(points_, {}, &TouchPoint::key);
   return points_;
 }
@@ -68,17 +76,21 @@ const std::vector<TouchPoint>& ContactFinder::find(const Readings<double>& readi
 const std::vector<double>& ContactFinder::smallest_gaps(const Readings<double>& readings) {
   place(readings);
   const auto same = [](const Pose3& a, const Pose3& b) { return a.R == b.R && a.p == b.p; };
-  if (std::ranges::equal(poses_, gap_poses_, same)) return gaps_;
-  gap_poses_ = poses_;
+  if (has_gaps_ && std::ranges::equal(poses_, gap_poses_, same)) return gaps_;
+  std::ranges::copy(poses_, gap_poses_.begin());
+  has_gaps_ = true;
   std::ranges::fill(gaps_, std::numeric_limits<double>::infinity());
   std::ranges::fill(reach_, std::numeric_limits<double>::infinity());
-  points_.clear();
-  for (int a = 0; a < static_cast<int>(poses_.size()); ++a) {
-    for (int b = a + 1; b < static_cast<int>(poses_.size()); ++b) add_points(a, b);
-  }
-  for (const TouchPoint& point : points_) {
-    double& gap = gaps_[static_cast<std::size_t>(point.contact)];
-    gap = std::min(gap, point.gap);
+  for (int i = 0; i < static_cast<int>(poses_.size()); ++i) {
+    for (int j = i + 1; j < static_cast<int>(poses_.size()); ++j) {
+      int a = i;
+      int b = j;
+      const Found found = points_of(a, b);
+      for (int k = 0; k < found.count; ++k) {
+        double& gap = gaps_[static_cast<std::size_t>(found.contact)];
+        gap = std::min(gap, found.points[static_cast<std::size_t>(k)].gap);
+      }
+    }
   }
   return gaps_;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <tuple>
 #include <vector>
 
@@ -30,6 +31,19 @@ class ContactFinder {
   // contacts: number of contacts of the scene.
   ContactFinder(const Mechanism& mechanism, std::size_t contacts);
 
+  // Calls visit(contact) for each pair of shapes that can touch, until it returns false.
+  template <class Visit>
+  void each_pair(const Visit& visit) const {
+    const int n = static_cast<int>(mechanism_.shapes.size());
+    for (int a = 0; a < n; ++a) {
+      for (int b = a + 1; b < n; ++b) {
+        if (const int contact = contact_of(a, b); contact >= 0 && !visit(contact)) return;
+      }
+    }
+  }
+  // Allocates what find() needs for this number of points.
+  void reserve(std::size_t points) { points_.reserve(points); }
+
   // All points with a gap of at most the reach of both shapes, ordered by their keys. readings: of dynamics, after
   // set_root_poses() and set_velocity(). A shape reaches as far as it moves in `time` [s] with `speed` [m/s] more than
   // its present speed, and `distance` [m] further.
@@ -41,7 +55,13 @@ class ContactFinder {
 
  private:
   void place(const Readings<double>& readings);
-  void add_points(int a, int b);
+  // Points of two shapes, of which `a` gets the first surface of their contact.
+  struct Found {
+    int count = 0;
+    int contact = -1;
+    std::array<ContactPoint, max_contact_points> points{};
+  };
+  Found points_of(int& a, int& b) const;
   // The contact between two shapes; -1: they cannot touch.
   int contact_of(int a, int b) const;
 
@@ -50,7 +70,8 @@ class ContactFinder {
   std::vector<double> reach_;  // m
   std::vector<Aabb> boxes_;
   std::vector<double> gaps_;
-  std::vector<Pose3> gap_poses_;  // those of gaps_; empty: there are none yet
+  std::vector<Pose3> gap_poses_;  // those of gaps_
+  bool has_gaps_ = false;
   SweepAndPrune broad_phase_;
   std::vector<TouchPoint> points_;
 };

@@ -5,22 +5,26 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/step_limits.h"
+
 namespace gelenk {
 namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Points with a tangential speed up to this stick at the start of a step [natural units of speed]: what the solver
-// leaves of zero.
-constexpr double rest_speed = 1e-9;
 // Residual of the velocities of contacts [natural units of speed], relative to the largest velocity or 1e-3.
 constexpr double residual_tolerance = 1e-11;
 constexpr double residual_floor = 1e-3;
 constexpr int max_iterations = 200;
+// Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
+// coordinates.
+constexpr double max_correction = 0.1;
 // Rows up to which the Delassus operator is a matrix: larger ones cost more than they save. Sparse methods, which
 // bodies without loops permit, are faster from a hundred rows on.
 constexpr int max_dense_rows = 400;
 constexpr int max_dense_rows_with_root = 100;
+// Rows for which memory is taken at the start: some MB.
+constexpr std::size_t max_reserved_rows = 200;
 
 // Axes with the first along n; a continuous function of n nearly everywhere.
 Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
@@ -32,10 +36,6 @@ Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
   return out;
 }
 
-bool all_finite(const std::vector<double>& x) {
-  return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
-}
-
 }  // namespace
 
 // The Delassus operator of the present rows: a matrix if they are few.
@@ -43,42 +43,53 @@ class TimeStepper::Operator final : public ConeOperator {
  public:
   explicit Operator(const ContactRows& rows) : rows_(rows) {}
 
+  void reserve(std::size_t rows) {
+    numbers_.reserve(rows * rows);
+    unit_.reserve(rows);
+  }
+
   // Call when the rows have changed.
   void update() {
     const int n = rows_.count();
     is_dense_ = n <= (root().first.empty() ? max_dense_rows : max_dense_rows_with_root);
     if (!is_dense_) return;
-    G_.resize(n, n);
+    numbers_.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
     unit_.assign(static_cast<std::size_t>(n), 0.0);
     for (int j = 0; j < n; ++j) {
       unit_[static_cast<std::size_t>(j)] = 1;
-      rows_.apply(unit_.data(), G_.col(j).data());
+      rows_.apply(unit_.data(), numbers_.data() + static_cast<std::ptrdiff_t>(n) * j);
       unit_[static_cast<std::size_t>(j)] = 0;
     }
-    G_ = (G_ + G_.transpose()).eval() / 2;
+    Eigen::Map<Eigen::MatrixXd> G(numbers_.data(), n, n);
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < j; ++i) G(i, j) = G(j, i) = (G(i, j) + G(j, i)) / 2;
+    }
   }
   int size() const override { return rows_.count(); }
   void apply(const double* x, double* y) const override {
     if (!is_dense_) return rows_.apply(x, y);
-    Eigen::Map<Eigen::VectorXd>(y, G_.rows()).noalias() = G_ * Eigen::Map<const Eigen::VectorXd>(x, G_.cols());
+    const int n = size();
+    Eigen::Map<Eigen::VectorXd>(y, n).noalias() = matrix() * Eigen::Map<const Eigen::VectorXd>(x, n);
   }
   void diagonal_block(const Cone& cone, double* out) const override {
     const int n = cone.size();
     if (!is_dense_) return rows_.block(cone.first, n, out);
     for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) out[i * n + j] = G_(cone.first + i, cone.first + j);
+      for (int j = 0; j < n; ++j) out[i * n + j] = matrix()(cone.first + i, cone.first + j);
     }
   }
-  const Eigen::MatrixXd* dense() const override { return is_dense_ ? &G_ : nullptr; }
+  const double* dense() const override { return is_dense_ ? numbers_.data() : nullptr; }
   ConeRoot root() const override {
     const WhitenedRows rows = rows_.whitened();
     return {rows.columns, rows.first, rows.column, rows.value};
   }
 
  private:
+  Eigen::Map<const Eigen::MatrixXd> matrix() const { return {numbers_.data(), size(), size()}; }
+
   const ContactRows& rows_;
   bool is_dense_ = false;
-  Eigen::MatrixXd G_;
+  std::vector<double> numbers_;  // of the matrix: they keep their memory when its size changes
   std::vector<double> unit_;
 };
 
@@ -94,51 +105,53 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       v1_(v0_.size()),
       vm_(v0_.size()),
       vdot_(v0_.size()),
-      dq_(v0_.size()) {
+      dq_(v0_.size()),
+      starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
   state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));
   state_.wrenches.resize(mechanism.links.size());
   state_.along.resize(v0_.size());
   state_.sums.resize(loads.contacts.size());
+  before_ = state_;
+  reserve();
+}
+
+// Allocates what all contacts at once need if they are few; later growth is geometric.
+void TimeStepper::reserve() {
+  std::size_t points = 0;
+  std::size_t rows = 3 * static_cast<std::size_t>(dynamics_.branching().locks());  // friction and two bounds
+  finder_.each_pair([&](int contact) {
+    const ContactLaw& law = loads_.contacts[static_cast<std::size_t>(contact)];
+    const int size = Cone::contact(0, law.static_friction, law.spinning, law.rolling).size();
+    points += max_contact_points;
+    rows += max_contact_points * static_cast<std::size_t>(size);
+    return rows < max_reserved_rows;
+  });
+  if (rows == 0) return;
+  rows = std::min(rows, max_reserved_rows);
+  points = std::min(points, max_reserved_rows);
+  finder_.reserve(points);
+  points_.reserve(points);
+  frames_.reserve(points);
+  for (ContactState* of : {&state_, &before_}) of->contacts.reserve(points);
+  cones_.reserve(rows);
+  correction_cones_.reserve(rows);
+  lock_rows_.reserve(rows);
+  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &correction_}) of->reserve(rows);
+  rows_.reserve(static_cast<int>(rows));
+  operator_->reserve(rows);
+  // The solver keeps the memory of the largest problem.
+  const auto n = static_cast<Eigen::Index>(rows);
+  const Eigen::MatrixXd G = Eigen::MatrixXd::Identity(n, n);
+  b_.assign(rows, 0.0);
+  x_.assign(rows, 0.0);
+  cones_.clear();
+  for (int i = 0; i < static_cast<int>(rows); ++i) cones_.push_back(Cone::within(i, 0, 0));
+  const DenseConeOperator identity(G);
+  solver_->solve({identity, b_, cones_, false}, {}, x_.data());
+  cones_.clear();
 }
 
 TimeStepper::~TimeStepper() = default;
-
-bool TimeStepper::step(double h, const double* u, double* y) {
-  double* v = y + mechanism_.nq;
-  std::copy_n(v, v0_.size(), v0_.data());
-  for (std::size_t k = 0; k < v0_.size(); ++k) dq_[k] = h / 2 * v0_[k];
-  dynamics_.displace(y, dq_.data());
-  dynamics_.set_position(y);
-  dynamics_.factorize();
-  dynamics_.readings().set_root_poses();
-  dynamics_.set_velocity(v0_.data());
-  if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
-  collect(h);
-  vm_ = v0_;
-  if (!accelerate(h, u)) return false;
-  // Once more, with forces at the mean velocity that was found.
-  for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
-  if (!accelerate(h, u)) return false;
-  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
-  correct_position(h, dq_.data());
-  dynamics_.displace(y, dq_.data());
-  std::ranges::copy(v1_, v);
-  remember(h);
-  return all_finite(v1_) && all_finite(dq_);
-}
-
-// v1_ <- the velocities at the end of the step, with the forces at vm_.
-bool TimeStepper::accelerate(double h, const double* u) {
-  dynamics_.set_velocity(vm_.data());
-  dynamics_.solve(u, vdot_.data());
-  for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
-  if (!all_finite(v1_)) return false;
-  if (cones_.empty()) return true;
-  set_velocities(h);
-  solve_impulses();
-  rows_.strike(x_.data(), v1_.data());
-  return true;
-}
 
 // The rows of all points and locks that may be reached within the step.
 void TimeStepper::collect(double h) {
@@ -279,7 +292,9 @@ void TimeStepper::solve_impulses() {
   ConeOptions options;
   options.tolerance = residual_tolerance * fastest;
   options.max_iterations = max_iterations;
-  solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
+  const ConeResult result = solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
+  solved_.residual = std::max(solved_.residual, result.residual);
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
 }
 
 // The gap that the first row of a cone changes: of a point or, with the sign of its rate, of a limit; friction has
@@ -288,6 +303,13 @@ TimeStepper::Gap TimeStepper::gap_of(std::size_t cone) const {
   if (cone < points_.size()) return {points_[cone].gap, 1};
   const LockRow& lock = lock_rows_[cone - points_.size()];
   return {-lock.depth, -lock.side};
+}
+
+// Penetration that is removed within a step [m, rad].
+double TimeStepper::most_corrected(std::size_t cone) const {
+  if (cone >= points_.size()) return unlimited;
+  const auto size = [&](int shape) { return size_of(mechanism_.shapes[static_cast<std::size_t>(shape)].is); };
+  return max_correction * std::min(size(points_[cone].a), size(points_[cone].b));
 }
 
 // Adds to dq the smallest displacement that ends all penetrations that remain at the end of the step.
@@ -301,7 +323,8 @@ void TimeStepper::correct_position(double h, double* dq) {
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const int first = cones_[i].first;
     const Gap at = gap_of(i);
-    const double gap = at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)];
+    const double gap =
+        std::max(at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)], -most_corrected(i));
     any = any || (at.sign != 0 && gap < -touch_tolerance);
     b_[static_cast<std::size_t>(first)] = at.sign * gap;
     correction_cones_.push_back(Cone::within(first, at.sign < 0 ? -unlimited : 0, at.sign > 0 ? unlimited : 0));
@@ -311,62 +334,9 @@ void TimeStepper::correct_position(double h, double* dq) {
   ConeOptions options;
   options.tolerance = touch_tolerance / 10;
   options.max_iterations = max_iterations;
-  solver_->solve({*operator_, b_, correction_cones_, false}, options, correction_.data());
+  const ConeResult result = solver_->solve({*operator_, b_, correction_cones_, false}, options, correction_.data());
+  solved_.iterations = std::max(solved_.iterations, result.iterations);
   rows_.strike(correction_.data(), dq);
 }
-
-void TimeStepper::remember(double h) {
-  for (Spatial::Force& wrench : state_.wrenches) wrench = {};
-  for (ContactSum& contact : state_.sums) contact = {};
-  rows_.speeds(v1_.data(), free_speeds_.data());
-  state_.contacts.clear();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const TouchPoint& point = points_[i];
-    const Cone& cone = cones_[i];
-    const double* x = x_.data() + cone.first;
-    if (!(x[0] > 0)) continue;
-    RememberedContact& contact = state_.contacts.emplace_back();
-    contact.a = point.a;
-    contact.b = point.b;
-    contact.feature = point.feature;
-    contact.force = frames_[i].col(0) * (x[0] / h);
-    for (int k = 0; k < cone.tangential; ++k) {
-      contact.force += frames_[i].col(1 + k) * (x[1 + k] / h);
-    }
-    contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > rest_speed;
-    const double* moment = x + 1 + cone.tangential;
-    if (cone.spin > 0) contact.moment += frames_[i].col(0) * (*moment++ / h);
-    for (int k = 0; k < cone.roll; ++k) contact.moment += frames_[i].col(1 + k) * (moment[k] / h);
-    const Spatial::Force on_b{contact.moment + point.p.cross(contact.force), contact.force};
-    state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += on_b;
-    state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= on_b;
-    ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
-    sum.force -= mechanism_.X_W0.R * contact.force;
-    sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
-  }
-  remember_locks(h);
-}
-
-void TimeStepper::remember_locks(double h) {
-  std::ranges::fill(state_.forces_along, 0.0);
-  std::ranges::fill(state_.along, 0.0);
-  for (std::size_t i = 0; i < lock_rows_.size(); ++i) {
-    const auto r = static_cast<std::size_t>(cones_[points_.size() + i].first);
-    state_.forces_along[static_cast<std::size_t>(lock_rows_[i].lock)] += x_[r] / h;
-  }
-  rows_.add_generalized(static_cast<int>(x_.size()) - static_cast<int>(lock_rows_.size()), x_.data(), 1 / h,
-                        state_.along.data());
-}
-
-void TimeStepper::forget() {
-  state_.contacts.clear();
-  std::ranges::fill(state_.forces_along, 0.0);
-}
-
-double TimeStepper::gap(int contact) {
-  return finder_.smallest_gaps(dynamics_.readings())[static_cast<std::size_t>(contact)];
-}
-
-void TimeStepper::serialize(Archive& archive) { state_.serialize(archive, static_cast<int>(mechanism_.shapes.size())); }
 
 }  // namespace gelenk

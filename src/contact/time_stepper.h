@@ -30,8 +30,9 @@ class TimeStepper final : public ContactReadings {
   TimeStepper& operator=(const TimeStepper&) = delete;
 
   // Advances y by h; `dynamics` must have the targets of the middle of the step, of which u are the inputs. Returns
-  // false if the result is not finite.
-  bool step(double h, const double* u, double* y);
+  // false if the result is not finite or the velocities do not converge; see failure().
+  bool step(double h, const double* u, double* y) { return step_in_parts(h, u, y, 0); }
+  const char* failure() const { return failure_; }
 
   // Forgets all impulses.
   void forget();
@@ -41,6 +42,16 @@ class TimeStepper final : public ContactReadings {
   Eigen::Vector3d force(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].force; }
   int mode(int contact) const override { return state_.sums[static_cast<std::size_t>(contact)].mode; }
   double gap(int contact) override;
+
+  // How the cone problems of the communication step have been solved.
+  struct Solved {
+    double residual = 0;  // the largest that was left [natural units of speed]
+    int iterations = 0;   // the most for one problem
+  };
+  const Solved& solved() const { return solved_; }
+  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
+  void begin_part(bool continues);
+  void undo_part() { state_ = before_; }
   void serialize(Archive& archive);
 
  private:
@@ -52,6 +63,11 @@ class TimeStepper final : public ContactReadings {
     double depth = 0;
   };
 
+  void reserve();
+  bool attempt(double h, const double* u, double* y, bool last);
+  double change() const;
+  double small_change(double part) const;
+  bool step_in_parts(double h, const double* u, double* y, int halvings);
   bool accelerate(double h, const double* u);
   void collect(double h);
   void add_contact(const TouchPoint& point);
@@ -67,6 +83,7 @@ class TimeStepper final : public ContactReadings {
     int sign = 0;    // of its rate for a positive speed of the row; 0: the row has no gap
   };
   Gap gap_of(std::size_t cone) const;
+  double most_corrected(std::size_t cone) const;
   void correct_position(double h, double* dq);
   void remember(double h);
   void remember_locks(double h);
@@ -78,7 +95,8 @@ class TimeStepper final : public ContactReadings {
   ContactFinder finder_;
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
-  ContactState state_;
+  ContactState state_, before_;
+  Solved solved_;
 
   std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
@@ -86,6 +104,8 @@ class TimeStepper final : public ContactReadings {
   std::vector<Cone> cones_, correction_cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
   std::vector<double> v0_, v1_, vm_, vdot_, dq_;
+  std::vector<std::vector<double>> starts_;  // of a step and its halves
+  const char* failure_ = "";
 };
 
 }  // namespace gelenk

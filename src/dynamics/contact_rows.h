@@ -25,6 +25,10 @@ class ContactRows {
  public:
   virtual ~ContactRows() = default;
 
+  // Allocates what this number of rows needs, so that the functions below do not allocate (of large mechanisms,
+  // rarely).
+  virtual void reserve(int rows) = 0;
+
   // --- after Dynamics::factorize() and set_root_poses(), at one position ---
   // Removes all rows.
   virtual void clear() = 0;

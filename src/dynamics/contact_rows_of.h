@@ -26,7 +26,18 @@ class ContactRowsOf final : public ContactRows {
         Y_(Y),
         locks_(locks),
         work_(static_cast<std::size_t>(model.nv)),
-        zero_(static_cast<std::size_t>(model.rows)) {}
+        zero_(static_cast<std::size_t>(model.rows)),
+        marks_(static_cast<std::size_t>(model.nv), 0) {}
+
+  void reserve(int rows) override {
+    const auto n = static_cast<std::size_t>(rows);
+    for (std::vector<int>* of : {&first_, &whitened_first_}) of->reserve(n + 1);
+    // A row has at most all velocities; in large mechanisms it has few of them.
+    constexpr std::size_t enough = std::size_t{1} << 16;
+    const std::size_t most = std::min(n * work_.size(), enough);
+    for (std::vector<int>* of : {&columns_, &whitened_columns_}) of->reserve(most);
+    for (std::vector<double>* of : {&values_, &whitened_}) of->reserve(most);
+  }
 
   void clear() override {
     first_.assign(1, 0);
@@ -155,10 +166,7 @@ class ContactRowsOf final : public ContactRows {
     for (const int k : nonzeros) whitened_.push_back(work_[k]);
     whitened_first_.push_back(static_cast<int>(whitened_columns_.size()));
   }
-  bool is_marked(int column) {
-    marks_.resize(work_.size(), 0);
-    return marks_[column] == stamp_;
-  }
+  bool is_marked(int column) const { return marks_[column] == stamp_; }
   void mark(int column) {
     marks_[column] = stamp_;
     whitened_columns_.push_back(column);

@@ -40,7 +40,8 @@ std::string Formulation::describe_dead_center() {
 std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
   std::string reason = row_domain_.undefined_reason();
-  return reason.empty() ? describe_dead_center() : reason;
+  if (reason.empty()) reason = describe_dead_center();
+  return reason.empty() ? impulses_.failure() : reason;
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "contact/time_stepper.h"
@@ -34,6 +35,17 @@ class ImpulseSteps final : public ImpulseEquations {
   void forget() {
     if (are_used()) stepper_->forget();
   }
+  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
+  void begin_part(bool continues) {
+    if (are_used()) stepper_->begin_part(continues);
+  }
+  void undo_part() {
+    if (are_used()) stepper_->undo_part();
+  }
+  // Why the last step has failed; empty: it has not.
+  std::string failure() const { return are_used() ? stepper_->failure() : ""; }
+  TimeStepper::Solved solved() const { return are_used() ? stepper_->solved() : TimeStepper::Solved{}; }
+  std::size_t contact_points() const { return are_used() ? stepper_->state().contacts.size() : 0; }
   // What outputs of contacts show; null: otherwise.
   ContactReadings* readings() const { return stepper_.get(); }
   void serialize(Archive& archive);

@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "mechanism/graph.h"
+#include "mechanism/touching.h"
 #include "scene/shapes.h"
+#include "util/text.h"
 
 namespace gelenk {
 namespace {
@@ -42,7 +44,42 @@ bool can_touch(const ContactTable& table, const BodyShape& shape) {
   return false;
 }
 
+// Whether two shapes of a mechanism can touch by this contact.
+bool has_pair(const Mechanism& mechanism, int contact) {
+  const ContactTable& table = mechanism.contact_table;
+  for (std::size_t a = 0; a < mechanism.shapes.size(); ++a) {
+    for (std::size_t b = a + 1; b < mechanism.shapes.size(); ++b) {
+      if (contact_between(table, mechanism.shapes[a], mechanism.shapes[b]) == contact) return true;
+    }
+  }
+  return false;
+}
+
+// A contact without a pair of shapes would have no gap.
+void check_pairs(const Scene& scene, const ReducedScene& reduced) {
+  std::vector<std::string> errors;
+  for (int c = 0; c < static_cast<int>(scene.contacts.size()); ++c) {
+    if (std::ranges::any_of(reduced.islands, [c](const Mechanism& mechanism) { return has_pair(mechanism, c); }))
+      continue;
+    const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
+    errors.push_back((scene.file.empty() ? "" : scene.file + ": ") + "contacts." + contact.name +
+                     ".between: found no shape with the surface " + text::quoted(contact.surfaces[0]) +
+                     " that can touch one with " + text::quoted(contact.surfaces[1]) +
+                     ", expected two bodies, or a body and the ground, that move relative to each other and, without "
+                     "adjacent: true, do not share a joint");
+  }
+  if (!errors.empty()) throw SceneError(errors);
+}
+
 }  // namespace
+
+int contact_between(const ContactTable& table, const LinkShape& a, const LinkShape& b) {
+  if (a.link == b.link) return -1;
+  const int contact = table.contact(a.surface, b.surface);
+  if (contact < 0 || table.touches_joined[static_cast<std::size_t>(contact)]) return contact;
+  const std::pair pair(std::min(a.scene_body, b.scene_body), std::max(a.scene_body, b.scene_body));
+  return std::ranges::binary_search(table.joined, pair) ? -1 : contact;
+}
 
 void add_shapes(const Scene& scene, ReducedScene& reduced) {
   if (scene.contacts.empty()) return;
@@ -72,6 +109,7 @@ void add_shapes(const Scene& scene, ReducedScene& reduced) {
       mechanism.shapes.clear();
     }
   }
+  check_pairs(scene, reduced);
 }
 
 }  // namespace gelenk

@@ -174,6 +174,14 @@ std::vector<Signal> diagnostic_signals() {
   set(Diagnostic::zeno, "solver.zeno", "1", "infinite series of impacts since initialization, ended in contact");
   set(Diagnostic::ambiguous, "solver.ambiguous", "1",
       "events since initialization at which friction and limits permit more than one motion, or none exactly");
+  set(Diagnostic::cone_residual, "solver.cone_residual", "m/s",
+      "largest velocity by which the impulses of contacts, friction and limits of the last communication step fail "
+      "their laws");
+  set(Diagnostic::cone_iterations, "solver.cone_iterations", "1",
+      "most iterations for the impulses of contacts, friction and limits in the last communication step, for one of "
+      "its problems");
+  set(Diagnostic::contact_points, "solver.contact_points", "1",
+      "contact points that have transmitted a force in the last step");
   return signals;
 }
 

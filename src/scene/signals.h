@@ -54,8 +54,11 @@ enum class Diagnostic : int {
   impacts,              // since initialize(): of coordinates on their limits
   zeno,                 // since initialize(): series of impacts that have ended in contact
   ambiguous,            // since initialize(): changes of mode with more than one consistent outcome, or none
+  cone_residual,        // m/s, of steps with impulses: the largest of the last communication step
+  cone_iterations,      // the most for one cone problem of the last communication step
+  contact_points,       // that transmit a force at the end of the last step
 };
-inline constexpr int diagnostic_count = 14;
+inline constexpr int diagnostic_count = 17;
 
 // Returns the diagnostics in the order of Diagnostic.
 std::vector<Signal> diagnostic_signals();

@@ -105,6 +105,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   if (const LockModes& locks = equations_->modes().locks(); !locks.empty()) backup_modes_ = locks.state();
   realized_ = Stage::position;
   if (!continues) events_.begin(time_);
+  equations_->impulses()->begin_part(continues);
   events_.begin_part();
   if (integrator_) {
     if (follows_) enforce_given_motions();
@@ -184,6 +185,7 @@ void Island::roll_back() {
   time_ = backup_time_;
   followed_ = backup_followed_;
   events_.undo_part();
+  equations_->impulses()->undo_part();
   realized_ = Stage::position;
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
   if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
@@ -250,7 +252,10 @@ RunCounts Island::counts() const {
           evaluations(),
           equations_->jacobians(),
           events_.count(),
-          equations_->singularity_monitor().count()};
+          equations_->singularity_monitor().count(),
+          static_cast<long>(equations_->impulses()->contact_points()),
+          equations_->impulses()->solved().iterations,
+          equations_->impulses()->solved().residual};
 }
 
 }  // namespace gelenk

@@ -10,16 +10,12 @@
 
 #include "formulation/formulation.h"
 #include "integrator/integrator.h"
+#include "modes/run_counts.h"
 #include "outputs/outputs.h"
 #include "preparation/preparation.h"
 #include "simulation/replay.h"
 
 namespace gelenk {
-
-// Counts since the start of a run.
-struct RunCounts : LockModes::Counts {
-  long steps = 0, rejected_steps = 0, evaluations = 0, jacobians = 0, events = 0, singular_positions = 0;
-};
 
 // Not movable: its parts refer to each other.
 class Island {

@@ -160,7 +160,11 @@ double Simulation::output(int index) {
   if (s.readings->is_of_whole(index)) return s.output_size[index] * s.readings->of_energy(index, s.energy());
   if (s.readings->island(index) < 0) return s.output_size[index] * s.readings->constant(index);
   Island& island = *s.islands[s.readings->island(index)];
-  island.realize(s.readings->stage(index));
+  try {
+    island.realize(s.readings->stage(index));
+  } catch (const SingularMass& fault) {
+    throw StepError(describe_lost_inertia(s.time, fault.what()));
+  }
   return s.output_size[index] * s.readings->value(index, island.reading());
 }
 
@@ -183,30 +187,18 @@ Pose3 Simulation::body_pose(int body) {
 double Simulation::diagnostic(int index) {
   Impl& s = *impl_;
   if (!s.initialized) throw UsageError("diagnostics are not available before initialize()");
-  const auto total = [&](long RunCounts::* count) {
-    long sum = 0;
-    for (const auto& island : s.islands) sum += island->counts().*count;
-    return static_cast<double>(sum);
-  };
+  double sum = 0, iterations = 0, residual = 0;
+  for (const auto& island : s.islands) {
+    const RunCounts counts = island->counts();
+    sum += static_cast<double>(counts.of(static_cast<Diagnostic>(index)));
+    iterations = std::max(iterations, static_cast<double>(counts.cone_iterations));
+    residual = std::max(residual, counts.cone_residual);
+  }
   switch (static_cast<Diagnostic>(index)) {
-    case Diagnostic::impacts:
-      return total(&RunCounts::impacts);
-    case Diagnostic::zeno:
-      return total(&RunCounts::closed_series);
-    case Diagnostic::ambiguous:
-      return total(&RunCounts::ambiguous);
-    case Diagnostic::steps:
-      return total(&RunCounts::steps);
-    case Diagnostic::rejected_steps:
-      return total(&RunCounts::rejected_steps);
-    case Diagnostic::jacobians:
-      return total(&RunCounts::jacobians);
-    case Diagnostic::singular_positions:
-      return total(&RunCounts::singular_positions);
-    case Diagnostic::events:
-      return total(&RunCounts::events);
-    case Diagnostic::evaluations:
-      return total(&RunCounts::evaluations);
+    case Diagnostic::cone_residual:
+      return s.diagnostic_size[index] * residual;
+    case Diagnostic::cone_iterations:
+      return iterations;
     case Diagnostic::constraint_position:
       return s.max_constraint_error(&Kinematics::Phi);
     case Diagnostic::constraint_velocity:
@@ -216,10 +208,10 @@ double Simulation::diagnostic(int index) {
     case Diagnostic::potential_energy:
       return s.diagnostic_size[index] * s.energy().potential;
     case Diagnostic::total_energy:
-      break;
+      return s.diagnostic_size[index] * (s.energy().kinetic + s.energy().potential);
+    default:
+      return sum;
   }
-  const Energy energy = s.energy();
-  return s.diagnostic_size[index] * (energy.kinetic + energy.potential);
 }
 
 }  // namespace gelenk

@@ -29,7 +29,7 @@ static const char* load_error(void) { return dlerror(); }
 #endif
 
 static const char *guid, *resources;
-static fmi2ValueReference input, outputs[512];
+static fmi2ValueReference input, outputs[2048];
 static size_t n_outputs;
 static atomic_long messages;
 

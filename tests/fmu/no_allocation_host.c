@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * A host that counts the heap calls of a running plant. Own argument: the value reference of a tunable parameter. Prints
- * the number of calls of malloc etc. in: set, step, get, tune. */
+ * A host that counts the heap calls of a running plant. Own arguments: the value reference of a tunable parameter and,
+ * optionally, a number of steps before calls count. Prints the number of calls of malloc etc. in: set, step, get, tune. */
 #define _GNU_SOURCE
 #include "c_host.h"
 
@@ -29,10 +29,11 @@ void free(void* p) {
 int main(int argc, char** argv) {
   enum { set, step, get, tune, kinds };
   long count[kinds] = {0};
-  double values[512];
+  double values[2048];
   int bad = 0;
   take_arguments(argc, argv);
-  if (argc != 8) return 2;
+  if (argc < 8 || argc > 9) return 2;
+  const int first = argc == 9 ? atoi(argv[8]) : 0;
   const fmi2ValueReference tunable = (fmi2ValueReference)atoi(argv[7]);
   fmi2Component c = instantiate();
   if (c == NULL) return 4;
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
     const double torque = k % 7 < 4 ? 1.5 : -2.5;
     const double damping = k % 50 < 25 ? 0.1 : 0.2;
     long before = calls;
-#define COUNTED(kind, call) (before = calls, bad |= (call), count[kind] += calls - before)
+#define COUNTED(kind, call) (before = calls, bad |= (call), count[kind] += k < first ? 0 : calls - before)
     COUNTED(set, set_real(c, &input, 1, &torque));
     COUNTED(tune, set_real(c, &tunable, 1, &damping));
     COUNTED(step, do_step(c, 0.005 * k, 0.005, fmi2True));

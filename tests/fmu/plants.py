@@ -111,3 +111,47 @@ def weightless() -> Scene:
     for name in ("crank", "table", "wheel", "bar"):
         out["bodies"][name] = body(0.0)
     return out
+
+
+def touching(boxes: int) -> Scene:
+    """Boxes that a paddle on a spring, which a motor shakes, tosses up, above a floor."""
+    lengths = [0.1, 0.1, 0.1]
+    cube = {"box": lengths, "surface": "wood"}
+    out = scene(
+        {
+            "paddle": body(1.0, (0, 0, 0), (0.1, 0.1, 0.1))
+            | {"shapes": {"plate": {"box": [1, 1, 0.02], "surface": "steel"}}},
+            **{
+                f"b{i}": body(0.5, (0, 0, 0), (8e-4, 8e-4, 8e-4)) | {"shapes": {"cube": cube}}
+                for i in range(boxes)
+            },
+        },
+        {
+            "P": joint(
+                "prismatic",
+                frame("ground", (0, 0, 0.1)),
+                frame("paddle"),
+                axis=[0, 0, 1],
+                stiffness=2e3,
+                damping=5,
+            ),
+            **{
+                f"J{i}": joint(
+                    "free", frame("ground"), frame(f"b{i}"), start={"r": [0.03 * i, 0, 0.17 + 0.11 * i]}
+                )
+                for i in range(boxes)
+            },
+        },
+        name="Touching",
+        motors={"drive": {"joint": "P", "gear_ratio": 50}},
+        contacts={
+            "hit": {"between": ["wood", "steel"], "friction": 0.4, "restitution": 0.3},
+            "pile": {"between": ["wood", "wood"], "friction": 0.4, "restitution": 0.3},
+            "floor": {"between": ["wood", "stone"], "friction": 0.4},
+        },
+        parameters=["hit.friction"],
+    )
+    out["ground"] = {"shapes": {"floor": {"plane": [0, 0, 1], "surface": "stone"}}}
+    out["gravity"] = [0, 0, -9.81]
+    out["experiment"] = {"step": 0.005}
+    return out

@@ -57,6 +57,8 @@ def plants() -> dict[str, Scene]:
         found[f"crank_rocker-{integrator}"] = {**crank_rocker(), "solver": {"integrator": integrator}}
     found["gyroscope"] = gyroscope()
     found["driven"] = driven()
+    gripper = gelenk.load(TESTS.parent / "docs" / "gallery" / "gripper" / "scene.yaml")
+    found["gripper"] = gripper.to_dict()
     for name in ("stewart", "slider_crank", "bicycle"):
         found[name] = gelenk.load(TESTS.parent / "scenes" / f"{name}.yaml").to_dict()
     return found

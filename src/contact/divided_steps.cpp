@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps of TimeStepper, which are divided where the velocities do not converge.
+#include <algorithm>
+#include <cmath>
+
+#include "contact/step_limits.h"
+#include "contact/time_stepper.h"
+
+namespace gelenk {
+namespace {
+
+// Forces that depend on velocities, those of fast rotation among them, are evaluated twice, and a third time if the
+// second one changes the velocities by more than this part: with two, fast rotations gain energy, with three they lose
+// some.
+constexpr double notable = 1e-3;
+// The last change may be this part of the one before, beyond which repetition would not converge quickly; it does not
+// count up to this part of the velocities.
+constexpr double quick = 0.5;
+constexpr double negligible = 0.05;
+bool all_finite(const std::vector<double>& x) {
+  return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+// Divides a step whose forces do not converge into halves.
+bool TimeStepper::step_in_parts(double h, const double* u, double* y, int halvings) {
+  std::vector<double>& start = starts_[static_cast<std::size_t>(halvings)];
+  std::copy_n(y, start.size(), start.data());
+  const Solved before = solved_;
+  const bool last = halvings == most_halvings;
+  if (attempt(h, u, y, last)) {
+    failure_ = "";
+    return true;
+  }
+  if (last) return false;
+  std::ranges::copy(start, y);
+  solved_.residual = before.residual;
+  return step_in_parts(h / 2, u, y, halvings + 1) && step_in_parts(h / 2, u, y, halvings + 1);
+}
+
+// The largest change of the velocities from the solution before to this one.
+double TimeStepper::change() const {
+  double out = 0;
+  for (std::size_t k = 0; k < v0_.size(); ++k) out = std::max(out, std::abs(v1_[k] - (2 * vm_[k] - v0_[k])));
+  return out;
+}
+
+// Changes up to this part of the velocities do not count.
+double TimeStepper::small_change(double part) const {
+  double out = rest_speed;
+  for (std::size_t k = 0; k < v0_.size(); ++k) out = std::max({out, part * std::abs(v0_[k]), part * std::abs(v1_[k])});
+  return out;
+}
+
+// Returns false, with y and the forces of contacts as they were or not to be used, unless the velocities converge.
+// last: poor convergence suffices.
+bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
+  double* v = y + mechanism_.nq;
+  std::copy_n(v, v0_.size(), v0_.data());
+  for (std::size_t k = 0; k < v0_.size(); ++k) dq_[k] = h / 2 * v0_[k];
+  dynamics_.displace(y, dq_.data());
+  dynamics_.set_position(y);
+  dynamics_.factorize();
+  dynamics_.readings().set_root_poses();
+  dynamics_.set_velocity(v0_.data());
+  if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
+  collect(h);
+  vm_ = v0_;
+  const double largest = solved_.residual;
+  failure_ = "the velocities are not finite";
+  if (!accelerate(h, u)) return false;
+  // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
+  double first = 0;
+  double second = change();
+  for (int repetition = 0; repetition < 2; ++repetition) {
+    for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
+    solved_.residual = largest;  // of the results that count
+    if (!accelerate(h, u)) return false;
+    first = second;
+    second = change();
+    if (second <= small_change(notable)) break;
+  }
+  const bool converges = second <= std::max(quick * first, small_change(negligible));
+  if (!converges && !(last && second <= first)) {
+    failure_ = "the velocities do not converge, expected a smaller solver.step for motions as fast as these";
+    return false;
+  }
+  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
+  correct_position(h, dq_.data());
+  dynamics_.displace(y, dq_.data());
+  std::ranges::copy(v1_, v);
+  remember(h);
+  return all_finite(v1_) && all_finite(dq_);
+}
+
+// v1_ <- the velocities at the end of the step, with the forces at vm_.
+bool TimeStepper::accelerate(double h, const double* u) {
+  dynamics_.set_velocity(vm_.data());
+  dynamics_.solve(u, vdot_.data());
+  for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
+  if (!all_finite(v1_)) return false;
+  if (cones_.empty()) return true;
+  set_velocities(h);
+  solve_impulses();
+  rows_.strike(x_.data(), v1_.data());
+  return true;
+}
+
+}  // namespace gelenk

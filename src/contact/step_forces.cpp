@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What TimeStepper remembers of a step: its forces.
+#include <algorithm>
+#include <limits>
+
+#include "contact/step_limits.h"
+#include "contact/time_stepper.h"
+
+namespace gelenk {
+
+void TimeStepper::remember(double h) {
+  for (Spatial::Force& wrench : state_.wrenches) wrench = {};
+  for (ContactSum& contact : state_.sums) contact = {};
+  rows_.speeds(v1_.data(), free_speeds_.data());
+  state_.contacts.clear();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const TouchPoint& point = points_[i];
+    const Cone& cone = cones_[i];
+    const double* x = x_.data() + cone.first;
+    if (!(x[0] > 0)) continue;
+    RememberedContact& contact = state_.contacts.emplace_back();
+    contact.a = point.a;
+    contact.b = point.b;
+    contact.feature = point.feature;
+    contact.force = frames_[i].col(0) * (x[0] / h);
+    for (int k = 0; k < cone.tangential; ++k) {
+      contact.force += frames_[i].col(1 + k) * (x[1 + k] / h);
+    }
+    contact.slides = cone.tangential == 0 || slip(i, free_speeds_).norm() > rest_speed;
+    const double* moment = x + 1 + cone.tangential;
+    if (cone.spin > 0) contact.moment += frames_[i].col(0) * (*moment++ / h);
+    for (int k = 0; k < cone.roll; ++k) contact.moment += frames_[i].col(1 + k) * (moment[k] / h);
+    const Spatial::Force on_b{contact.moment + point.p.cross(contact.force), contact.force};
+    state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.b)].link)] += on_b;
+    state_.wrenches[static_cast<std::size_t>(mechanism_.shapes[static_cast<std::size_t>(point.a)].link)] -= on_b;
+    ContactSum& sum = state_.sums[static_cast<std::size_t>(point.contact)];
+    sum.force -= mechanism_.X_W0.R * contact.force;
+    sum.mode = std::max(sum.mode, contact.slides ? 2 : 1);
+  }
+  remember_locks(h);
+}
+
+void TimeStepper::remember_locks(double h) {
+  std::ranges::fill(state_.forces_along, 0.0);
+  std::ranges::fill(state_.along, 0.0);
+  for (std::size_t i = 0; i < lock_rows_.size(); ++i) {
+    const auto r = static_cast<std::size_t>(cones_[points_.size() + i].first);
+    state_.forces_along[static_cast<std::size_t>(lock_rows_[i].lock)] += x_[r] / h;
+  }
+  rows_.add_generalized(static_cast<int>(x_.size()) - static_cast<int>(lock_rows_.size()), x_.data(), 1 / h,
+                        state_.along.data());
+}
+
+void TimeStepper::begin_part(bool continues) {
+  before_ = state_;
+  if (!continues) solved_ = {};
+}
+
+void TimeStepper::forget() {
+  state_.contacts.clear();
+  std::ranges::fill(state_.forces_along, 0.0);
+}
+
+double TimeStepper::gap(int contact) {
+  return finder_.smallest_gaps(dynamics_.readings())[static_cast<std::size_t>(contact)];
+}
+
+void TimeStepper::serialize(Archive& archive) {
+  state_.serialize(archive, static_cast<int>(mechanism_.shapes.size()));
+  archive.serialize(solved_.residual);
+  archive.serialize_in_range(solved_.iterations, 0, std::numeric_limits<int>::max());
+}
+
+}  // namespace gelenk

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Numbers that the parts of a time-stepping scheme share.
+#pragma once
+
+namespace gelenk {
+
+// Points with a tangential speed up to this stick at the start of a step [natural units of speed]: what the solver
+// leaves of zero.
+inline constexpr double rest_speed = 1e-9;
+
+// A step is divided into halves, and these again, up to this number of times.
+inline constexpr int most_halvings = 4;
+
+}  // namespace gelenk
