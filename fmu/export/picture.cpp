@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "fmu/export/outline.h"
 #include "joint/registry.h"
 #include "scene/name_index.h"
 #include "simulation/start_report.h"
@@ -87,7 +88,7 @@ std::vector<Vector2d> hull(std::vector<Vector2d> points) {
 }
 
 // The convex hull, or its two ends if it is too thin for a polygon.
-std::vector<Vector2d> outline(const std::vector<Vector2d>& points) {
+std::vector<Vector2d> thick_hull(const std::vector<Vector2d>& points) {
   constexpr double min_width = 6;  // pixels
   std::vector<Vector2d> corners = hull(points);
   if (corners.size() < 3) return corners;
@@ -114,6 +115,7 @@ class PictureBuilder {
   }
 
   Picture run() {
+    for (const BodyShape& shape : scene_.ground_shapes) draw_ground_shape(shape);
     for (const Joint& joint : scene_.joints) {
       if (!constrains(joint)) continue;
       draw_ground(joint.parent);
@@ -124,7 +126,7 @@ class PictureBuilder {
       draw_ground(force.frames[0]);
       draw_ground(force.frames[1]);
     }
-    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) draw_body(b);
+    for (const std::size_t b : from_back_to_front()) draw_body(b);
     for (const Force& force : scene_.forces) draw_force(force);
     for (const Joint& joint : scene_.joints) draw_joint(joint);
     draw_gravity();
@@ -166,7 +168,20 @@ class PictureBuilder {
       most = most.cwiseMax(view_.of(p_W));
     };
     for (const std::vector<Vector3d>& of_body : marks_) std::ranges::for_each(of_body, include);
-    for (const Joint& joint : scene_.joints) include(in_world(joint.parent));
+    const auto include_shape = [&](const BodyShape& shape, const Pose3& X_WB) {
+      for (const std::vector<Vector3d>& face : outline(shape, X_WB).faces) std::ranges::for_each(face, include);
+    };
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      for (const BodyShape& shape : scene_.bodies[b].shapes) include_shape(shape, poses_[b]);
+    }
+    for (const BodyShape& shape : scene_.ground_shapes) include_shape(shape, Pose3());
+    if (least.x() <= most.x()) extent_ = (most - least).norm();
+    for (const BodyShape& shape : scene_.ground_shapes) {
+      if (!kind_of(shape.is).bounded) std::ranges::for_each(piece_of(shape), include);
+    }
+    for (const Joint& joint : scene_.joints) {
+      if (constrains(joint)) include(in_world(joint.parent));
+    }
     for (const Force& force : scene_.forces) {
       if (!is_between_bodies(force)) continue;
       include(in_world(force.frames[0]));
@@ -199,7 +214,71 @@ class PictureBuilder {
     line({at + Vector2d(-17, 19), at + Vector2d(17, 19)}, 3, earth);
   }
 
+  Outline outline(const BodyShape& shape, const Pose3& X_WB) const {
+    return outline_of(shape.is, X_WB * shape.X_BS, view_.right, view_.up);
+  }
+
+  // A square piece of the surface of a half-space, below the middle of the bodies.
+  std::vector<Vector3d> piece_of(const BodyShape& half_space) const {
+    const Pose3& X = half_space.X_BS;
+    Vector3d middle = Vector3d::Zero();
+    for (const std::vector<Vector3d>& of_body : marks_) middle += of_body.front() / static_cast<double>(marks_.size());
+    const Vector3d local = X.R.transpose() * (middle - X.p);
+    constexpr double share = 0.45;  // half its edge relative to the extent of the rest
+    const double half = share * extent_;
+    std::vector<Vector3d> out;
+    for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+      out.push_back(X.point({local.x() + half * x, local.y() + half * y, 0}));
+    return out;
+  }
+
+  void draw_outline(const Outline& of, Color edge, Color fill) {
+    for (const std::vector<Vector3d>& face : of.faces) {
+      std::vector<Vector2d> corners;
+      for (const Vector3d& p : face) corners.push_back(on_paper(p));
+      corners = hull(std::move(corners));
+      if (corners.size() > 2) polygon(std::move(corners), of.lines.empty() ? edge : fill, fill);
+    }
+    for (const auto& ends : of.lines) line({on_paper(ends[0]), on_paper(ends[1])}, 2, edge);
+  }
+
+  void draw_ground_shape(const BodyShape& shape) {
+    constexpr Color stone = {232, 232, 232};
+    if (kind_of(shape.is).bounded) {
+      draw_outline(outline(shape, Pose3()), earth, stone);
+      return;
+    }
+    std::vector<Vector2d> corners;
+    for (const Vector3d& p : piece_of(shape)) corners.push_back(on_paper(p));
+    polygon(thick_hull(corners), earth, stone);
+  }
+
+  // The numbers of the bodies, those with a center of mass farther from the viewer first; without shapes, in the
+  // order of the scene.
+  std::vector<std::size_t> from_back_to_front() const {
+    std::vector<std::size_t> out(scene_.bodies.size());
+    for (std::size_t b = 0; b < out.size(); ++b) out[b] = b;
+    const Vector3d towards = view_.right.cross(view_.up);
+    const bool any = std::ranges::any_of(scene_.bodies, [](const Body& body) { return !body.shapes.empty(); });
+    const auto depth = [&](std::size_t b) { return any ? towards.dot(marks_[b].front()) : 0.0; };
+    std::ranges::stable_sort(out, [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); });
+    return out;
+  }
+
   void draw_body(std::size_t b) {
+    const Vector2d center = on_paper(poses_[b].point(scene_.bodies[b].com));
+    if (scene_.bodies[b].shapes.empty()) {
+      draw_links(b);
+    } else {
+      for (const BodyShape& shape : scene_.bodies[b].shapes) draw_outline(outline(shape, poses_[b]), metal_edge, metal);
+    }
+    disc(center, 2, ink, ink);
+    if (scene_.joints.size() <= max_labeled_joints)
+      picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
+  }
+
+  // A body without shapes: what connects its marks.
+  void draw_links(std::size_t b) {
     std::vector<Vector2d> points;
     for (const Vector3d& p_W : marks_[b]) {
       const Vector2d at = on_paper(p_W);
@@ -207,8 +286,7 @@ class PictureBuilder {
         points.push_back(at);
       }
     }
-    const Vector2d center = on_paper(poses_[b].point(scene_.bodies[b].com));
-    const std::vector<Vector2d> corners = outline(points);
+    const std::vector<Vector2d> corners = thick_hull(points);
     if (points.size() == 1) {
       disc(points.front(), 16, metal_edge, metal);
     } else if (corners.size() > 2) {
@@ -217,9 +295,6 @@ class PictureBuilder {
       line(corners, 9, metal_edge);
       line(corners, 5, metal);
     }
-    disc(center, 2, ink, ink);
-    if (scene_.joints.size() <= max_labeled_joints)
-      picture_.labels.push_back({center + Vector2d(6, 16), scene_.bodies[b].name});
   }
 
   void draw_force(const Force& force) {
@@ -274,7 +349,8 @@ class PictureBuilder {
   std::vector<std::vector<Vector3d>> marks_;  // by body, in the world
   View view_;
   Picture picture_;
-  double scale_ = 1;  // pixels per meter
+  double scale_ = 1;   // pixels per meter
+  double extent_ = 1;  // m, the diagonal of what is drawn without half-spaces
   Vector2d origin_ = Vector2d(240, 180);
 };
 

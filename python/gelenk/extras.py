@@ -16,6 +16,7 @@ EXTRAS = {
     "pandas": "tables",
     "pyarrow": "tables",
     "tqdm": "progress",
+    "trimesh": "mesh",
     "xarray": "tables",
     "yourdfpy": "urdf",
 }  # package -> extra in pyproject.toml

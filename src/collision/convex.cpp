@@ -23,6 +23,10 @@ ConvexBody::ConvexBody(const AnyShape& shape, const Pose3& X) : center_(X.p) {
     core_.emplace<Solid>(*hull, X);
     center_ = X.point(hull->mass_properties().center);
     size_ = hull->size();
+  } else if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+    core_.emplace<Solid>(mesh->hull(), X);
+    center_ = X.point(mesh->hull().mass_properties().center);
+    size_ = mesh->size();
   } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
     core_.emplace<CylinderPose>(*cylinder, X);
     size_ = cylinder->size();

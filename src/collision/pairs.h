@@ -13,6 +13,9 @@ void plane_contacts(const Pose3& X_P, const Capsule& B, const Pose3& X_B, Contac
 void plane_contacts(const Pose3& X_P, const Box& B, const Pose3& X_B, ContactSet& out);
 void plane_contacts(const Pose3& X_P, const Cylinder& B, const Pose3& X_B, ContactSet& out);
 void plane_contacts(const Pose3& X_P, const Hull& B, const Pose3& X_B, ContactSet& out);
+inline void plane_contacts(const Pose3& X_P, const Mesh& B, const Pose3& X_B, ContactSet& out) {
+  plane_contacts(X_P, B.hull(), X_B, out);
+}
 
 void contacts(const Sphere& A, const Pose3& X_A, const Sphere& B, const Pose3& X_B, ContactSet& out);
 void contacts(const Sphere& A, const Pose3& X_A, const Capsule& B, const Pose3& X_B, ContactSet& out);

@@ -69,14 +69,16 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   vm_ = v0_;
   const double largest = solved_.residual;
   failure_ = "the velocities are not finite";
-  if (!accelerate(h, u)) return false;
+  update_forces(h, u);
+  if (!respond(h)) return false;
   // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
   double first = 0;
   double second = change();
   for (int repetition = 0; repetition < 2; ++repetition) {
     for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
+    if (!update_forces(h, u)) break;
     solved_.residual = largest;  // of the results that count
-    if (!accelerate(h, u)) return false;
+    if (!respond(h)) return false;
     first = second;
     second = change();
     if (second <= small_change(notable)) break;
@@ -94,10 +96,23 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   return all_finite(v1_) && all_finite(dq_);
 }
 
-// v1_ <- the velocities at the end of the step, with the forces at vm_.
-bool TimeStepper::accelerate(double h, const double* u) {
+// vdot_ <- the accelerations by the forces at vm_. Returns whether they have changed, by more than what the solver leaves
+// of velocities: the forces on spheres, for example, do not depend on their velocities.
+bool TimeStepper::update_forces(double h, const double* u) {
+  vdot_before_ = vdot_;
   dynamics_.set_velocity(vm_.data());
   dynamics_.solve(u, vdot_.data());
+  double change = 0, fastest = residual_floor;
+  for (std::size_t k = 0; k < v1_.size(); ++k) {
+    change = std::max(change, h * std::abs(vdot_[k] - vdot_before_[k]));
+    fastest = std::max(fastest, std::abs(v1_[k]));
+    if (!std::isfinite(vdot_[k])) return true;
+  }
+  return change > residual_tolerance * fastest;
+}
+
+// v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.
+bool TimeStepper::respond(double h) {
   for (std::size_t k = 0; k < v1_.size(); ++k) v1_[k] = v0_[k] + h * vdot_[k];
   if (!all_finite(v1_)) return false;
   if (cones_.empty()) return true;

@@ -29,7 +29,8 @@ void scale(AnyShape& shape, double factor) {
   if (kind.of_points) {
     std::vector<Eigen::Vector3d> points(points_of(shape).begin(), points_of(shape).end());
     for (Eigen::Vector3d& point : points) point *= factor;
-    shape = make_shape_of_points(shape.index(), std::move(points));
+    const std::span<const Triangle> triangles = triangles_of(shape);
+    shape = make_shape_of_points(shape.index(), std::move(points), {triangles.begin(), triangles.end()});
   } else {
     each_number(kind.fields, data_of(shape), [&](const Number& x) { *x.value *= factor; });
   }

@@ -17,7 +17,8 @@ namespace {
 constexpr std::pair<Words, std::string_view> unsupported[] = {
     {"frictionloss coulomb", "dry friction is `friction: {coulomb: ...}`"},
     {"effort velocity max_force max_torque", "limits of torque, force and velocity are not modeled"},
-    {"visual collision geometry geom mesh shape color", "a scene has no shapes: leave it out"},
+    {"visual collision geometry geom mesh shape color",
+     "shapes are in a mapping, shapes: {NAME: {box: [..]}}, and have no color"},
     {"density", "give `mass` and `inertia`"},
     {"motor actuated driven", "motors are in a separate section, motors: {NAME: {joint: JOINT}}"},
     {"units unit", "numbers are in SI units, angles in rad: leave it out"},

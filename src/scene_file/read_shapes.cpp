@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reads the shapes of bodies and of the ground.
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -30,21 +32,80 @@ void read_dimensions(const Json& value, const std::string& path, Faults& faults,
   fields.done();
 }
 
-void read_points(const Json& value, const std::string& path, Faults& faults, AnyShape& shape) {
+std::optional<std::vector<Eigen::Vector3d>> read_points(const Json& value, const std::string& path, Faults& faults) {
   if (!value.is_array()) {
     faults.add(path, shown(value), "a list of points [x, y, z] in m");
-    return;
+    return {};
   }
   std::vector<Eigen::Vector3d> points;
   for (std::size_t i = 0; i < value.size(); ++i) {
     const auto point = read_vector(value[i], path + "[" + std::to_string(i + 1) + "]", faults, "m");
-    if (!point) return;
+    if (!point) return {};
     points.push_back(*point);
   }
+  return points;
+}
+
+std::optional<Triangle> read_triangle(const Json& value) {
+  if (!value.is_array() || value.size() != 3) return {};
+  Triangle out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!value[i].is_number_integer()) return {};
+    const auto number = value[i].get<double>();
+    if (number < 0 || number > std::numeric_limits<int>::max()) return {};
+    out[i] = static_cast<int>(number);
+  }
+  return out;
+}
+
+std::optional<std::vector<Triangle>> read_triangles(const Json& value, const std::string& path, Faults& faults) {
+  constexpr const char* expected = "three numbers of points, counted from 0";
+  if (!value.is_array()) {
+    faults.add(path, shown(value), std::string("a list of triangles, each of ") + expected);
+    return {};
+  }
+  std::vector<Triangle> out;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const auto triangle = read_triangle(value[i]);
+    if (!triangle) {
+      faults.add(path + "[" + std::to_string(i + 1) + "]", shown(value[i]), expected);
+      return {};
+    }
+    out.push_back(*triangle);
+  }
+  return out;
+}
+
+void read_hull(const Json& value, const std::string& path, Faults& faults, AnyShape& shape) {
+  auto points = read_points(value, path, faults);
+  if (!points) return;
   try {
-    shape = make_shape_of_points(shape.index(), std::move(points));
+    shape = make_shape_of_points(shape.index(), std::move(*points));
   } catch (const std::invalid_argument& fault) {
     faults.add(path, fault.what(), "points that span a volume");
+  }
+}
+
+// Files of meshes are read by the Python package, which puts their points and triangles in their place.
+void read_mesh(const Json& value, const std::string& path, Faults& faults, AnyShape& shape) {
+  constexpr const char* expected = "a mapping with points and triangles";
+  if (value.is_string() || (value.is_object() && value.contains("file"))) {
+    faults.add(path, "a file", std::string(expected) + "; only the Python package reads files of meshes");
+    return;
+  }
+  Fields fields(value, path, faults, expected);
+  if (!fields.valid()) return;
+  const Json* of_points = fields.require("points", "a list of points [x, y, z] in m");
+  const Json* of_triangles = fields.require("triangles", "a list of triangles");
+  fields.done();
+  if (of_points == nullptr || of_triangles == nullptr) return;
+  auto points = read_points(*of_points, fields.path("points"), faults);
+  auto triangles = read_triangles(*of_triangles, fields.path("triangles"), faults);
+  if (!points || !triangles) return;
+  try {
+    shape = make_shape_of_points(shape.index(), std::move(*points), std::move(*triangles));
+  } catch (const std::invalid_argument& fault) {
+    faults.add(path, fault.what(), "a closed surface, its triangles counterclockwise as seen from outside");
   }
 }
 
@@ -67,8 +128,10 @@ BodyShape read_shape(const std::string& name, const Json& value, const std::stri
     const ShapeKind& kind = shape_kinds()[n];
     out.is = make_shape(n);
     const std::string own = fields.path(found);
-    if (kind.of_points) {
-      read_points(*dimensions, own, faults, out.is);
+    if (kind.of_triangles) {
+      read_mesh(*dimensions, own, faults, out.is);
+    } else if (kind.of_points) {
+      read_hull(*dimensions, own, faults, out.is);
     } else if (kind.bounded) {
       read_dimensions(*dimensions, own, faults, kind, out.is);
     } else if (const auto normal = read_direction(*dimensions, own, faults)) {

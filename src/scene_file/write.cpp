@@ -47,8 +47,14 @@ Json shape(const BodyShape& shape) {
   Json out;
   Json& dimensions = out[std::string(kind.kind)];
   if (kind.of_points) {
-    dimensions = Json::array();
-    for (const Eigen::Vector3d& point : points_of(shape.is)) dimensions.push_back(numbers_of(point));
+    Json points = Json::array();
+    for (const Eigen::Vector3d& point : points_of(shape.is)) points.push_back(numbers_of(point));
+    if (kind.of_triangles) {
+      dimensions["points"] = std::move(points);
+      dimensions["triangles"] = triangles_of(shape.is);
+    } else {
+      dimensions = std::move(points);
+    }
   } else if (!kind.bounded) {
     dimensions = {0, 0, 1};
   } else {

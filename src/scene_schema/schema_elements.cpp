@@ -192,6 +192,19 @@ Json elements(const Section& section) {
   return by_type(names, cases, std::string(section.default_type));
 }
 
+// A mesh: the name of a file, this with a scale, or its points and triangles.
+Json mesh() {
+  const Json file = schema::string("File in the folder of the scene, such as .stl, .obj, .ply");
+  Json scaled =
+      object({{"file", file}, {"scale", number("m", "Length of the file's unit", Range::positive)}}, {"file"});
+  Json corner = {{"type", "integer"}, {"minimum", 0}};
+  Json triangle = {{"type", "array"}, {"items", std::move(corner)}, {"minItems", 3}, {"maxItems", 3}};
+  Json points = {{"type", "array"}, {"items", list(3, "m", "A point")}, {"minItems", 4}};
+  Json triangles = {{"type", "array"}, {"items", std::move(triangle)}, {"minItems", 4}};
+  Json listed = object({{"points", std::move(points)}, {"triangles", std::move(triangles)}}, {"points", "triangles"});
+  return {{"oneOf", {file, std::move(scaled), std::move(listed)}}};
+}
+
 }  // namespace
 
 Json elements(const Section& section, const std::vector<Motor>&) { return elements<AnyMotor>(section); }
@@ -212,7 +225,9 @@ Json shapes() {
     std::vector<std::string> required;
     const AnyShape plain = make_shape(n);
     Json own = properties(kind.fields, data_of(plain), nullptr, required);
-    if (kind.of_points) {
+    if (kind.of_triangles) {
+      own = mesh();
+    } else if (kind.of_points) {
       own = {{"type", "array"}, {"items", list(3, "m", "A point")}, {"minItems", 4}};
     } else if (!kind.bounded) {
       own = list(3, "", "Outward normal of the surface");

@@ -13,6 +13,8 @@ using Points = std::vector<Eigen::Vector3d>;
 
 template <class S>
 constexpr bool made_of_points = requires(const S& shape) { shape.points(); };
+template <class S>
+constexpr bool made_of_triangles = requires(const S& shape) { shape.triangles(); };
 
 template <class S>
 ShapeKind describe() {
@@ -20,7 +22,8 @@ ShapeKind describe() {
           .summary = S::summary,
           .fields = S::fields(),
           .bounded = S::bounded,
-          .of_points = made_of_points<S>};
+          .of_points = made_of_points<S>,
+          .of_triangles = made_of_triangles<S>};
 }
 
 template <class... S>
@@ -52,12 +55,16 @@ const ShapeKind& kind_of(const AnyShape& shape) { return shape_kinds()[shape.ind
 
 AnyShape make_shape(std::size_t n) { return make_nth(n, static_cast<const AnyShape*>(nullptr)); }
 
-AnyShape make_shape_of_points(std::size_t n, Points points) {
+AnyShape make_shape_of_points(std::size_t n, Points points, std::vector<Triangle> triangles) {
   AnyShape out = make_shape(n);
   std::visit(
       [&](auto& shape) {
         using S = std::decay_t<decltype(shape)>;
-        if constexpr (made_of_points<S>) shape = S(std::move(points));
+        if constexpr (made_of_triangles<S>) {
+          shape = S(std::move(points), std::move(triangles));
+        } else if constexpr (made_of_points<S>) {
+          shape = S(std::move(points));
+        }
       },
       out);
   return out;
@@ -67,6 +74,15 @@ std::span<const Eigen::Vector3d> points_of(const AnyShape& shape) {
   return std::visit(
       [](const auto& s) -> std::span<const Eigen::Vector3d> {
         if constexpr (made_of_points<std::decay_t<decltype(s)>>) return s.points();
+        return {};
+      },
+      shape);
+}
+
+std::span<const Triangle> triangles_of(const AnyShape& shape) {
+  return std::visit(
+      [](const auto& s) -> std::span<const Triangle> {
+        if constexpr (made_of_triangles<std::decay_t<decltype(s)>>) return s.triangles();
         return {};
       },
       shape);

@@ -12,19 +12,21 @@
 #include "shape/capsule.h"
 #include "shape/cylinder.h"
 #include "shape/hull.h"
+#include "shape/mesh.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
 
 namespace gelenk {
 
-using AnyShape = std::variant<Sphere, Capsule, Box, Cylinder, Plane, Hull>;
+using AnyShape = std::variant<Sphere, Capsule, Box, Cylinder, Plane, Hull, Mesh>;
 
 // Description of a kind of shape for code that does not depend on particular shapes.
 struct ShapeKind {
   std::string_view kind, summary;
-  std::span<const Field> fields;  // none for a plane and for a hull, which consists of points
+  std::span<const Field> fields;  // none for a plane and for what consists of points
   bool bounded = true;            // whether it has mass properties and a finite size
   bool of_points = false;         // whether it is made from a list of points: make_shape_of_points()
+  bool of_triangles = false;      // whether triangles between these points are its surface
 };
 
 // All kinds, in the order of AnyShape.
@@ -35,11 +37,13 @@ const ShapeKind& kind_of(const AnyShape& shape);
 
 // Makes a shape of the n-th kind with default dimensions. Throws std::out_of_range if there is no such kind.
 AnyShape make_shape(std::size_t n);
-// Makes a shape of the n-th kind, which must be of_points. Throws std::invalid_argument with a sentence if the points
-// span no volume.
-AnyShape make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points);
+// Makes a shape of the n-th kind, which must be of_points; triangles are those of a shape of_triangles. Throws
+// std::invalid_argument with a sentence if the points span no volume, or the triangles do not enclose one.
+AnyShape make_shape_of_points(std::size_t n, std::vector<Eigen::Vector3d> points, std::vector<Triangle> triangles = {});
 // Points from which a shape was made; empty unless its kind is of_points.
 std::span<const Eigen::Vector3d> points_of(const AnyShape& shape);
+// The triangles of its surface; empty unless its kind is of_triangles.
+std::span<const Triangle> triangles_of(const AnyShape& shape);
 
 // Address of the shape in the variant, to which its fields refer.
 inline void* data_of(AnyShape& shape) {

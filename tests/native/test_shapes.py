@@ -173,7 +173,7 @@ def test_a_tetrahedron_has_the_moments_of_its_closed_form(units: Any) -> None:
     [
         (
             [[0, 2, 1], [0, 1, 3], [0, 3, 2]],
-            "not closed: the edge between vertices 1 and 3 belongs to one triangle",
+            "not closed: the edge between vertices 1 and 3, from .1, 0, 0. to .0, 0, 1., belongs",
         ),
         ([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 3, 2]], "not oriented consistently"),
         ([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], "oriented inward .volume -0.166667 m3."),

@@ -5,9 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models import polyhedra
 
 import gelenk
 from gelenk.viewer.shapes import Shapes, shapes_of
+
+TURN = {"axis": [1, 2, 3], "angle": 0.7}
+CORNERS = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+CUBE = {"points": CORNERS, "triangles": [[a, *pair] for a, b, c, d in SIDES for pair in ((b, c), (c, d))]}
 
 
 def extent(shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
@@ -26,6 +32,7 @@ def extent(shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
         ({"capsule": {"radius": 0.1, "length": 0.4}}, [0.1, 0.1, 0.3]),
         ({"cylinder": {"radius": 0.1, "length": 0.4}}, [0, 0, 0.2]),
         ({"hull": [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, 1]]}, [1, 1, 1]),
+        ({"mesh": CUBE}, [1, 1, 1]),
     ],
 )
 def test_shapes_are_drawn_with_their_dimensions(shape: dict[str, Any], half: list[float]) -> None:
@@ -56,3 +63,19 @@ def test_half_spaces_are_drawn_below_their_surface() -> None:
     assert vertices[:, 0].max() == pytest.approx(-0.5)
     assert vertices[:, 0].min() == pytest.approx(-0.52)
     assert np.ptp(vertices[:, 1:], axis=0) == pytest.approx([2, 2])
+
+
+def test_a_mesh_is_drawn_as_it_is_not_as_its_hull() -> None:
+    """All triangles of an L, in their orientation: they enclose its volume."""
+    part = polyhedra.l_shape()
+    scene = gelenk.load(
+        {
+            "gelenk": 1,
+            "bodies": {"b": {"mass": {"density": 1}, "shapes": {"s": {"mesh": part, "rotation": TURN}}}},
+            "joints": {"j": {"type": "free", "parent": "ground", "child": "b"}},
+        }
+    )
+    [(vertices, triangles)] = shapes_of(scene.to_dict(), 1.0)["b"].meshes
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    assert volume == pytest.approx(polyhedra.of_boxes(polyhedra.L_BOXES)[0], rel=1e-12)

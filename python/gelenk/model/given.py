@@ -5,29 +5,39 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from gelenk import _core
 from gelenk.errors import SceneError
 from gelenk.model import yaml12, yaml_edits
+from gelenk.model.meshes import Meshes
 
 
 class Given:
     """The data of a scene as given, without defaults, and their text."""
 
-    def __init__(self, core: _core.Scene, data: dict[str, Any], text: str | None = None) -> None:
+    def __init__(
+        self,
+        core: _core.Scene,
+        data: dict[str, Any],
+        text: str | None = None,
+        meshes: Meshes | None = None,
+    ) -> None:
         """Store the source of a scene.
 
         Args:
             core: the scene.
             data: the data from which it was read.
             text: text of the data, if it is YAML.
+            meshes: the files to which it refers.
         """
         self._core = core
         self._data = data
         self._text = text
+        self._meshes = meshes or Meshes("")
 
-    def written(self, core: _core.Scene, language: str) -> str:
+    def written(self, core: _core.Scene, language: str, folder: Path) -> str:
         """Return the text of a file for the scene or a changed copy of it.
 
         The source is preserved except for changed fields. If a change cannot be expressed by single fields,
@@ -36,8 +46,11 @@ class Given:
         Args:
             core: the scene to write.
             language: "yaml" or "json".
+            folder: of the file; names of mesh files are valid in the folder of the source only.
         """
         data = self._data_of(core)
+        if data is not None and folder.resolve() != self._meshes.folder.resolve():
+            data = self._with_meshes(data)
         if language == "yaml" and self._text is not None and data is not None:
             text = self._text if data is self._data else yaml_edits.changed(self._text, self._data, data)
             if text is not None:
@@ -45,6 +58,12 @@ class Given:
         if data is None:
             data = json.loads(_core.write_scene_json(core))
         return yaml12.dump(data) if language == "yaml" else json.dumps(data, indent=2) + "\n"
+
+    def _with_meshes(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Return data with points and triangles in the place of names of files; itself without names."""
+        text = json.dumps(data)
+        resolved = self._meshes.resolved(text)[0]
+        return data if resolved is text else json.loads(resolved)
 
     def _data_of(self, core: _core.Scene) -> dict[str, Any] | None:
         """Return the given data with changed fields; None if changes of single fields are not sufficient."""
@@ -54,7 +73,8 @@ class Given:
         for siblings in (False, True):
             found = _changed(self._data, json.loads(before), json.loads(after), siblings)
             with suppress(SceneError):
-                if _core.write_scene_json(_core.read_scene_json(json.dumps(found), "")) == after:
+                whole = self._meshes.resolved(json.dumps(found))[0]
+                if _core.write_scene_json(_core.read_scene_json(whole, "")) == after:
                     assert isinstance(found, dict)
                     return found
         return None

@@ -17,6 +17,7 @@ from gelenk import _core, _html
 from gelenk.errors import AssemblyError, SceneError, SceneWarning, UsageError
 from gelenk.model import foreign, yaml12
 from gelenk.model.given import Given
+from gelenk.model.meshes import Meshes
 from gelenk.model.places import Places
 from gelenk.model.values import Value, number, unknown
 
@@ -202,7 +203,8 @@ class Scene:
         """Write the scene to a .yaml, .yml or .json file.
 
         Everything that has not been changed is written as it was given. Scenes that were read from YAML keep
-        their comments and layout in YAML.
+        their comments and layout in YAML. Names of mesh files are kept in the folder of the scene; to other
+        folders, their points and triangles are written.
 
         Raises:
             SceneError: the file name has another ending.
@@ -213,7 +215,7 @@ class Scene:
         if language is None:
             found = target.suffix or "none"
             raise SceneError(f"{target}: found the ending {found}, expected .yaml, .yml or .json")
-        target.write_bytes(self._given.written(self._core, language).encode("utf-8"))
+        target.write_bytes(self._given.written(self._core, language, target.parent).encode("utf-8"))
 
     def __repr__(self) -> str:
         return f"<Scene {self.name}: {self._counts()}>"
@@ -307,12 +309,15 @@ def from_dict(data: Mapping[str, Any], file: str = "", report: Iterable[str] = (
     Raises:
         SceneError: the scene is invalid.
     """
-    core, plain, doubts = _read_plain(data, file)
+    meshes = Meshes(file)
+    core, plain, doubts = _read_plain(data, file, meshes)
     _warn(doubts)
-    return Scene(core, Given(core, plain), report)
+    return Scene(core, Given(core, plain, meshes=meshes), report)
 
 
-def _read_plain(data: Mapping[str, Any], file: str) -> tuple[_core.Scene, dict[str, Any], list[str]]:
+def _read_plain(
+    data: Mapping[str, Any], file: str, meshes: Meshes | None = None
+) -> tuple[_core.Scene, dict[str, Any], list[str]]:
     """Return the scene, the data without numpy types, and warnings about suspicious values."""
     try:
         text = json.dumps(data, default=_plain)
@@ -320,19 +325,32 @@ def _read_plain(data: Mapping[str, Any], file: str) -> tuple[_core.Scene, dict[s
         raise SceneError(f"{file or 'scene'}: contains itself") from None
     except TypeError as e:
         raise SceneError(f"{file or 'scene'}: {e}") from None
-    core, doubts = _core.read_scene_and_doubts(text, file)
+    core, doubts = _read_core(text, file, meshes or Meshes(file))
     return core, json.loads(text), doubts
+
+
+def _read_core(text: str, file: str, meshes: Meshes) -> tuple[_core.Scene, list[str]]:
+    """Return the scene of a JSON text, and warnings; all faults are raised, those of meshes first."""
+    resolved, faults = meshes.resolved(text)
+    try:
+        core, doubts = _core.read_scene_and_doubts(resolved, file)
+    except SceneError as e:
+        raise SceneError([*faults, *e.lines]) from None
+    if faults:
+        raise SceneError(faults)
+    return core, doubts
 
 
 def _read(text: str, language: str, file: str) -> Scene:
     places = Places(text, language, file)
+    meshes = Meshes(file)
     plain = yaml12.to_json(text, file or "scene") if language == "yaml" else text
     try:
-        core, doubts = _core.read_scene_and_doubts(plain, file)
+        core, doubts = _read_core(plain, file, meshes)
     except SceneError as e:
         raise SceneError(places.located(e.lines)) from None
     _warn(places.located(doubts))
-    given = Given(core, json.loads(plain), text if language == "yaml" else None)
+    given = Given(core, json.loads(plain), text if language == "yaml" else None, meshes)
     return Scene(core, given, (), places)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gelenk.model.skeleton import GROUND, Data, axis_of, frame_rotation, point, turned
+from gelenk.simulation.touching import contact_arrows
 from gelenk.viewer.arrows import Arrow
 
 type Array = NDArray[np.float64]
@@ -38,6 +39,11 @@ class Motion:
         """Return vectors that are resolved in the frame of a body in the world, shape (frames, 3)."""
         v = np.broadcast_to(v, (len(self.poses), 3))
         return v if body == GROUND else turned(self._pose(body), v)
+
+    def in_body(self, body: str, v: Array) -> Array:
+        """Return vectors in the world in the frame of a body, shape (frames, 3)."""
+        back = self._pose(body) * [1, 1, 1, -1, -1, -1, 1]
+        return turned(back, v)
 
     def place(self, body: str, p: Array) -> Array:
         """Return a point of a body in the world [m], shape (frames, 3)."""
@@ -86,6 +92,7 @@ def arrows_of(motion: Motion, reactions: Mapping[str, str]) -> list[Arrow]:
             found.append(_drag(motion, name, force))
     for name, motor in motion.scene.get("motors", {}).items():
         found += _drive(motion, name, motor)
+    found += contact_arrows(motion)
     for sensor, joint in reactions.items():
         found += _reaction(motion, sensor, joint)
     return [arrow for arrow in found if np.nan_to_num(arrow.vectors).any()]

@@ -21,6 +21,7 @@ from gelenk.simulation.inputs import functions_and_constants
 from gelenk.simulation.loads import Motion, arrows_of
 from gelenk.simulation.result import Result
 from gelenk.simulation.run import open_plant, simulate
+from gelenk.simulation.touching import contact_events
 from gelenk.viewer.arrows import Arrow
 from gelenk.viewer.pages import view_of
 
@@ -58,6 +59,13 @@ class Recording:
     def signals(self) -> list[str]:
         """Names of the outputs, without those that record poses."""
         return [name for name in self.result.names if not name.startswith(SENSOR)]
+
+    @property
+    def events(self) -> list[tuple[float, str]]:
+        """Times [s] and descriptions of events, those of contacts included."""
+        modes = [f"{name}.mode" for name in self.scene.get("contacts", {})]
+        signals = {name: self.result[name] for name in modes if name in self.result.names}
+        return sorted([*self.result.events, *contact_events(self.scene, self.result.time, signals)])
 
 
 def scene_of(plant: Scene | str | PathLike[str] | Mapping[str, Any]) -> Scene:
@@ -146,6 +154,8 @@ def _recording_of(
         sensor: joint for joint, sensor in {joint: name for name, joint in reactions.items()}.items()
     }
     outputs = [f"{name}.{letter}[{k}]" for name in reactions for letter in "ft" for k in (1, 2, 3)]
+    of_contacts = [f"{name}.f[{k}]" for name in scene.get("contacts", {}) for k in (1, 2, 3)]
+    outputs += [name for name in of_contacts if name in result.names]
     signals = {name: result[name][rows] for name in outputs} | _inputs(recorded, run, time)
     motion = Motion(scene, poses, _numbers(result, rows, bodies, VELOCITY), signals)
     return Recording(scene, time, poses, result, rows, arrows_of(motion, reactions))

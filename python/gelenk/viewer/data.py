@@ -75,7 +75,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
         "joints": _joints(scene, names),
         "springs": [{"from": _end(a, names), "to": _end(b, names)} for a, b in springs(scene)],
         **_signals(recording),
-        "events": [{"t": t, "text": text, "kind": _kind_of(text)} for t, text in recording.result.events],
+        "events": [{"t": t, "text": text, "kind": _kind_of(text)} for t, text in recording.events],
         "arrows": [_arrow(arrow, names) for arrow in _visible(recording.arrows, size)],
         "colors": ROLE_COLORS,
         "frames": _frames(scene, names),

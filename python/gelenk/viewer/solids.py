@@ -47,6 +47,9 @@ def add_solids(out: Shapes, shapes: Mapping[str, Mapping[str, Any]], size: float
             out.add_prism(base, c * z)
         elif "hull" in shape:
             out.add_hull(p + np.array(shape["hull"], float) @ R.T)
+        elif "mesh" in shape:
+            points = np.array(shape["mesh"]["points"], float)
+            out.meshes.append((p + points @ R.T, np.array(shape["mesh"]["triangles"], np.uint32)))
         elif "plane" in shape:
             base = p + size * CORNERS @ np.array([x, y]) - SLAB_THICKNESS * size * z
             out.add_prism(base, SLAB_THICKNESS * size * z)

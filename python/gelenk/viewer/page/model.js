@@ -78,6 +78,7 @@
         const material = kind === "line"
           ? new THREE.LineBasicMaterial()
           : new THREE.MeshLambertMaterial({ side: kind === "two-sided" ? THREE.DoubleSide : THREE.FrontSide });
+        if (kind === "seen through") material.depthTest = false;
         material.userData.color = color;
         if (this.opacity < 1) Object.assign(material, { transparent: true, opacity: this.opacity });
         if (this.background) material.color.copy(Gelenk.readableColor(color, this.background));

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measure contacts against known motions for docs/contact.md: part of `make nonsmooth`.
+
+The picture is written to docs/pictures/, all figures as CSV to out/nonsmooth/. MuJoCo, Drake and EXUDYN run
+if they are installed. `--quick` runs two steps of each series and writes to out/nonsmooth/ only, as a test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import dataclasses
+import importlib.util
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from benchmarks.contacts import draw, engines, problems
+from benchmarks.contacts.problems import Problem
+from benchmarks.page_parts import put
+
+from gelenk.chart.tables import rows
+
+ROOT = Path(__file__).resolve().parents[2]
+NUMBERS = ROOT / "out" / "nonsmooth"
+MAKER = "benchmarks/contacts"
+STEPS = (1e-2, 1e-3, 1e-4, 1e-5)  # s
+ROUNDS = 3  # of runs that take less than a second; the fastest counts
+LONGEST = 15.0  # s of CPU time, expected of a run
+EXACT = 1e-9  # m, rad; smaller errors are those of rounding and of the cone solver
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run; error and CPU time are NaN if there is a reason why it has none."""
+
+    problem: str
+    series: str
+    step: float  # s
+    error: float = math.nan  # largest at the reference times [m, rad]
+    cpu: float = math.nan  # s per simulated second
+    reason: str = ""
+
+    @property
+    def per_step(self) -> float:
+        """CPU time per step [us]."""
+        return 1e6 * self.cpu * self.step
+
+
+def runs_of(problem: Problem, steps: tuple[float, ...]) -> Iterator[Run]:
+    for series, (package, runner) in engines.SERIES.items():
+        if importlib.util.find_spec(package) is None:
+            continue
+        least = 0.0
+        for n, h in enumerate(steps):
+            if n > 0 and least * steps[n - 1] / h > LONGEST:
+                break
+            try:
+                poses, least = runner(problem, h)
+                for _ in range(ROUNDS - 1 if least < 1 else 0):
+                    least = min(least, runner(problem, h)[1])
+            except engines.NotOfferedError as reason:
+                yield Run(problem.name, series, h, reason=str(reason))
+                break
+            except (RuntimeError, ValueError) as reason:
+                yield Run(problem.name, series, h, reason=f"failed: {str(reason).splitlines()[0]}")
+                continue
+            yield Run(problem.name, series, h, problem.error(poses), least / problem.times[-1])
+
+
+def order(found: list[Run]) -> str:
+    """Return the order that a straight line through the errors has."""
+    shown = [run for run in found if run.series == "Gelenk"]
+    if max(run.error for run in shown) < EXACT:
+        return "exact"
+    slope = np.polyfit(np.log([run.step for run in shown]), np.log([run.error for run in shown]), 1)[0]
+    return f"{slope:.1f}"
+
+
+def table(chosen: list[Problem], found: list[Run]) -> str:
+    lines = []
+    for problem in chosen:
+        mine = [run for run in found if run.problem == problem.name]
+        at = [run for run in mine if abs(run.step - 1e-3) < 1e-9 and not run.reason]
+        own = next(run for run in at if run.series == "Gelenk")
+        cells = [problem.title, f"{own.error:.1e}", f"{own.per_step:.1f}", order(mine)]
+        others = [run for run in at if run is not own]
+        if others:
+            best = min(others, key=lambda run: run.error)
+            cells += [best.series, f"{best.error:.1e}", f"{best.per_step:.1f}"]
+        else:
+            cells += ["", "", ""]
+        lines.append(cells)
+    return rows(
+        ["problem, steps of 1 ms", "error [m, rad]", "µs per step", "order", "best of the others",
+         "its error", "its µs per step"], lines,
+    )  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
+    NUMBERS.mkdir(parents=True, exist_ok=True)
+    chosen = problems.problems()
+    found: list[Run] = []
+    for problem in chosen:
+        found += runs_of(problem, STEPS[:2] if given.quick else STEPS)
+        print(f"{problem.title}: {sum(run.problem == problem.name for run in found)} runs", flush=True)
+    with (NUMBERS / "contacts.csv").open("w", encoding="utf-8", newline="") as file:
+        out = csv.DictWriter(file, [field.name for field in dataclasses.fields(Run)])
+        out.writeheader()
+        out.writerows(dataclasses.asdict(run) for run in found)
+    picture = pictures / "contacts.png"
+    draw.draw(chosen, found, picture)
+    parts = {
+        "contacts": f"![work against error of contacts](pictures/{picture.name})\n\n{table(chosen, found)}"
+    }
+    target = NUMBERS / "contact.md" if given.quick else ROOT / "docs" / "contact.md"
+    put(target, MAKER, parts)
+    print(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
+
+
+if __name__ == "__main__":
+    main()
