@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr Index large = 3000;  // unknowns, beyond which residuals are looked at once in an interval
+constexpr int interval = 5;
 constexpr double curvature_decay = 0.9;  // per iteration, of the estimate of G's largest eigenvalue
 
 // A first estimate of the largest eigenvalue, along the gradient.
@@ -61,6 +63,10 @@ void AcceleratedGradient::run(ConeIteration& at, int max_steps) {
     last_u = at.u();
     at.x() = next;
     at.u() = next_u;
+    if (n > large && (k + 1) % interval != 0) {
+      if (!at.skip()) break;
+      continue;
+    }
     if (!at.advance()) return;
     if (frozen.renew_if_solved()) t = 1;
   }

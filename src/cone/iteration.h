@@ -61,6 +61,11 @@ class ConeIteration {
 
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
   bool advance();
+  // Counts an iteration of a large problem without looking at its residual, which costs as much as a step of gradients.
+  bool skip() {
+    ++result_.iterations;
+    return !done();
+  }
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
   double tolerance() const { return options_->tolerance; }
   double residual() const { return residual_; }  // of the present iterate, at the last advance()

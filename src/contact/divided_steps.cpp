@@ -76,7 +76,10 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   double second = change();
   for (int repetition = 0; repetition < 2; ++repetition) {
     for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
-    if (!update_forces(h, u)) break;
+    if (!update_forces(h, u)) {
+      second = 0;
+      break;
+    }
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
     first = second;
@@ -96,8 +99,8 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   return all_finite(v1_) && all_finite(dq_);
 }
 
-// vdot_ <- the accelerations by the forces at vm_. Returns whether they have changed, by more than what the solver leaves
-// of velocities: the forces on spheres, for example, do not depend on their velocities.
+// vdot_ <- the accelerations by the forces at vm_. Returns whether they have changed, by more than what the solver
+// leaves of velocities: the forces on spheres, for example, do not depend on their velocities.
 bool TimeStepper::update_forces(double h, const double* u) {
   vdot_before_ = vdot_;
   dynamics_.set_velocity(vm_.data());

@@ -8,6 +8,10 @@ namespace gelenk {
 // leaves of zero.
 inline constexpr double rest_speed = 1e-9;
 
+// Residual of the velocities of contacts [natural units of speed], relative to the largest velocity or to 1e-3.
+inline constexpr double residual_tolerance = 1e-11;
+inline constexpr double residual_floor = 1e-3;
+
 // A step is divided into halves, and these again, up to this number of times.
 inline constexpr int most_halvings = 4;
 

@@ -12,9 +12,6 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Residual of the velocities of contacts [natural units of speed], relative to the largest velocity or 1e-3.
-constexpr double residual_tolerance = 1e-11;
-constexpr double residual_floor = 1e-3;
 constexpr int max_iterations = 200;
 // Penetration that is removed within a step, relative to the smaller shape: the displacement is linear in the
 // coordinates.
@@ -105,6 +102,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       v1_(v0_.size()),
       vm_(v0_.size()),
       vdot_(v0_.size()),
+      vdot_before_(v0_.size()),
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
   state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));

@@ -68,7 +68,8 @@ class TimeStepper final : public ContactReadings {
   double change() const;
   double small_change(double part) const;
   bool step_in_parts(double h, const double* u, double* y, int halvings);
-  bool accelerate(double h, const double* u);
+  bool update_forces(double h, const double* u);
+  bool respond(double h);
   void collect(double h);
   void add_contact(const TouchPoint& point);
   void add_locks(double h);
@@ -103,7 +104,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_, correction_cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
-  std::vector<double> v0_, v1_, vm_, vdot_, dq_;
+  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   const char* failure_ = "";
 };
