@@ -169,6 +169,9 @@ def exudyn_pile(count: int) -> Advance:
     settings.solutionSettings.writeSolutionToFile = False
     settings.timeIntegration.verboseMode = 0
     settings.timeIntegration.explicitIntegration.computeEndOfStepAccelerations = False
+    # By default, steps multiply with the dense inverse of the mass matrix.
+    settings.timeIntegration.explicitIntegration.computeMassMatrixInversePerBody = True
+    settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.displayStatistics = settings.displayComputationTime = False
     now = 0.0
 

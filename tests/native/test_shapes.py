@@ -32,9 +32,9 @@ def pose(rng: np.random.Generator) -> tuple[Array, Array, list[float]]:
 
 def test_kinds_are_listed_with_their_fields(units: Any) -> None:
     kinds = {name: (bounded, of_points, fields) for name, bounded, of_points, fields in units.shape_kinds()}
-    assert set(kinds) == {"sphere", "capsule", "box", "cylinder", "plane", "hull"}
+    assert set(kinds) == {"sphere", "capsule", "box", "cylinder", "plane", "hull", "mesh"}
     assert [name for name, (bounded, _, _) in kinds.items() if not bounded] == ["plane"]
-    assert [name for name, (_, of_points, _) in kinds.items() if of_points] == ["hull"]
+    assert [name for name, (_, of_points, _) in kinds.items() if of_points] == ["hull", "mesh"]
     assert kinds["capsule"][2] == [("radius", "m"), ("length", "m")]
     assert kinds["box"][2] == [("size", "m")]
 
