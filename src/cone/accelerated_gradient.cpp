@@ -63,12 +63,9 @@ void AcceleratedGradient::run(ConeIteration& at, int max_steps) {
     last_u = at.u();
     at.x() = next;
     at.u() = next_u;
-    if (n > large && (k + 1) % interval != 0) {
-      if (!at.skip()) break;
-      continue;
-    }
-    if (!at.advance()) return;
-    if (frozen.renew_if_solved()) t = 1;
+    const bool look = n <= large || (k + 1) % interval == 0;
+    if (!at.advance(look)) return;
+    if (look && frozen.renew_if_solved()) t = 1;
   }
 }
 

@@ -29,11 +29,11 @@ constexpr int max_failures = 3;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
-    if (!at.has_matrix() && !at.root().first.empty()) {
+    if (at.G().dense() == nullptr && !at.G().root().first.empty()) {
       hessian_.start(at);
       if (hessian_.cost() <= max_factor_cost) return run_sparse(at);
     }
-    if (at.size() > newton_at_all || (at.size() > newton_first && !at.has_matrix())) {
+    if (at.size() > newton_at_all || (at.size() > newton_first && at.G().dense() == nullptr)) {
       accelerated_.run(at, std::numeric_limits<int>::max());
     } else {
       run_dense(at);
@@ -74,7 +74,7 @@ class HybridSolver final : public IterativeConeSolver {
     if (at.size() > newton_at_all) return;
     spectral_.reserve(at.size());
     shift_.start(at.size());
-    if (at.has_matrix() || at.root().first.empty()) newton_.reserve(at.size(), at.cones().size());
+    if (at.G().dense() != nullptr || at.G().root().first.empty()) newton_.reserve(at.size(), at.cones().size());
   }
 
   // Solves the convex problem with De Saxce's shift of the present iterate, to a fraction: a step of the fixed-point

@@ -265,8 +265,9 @@ bool ConeIteration::keep() {
   return true;
 }
 
-bool ConeIteration::advance() {
+bool ConeIteration::advance(bool look) {
   ++result_.iterations;
+  if (!look) return !done();
   keep();
   if (options_->observer) options_->observer->reached(result_);
   return !done();

@@ -54,20 +54,14 @@ class ConeIteration {
   void multiply(const double* in, double* out);           // out <- G in; counted
   void project_all(const double* in, double* out) const;  // out <- P_K(in); they may be the same
   void update_velocity();                                 // u <- G x + b
-  bool has_matrix() const { return problem_->G.dense() != nullptr; }
-  Eigen::Map<const Eigen::MatrixXd> matrix();           // G, not scaled
-  ConeRoot root() const { return problem_->G.root(); }  // of G, not scaled
+  const ConeOperator& G() const { return problem_->G; }   // not scaled
+  Eigen::Map<const Eigen::MatrixXd> matrix();             // G, not scaled
   void count_product() { ++result_.products; }
 
   // Call after each iteration: keeps the iterate if its residual is the least so far. Returns whether to continue.
-  bool advance();
-  // Counts an iteration of a large problem without looking at its residual, which costs as much as a step of gradients.
-  bool skip() {
-    ++result_.iterations;
-    return !done();
-  }
+  // look: at the residual, which in large problems costs as much as a step of a gradient method.
+  bool advance(bool look = true);
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
-  double tolerance() const { return options_->tolerance; }
   double residual() const { return residual_; }  // of the present iterate, at the last advance()
   double best_residual() const { return result_.residual; }
   void return_to_best();

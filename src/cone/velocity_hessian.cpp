@@ -29,7 +29,7 @@ void VelocityHessian::start(ConeIteration& at) {
 
 // Returns whether the pattern has changed.
 bool VelocityHessian::take_root(ConeIteration& at) {
-  const ConeRoot root = at.root();
+  const ConeRoot root = at.G().root();
   const bool same = rows_ == root.rows && std::ranges::equal(first_, root.first) &&
                     std::ranges::equal(row_, root.row) && block_of_.size() == at.cones().size();
   rows_ = root.rows;
