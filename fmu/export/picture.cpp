@@ -261,7 +261,8 @@ class PictureBuilder {
     const Vector3d towards = view_.right.cross(view_.up);
     const bool any = std::ranges::any_of(scene_.bodies, [](const Body& body) { return !body.shapes.empty(); });
     const auto depth = [&](std::size_t b) { return any ? towards.dot(marks_[b].front()) : 0.0; };
-    std::ranges::stable_sort(out, [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); });
+    std::ranges::sort(out,
+                      [&](std::size_t a, std::size_t b) { return std::pair(depth(a), a) < std::pair(depth(b), b); });
     return out;
   }
 

@@ -17,9 +17,9 @@ constexpr int max_iterations = 200;
 // coordinates.
 constexpr double max_correction = 0.1;
 // Rows up to which the Delassus operator is a matrix: larger ones cost more than they save. Sparse methods, which
-// bodies without loops permit, are faster from a hundred rows on.
+// bodies without loops permit, are as fast with a hundred rows, but their factors ask for memory in every step.
 constexpr int max_dense_rows = 400;
-constexpr int max_dense_rows_with_root = 100;
+constexpr int max_dense_rows_with_root = 200;
 // Rows for which memory is taken at the start: some MB.
 constexpr std::size_t max_reserved_rows = 200;
 

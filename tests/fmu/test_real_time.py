@@ -68,16 +68,12 @@ def test_running_asks_nothing_of_the_heap(
     assert not noisy, "\n".join(f"{name}: {calls}" for name, calls in noisy.items())
 
 
-@pytest.mark.parametrize(("boxes", "first", "most"), [(2, 0, 0), (10, 0, 0), (30, 200, 100)])
-def test_contacts_ask_nothing_of_the_heap(
-    boxes: int, first: int, most: int, host: Path, tmp_path: Path
-) -> None:
-    """Memory for the contacts of a few bodies is taken at the start.
+@pytest.mark.parametrize("boxes", [2, 10])
+def test_contacts_ask_nothing_of_the_heap(boxes: int, host: Path, tmp_path: Path) -> None:
+    """Memory for 200 rows of contacts is taken at the start.
 
-    A paddle tosses the boxes up again and again, so that the number of contact points changes. That of 30
-    boxes still reaches new maxima in the last 200 steps, for which memory grows geometrically; if it were
-    fitted to each step, there would be several calls in each.
+    A paddle tosses the boxes up again and again, so that the number of contact points changes.
     """
     fmu = gelenk.export_fmu(touching(boxes), tmp_path / "x.fmu")
-    calls = heap_calls(host, fmu, tmp_path / "x", "hit.friction", first)
-    assert sum(calls.values()) <= most, calls
+    calls = heap_calls(host, fmu, tmp_path / "x", "hit.friction")
+    assert not any(calls.values()), calls

@@ -4,6 +4,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 SceneData = dict[str, Any]
 
 
@@ -78,5 +80,79 @@ def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float =
             for i in range(boxes)
         },
         "contacts": {"wooden": {"between": ["wood", "wood"], "friction": friction}},
+        "experiment": {"step": 1e-3},
+    }
+
+
+def wall(
+    columns: int, rows: int, *, size: Sequence[float] = (0.2, 0.1, 0.1), friction: float = 0.6
+) -> SceneData:
+    """Return bricks in running bond on the ground; joints are called j<row>_<column>."""
+    x, _, z = size
+    places = [(row, column) for row in range(rows) for column in range(columns)]
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            f"b{row}_{column}": {
+                "mass": {"density": 1000.0},
+                "shapes": {"brick": {"box": list(size), "surface": "brick"}},
+            }
+            for row, column in places
+        },
+        "ground": {"shapes": {"plane": {"plane": [0, 0, 1], "surface": "brick"}}},
+        "joints": {
+            f"j{row}_{column}": {
+                "type": "free",
+                "parent": "ground",
+                "child": f"b{row}_{column}",
+                "start": {"r": [1.001 * x * column + (row % 2) * x / 2, 0, z * (row + 0.5)]},
+            }
+            for row, column in places
+        },
+        "contacts": {"bricks": {"between": ["brick", "brick"], "friction": friction}},
+        "experiment": {"step": 1e-3},
+    }
+
+
+def heap(spheres: int, *, radius: float = 0.05, friction: float = 0.5) -> SceneData:
+    """Return spheres above the floor between four walls, in layers with small gaps and offsets."""
+    side = max(2, round(spheres ** (1 / 3)))
+    pitch = 2.2 * radius
+    half = side * pitch / 2
+
+    def place(i: int) -> list[float]:
+        layer, cell = divmod(i, side * side)
+        offset = 0.05 * radius * np.random.default_rng(i).uniform(-1, 1, 2)
+        x, y = ((k + 0.5) * pitch - half for k in divmod(cell, side))
+        return [x + offset[0], y + offset[1], radius * 1.1 + layer * pitch]
+
+    faces = {"floor": ([0.0, 0.0, 1.0], [0.0, 0.0, 0.0])}
+    for axis in range(2):
+        for sign in (1, -1):
+            direction = [0.0, 0.0, 0.0]
+            direction[axis] = sign
+            faces[f"wall{axis}{'ab'[sign > 0]}"] = (direction, [-half * n for n in direction])
+    return {
+        "gelenk": 1,
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            f"s{i}": {"mass": {"density": 1000.0}, "shapes": {"ball": {"sphere": radius, "surface": "ball"}}}
+            for i in range(spheres)
+        },
+        "ground": {
+            "shapes": {
+                name: {"plane": normal, "position": position, "surface": "wall"}
+                for name, (normal, position) in faces.items()
+            }
+        },
+        "joints": {
+            f"j{i}": {"type": "free", "parent": "ground", "child": f"s{i}", "start": {"r": place(i)}}
+            for i in range(spheres)
+        },
+        "contacts": {
+            "balls": {"between": ["ball", "ball"], "friction": friction},
+            "walls": {"between": ["wall", "ball"], "friction": friction},
+        },
         "experiment": {"step": 1e-3},
     }

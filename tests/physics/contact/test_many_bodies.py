@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Towers, walls and heaps: nothing creeps, no point of contact is lost, and what falls comes to rest."""
+
+from __future__ import annotations
+
+import numpy as np
+from models.touching import SceneData, heap, stack, wall
+
+import gelenk
+
+STEP = 1e-3
+
+
+def run(scene: SceneData, steps: int) -> gelenk.Simulation:
+    simulation = gelenk.Simulation(scene)
+    simulation.initialize()
+    for k in range(steps):
+        simulation.step_to((k + 1) * STEP)
+    return simulation
+
+
+def test_a_tower_of_a_hundred_boxes_stands() -> None:
+    """400 points of contact, 1.6 times as many rows as velocities; a millisecond of free fall is 1e-2 m/s."""
+    scene = stack(100)
+    simulation = run(scene, 100)
+    heights = np.array([simulation.output(f"j{i}.r[3]") for i in range(100)])
+    speeds = np.array([simulation.output(f"j{i}.v[{k}]") for i in range(100) for k in (1, 2, 3)])
+    assert np.abs(heights - 0.1 * (np.arange(100) + 0.5)).max() < 1e-9  # m
+    assert np.abs(speeds).max() < 1e-10  # m/s: the residual of 1e-13, which 100 interfaces add up
+    assert simulation.diagnostic("solver.contact_points") == 400
+    assert simulation.diagnostic("solver.cone_residual") < 1e-12
+
+
+def test_a_wall_stands() -> None:
+    """Ten layers of twenty bricks, each on two others: points at the ends, too, remain in contact."""
+    scene = wall(20, 10)
+    simulation = run(scene, 50)
+    names = [f"j{row}_{column}" for row in range(10) for column in range(20)]
+    speeds = np.array([simulation.output(f"{name}.v[{k}]") for name in names for k in (1, 2, 3)])
+    assert np.abs(speeds).max() < 1e-10
+    # Four points below each brick of the lowest layer and in each face between two bricks, of which there are
+    # 20 * 2 - 1 between two layers. End bricks of odd layers overhang by half: inner points may be free.
+    points = simulation.diagnostic("solver.contact_points")
+    assert 80 + 9 * 39 * 4 - 5 * 2 <= points <= 80 + 9 * 39 * 4
+
+
+def test_a_heap_of_spheres_loses_its_energy() -> None:
+    """Sixty spheres fall into a box: what sticks, slides and rolls is solved, and energy never grows."""
+    names = ["energy.total", "solver.cone_residual", "solver.contact_points"]
+    result = gelenk.simulate(heap(60), stop=0.4, step=STEP, outputs=names)
+    energy = result["energy.total"]
+    # Up to the residual of single steps, and positions that are corrected.
+    assert np.diff(energy).max() < 1e-6 * np.ptp(energy)
+    assert result["solver.contact_points"].max() > 67  # more than 200 rows: sparse factors
+    # Coulomb's law need not have a solution in each step.
+    assert (result["solver.cone_residual"] > 1e-6).mean() < 0.02
