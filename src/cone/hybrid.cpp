@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The default. With a matrix, up to about a hundred contacts: semismooth Newton, led by some steps of the spectral projected gradient
-// where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented Lagrangian method in the
-// space of velocities in turn; if their factors fill in, or without a root: the accelerated gradient, with Newton's
-// method up to some hundred contacts if there is a matrix.
+// The default. With a matrix, up to about a hundred contacts: semismooth Newton, led by some steps of the spectral
+// projected gradient where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented
+// Lagrangian method in the space of velocities in turn; if their factors fill in, or without a root: the accelerated
+// gradient, with Newton's method up to some hundred contacts if there is a matrix.
 #include <limits>
 
 #include "cone/accelerated_gradient.h"
