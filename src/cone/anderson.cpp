@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cone/anderson.h"
 
+#include <algorithm>
+
 namespace gelenk {
 
 using Eigen::Index;
@@ -16,6 +18,7 @@ void AndersonAcceleration::start(Index n) {
   residuals_.resize(n, depth);
   images_.resize(n, depth);
   basis_.resize(n, depth);
+  combined_.resize(n, depth);
 }
 
 const Eigen::VectorXd& AndersonAcceleration::next(const Eigen::VectorXd& y, const Eigen::VectorXd& image) {
@@ -31,11 +34,10 @@ const Eigen::VectorXd& AndersonAcceleration::next(const Eigen::VectorXd& y, cons
   last_image_ = image;
   next_ = image;
   // Gram-Schmidt from the newest difference on; the images are combined like the residuals.
-  Eigen::MatrixXd combined(images_.rows(), depth);
   for (Index i = 0; i < count_; ++i) {
     const Index k = (newest_ - i + depth) % depth;
     auto q = basis_.col(i);
-    auto p = combined.col(i);
+    auto p = combined_.col(i);
     q = residuals_.col(k);
     p = images_.col(k);
     const double length = q.norm();
@@ -43,7 +45,7 @@ const Eigen::VectorXd& AndersonAcceleration::next(const Eigen::VectorXd& y, cons
       for (Index j = 0; j < i; ++j) {
         const double along = basis_.col(j).dot(q);
         q -= along * basis_.col(j);
-        p -= along * combined.col(j);
+        p -= along * combined_.col(j);
       }
     }
     const double left = q.norm();

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 
 namespace gelenk {
 
@@ -23,7 +22,7 @@ class AndersonAcceleration {
   bool has_last_ = false;
   Eigen::VectorXd residual_, last_residual_, last_image_, next_;
   Eigen::MatrixXd residuals_, images_;  // differences from one iterate to the next, in columns
-  Eigen::MatrixXd basis_;
+  Eigen::MatrixXd basis_, combined_;    // orthonormal residuals, and the same combinations of images
 };
 
 }  // namespace gelenk

@@ -38,10 +38,7 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
   reserve(at.size());
   rho_ = first_weight;
   const Index n = at.size();
-  std::copy_n(at.x().data(), n, center_);
-  std::fill_n(shift_, n, 0.0);
-  if (at.exact()) add_lift(at.cones(), at.u().data(), shift_);
-  acceleration_.start(2 * n);
+  center_at_iterate(at);
   y_.resize(2 * n);
   image_.resize(2 * n);
   last_error_ = std::numeric_limits<double>::infinity();
@@ -52,10 +49,7 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
       least_weight = std::min(first_weight, weight_growth * rho_);
       rho_ = least_weight;
       at.return_to_best();
-      std::copy_n(at.x().data(), n, center_);
-      std::fill_n(shift_, n, 0.0);
-      if (at.exact()) add_lift(at.cones(), at.u().data(), shift_);
-      acceleration_.start(2 * n);
+      center_at_iterate(at);
       continue;
     }
     const double error = std::max(prox_error_, shift_error_);
@@ -74,6 +68,20 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
   }
 }
 
+// The next proximal problem is that of the present iterate, and the acceleration starts again.
+void AugmentedLagrangian::center_at_iterate(ConeIteration& at) {
+  const Index n = at.size();
+  std::copy_n(at.x().data(), n, center_);
+  set_lift(at, shift_);
+  acceleration_.start(2 * n);
+}
+
+// out <- s(u) of the present iterate; 0 in a convex problem.
+void AugmentedLagrangian::set_lift(ConeIteration& at, double* out) const {
+  std::fill_n(out, at.size(), 0.0);
+  if (at.exact()) add_lift(at.cones(), at.u().data(), out);
+}
+
 bool AugmentedLagrangian::proximal_step(ConeIteration& at) {
   const Index n = at.size();
   hessian_->multiply(at.x().data(), w_);
@@ -86,8 +94,7 @@ bool AugmentedLagrangian::proximal_step(ConeIteration& at) {
     // The error that remains in this proximal problem, and what the next one will change.
     double inner = 0, outer = 0;
     prox_error_ = shift_error_ = 0;
-    std::fill_n(lift_, n, 0.0);
-    if (at.exact()) add_lift(at.cones(), at.u().data(), lift_);
+    set_lift(at, lift_);
     for (Index i = 0; i < n; ++i) {
       inner = std::max(inner, std::abs(t_[i] + at.b()[i] - at.u()[i]));
       prox_error_ = std::max(prox_error_, rho_ * std::abs(p_[i] - center_[i]));

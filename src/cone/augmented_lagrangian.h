@@ -22,6 +22,8 @@ class AugmentedLagrangian {
 
  private:
   void reserve(Eigen::Index n);
+  void center_at_iterate(ConeIteration& at);
+  void set_lift(ConeIteration& at, double* out) const;
   // Returns whether it was solved, to a fraction of the error that the next one will change.
   bool proximal_step(ConeIteration& at);
   void evaluate(ConeIteration& at);

@@ -41,6 +41,7 @@ class SemismoothNewton {
   void right_side(ConeIteration& at);
   void solve_reduced(bool general, double eps);
   bool solve_sparse(ConeIteration& at, double eps);
+  bool slides(const Cone& cone) const;
   bool something_slides(std::span<const Cone> cones) const;
   void set_weights(ConeIteration& at, double eps);
   void solve_in_velocities(ConeIteration& at);

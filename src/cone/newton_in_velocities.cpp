@@ -47,11 +47,16 @@ bool SemismoothNewton::solve_sparse(ConeIteration& at, double eps) {
   return true;
 }
 
+// Whether s(u) of the cone has a derivative.
+bool SemismoothNewton::slides(const Cone& cone) const {
+  const double* sigma = sigma_ + cone.first;
+  return std::any_of(sigma, sigma + cone.size(), [](double component) { return component != 0; });
+}
+
 bool SemismoothNewton::something_slides(std::span<const Cone> cones) const {
   if (!exact_) return false;
   for (std::size_t i = 0; i < cones.size(); ++i) {
-    const double* sigma = sigma_ + cones[i].first;
-    if (std::all_of(sigma, sigma + cones[i].size(), [](double x) { return x == 0; })) continue;
+    if (!slides(cones[i])) continue;
     for (int k = 0; k < modes_[i].count; ++k) {
       if (modes_[i].q[at_index(k)][0] != 0) return true;
     }
@@ -65,14 +70,12 @@ void SemismoothNewton::set_weights(ConeIteration& at, double eps) {
   if (weights_.size() < cones.size()) weights_.resize(cones.size());
   lifted_.assign(static_cast<std::size_t>(at.size()), 0.0);
   for (std::size_t i = 0; i < cones.size(); ++i) {
-    const double* sigma = sigma_ + cones[i].first;
-    const bool slides =
-        exact_ && std::any_of(sigma, sigma + cones[i].size(), [](double component) { return component != 0; });
+    const bool lifts = exact_ && slides(cones[i]);
     for (int k = 0; k < modes_[i].count; ++k) {
       const auto& q = modes_[i].q[at_index(k)];
       const double weight = 1 / (1 / modes_[i].lambda[at_index(k)] - 1 + eps);
       weights_[i][at_index(k)] = weight;
-      if (!slides) continue;
+      if (!lifts) continue;
       for (int c = 0; c < cones[i].size(); ++c) lifted_[at_index(cones[i].first + c)] += weight * q[0] * q[at_index(c)];
     }
   }
