@@ -62,7 +62,7 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
     y_ << Eigen::Map<Eigen::VectorXd>(center_, n), Eigen::Map<Eigen::VectorXd>(shift_, n);
     image_ << at.x(), Eigen::Map<Eigen::VectorXd>(lift_, n);
     if (restart) acceleration_.start(2 * n);
-    const Eigen::VectorXd& next = acceleration_.next(y_, image_);
+    const AndersonAcceleration::Vector& next = acceleration_.next(y_, image_);
     std::copy_n(next.data(), n, center_);
     std::copy_n(next.data() + n, n, shift_);
   }

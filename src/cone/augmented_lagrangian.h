@@ -10,8 +10,8 @@
 // where impulses are redundant. Its matrix has the rows of the velocities and is as sparse as the graph of contacts.
 #pragma once
 
-#include "cone/anderson.h"
 #include "cone/velocity_hessian.h"
+#include "linear/anderson.h"
 
 namespace gelenk {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "cone/dense_factor.h"
+#include "linear/dense_factor.h"
 
 namespace gelenk {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cone/dense_factor.h"
+#include "linear/dense_factor.h"
 
 #include <cmath>
 #include <utility>
@@ -8,7 +8,7 @@ namespace gelenk {
 
 using Eigen::Index;
 
-void factorize_symmetric(ConeMatrix A, double least_pivot) {
+void factorize_symmetric(DenseMatrix A, double least_pivot) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {
     if (!(A(j, j) >= least_pivot)) A(j, j) = least_pivot;
@@ -26,7 +26,7 @@ void factorize_symmetric(ConeMatrix A, double least_pivot) {
   }
 }
 
-void solve_symmetric(const ConeMatrix& A, ConeVector x) {
+void solve_symmetric(const DenseMatrix& A, DenseVector x) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {
     const double value = x[j];
@@ -42,7 +42,7 @@ void solve_symmetric(const ConeMatrix& A, ConeVector x) {
 namespace {
 
 // Exchanges row j with that of the largest entry below the diagonal of column j; returns the latter's number.
-Index exchange_rows(ConeMatrix& A, Index j) {
+Index exchange_rows(DenseMatrix& A, Index j) {
   Index pivot = j;
   for (Index i = j + 1; i < A.rows(); ++i) {
     if (std::abs(A(i, j)) > std::abs(A(pivot, j))) pivot = i;
@@ -55,7 +55,7 @@ Index exchange_rows(ConeMatrix& A, Index j) {
 
 }  // namespace
 
-void factorize_general(ConeMatrix A, int* pivots, double least_pivot) {
+void factorize_general(DenseMatrix A, int* pivots, double least_pivot) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {
     pivots[j] = static_cast<int>(exchange_rows(A, j));
@@ -72,7 +72,7 @@ void factorize_general(ConeMatrix A, int* pivots, double least_pivot) {
   }
 }
 
-void solve_general(const ConeMatrix& A, const int* pivots, ConeVector x) {
+void solve_general(const DenseMatrix& A, const int* pivots, DenseVector x) {
   const Index n = A.rows();
   for (Index j = 0; j < n; ++j) {
     if (pivots[j] != j) std::swap(x[j], x[pivots[j]]);
