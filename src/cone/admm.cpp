@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cone/dense_factor.h"
 #include "cone/iteration.h"
 #include "cone/shift.h"
+#include "linear/dense_factor.h"
 
 namespace gelenk {
 namespace {

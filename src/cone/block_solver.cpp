@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cone/block_solver.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "cone/dense_factor.h"
 #include "cone/projection.h"
+#include "linear/dense_factor.h"
 
 namespace gelenk {
 namespace {
@@ -79,9 +80,9 @@ class BlockProblem {
       A[k * count + k] += 1 / modes.lambda[k] - 1 + regularization;
     }
     std::array<int, Cone::max_size> pivots{};
-    const ConeMatrix matrix(A.data(), modes.count, modes.count);
+    const DenseMatrix matrix(A.data(), modes.count, modes.count);
     factorize_general(matrix, pivots.data(), regularization);
-    solve_general(matrix, pivots.data(), ConeVector(y.data(), modes.count));
+    solve_general(matrix, pivots.data(), DenseVector(y.data(), modes.count));
     Iterate out = at;
     for (std::size_t i = 0; i < n_; ++i) {
       for (std::size_t k = 0; k < count; ++k) step[i] += modes.q[k][i] * y[k];
@@ -133,9 +134,88 @@ class BlockProblem {
   bool exact_;
 };
 
+// Coulomb's law at a point, with two tangential components: it opens, sticks or slides. The direction of slip d is the
+// root of d x u_t, where u_n = 0; where the bodies' inertia does not couple the components, d is that of q_t.
+class PointProblem {
+ public:
+  PointProblem(double friction, const double* W, const double* q)
+      : friction_(friction), W_n_(W[0]), W_t_(W[3], W[6]), W_tt_(), q_n_(q[0]), q_t_(q[1], q[2]) {
+    W_tt_ << W[4], W[5], W[7], W[8];
+  }
+
+  // Returns false if no solution was found: x is then as it was.
+  bool solve(double* x) const {
+    if (q_n_ >= 0) return set(x, 0, Eigen::Vector2d::Zero());
+    return sticks(x) || slides(x);
+  }
+
+ private:
+  static bool set(double* x, double normal, const Eigen::Vector2d& tangential) {
+    x[0] = normal;
+    x[1] = tangential[0];
+    x[2] = tangential[1];
+    return true;
+  }
+
+  // u = 0, by elimination of the normal component.
+  bool sticks(double* x) const {
+    const Eigen::Matrix2d reduced = W_tt_ - W_t_ * W_t_.transpose() / W_n_;
+    const double determinant = reduced.determinant();
+    if (!(determinant > 1e-8 * reduced(0, 0) * reduced(1, 1))) return false;
+    const Eigen::Vector2d right = W_t_ * (q_n_ / W_n_) - q_t_;
+    const Eigen::Vector2d tangential = Eigen::Vector2d(reduced(1, 1) * right[0] - reduced(0, 1) * right[1],
+                                                       reduced(0, 0) * right[1] - reduced(1, 0) * right[0]) /
+                                       determinant;
+    const double normal = -(q_n_ + W_t_.dot(tangential)) / W_n_;
+    if (!(tangential.squaredNorm() <= friction_ * friction_ * normal * normal) || !(normal >= 0)) return false;
+    return set(x, normal, tangential);
+  }
+
+  // Newton's method for the angle of d.
+  bool slides(double* x) const {
+    Eigen::Vector2d d = q_t_ - W_t_ * (q_n_ / W_n_);  // the slip without friction
+    for (int k = 0; k < max_turns; ++k) {
+      const double length = d.norm();
+      if (!(length > 0)) return false;
+      d /= length;
+      const Eigen::Vector2d e(-d[1], d[0]);
+      const double opposing = W_n_ - friction_ * W_t_.dot(d);
+      if (!(opposing > min_opposing * W_n_)) return false;
+      const double normal = -q_n_ / opposing;
+      const Eigen::Vector2d per_normal = W_t_ - friction_ * (W_tt_ * d);
+      const Eigen::Vector2d u = q_t_ + normal * per_normal;
+      const double across = e.dot(u), along = d.dot(u);
+      if (std::abs(across) <= rounding * (q_t_.norm() + std::abs(q_n_))) {
+        return along >= 0 && set(x, normal, -friction_ * normal * d);
+      }
+      // As d turns by dt: dd = e dt, de = -d dt.
+      const double normal_turn = normal * friction_ * W_t_.dot(e) / opposing;
+      const double rate = e.dot(per_normal) * normal_turn - friction_ * normal * e.dot(W_tt_ * e) - along;
+      const double turn = -across / rate;
+      if (!(std::abs(turn) < max_turn)) return false;
+      d += std::tan(turn) * e;
+    }
+    return false;
+  }
+
+  static constexpr int max_turns = 12;
+  static constexpr double max_turn = 1;  // rad
+  static constexpr double min_opposing = 0.05;
+
+  double friction_;
+  double W_n_;
+  Eigen::Vector2d W_t_;
+  Eigen::Matrix2d W_tt_;
+  double q_n_;
+  Eigen::Vector2d q_t_;
+};
+
+bool is_point(const Cone& cone) { return !cone.interval && cone.tangential == 2 && cone.spin == 0 && cone.roll == 0; }
+
 }  // namespace
 
 void solve_block(const Cone& cone, const double* W, const double* q, bool exact, double* x) {
+  if (exact && is_point(cone) && PointProblem(cone.friction, W, q).solve(x)) return;
   const BlockProblem problem(cone, W, q, exact);
   Iterate at;
   std::copy_n(x, cone.size(), at.x.begin());

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The default. With a matrix, up to about a hundred contacts: semismooth Newton, led by some steps of the spectral
 // projected gradient where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented
-// Lagrangian method in the space of velocities in turn; if their factors fill in, or without a root: the accelerated
-// gradient, with Newton's method up to some hundred contacts if there is a matrix.
+// Lagrangian method in the space of velocities in turn, or Gauss-Seidel sweeps in loose heaps and where factors fill
+// in. Without a root: the accelerated gradient, with Newton's method up to some hundred contacts if there is a matrix.
 #include <limits>
 
 #include "cone/accelerated_gradient.h"
 #include "cone/augmented_lagrangian.h"
+#include "cone/gauss_seidel.h"
 #include "cone/newton.h"
 #include "cone/spectral_gradient.h"
 
@@ -20,8 +21,10 @@ constexpr int fixed_point_steps = 200;  // between attempts at the exact problem
 constexpr int spectral_steps = 30;
 constexpr int accelerated_steps = 300;
 // With a sparse root:
-constexpr double max_factor_cost =
-    3e7;  // operations, some hundredths of a second: walls and towers of a thousand bodies
+constexpr double max_factor_cost = 3e7;        // multiplications, some hundredths of a second
+constexpr double max_loose_rows = 1.5;         // of contacts, per velocity that they change: loose heaps
+constexpr double max_products_per_factor = 8;  // that cost as much as a factorization, in loose heaps
+constexpr int sweeps_without_gain = 250;       // of a factor of two
 constexpr int sparse_newton_steps = 30;
 constexpr int proximal_steps = 12;
 constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
@@ -29,10 +32,7 @@ constexpr int max_failures = 3;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
-    if (at.G().dense() == nullptr && !at.G().root().first.empty()) {
-      hessian_.start(at);
-      if (hessian_.cost() <= max_factor_cost) return run_sparse(at);
-    }
+    if (at.G().dense() == nullptr && !at.G().root().first.empty()) return run_sparse(at);
     if (at.size() > newton_at_all || (at.size() > newton_first && at.G().dense() == nullptr)) {
       accelerated_.run(at, std::numeric_limits<int>::max());
     } else {
@@ -56,8 +56,10 @@ class HybridSolver final : public IterativeConeSolver {
     }
   }
 
-  // Ends early if neither method gains any more.
+  // Ends early if nothing gains any more.
   void run_sparse(ConeIteration& at) {
+    hessian_.start(at);
+    if (sweeps_suffice(at)) return sweeps_.run(at, std::numeric_limits<int>::max(), sweeps_without_gain);
     newton_.reserve(at.size(), at.cones().size(), &hessian_);
     for (int failures = 0; !at.done() && failures < max_failures;) {
       const double before = at.best_residual();
@@ -67,6 +69,14 @@ class HybridSolver final : public IterativeConeSolver {
       at.return_to_best();
       failures = at.best_residual() < least_gain * before ? 0 : failures + 1;
     }
+  }
+
+  // Sweeps are quick in loose heaps, whose impulses are nearly determined. Towers and walls, whose blocks touch at
+  // several points each, need factors.
+  bool sweeps_suffice(const ConeIteration& at) const {
+    const bool loose = static_cast<double>(at.size()) < max_loose_rows * hessian_.moved_rows();
+    return hessian_.factor_cost() > max_factor_cost ||
+           (loose && hessian_.factor_cost() > max_products_per_factor * hessian_.product_cost());
   }
 
   void reserve(ConeIteration& at) override {
@@ -89,6 +99,7 @@ class HybridSolver final : public IterativeConeSolver {
   }
 
   ConeMemory shift_;
+  GaussSeidel sweeps_;
   SemismoothNewton newton_;
   SpectralGradient spectral_;
   AcceleratedGradient accelerated_;

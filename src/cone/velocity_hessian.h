@@ -8,9 +8,9 @@
 #include <array>
 #include <vector>
 
-#include "cone/gmres.h"
 #include "cone/iteration.h"
 #include "cone/projection.h"
+#include "linear/gmres.h"
 
 namespace gelenk {
 
@@ -18,11 +18,14 @@ using ModeWeights = std::array<double, Cone::max_size>;
 
 class VelocityHessian {
  public:
-  // Takes the root of G, in scaled variables, and analyzes its pattern if that has changed.
+  // Takes the root of G, in scaled variables, and orders the rows if its pattern has changed.
   void start(ConeIteration& at);
-  Eigen::Index rows() const { return H_.rows(); }
-  // Multiplications and additions of a factorization.
-  double cost() const { return factor_.cost(); }
+  Eigen::Index rows() const { return rows_; }
+  // Rows of W with entries.
+  int moved_rows() const { return moved_rows_; }
+  // Estimates of the multiplications of a factorization, and of a product with G.
+  double factor_cost() const { return factor_cost_; }
+  double product_cost() const { return 2 * static_cast<double>(value_.size()); }
 
   // out <- W x;  out <- W^T w
   void multiply(const double* x, Eigen::VectorXd& w) const;
@@ -44,24 +47,26 @@ class VelocityHessian {
     std::vector<int> places;  // lower triangle, column by column
   };
 
-  class Factor final : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
-   public:
-    // After analyzePattern(), when the number of entries of each column is known.
-    double cost() const;
-  };
+  using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
   bool take_root(ConeIteration& at);
   void find_blocks(std::span<const Cone> cones);
+  void order();
+  int group_rows(std::vector<int>& group);
   void analyze();
   void add(const Cone& cone, const Block& block, const ProjectionModes& modes, const ModeWeights& weights);
   void scatter(const Block& block);
 
-  int rows_ = 0;
-  std::vector<int> first_, row_, local_;  // of W, by column; local_: index of the row within the cone's block
+  int rows_ = 0, moved_rows_ = 0;
+  // Of W, by column. row_: in the order of elimination; local_: index of the row within the cone's block
+  std::vector<int> first_, row_, local_;
+  std::vector<int> given_row_;  // as the operator numbers them
   std::vector<double> value_;
   std::vector<int> block_of_;  // by cone
   std::vector<Block> blocks_;
   std::vector<double> sum_, y_;  // of the block at hand
+  double factor_cost_ = 0;
+  bool analyzed_ = false;
   Eigen::SparseMatrix<double> H_;
   Factor factor_;
   Gmres gmres_;
