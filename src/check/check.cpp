@@ -68,6 +68,20 @@ void check_rho_inf(const Solver& solver, Faults& faults) {
   }
 }
 
+void check_cone_tolerance(const Solver& solver, Faults& faults) {
+  const std::string found = text::number(solver.cone_tolerance);
+  if (!(solver.cone_tolerance >= words::min_cone_tolerance && solver.cone_tolerance <= words::max_cone_tolerance)) {
+    faults.add(
+        "solver.cone_tolerance", found,
+        "a number from " + text::number(words::min_cone_tolerance) + " to " + text::number(words::max_cone_tolerance));
+  }
+  const bool used = solver.integrator == "moreau-jean" || solver.integrator == "auto" || solver.integrator.empty();
+  if (!used && solver.cone_tolerance != Solver{}.cone_tolerance) {
+    faults.add("solver.cone_tolerance", found + " with the integrator " + solver.integrator,
+               "the integrator moreau-jean, or " + text::number(Solver{}.cone_tolerance));
+  }
+}
+
 void check_settings(const Scene& scene, Faults& faults, bool partial) {
   const Experiment& experiment = scene.experiment;
   check_positive(experiment.stop, "experiment.stop", faults);
@@ -88,6 +102,7 @@ void check_settings(const Scene& scene, Faults& faults, bool partial) {
   check_word(scene.solver.integrator, words::integrators, "solver.integrator", faults, partial);
   check_word(scene.solver.start, words::starts, "solver.start", faults, partial);
   check_integrator_of_formulation(scene.solver, faults);
+  check_cone_tolerance(scene.solver, faults);
   check_rho_inf(scene.solver, faults);
   if (!(scene.solver.step >= 0) || !std::isfinite(scene.solver.step)) {
     faults.add("solver.step", text::number(scene.solver.step) + " s", "0 s or more");

@@ -111,7 +111,7 @@ bool TimeStepper::update_forces(double h, const double* u) {
     fastest = std::max(fastest, std::abs(v1_[k]));
     if (!std::isfinite(vdot_[k])) return true;
   }
-  return change > residual_tolerance * fastest;
+  return change > negligible_change * fastest;
 }
 
 // v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.

@@ -8,8 +8,9 @@ namespace gelenk {
 // leaves of zero.
 inline constexpr double rest_speed = 1e-9;
 
-// Residual of the velocities of contacts [natural units of speed], relative to the largest velocity or to 1e-3.
-inline constexpr double residual_tolerance = 1e-11;
+// Changes of velocities by forces that are evaluated again do not count up to this part of the largest velocity, or of
+// 1e-3 [natural units of speed].
+inline constexpr double negligible_change = 1e-11;
 inline constexpr double residual_floor = 1e-3;
 
 // A step is divided into halves, and these again, up to this number of times.

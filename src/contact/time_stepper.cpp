@@ -90,10 +90,11 @@ class TimeStepper::Operator final : public ConeOperator {
   std::vector<double> unit_;
 };
 
-TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads)
+TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance)
     : mechanism_(mechanism),
       dynamics_(dynamics),
       loads_(loads),
+      cone_tolerance_(cone_tolerance),
       rows_(dynamics.branching().contact_rows()),
       finder_(mechanism, loads.contacts.size()),
       operator_(std::make_unique<Operator>(rows_)),
@@ -134,7 +135,10 @@ void TimeStepper::reserve() {
   cones_.reserve(rows);
   correction_cones_.reserve(rows);
   lock_rows_.reserve(rows);
-  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &correction_}) of->reserve(rows);
+  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &displacing_, &correction_b_, &correction_})
+    of->reserve(rows);
+  correction_rows_.reserve(rows);
+  normal_operator_.reserve(rows);
   rows_.reserve(static_cast<int>(rows));
   operator_->reserve(rows);
   // The solver keeps the memory of the largest problem.
@@ -163,7 +167,7 @@ void TimeStepper::collect(double h) {
   for (const TouchPoint& point : points_) add_contact(point);
   add_locks(h);
   const auto n = static_cast<std::size_t>(rows_.count());
-  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &correction_}) of->assign(n, 0.0);
+  for (std::vector<double>* of : {&b_, &x_, &speeds_, &free_speeds_, &displacing_}) of->assign(n, 0.0);
   if (n == 0) return;
   operator_->update();
   rows_.speeds(v0_.data(), speeds_.data());
@@ -284,11 +288,17 @@ void TimeStepper::guess(double h) {
   }
 }
 
-void TimeStepper::solve_impulses() {
+// Residual of velocities that a solution may leave.
+double TimeStepper::velocity_tolerance() const {
   double fastest = residual_floor;
-  for (const double speed : b_) fastest = std::max(fastest, std::abs(speed));
+  for (const double speed : speeds_) fastest = std::max(fastest, std::abs(speed));
+  for (const double speed : free_speeds_) fastest = std::max(fastest, std::abs(speed));
+  return cone_tolerance_ * fastest;
+}
+
+void TimeStepper::solve_impulses() {
   ConeOptions options;
-  options.tolerance = residual_tolerance * fastest;
+  options.tolerance = velocity_tolerance();
   options.max_iterations = max_iterations;
   const ConeResult result = solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
   solved_.residual = std::max(solved_.residual, result.residual);
@@ -315,26 +325,34 @@ void TimeStepper::correct_position(double h, double* dq) {
   if (cones_.empty()) return;
   rows_.speeds(v1_.data(), free_speeds_.data());
   correction_cones_.clear();
-  std::ranges::fill(b_, 0.0);
-  std::ranges::fill(correction_, 0.0);
+  correction_rows_.clear();
+  correction_b_.clear();
   bool any = false;
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const int first = cones_[i].first;
     const Gap at = gap_of(i);
+    if (at.sign == 0) continue;
     const double gap =
         std::max(at.gap + at.sign * h / 2 * free_speeds_[static_cast<std::size_t>(first)], -most_corrected(i));
-    any = any || (at.sign != 0 && gap < -touch_tolerance);
-    b_[static_cast<std::size_t>(first)] = at.sign * gap;
-    correction_cones_.push_back(Cone::within(first, at.sign < 0 ? -unlimited : 0, at.sign > 0 ? unlimited : 0));
-    for (int k = 1; k < cones_[i].size(); ++k) correction_cones_.push_back(Cone::within(first + k, 0, 0));
+    any = any || gap < -touch_tolerance;
+    correction_b_.push_back(at.sign * gap);
+    correction_cones_.push_back(Cone::within(static_cast<int>(correction_rows_.size()), at.sign < 0 ? -unlimited : 0,
+                                             at.sign > 0 ? unlimited : 0));
+    correction_rows_.push_back(first);
   }
   if (!any) return;
+  normal_operator_.select(*operator_, correction_rows_);
+  correction_.assign(correction_rows_.size(), 0.0);
   ConeOptions options;
-  options.tolerance = touch_tolerance / 10;
+  options.tolerance = std::max(touch_tolerance, h * velocity_tolerance()) / 10;
   options.max_iterations = max_iterations;
-  const ConeResult result = solver_->solve({*operator_, b_, correction_cones_, false}, options, correction_.data());
+  const ConeResult result =
+      solver_->solve({normal_operator_, correction_b_, correction_cones_, false}, options, correction_.data());
   solved_.iterations = std::max(solved_.iterations, result.iterations);
-  rows_.strike(correction_.data(), dq);
+  std::ranges::fill(displacing_, 0.0);
+  for (std::size_t i = 0; i < correction_rows_.size(); ++i)
+    displacing_[static_cast<std::size_t>(correction_rows_[i])] = correction_[i];
+  rows_.strike(displacing_.data(), dq);
 }
 
 }  // namespace gelenk

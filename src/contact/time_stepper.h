@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cone/cone.h"
+#include "cone/selected_rows.h"
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
 #include "dynamics/dynamics.h"
@@ -23,8 +24,9 @@ namespace gelenk {
 
 class TimeStepper final : public ContactReadings {
  public:
-  // All must outlive it. loads: with the laws of contacts.
-  TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads);
+  // All must outlive it. loads: with the laws of contacts. cone_tolerance: residual of velocities, relative to the
+  // largest one.
+  TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads, double cone_tolerance);
   ~TimeStepper();
   TimeStepper(const TimeStepper&) = delete;
   TimeStepper& operator=(const TimeStepper&) = delete;
@@ -78,6 +80,7 @@ class TimeStepper final : public ContactReadings {
   void set_velocities(double h);
   void set_lock_velocity(const LockRow& row, std::size_t r, double h);
   void guess(double h);
+  double velocity_tolerance() const;
   void solve_impulses();
   struct Gap {
     double gap = 0;  // m, rad
@@ -92,6 +95,7 @@ class TimeStepper final : public ContactReadings {
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   const Loads& loads_;
+  double cone_tolerance_;
   ContactRows& rows_;
   ContactFinder finder_;
   std::unique_ptr<Operator> operator_;
@@ -102,8 +106,13 @@ class TimeStepper final : public ContactReadings {
   std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns
   std::vector<LockRow> lock_rows_;
-  std::vector<Cone> cones_, correction_cones_;
-  std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
+  std::vector<Cone> cones_;
+  std::vector<double> b_, x_, speeds_, free_speeds_;
+  // The problem of positions, in the normal rows alone, and its solution in all rows.
+  std::vector<int> correction_rows_;
+  std::vector<Cone> correction_cones_;
+  std::vector<double> correction_b_, correction_, displacing_;
+  SelectedRows normal_operator_;
   std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   const char* failure_ = "";

@@ -17,8 +17,8 @@ class ImpulseEquations {
 
   // Whether shapes can touch, so that there is no other way.
   virtual bool are_required() const = 0;
-  // Call before all else, if steps are made with impulses.
-  virtual void use() = 0;
+  // Call before all else, if steps are made with impulses. cone_tolerance: see Solver.
+  virtual void use(double cone_tolerance) = 0;
   // Call at the start of a run with steps of length h at (t, y): finds the forces there.
   virtual void start(double t, double h, const double* y) = 0;
   // Advances y from t by h, without projection. Returns false if it is not finite.

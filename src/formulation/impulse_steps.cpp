@@ -6,8 +6,8 @@
 
 namespace gelenk {
 
-void ImpulseSteps::use() {
-  stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads);
+void ImpulseSteps::use(double cone_tolerance) {
+  stepper_ = std::make_unique<TimeStepper>(with_.mechanism, with_.dynamics, with_.loads, cone_tolerance);
   if (!with_.locks.empty()) with_.locks.release();
 }
 

@@ -27,7 +27,7 @@ class ImpulseSteps final : public ImpulseEquations {
 
   bool are_required() const override { return !with_.mechanism.shapes.empty(); }
   bool are_used() const { return stepper_ != nullptr; }
-  void use() override;
+  void use(double cone_tolerance) override;
   void start(double t, double h, const double* y) override;
   bool step(double t, double h, double* y) override;
 

@@ -15,9 +15,10 @@
 namespace gelenk {
 
 struct IntegratorOptions {
-  double tolerance = 1e-6;  // relative; absolute for components of y below 1
-  double step = 1e-3;       // s, of fixed-step methods
-  double rho_inf = 0.8;     // generalized-alpha and hht: spectral radius at infinite frequency, 0 to 1 (hht: 1/2 to 1)
+  double tolerance = 1e-6;        // relative; absolute for components of y below 1
+  double step = 1e-3;             // s, of fixed-step methods
+  double cone_tolerance = 1e-11;  // moreau-jean: see Solver
+  double rho_inf = 0.8;  // generalized-alpha and hht: spectral radius at infinite frequency, 0 to 1 (hht: 1/2 to 1)
 };
 
 // Thrown if a step cannot be made; the message states the cause and the time reached.

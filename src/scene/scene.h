@@ -133,6 +133,7 @@ struct Solver {
   int max_evaluations = 10'000'000;  // evaluations of an island's equations of motion per communication step
   int max_events = 10'000;           // events of an island per communication step
   int corrections = 0;               // exact number of projection iterations after each step; 0: until convergence
+  double cone_tolerance = 1e-11;     // residual of the velocities of contacts, relative to the largest one
   double rho_inf = 0.8;              // spectral radius of generalized-alpha and hht at infinite frequency
   // Gains [1/s] of the formulation baumgarte, J vdot = gamma - 2 alpha J v - beta^2 Phi; 0: chosen from the step.
   double baumgarte_alpha = 0;

@@ -19,6 +19,10 @@ namespace gelenk::words {
 
 inline constexpr IntRange max_evaluations{1, std::numeric_limits<int>::max()};
 inline constexpr IntRange max_events{1, std::numeric_limits<int>::max()};
+// Bounds of solver.cone_tolerance: below, residuals are only round-off.
+inline constexpr double min_cone_tolerance = 1e-14;
+inline constexpr double max_cone_tolerance = 0.1;
+
 inline constexpr IntRange corrections{0, 100};
 
 // Upper bound of assembly.tolerance: dimensions with a larger error describe another mechanism, not a rounded one.

@@ -109,6 +109,7 @@ void read_solver(const Json& section, Reader& reader) {
   count("max_evaluations", words::max_evaluations, solver.max_evaluations);
   count("max_events", words::max_events, solver.max_events);
   count("corrections", words::corrections, solver.corrections);
+  solver.cone_tolerance = fields.number("cone_tolerance", solver.cone_tolerance, "", Range::positive);
   solver.rho_inf = fields.number("rho_inf", solver.rho_inf, "", Range::not_negative);
   solver.baumgarte_alpha = fields.number("baumgarte_alpha", solver.baumgarte_alpha, "1/s", Range::not_negative);
   solver.baumgarte_beta = fields.number("baumgarte_beta", solver.baumgarte_beta, "1/s", Range::not_negative);

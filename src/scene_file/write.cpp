@@ -229,6 +229,7 @@ std::string write_scene_json(const Scene& scene) {
   if (s.max_evaluations != Solver{}.max_evaluations) out["solver"]["max_evaluations"] = s.max_evaluations;
   if (s.max_events != Solver{}.max_events) out["solver"]["max_events"] = s.max_events;
   if (s.corrections != Solver{}.corrections) out["solver"]["corrections"] = s.corrections;
+  if (s.cone_tolerance != Solver{}.cone_tolerance) out["solver"]["cone_tolerance"] = s.cone_tolerance;
   if (s.rho_inf != Solver{}.rho_inf) out["solver"]["rho_inf"] = s.rho_inf;
   if (s.baumgarte_alpha != 0) out["solver"]["baumgarte_alpha"] = s.baumgarte_alpha;
   if (s.baumgarte_beta != 0) out["solver"]["baumgarte_beta"] = s.baumgarte_beta;

@@ -201,6 +201,13 @@ Json settings() {
          {"description",
           "Number of iterations of the formulation projection for positions, and for velocities, after each step, so "
           "that all steps cost the same; 0 if not given: until convergence"}}},
+       {"cone_tolerance",
+        {{"type", "number"},
+         {"minimum", words::min_cone_tolerance},
+         {"maximum", words::max_cone_tolerance},
+         {"description",
+          "Residual of the velocities of contacts, relative to the largest one, to which moreau-jean solves for "
+          "impulses; 1e-11 if not given"}}},
        {"rho_inf",
         {{"type", "number"},
          {"minimum", 0},

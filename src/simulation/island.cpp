@@ -52,6 +52,7 @@ void Island::start_integrator(double tolerance) {
   IntegratorOptions options;
   options.tolerance = tolerance;
   options.step = step_of(scene_);
+  options.cone_tolerance = scene_.solver.cone_tolerance;
   options.rho_inf = scene_.solver.rho_inf;
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
   integrator_->restart(time_, y_.data());

@@ -210,6 +210,12 @@ void add_solver(std::vector<Parameter>& table) {
   gain("solver.baumgarte_alpha", "the constraint errors at velocity level", &Solver::baumgarte_alpha);
   gain("solver.baumgarte_beta", "the constraint errors at position level (enters as its square)",
        &Solver::baumgarte_beta);
+  Parameter cone_tolerance = real_parameter(
+      "solver.cone_tolerance", "1", "moreau-jean: residual of the velocities of contacts, relative to the largest one",
+      [](auto& scene) -> auto& { return scene.solver.cone_tolerance; });
+  cone_tolerance.min = words::min_cone_tolerance;
+  cone_tolerance.max = words::max_cone_tolerance;
+  table.push_back(std::move(cone_tolerance));
   Parameter rho_inf =
       real_parameter("solver.rho_inf", "1", "generalized-alpha, hht: spectral radius at infinite frequency",
                      [](auto& scene) -> auto& { return scene.solver.rho_inf; });
