@@ -9,14 +9,22 @@
 namespace gelenk {
 namespace {
 
-// Forces that depend on velocities, those of fast rotation among them, are evaluated twice, and a third time if the
-// second one changes the velocities by more than this part: with two, fast rotations gain energy, with three they lose
-// some.
+// Forces that depend on velocities, those of fast rotation among them, are evaluated twice. If the second evaluation
+// changes the velocities by more than the first part, it is repeated until one changes them by no more than the second:
+// as long as they do not converge, fast rotations of mechanisms gain or lose energy.
 constexpr double notable = 1e-3;
+constexpr double settled = 1e-6;
+constexpr int most_repetitions = 8;
 // The last change may be this part of the one before, beyond which repetition would not converge quickly; it does not
 // count up to this part of the velocities.
 constexpr double quick = 0.5;
 constexpr double negligible = 0.05;
+// Angle by which a body may turn freely in a step [rad], unless it cannot be divided further.
+constexpr double most_turned_at_first = 1;
+constexpr double most_turned_at_last = 2;
+constexpr const char* too_fast =
+    "the velocities do not converge, expected a smaller solver.step for motions as fast as these";
+
 bool all_finite(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
 }
@@ -59,6 +67,7 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   double* v = y + mechanism_.nq;
   std::copy_n(v, v0_.size(), v0_.data());
   for (std::size_t k = 0; k < v0_.size(); ++k) dq_[k] = h / 2 * v0_[k];
+  rotation_.set_first_half(h, v0_.data(), dq_.data());
   dynamics_.displace(y, dq_.data());
   dynamics_.set_position(y);
   dynamics_.factorize();
@@ -69,29 +78,38 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   vm_ = v0_;
   const double largest = solved_.residual;
   failure_ = "the velocities are not finite";
-  update_forces(h, u);
-  if (!respond(h)) return false;
+  std::ranges::fill(struck_, 0.0);
+  const double most_turned = last ? most_turned_at_last : most_turned_at_first;
+  if (update_forces(h, u, most_turned) == Forces::too_fast || !respond(h)) return false;
   // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
   double first = 0;
   double second = change();
-  for (int repetition = 0; repetition < 2; ++repetition) {
-    for (std::size_t k = 0; k < v0_.size(); ++k) vm_[k] = (v0_[k] + v1_[k]) / 2;
-    if (!update_forces(h, u)) {
-      second = 0;
-      break;
+  bool converges = true;
+  for (int repetition = 0; repetition < most_repetitions; ++repetition) {
+    for (std::size_t k = 0; k < v0_.size(); ++k) {
+      vm_[k] = (v0_[k] + v1_[k]) / 2;
+      struck_[k] = v1_[k] - v0_[k] - h * vdot_[k];
     }
+    const Forces forces = update_forces(h, u, most_turned);
+    if (forces == Forces::too_fast) return false;
+    if (forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
     first = second;
     second = change();
-    if (second <= small_change(notable)) break;
+    if (second <= small_change(repetition == 0 ? notable : settled)) break;
+    // Where impulses jump from one solution to another, repetitions may come no closer to each other.
+    if (repetition > 1 && second > quick * first) break;
+    if (repetition != 1) continue;
+    converges = second <= std::max(quick * first, small_change(negligible)) || (last && second <= first);
+    if (!converges) break;
   }
-  const bool converges = second <= std::max(quick * first, small_change(negligible));
-  if (!converges && !(last && second <= first)) {
-    failure_ = "the velocities do not converge, expected a smaller solver.step for motions as fast as these";
+  if (!converges) {
+    failure_ = too_fast;
     return false;
   }
   for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
+  rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
   correct_position(h, dq_.data());
   dynamics_.displace(y, dq_.data());
   std::ranges::copy(v1_, v);
@@ -99,19 +117,23 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   return all_finite(v1_) && all_finite(dq_);
 }
 
-// vdot_ <- the accelerations by the forces at vm_. Returns whether they have changed, by more than what the solver
-// leaves of velocities: the forces on spheres, for example, do not depend on their velocities.
-bool TimeStepper::update_forces(double h, const double* u) {
+// vdot_ <- the accelerations by the forces at vm_, and whether they have changed, by more than what the solver leaves
+// of velocities: the forces on spheres, for example, do not depend on their velocities.
+TimeStepper::Forces TimeStepper::update_forces(double h, const double* u, double most_turned) {
   vdot_before_ = vdot_;
   dynamics_.set_velocity(vm_.data());
   dynamics_.solve(u, vdot_.data());
+  if (!all_finite(vdot_)) return Forces::changed;  // respond() says so
+  if (!rotation_.balance(h, v0_.data(), vm_.data(), struck_.data(), most_turned, dynamics_.readings(), vdot_.data())) {
+    failure_ = too_fast;
+    return Forces::too_fast;
+  }
   double change = 0, fastest = residual_floor;
   for (std::size_t k = 0; k < v1_.size(); ++k) {
     change = std::max(change, h * std::abs(vdot_[k] - vdot_before_[k]));
     fastest = std::max(fastest, std::abs(v1_[k]));
-    if (!std::isfinite(vdot_[k])) return true;
   }
-  return change > negligible_change * fastest;
+  return change > negligible_change * fastest ? Forces::changed : Forces::as_before;
 }
 
 // v1_ <- the velocities at the end of the step, with the accelerations vdot_ of smooth forces.

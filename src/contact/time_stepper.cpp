@@ -97,6 +97,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       cone_tolerance_(cone_tolerance),
       rows_(dynamics.branching().contact_rows()),
       finder_(mechanism, loads.contacts.size()),
+      rotation_(mechanism),
       operator_(std::make_unique<Operator>(rows_)),
       solver_(make_cone_solver(cone_solver_kinds().front().name)),
       v0_(static_cast<std::size_t>(mechanism.nv)),
@@ -104,6 +105,7 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       vm_(v0_.size()),
       vdot_(v0_.size()),
       vdot_before_(v0_.size()),
+      struck_(v0_.size()),
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
   state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));
@@ -181,6 +183,8 @@ void TimeStepper::add_contact(const TouchPoint& point) {
   const Eigen::Matrix3d axes = contact_axes(point.normal);
   const int a = mechanism_.shapes[static_cast<std::size_t>(point.a)].link;
   const int b = mechanism_.shapes[static_cast<std::size_t>(point.b)].link;
+  rotation_.touch(a);
+  rotation_.touch(b);
   rows_.add(a, b, point.p, axes.col(0), false);
   for (int i = 0; i < cone.tangential; ++i) rows_.add(a, b, point.p, axes.col(1 + i), false);
   if (cone.spin > 0) rows_.add(a, b, point.p, axes.col(0), true);

@@ -17,6 +17,7 @@
 #include "cone/selected_rows.h"
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
+#include "contact/free_rotation.h"
 #include "dynamics/dynamics.h"
 #include "kinematics/model.h"
 
@@ -70,7 +71,8 @@ class TimeStepper final : public ContactReadings {
   double change() const;
   double small_change(double part) const;
   bool step_in_parts(double h, const double* u, double* y, int halvings);
-  bool update_forces(double h, const double* u);
+  enum class Forces { as_before, changed, too_fast };
+  Forces update_forces(double h, const double* u, double most_turned);
   bool respond(double h);
   void collect(double h);
   void add_contact(const TouchPoint& point);
@@ -98,6 +100,7 @@ class TimeStepper final : public ContactReadings {
   double cone_tolerance_;
   ContactRows& rows_;
   ContactFinder finder_;
+  FreeRotation rotation_;
   std::unique_ptr<Operator> operator_;
   std::unique_ptr<ConeSolver> solver_;
   ContactState state_, before_;
@@ -113,7 +116,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<Cone> correction_cones_;
   std::vector<double> correction_b_, correction_, displacing_;
   SelectedRows normal_operator_;
-  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
+  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, struck_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   const char* failure_ = "";
 };

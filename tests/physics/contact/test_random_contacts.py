@@ -12,7 +12,7 @@ import gelenk
 STEPS = 30
 BLOCK = 40  # scenes of a test
 MOST_PARTS = 16  # of a step that is divided
-PASSES = 3  # evaluations of the forces in a part
+PASSES = 9  # evaluations of the forces in a part
 MOST_REFUSED = 1  # of a block: bodies too fast for their step
 
 
