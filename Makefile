@@ -17,7 +17,7 @@
 # make costs    update the reference evaluation and instruction counts: tests/costs/figures.json; WHY="..."
 # make clocks   run the timing tests, on an otherwise idle machine
 # make special  compare computation paths at special configurations: all families, 2000 random mechanisms
-# make masters  run the shipped scenes in third-party masters: table of docs/fmu.md; needs Maven and Java
+# make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven and Java
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
 # make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
@@ -133,9 +133,13 @@ special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 # Ten minutes, most of them for Maestro.
 MASTERS := $(abspath build/masters)
+VDMCHECK := $(abspath build/vdmcheck)
 masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
 	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
+	mvn -q -B -f tests/masters/vdmcheck.xml dependency:copy-dependencies -Dmdep.stripVersion=true -DoutputDirectory=$(VDMCHECK)
+	for jar in vdmcheck2 static-model rule-model; do $(BIN)/python -m zipfile -e $(VDMCHECK)/$$jar.jar $(VDMCHECK); done
+	GELENK_VDMCHECK=$(VDMCHECK) $(BIN)/python -m pytest -n $(JOBS) tests/fmu/test_vdmcheck.py
 
 # Two native builds and about ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
