@@ -86,17 +86,22 @@ def toolchain_of(target: str, folder: Path) -> Path:
     """Write the toolchain file of a target of Zig."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "toolchain.cmake"
-    lines = {"GELENK_ZIG": ZIG, "GELENK_ZIG_TARGET": target, "GELENK_ZIG_TOOLS": folder / "tools"}
+    # Where the linker cannot redirect malloc: see fmu/memory.cpp.
+    flags = "" if "linux" in target else f"-include {SOURCE / 'cmake' / 'sundials_memory.h'}"
+    lines = {
+        "GELENK_ZIG": ZIG,
+        "GELENK_ZIG_TARGET": target,
+        "GELENK_ZIG_TOOLS": folder / "tools",
+        "GELENK_ZIG_C_FLAGS": flags,
+    }
     text = "".join(f'set({name} "{value}")\n' for name, value in lines.items())
     file.write_text(text + f'include("{SOURCE / "cmake" / "zig.cmake"}")\n')
     return file
 
 
-def sundials(target: str, folder: Path, toolchain: Path, source: Path) -> Path:
-    """Build SUNDIALS for a target and return the folder of its CMake package."""
+def sundials(folder: Path, toolchain: Path, source: Path) -> Path:
+    """Build SUNDIALS and return the folder of its CMake package."""
     options = SUNDIALS_OPTIONS | {"CMAKE_INSTALL_PREFIX": str(folder / "install")}
-    if "linux" not in target:  # see fmu/memory.cpp
-        options["CMAKE_C_FLAGS"] = f"-include {SOURCE / 'cmake' / 'sundials_memory.h'}"
     configured(source, folder / "sundials", toolchain, options)
     run("cmake", "--build", folder / "sundials", "--target", "install")
     return folder / "install" / "lib" / "cmake" / "sundials"
@@ -106,7 +111,7 @@ def library(target: str, folder: Path, source: Path, options: dict[str, str]) ->
     """Build the runtime for a target of Zig and return the library."""
     toolchain = toolchain_of(target, folder)
     all_options = {
-        "SUNDIALS_DIR": str(sundials(target, folder, toolchain, source)),
+        "SUNDIALS_DIR": str(sundials(folder, toolchain, source)),
         "Python_EXECUTABLE": sys.executable,
         "GELENK_SCENES": "OFF",
         "GELENK_WITH_YAML": "OFF",
@@ -164,11 +169,9 @@ def main() -> None:
     for kind in ("GLOBAL", "LOCAL"):
         os.environ.setdefault(f"ZIG_{kind}_CACHE_DIR", str(build / "zig-cache"))
     source = sundials_source(build / "sundials-source")
-    options = (
-        {"CMAKE_BUILD_TYPE": "None", "CMAKE_CXX_FLAGS": "-O0"}
-        if arguments.quick
-        else {"CMAKE_BUILD_TYPE": "Release"}
-    )
+    options = {"CMAKE_BUILD_TYPE": "Release"}
+    if arguments.quick:
+        options = {"CMAKE_BUILD_TYPE": "None", "CMAKE_CXX_FLAGS_NONE": "-O0"}
     for name in arguments.platforms:
         targets = PLATFORMS[name].targets
         libraries = [library(target, build / target, source, options) for target in targets]

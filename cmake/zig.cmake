@@ -4,6 +4,7 @@
 #   GELENK_ZIG         the program zig
 #   GELENK_ZIG_TARGET  a target of Zig, e.g. aarch64-linux-gnu.2.17
 #   GELENK_ZIG_TOOLS   folder for scripts that call it
+#   GELENK_ZIG_C_FLAGS further flags of the C compiler
 string(REGEX REPLACE "-.*" "" CMAKE_SYSTEM_PROCESSOR ${GELENK_ZIG_TARGET})
 if(GELENK_ZIG_TARGET MATCHES "windows")
   set(CMAKE_SYSTEM_NAME Windows)
@@ -31,7 +32,12 @@ foreach(language IN ITEMS C CXX)
   # Zig adds checks of undefined behavior to some builds. Paths would differ between machines.
   string(APPEND CMAKE_${language}_FLAGS_INIT
     " -fno-sanitize=undefined -ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
+  # <math.h> of macOS gets INFINITY and NAN from <float.h>, of which libc++ lets it read either these or the rest.
+  if(CMAKE_SYSTEM_NAME STREQUAL "Darwin")
+    string(APPEND CMAKE_${language}_FLAGS_INIT " -include float.h -include __float_infinity_nan.h")
+  endif()
 endforeach()
+string(APPEND CMAKE_C_FLAGS_INIT " ${GELENK_ZIG_C_FLAGS}")
 
 # Programs are those of the host; libraries and headers given by path are used as given.
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
