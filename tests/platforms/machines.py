@@ -89,9 +89,9 @@ class Machine:
 
 
 HERE_ITSELF = Machine("linux64")
-WINDOWS = Machine("win64", "x86_64-windows-gnu", ["wine64", "wine"], "apt-get install wine wine64")
+WINDOWS = Machine("win64", "x86_64-windows-gnu", ("wine64", "wine"), "apt-get install wine wine64")
 ARM = Machine(
-    "aarch64-linux", "aarch64-linux-gnu.2.34", ["qemu-aarch64", "qemu-aarch64-static"],
+    "aarch64-linux", "aarch64-linux-gnu.2.34", ("qemu-aarch64", "qemu-aarch64-static"),
     "apt-get install qemu-user libc6-arm64-cross",
 )  # fmt: skip
 

@@ -23,8 +23,9 @@ MACHINES = [
     for name, machine in (("Windows", WINDOWS), ("ARM", ARM))
 ]
 SCENES = sorted((HERE.parents[1] / "scenes").glob("*.yaml"))
-# Ends of runs [s] where the scene's own would amplify rounding errors.
-ENDS: dict[str, float] = {}
+# Ends of runs [s] where the scene's own amplifies differences between steps: at the end of its run, the
+# five-bar differs by 220 times the tolerance, the body that tumbles about its middle axis by 2500 times.
+ENDS = {"five_bar": 1.4, "free_body": 10.0}
 STEPS = 50
 
 
