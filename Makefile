@@ -17,12 +17,14 @@
 # make costs    update the reference evaluation and instruction counts: tests/costs/figures.json; WHY="..."
 # make clocks   run the timing tests, on an otherwise idle machine
 # make special  compare computation paths at special configurations: all families, 2000 random mechanisms
-# make masters  run the shipped scenes in third-party masters: table of docs/fmu.md; needs Maven and Java
+# make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven and Java
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
 # make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
-# make win64    build the FMU runtime for Windows from SUNDIALS_SOURCE; needs MinGW-w64
+# make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized
+# make wheels   build the wheel of gelenk for this machine's platform: build/wheels
+# make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
 # make clean    remove everything that was built
 # PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
 SHELL := /bin/bash
@@ -45,9 +47,9 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states win64 clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states runtimes wheels platforms clean
 help:
-	@sed -n '2,27s/^# //p' Makefile
+	@sed -n '2,29s/^# //p' Makefile
 
 demo: $(VENV)/gelenk.stamp
 	@echo "Running the demo (some seconds)"
@@ -131,9 +133,13 @@ special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 
 # Ten minutes, most of them for Maestro.
 MASTERS := $(abspath build/masters)
+VDMCHECK := $(abspath build/vdmcheck)
 masters: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	mvn -q -B -f tests/masters/pom.xml dependency:copy-dependencies -Dmdep.prependGroupId=true -DoutputDirectory=$(MASTERS)
 	GELENK_MASTERS=$(MASTERS) PYTHONPATH=tests $(BIN)/python -m masters.study
+	mvn -q -B -f tests/masters/vdmcheck.xml dependency:copy-dependencies -Dmdep.stripVersion=true -DoutputDirectory=$(VDMCHECK)
+	for jar in vdmcheck2 static-model rule-model; do $(BIN)/python -m zipfile -e $(VDMCHECK)/$$jar.jar $(VDMCHECK); done
+	GELENK_VDMCHECK=$(VDMCHECK) $(BIN)/python -m pytest -n $(JOBS) tests/fmu/test_vdmcheck.py
 
 # Two native builds and about ten minutes.
 sanitize: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
@@ -173,21 +179,29 @@ fuzz: $(VENV)/tools.stamp
 states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fuzz.states
 
-# The library is installed into the package in .venv, where `gelenk export --platforms linux64,win64` finds it.
-WIN64 := $(abspath build/sundials-win64)
-win64: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
-	@test -f "$(SUNDIALS_SOURCE)/CMakeLists.txt" || \
-	  { echo "make win64 SUNDIALS_SOURCE=...: expected the source of SUNDIALS >= 7.1, found '$(SUNDIALS_SOURCE)'" >&2; exit 1; }
-	PATH="$(abspath $(BIN)):$$PATH" cmake -G Ninja -S $(SUNDIALS_SOURCE) -B $(WIN64) -DCMAKE_BUILD_TYPE=Release \
-	  -DCMAKE_TOOLCHAIN_FILE=$(abspath cmake/mingw-w64.cmake) -DCMAKE_INSTALL_PREFIX=$(WIN64)/install \
-	  -DBUILD_SHARED_LIBS=OFF -DBUILD_CVODE=OFF -DBUILD_IDA=OFF -DBUILD_KINSOL=OFF -DEXAMPLES_ENABLE_C=OFF \
-	  -DEXAMPLES_INSTALL=OFF -DSUNDIALS_LOGGING_LEVEL=0
-	PATH="$(abspath $(BIN)):$$PATH" cmake --build $(WIN64) -j $(JOBS) --target install
-	PATH="$(abspath $(BIN)):$$PATH" cmake --preset win64 -DPython_EXECUTABLE=$(abspath $(BIN))/python \
-	  -DSUNDIALS_DIR=$(WIN64)/install/lib/cmake/sundials
-	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset win64 -j $(JOBS)
-	install -D build/win64/runtime/win64/gelenk_fmu.dll.gz \
-	  "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export._place(export.RUNTIMES["win64"]))')"
+# Half an hour with two processes.
+$(VENV)/runtimes.stamp: $(VENV)/tools.stamp
+	@$(PIP) install --progress-bar off --group runtimes
+	@touch $@
+
+RUNTIMES_BUILD := build/runtimes
+runtimes: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python cmake/runtimes.py $(RUNTIMES_BUILD) $(RUNTIMES_BUILD)/package \
+	  --linux64 "$$($(BIN)/python -P -c 'from gelenk.io import export; print(export.runtime_library("linux64").parent)')" \
+	  $(if $(QUICK),--quick)
+	rm -rf $(RUNTIMES_BUILD)/dist
+	SOURCE_DATE_EPOCH=315532800 $(PIP) wheel --no-build-isolation --no-deps -w $(RUNTIMES_BUILD)/dist $(RUNTIMES_BUILD)/package
+	$(PIP) install --force-reinstall --no-deps $(RUNTIMES_BUILD)/dist/gelenk_runtimes-*.whl
+
+# Built with what .venv has, and named after the oldest glibc that it needs.
+wheels: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+	rm -rf build/wheels build/wheels-raw
+	PATH="$(abspath $(BIN)):$$PATH" $(PIP) wheel --no-build-isolation --no-deps -C build-dir=build/wheel -w build/wheels-raw .
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/auditwheel repair --plat auto -w build/wheels build/wheels-raw/gelenk-*.whl
+
+# Some minutes.
+platforms: $(VENV)/runtimes.stamp $(VENV)/gelenk.stamp
+	$(BIN)/python -m pytest -m platforms -n $(JOBS) tests/platforms
 
 format: $(VENV)/tools.stamp
 	$(BIN)/clang-format -i $(NATIVE)

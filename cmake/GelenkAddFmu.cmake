@@ -22,7 +22,7 @@ function(gelenk_add_fmu NAME SCENE)
   file(MAKE_DIRECTORY ${folder})
   add_custom_command(OUTPUT ${fmu}
     COMMAND gelenk::gelenk-export ${scene} ${fmu}
-      --runtime $<TARGET_FILE:gelenk::gelenk_fmu>.gz --licenses ${licenses}
+      --runtime $<TARGET_PROPERTY:gelenk::gelenk_fmu,GELENK_PLATFORM>=$<TARGET_FILE:gelenk::gelenk_fmu>.gz --licenses ${licenses}
     DEPENDS ${scene} gelenk::gelenk-export gelenk::gelenk_fmu $<TARGET_FILE:gelenk::gelenk_fmu>
     COMMENT "Packing ${NAME}.fmu" VERBATIM)
   if(arg_EXCLUDE_FROM_ALL)

@@ -6,7 +6,7 @@
 set(Python_FIND_VIRTUALENV FIRST)
 set(Python_FIND_UNVERSIONED_NAMES FIRST)
 if(GELENK_PYTHON)
-  find_package(Python 3.12 REQUIRED COMPONENTS Interpreter Development.Module)
+  find_package(Python 3.12 REQUIRED COMPONENTS Interpreter Development.Module ${SKBUILD_SABI_COMPONENT})
 else()
   find_package(Python 3.8 QUIET COMPONENTS Interpreter)
 endif()

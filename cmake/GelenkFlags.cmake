@@ -38,10 +38,13 @@ if(GELENK_SANITIZE)
   target_link_options(gelenk_flags INTERFACE ${sanitizers})
 endif()
 # Stack protector and checked copies for sources that read external data; docs/performance.md states the cost. Not in
-# combination with sanitizers, which detect more.
-set(GELENK_HARDENING -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
+# combination with sanitizers, which detect more. The C library of Windows has no checked copies.
+set(GELENK_HARDENING -fstack-protector-strong)
+if(NOT WIN32)
+  list(APPEND GELENK_HARDENING -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
+endif()
 function(gelenk_harden)
-  if(GELENK_SANITIZE OR WIN32)
+  if(GELENK_SANITIZE)
     return()
   endif()
   foreach(flag IN LISTS GELENK_HARDENING)

@@ -20,12 +20,13 @@ if(TARGET gelenk-export AND TARGET gelenk_fmu)
   endif()
   install(TARGETS gelenk-export gelenk_fmu EXPORT gelenk
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT native
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/linux64 COMPONENT native)
-  install(FILES $<TARGET_FILE:gelenk_fmu>.gz DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/linux64
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/${GELENK_FMU_PLATFORM} COMPONENT native)
+  install(FILES $<TARGET_FILE:gelenk_fmu>.gz DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/${GELENK_FMU_PLATFORM}
     COMPONENT native)
+  install(FILES ${GELENK_RUNTIME_LICENSES}
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/gelenk/runtime/${GELENK_FMU_PLATFORM}/licenses COMPONENT native)
   install(EXPORT gelenk NAMESPACE gelenk:: FILE gelenkTargets.cmake DESTINATION ${package_dir} COMPONENT native)
   install(FILES ${GELENK_LICENSES} DESTINATION ${licenses_dir} COMPONENT native)
-  install(DIRECTORY licenses/win64 DESTINATION ${licenses_dir} COMPONENT native)
   configure_package_config_file(cmake/gelenkConfig.cmake.in ${PROJECT_BINARY_DIR}/gelenkConfig.cmake
     INSTALL_DESTINATION ${package_dir} PATH_VARS licenses_dir)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/gelenkConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -56,6 +56,7 @@ if(GELENK_SUNDIALS_WHEEL)
   set_property(TARGET SUNDIALS::core_static APPEND PROPERTY INTERFACE_LINK_LIBRARIES gelenk_sundials_stubs)
 endif()
 
+include(GelenkGlibc)
 include(GelenkFmu)
 
 set(export_source ${CMAKE_CURRENT_SOURCE_DIR}/fmu/export/tool/export_main.cpp)
@@ -86,5 +87,9 @@ add_custom_target(gelenk_schema ALL DEPENDS ${GELENK_SCHEMA})
 # Licenses of the software in an FMU, in the same location relative to the runtime as in the installed package.
 file(GLOB GELENK_LICENSES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/licenses/*.txt)
 list(APPEND GELENK_LICENSES ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
-file(COPY ${GELENK_LICENSES} ${CMAKE_CURRENT_SOURCE_DIR}/licenses/win64 DESTINATION ${PROJECT_BINARY_DIR}/licenses)
+file(COPY ${GELENK_LICENSES} DESTINATION ${PROJECT_BINARY_DIR}/licenses)
 set_property(GLOBAL PROPERTY GELENK_LICENSE_DIR ${PROJECT_BINARY_DIR}/licenses)
+# What belongs to the runtime alone is beside it.
+include(GelenkSbom)
+set(GELENK_RUNTIME_LICENSES ${GELENK_SBOM} ${CMAKE_CURRENT_SOURCE_DIR}/licenses/runtimes/libstdc++.txt)
+file(COPY ${GELENK_RUNTIME_LICENSES} DESTINATION ${PROJECT_BINARY_DIR}/runtime/${GELENK_FMU_PLATFORM}/licenses)

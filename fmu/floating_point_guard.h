@@ -6,6 +6,8 @@
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
+#elif defined(__aarch64__)
+#include <cstdint>
 #endif
 
 namespace gelenk {
@@ -37,6 +39,21 @@ class FloatingPointGuard {
   static void set_x87(unsigned short mode) { asm volatile("fldcw %0" : : "m"(mode)); }
   unsigned host_;
   unsigned short host_x87_ = 0;
+#elif defined(__aarch64__)
+  FloatingPointGuard() {
+    asm volatile("mrs %0, fpcr" : "=r"(host_));
+    asm volatile("mrs %0, fpsr" : "=r"(host_flags_));
+    asm volatile("msr fpcr, %0" : : "r"(plain));
+  }
+  ~FloatingPointGuard() {
+    asm volatile("msr fpcr, %0" : : "r"(host_));
+    asm volatile("msr fpsr, %0" : : "r"(host_flags_));
+  }
+
+ private:
+  // No traps, round to nearest, subnormal results and operands flushed to zero (bit 24).
+  static constexpr std::uint64_t plain = std::uint64_t{1} << 24U;
+  std::uint64_t host_ = 0, host_flags_ = 0;
 #else
   FloatingPointGuard() {
     std::feholdexcept(&host_);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A library linked on this machine would require its glibc or a newer one, because of a few symbols whose older
-// versions do the same. Here the older versions are requested instead, so that the FMU loads on all systems named in
-// docs/fmu.md. The linker redirects the calls to the __wrap_ functions (listed in cmake/GelenkFmu.cmake).
+// versions do the same. Here the older versions are requested instead, so that FMUs and the Python module load on all
+// systems named in docs/fmu.md. The linker redirects the calls to the __wrap_ functions (cmake/GelenkGlibc.cmake).
 #include <cstddef>
 
 #if defined(__x86_64__) && defined(__GLIBC__)

@@ -95,43 +95,77 @@ bool MemoryReserve::was_used() const { return reserve_used; }
 
 }  // namespace gelenk
 
+// Formats with an option of the linker that redirects all calls in the library, including its static dependencies, to
+// __wrap_malloc etc. (cmake/GelenkFmu.cmake). Elsewhere SUNDIALS is compiled with other names
+// (cmake/sundials_memory.h), and the operators new and delete are replaced; calls of malloc in the C++ library and in
+// Eigen stay as they are.
+#if defined(__ELF__)
+#define GELENK_OURS(function) __wrap_##function
+#define GELENK_THEIRS(function) __real_##function
+#else
+#include <cstdlib>
+#include <new>
+#define GELENK_OURS(function) gelenk_##function
+#define GELENK_THEIRS(function) std::function
+#endif
+
 // The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 
-// The linker (cmake/GelenkFmu.cmake) redirects all calls in the library, including its static dependencies, to these.
+#if defined(__ELF__)
 void* __real_malloc(std::size_t n);
 void* __real_calloc(std::size_t count, std::size_t n);
 void* __real_realloc(void* block, std::size_t n);
 void __real_free(void* block);
+#endif
 
-void* __wrap_malloc(std::size_t n) {
-  void* block = __real_malloc(n);
+void* GELENK_OURS(malloc)(std::size_t n) {
+  void* block = GELENK_THEIRS(malloc)(n);
   return block != nullptr ? block : gelenk::from_reserve(n);
 }
 
-void* __wrap_calloc(std::size_t count, std::size_t n) {
-  void* block = __real_calloc(count, n);
+void* GELENK_OURS(calloc)(std::size_t count, std::size_t n) {
+  void* block = GELENK_THEIRS(calloc)(count, n);
   if (block != nullptr || (n > 0 && count > std::numeric_limits<std::size_t>::max() / n)) return block;
   block = gelenk::from_reserve(count * n);
   return block != nullptr ? std::memset(block, 0, count * n) : nullptr;
 }
 
-void* __wrap_realloc(void* block, std::size_t n) {
+void* GELENK_OURS(realloc)(void* block, std::size_t n) {
   const std::size_t room = gelenk::store.size_bound(block);
   if (room == 0) {
     // The size of the block is unknown, so it cannot be moved to the reserve.
-    return __real_realloc(block, n);
+    return GELENK_THEIRS(realloc)(block, n);
   }
-  void* other = __wrap_malloc(n);
+  void* other = GELENK_OURS(malloc)(n);
   if (other == nullptr) return nullptr;
   std::memcpy(other, block, std::min(n, room));
   gelenk::store.release(block);
   return other;
 }
 
-void __wrap_free(void* block) {
-  if (!gelenk::store.release(block)) __real_free(block);
+void GELENK_OURS(free)(void* block) {
+  if (!gelenk::store.release(block)) GELENK_THEIRS(free)(block);
 }
 
 }  // extern "C"
 // NOLINTEND(bugprone-reserved-identifier)
+
+#if !defined(__ELF__)
+void* operator new(std::size_t n) {
+  void* block = gelenk_malloc(std::max<std::size_t>(n, 1));
+  if (block == nullptr) throw std::bad_alloc();
+  return block;
+}
+void* operator new[](std::size_t n) { return operator new(n); }
+void* operator new(std::size_t n, const std::nothrow_t& /*tag*/) noexcept {
+  return gelenk_malloc(std::max<std::size_t>(n, 1));
+}
+void* operator new[](std::size_t n, const std::nothrow_t& tag) noexcept { return operator new(n, tag); }
+void operator delete(void* block) noexcept { gelenk_free(block); }
+void operator delete[](void* block) noexcept { gelenk_free(block); }
+void operator delete(void* block, std::size_t /*n*/) noexcept { gelenk_free(block); }
+void operator delete[](void* block, std::size_t /*n*/) noexcept { gelenk_free(block); }
+void operator delete(void* block, const std::nothrow_t& /*tag*/) noexcept { gelenk_free(block); }
+void operator delete[](void* block, const std::nothrow_t& /*tag*/) noexcept { gelenk_free(block); }
+#endif

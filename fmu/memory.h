@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Behavior when memory runs out; memory.cpp wraps malloc.
+// Behavior when memory runs out; memory.cpp replaces malloc or, on Windows and macOS, operator new.
 #pragma once
 
 namespace gelenk {

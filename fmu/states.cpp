@@ -39,18 +39,17 @@ constexpr unsigned savable_modes = gelenk::assembled | Mode::instantiated;
 
 extern "C" {
 
-// If a state is given, it is overwritten and its memory reused.
+// A state of this instance is overwritten and its memory reused. Any other pointer is replaced by a new state, since
+// some masters do not initialize it.
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* FMUstate) {
   constexpr const char* name = "fmi2GetFMUstate";
-  if (FMUstate != nullptr && *FMUstate != nullptr) {
-    return gelenk::with_state(c, name, savable_modes, *FMUstate, [](Instance& instance, SavedState& state) {
-      instance.save(state);
-      return fmi2OK;
-    });
-  }
   return gelenk::call(c, name, savable_modes, [&](Instance& instance) {
     if (FMUstate == nullptr) return gelenk::refuse_null_pointer(instance, name, "FMU state");
-    *FMUstate = instance.save();
+    if (SavedState* found = instance.find(*FMUstate)) {
+      instance.save(*found);
+    } else {
+      *FMUstate = instance.save();
+    }
     return fmi2OK;
   });
 }

@@ -3,10 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -37,20 +40,30 @@ std::string read_file(const fs::path& path, const std::string& what) {
   return content;
 }
 
+struct PlatformEnding {
+  std::string_view platform, ending;
+};
+constexpr std::array<PlatformEnding, 4> platforms{
+    {{"linux64", ".so"}, {"aarch64-linux", ".so"}, {"win64", ".dll"}, {"darwin64", ".dylib"}}};
+
 struct Binary {
   fs::path file;
   bool gzip;
   std::string platform, ending, content;
 };
 
-Binary binary_of(const fs::path& runtime) {
-  const bool gzip = runtime.extension() == ".gz";
-  const std::string ending = (gzip ? runtime.stem() : runtime).extension().string();
-  if (ending != ".so" && ending != ".dll") {
-    throw ExportError(runtime.string() + ": the FMU runtime: found the extension '" + ending +
-                      "', expected .so (linux64) or .dll (win64), followed by .gz if it is compressed");
+Binary binary_of(const Runtime& runtime) {
+  const auto known = std::ranges::find(platforms, runtime.platform, &PlatformEnding::platform);
+  if (known == platforms.end()) {
+    throw ExportError("platform: found '" + runtime.platform + "', expected linux64, aarch64-linux, win64 or darwin64");
   }
-  return {runtime, gzip, ending == ".so" ? "linux64" : "win64", ending, read_file(runtime, "the FMU runtime")};
+  const bool gzip = runtime.file.extension() == ".gz";
+  const std::string ending = (gzip ? runtime.file.stem() : runtime.file).extension().string();
+  if (ending != known->ending) {
+    throw ExportError(runtime.file.string() + ": the FMU runtime for " + runtime.platform + ": found the extension '" +
+                      ending + "', expected " + std::string(known->ending) + ", followed by .gz if it is compressed");
+  }
+  return {runtime.file, gzip, runtime.platform, ending, read_file(runtime.file, "the FMU runtime")};
 }
 
 void add_binary(Zip& zip, const Binary& binary, const std::string& model_identifier) {
@@ -76,10 +89,26 @@ std::vector<fs::path> files_in(const fs::path& directory) {
   return files;
 }
 
-void add_licenses(Zip& zip, const fs::path& directory) {
-  for (const fs::path& file : files_in(directory)) {
-    zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a license"));
+// A license that several directories contain is added once.
+void add_licenses(Zip& zip, const std::vector<fs::path>& directories) {
+  std::set<fs::path> added;
+  for (const fs::path& directory : directories) {
+    for (const fs::path& file : files_in(directory)) {
+      if (!added.insert(file).second) continue;
+      zip.add("documentation/licenses/" + file.generic_string(), read_file(directory / file, "a license"));
+    }
   }
+}
+
+std::vector<fs::path> directories_of_licenses(const fs::path& common, const std::vector<Runtime>& runtimes) {
+  std::vector<fs::path> found;
+  std::error_code none;
+  if (!common.empty()) found.push_back(common);
+  for (const Runtime& runtime : runtimes) {
+    const fs::path own = runtime.file.parent_path() / "licenses";
+    if (fs::is_directory(own, none)) found.push_back(own);
+  }
+  return found;
 }
 
 std::vector<double> poses_of_bodies(Simulation& simulation) {
@@ -126,10 +155,10 @@ class DraftFile {
 
 }  // namespace
 
-void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const fs::path& out,
-                const fs::path& licenses, const Compress& compress, const WriteView& view) {
+void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const fs::path& out, const fs::path& licenses,
+                const Compress& compress, const WriteView& view) {
   std::vector<Binary> binaries;
-  for (const fs::path& runtime : runtimes) binaries.push_back(binary_of(runtime));
+  for (const Runtime& runtime : runtimes) binaries.push_back(binary_of(runtime));
   const WantedPart part = wanted_part(scene);
   const std::string json = write_scene_json(part.scene);
   const Scene carried = read_scene_json(json, scene.file);  // exactly what the FMU will read
@@ -151,13 +180,7 @@ void export_fmu(const Scene& scene, const std::vector<fs::path>& runtimes, const
   zip.add("documentation/index.html",
           write_documentation(simulation, catalog, {picture, !page.empty(), part.report()}));
   if (!page.empty()) zip.add("documentation/view.html", page);
-  if (!licenses.empty()) {
-    add_licenses(zip, licenses);
-    std::error_code none;
-    for (const Binary& binary : binaries) {
-      if (fs::is_directory(licenses / binary.platform, none)) add_licenses(zip, licenses / binary.platform);
-    }
-  }
+  add_licenses(zip, directories_of_licenses(licenses, runtimes));
   DraftFile draft(out);
   draft.write(zip.finish());
   draft.move();

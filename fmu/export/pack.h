@@ -23,18 +23,21 @@ class ExportError : public std::runtime_error {
 //   poses  X_WB of each body of that scene: position [m] and quaternion (x, y, z, w)
 using WriteView = std::function<std::string(const std::string& scene, const std::vector<double>& poses)>;
 
+// A library with the FMI functions.
+struct Runtime {
+  std::string platform;        // linux64, aarch64-linux, win64 or darwin64, as FMI 2.0 calls them
+  std::filesystem::path file;  // .so, .dll or .dylib; with .gz if it is compressed
+};
+
 // Writes the FMU to `out`, completely or not at all. The same arguments give the same bytes.
-//   runtimes  libraries with the FMI functions; the extension determines the platform: .so linux64, .dll win64. Since
-//   they
-//             are nearly all of an FMU, precompressed files are accepted (.so.gz, .dll.gz) and not compressed again
-//   licenses  directory whose files are copied to documentation/licenses, along with those in its subdirectories named
-//             after the platforms of the FMU; empty: none
+//   runtimes  since they are nearly all of an FMU, precompressed files are accepted and not compressed again. The files
+//             in the folder `licenses` beside a runtime are copied to documentation/licenses
+//   licenses  directory whose files are copied there for all platforms; empty: none
 //   compress  used for all other files; empty: they are stored uncompressed, and model.png is omitted because of its
 //   size
 //   view      writes the page with the view in three dimensions; empty: the documentation has only a drawing
 // Throws ExportError, SceneError, and AssemblyError if the loops cannot be closed from the start values.
-void export_fmu(const Scene& scene, const std::vector<std::filesystem::path>& runtimes,
-                const std::filesystem::path& out, const std::filesystem::path& licenses, const Compress& compress,
-                const WriteView& view);
+void export_fmu(const Scene& scene, const std::vector<Runtime>& runtimes, const std::filesystem::path& out,
+                const std::filesystem::path& licenses, const Compress& compress, const WriteView& view);
 
 }  // namespace gelenk

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
@@ -14,8 +15,10 @@ namespace nb = nanobind;
 
 namespace {
 
+using PlatformAndFile = std::pair<std::string, std::filesystem::path>;
+
 // compress: zlib.compress, or None. view: as WriteView, or None.
-void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem::path>& runtimes,
+void export_packed(const gelenk::Scene& scene, const std::vector<PlatformAndFile>& runtimes,
                    const std::filesystem::path& out, const std::filesystem::path& licenses, const nb::object& compress,
                    const nb::object& view) {
   gelenk::Compress call;
@@ -33,8 +36,10 @@ void export_packed(const gelenk::Scene& scene, const std::vector<std::filesystem
       return nb::cast<std::string>(view(json, poses));
     };
   }
+  std::vector<gelenk::Runtime> libraries;
+  for (const auto& [platform, file] : runtimes) libraries.push_back({platform, file});
   const nb::gil_scoped_release released;
-  gelenk::export_fmu(scene, runtimes, out, licenses, call, draw);
+  gelenk::export_fmu(scene, libraries, out, licenses, call, draw);
 }
 
 std::string svg_of(const gelenk::Scene& scene) {
@@ -47,15 +52,13 @@ std::string svg_of(const gelenk::Scene& scene) {
 }  // namespace
 
 void gelenk::bind_fmu(nb::module_& m) {
-  m.def("export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
-        nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
-        "Write the FMU with the scene, the runtime libraries and the files of the folder licenses, compressed by "
-        "compress\n"
-        "(zlib.compress, or None). view returns documentation/view.html for the scene as JSON and the poses of its "
-        "bodies\n"
-        "(position and quaternion x, y, z, w, in one list); None: there is no such page. Raises ExportError, "
-        "SceneError,\n"
-        "AssemblyError, and what view raises.");
+  m.def(
+      "export_fmu", &export_packed, nb::arg("scene"), nb::arg("runtimes"), nb::arg("out"), nb::arg("licenses"),
+      nb::arg("compress").none(), nb::arg("view").none() = nb::none(),
+      "Write the FMU with the scene, the runtime libraries (platform and file) and the files of the folder licenses,\n"
+      "compressed by compress (zlib.compress, or None). view returns documentation/view.html for the scene as JSON\n"
+      "and the poses of its bodies (position and quaternion x, y, z, w, in one list); None: there is no such page.\n"
+      "Raises ExportError, SceneError, AssemblyError, and what view raises.");
   m.def("draw_svg", &svg_of, nb::arg("scene"),
         "A drawing of the scene at its start, as an SVG element. Raises SceneError, AssemblyError.");
   m.def("file_stem", &gelenk::file_stem, nb::arg("name"),

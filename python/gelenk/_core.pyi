@@ -241,7 +241,7 @@ def list_assemblies(
 def with_parameters(scene: Scene, settings: Sequence[tuple[str, float]]) -> Scene: ...
 def export_fmu(
     scene: Scene,
-    runtimes: list[Path],
+    runtimes: Sequence[tuple[str, Path]],
     out: Path,
     licenses: Path,
     compress: Callable[[bytes], bytes] | None,

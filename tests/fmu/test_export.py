@@ -6,6 +6,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+import shutil
 import struct
 import time
 import zipfile
@@ -72,7 +73,7 @@ def test_a_library_compressed_by_others_is_taken(tmp_path: Path) -> None:
     library, fmu = tmp_path / "other.so.gz", tmp_path / "x.fmu"
     with library.open("wb") as file, gzip.GzipFile("named.so", "wb", fileobj=file) as compressing:
         compressing.write(b"library" * 9)
-    _core.export_fmu(gelenk.load(crank_rocker())._core, [library], fmu, export.licenses(), None)
+    _core.export_fmu(gelenk.load(crank_rocker())._core, [("linux64", library)], fmu, export.licenses(), None)
     with zipfile.ZipFile(fmu) as archive:
         assert archive.read("binaries/linux64/FourBar.so") == b"library" * 9
 
@@ -81,10 +82,11 @@ def test_without_a_compressor_members_are_stored(tmp_path: Path) -> None:
     """But for a library that comes compressed. The picture, 500 kB of pixels, is left out."""
     small, large = tmp_path / "small.fmu", tmp_path / "large.fmu"
     library = tmp_path / "library.so"
+    shutil.copytree(export.runtime_library().parent / "licenses", tmp_path / "licenses")
     library.write_bytes(gzip.decompress(export.runtime_library().read_bytes()))
     scene = gelenk.load(crank_rocker())._core
-    _core.export_fmu(scene, [export.runtime_library()], small, export.licenses(), None)
-    _core.export_fmu(scene, [library], large, export.licenses(), None)
+    _core.export_fmu(scene, [("linux64", export.runtime_library())], small, export.licenses(), None)
+    _core.export_fmu(scene, [("linux64", library)], large, export.licenses(), None)
     usual = gelenk.export_fmu(crank_rocker(), tmp_path / "usual.fmu")
     with zipfile.ZipFile(small) as a, zipfile.ZipFile(large) as b, zipfile.ZipFile(usual) as c:
         extra = ("model.png", "documentation/view.html")
@@ -119,7 +121,7 @@ def test_a_library_that_is_no_gzip_file_is_refused(content: bytes, tmp_path: Pat
         gelenk.ExportError,
         match=r"gelenk_fmu\.so\.gz: the FMU runtime: found a file that is not in plain gzip format",
     ):
-        _core.export_fmu(scene, [library], tmp_path / "x.fmu", export.licenses(), zlib.compress)
+        _core.export_fmu(scene, [("linux64", library)], tmp_path / "x.fmu", export.licenses(), zlib.compress)
     assert not (tmp_path / "x.fmu").exists()
 
 

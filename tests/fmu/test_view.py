@@ -117,7 +117,12 @@ def test_an_error_of_the_view_is_not_lost(tmp_path: Path) -> None:
     scene = gelenk.load(crank_rocker())._core
     with pytest.raises(ZeroDivisionError, match="3 bodies, 21 numbers"):
         _core.export_fmu(
-            scene, [gelenk.io.export.runtime_library()], tmp_path / "x.fmu", tmp_path, None, fails
+            scene,
+            [("linux64", gelenk.io.export.runtime_library())],
+            tmp_path / "x.fmu",
+            tmp_path,
+            None,
+            fails,
         )
     assert list(tmp_path.iterdir()) == []
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]: export without Python, for CMake.
+// gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR]: export without Python, for CMake.
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -22,28 +22,36 @@
 namespace {
 
 constexpr const char* usage =
-    "usage: gelenk-export SCENE OUT.fmu --runtime FILE... [--licenses DIR]\n"
+    "usage: gelenk-export SCENE OUT.fmu --runtime PLATFORM=FILE... [--licenses DIR]\n"
     "  SCENE    scene file, JSON"
 #ifdef GELENK_WITH_YAML
     " or YAML"
 #endif
     "\n"
     "  OUT.fmu  the FMU to write\n"
-    "  FILE     the FMU runtime library of Gelenk, or its .gz file; one for each platform\n"
+    "  PLATFORM linux64, aarch64-linux, win64 or darwin64\n"
+    "  FILE     the FMU runtime library of Gelenk for that platform, or its .gz file\n"
     "  DIR      directory with the licenses to include\n";
 
 struct Options {
   std::vector<std::string> files;
-  std::vector<std::filesystem::path> runtimes;
+  std::vector<gelenk::Runtime> runtimes;
   std::string licenses;
 };
+
+bool parse_runtime(std::string_view word, Options& options) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string_view::npos) return false;
+  options.runtimes.push_back({std::string(word.substr(0, equals)), word.substr(equals + 1)});
+  return true;
+}
 
 bool parse(int argc, char** argv, Options& options) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--runtime" || word == "--licenses") {
       if (++i == argc) return false;
-      if (word == "--runtime") options.runtimes.emplace_back(argv[i]);
+      if (word == "--runtime" && !parse_runtime(argv[i], options)) return false;
       if (word == "--licenses") options.licenses = argv[i];
     } else if (word.starts_with("--")) {
       return false;

@@ -65,13 +65,14 @@ def export(
     ] = None,
     without: Without = None,
     platforms: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="LIST",
-            help="Platforms: linux64, win64 or both, separated by a comma.",
+            help="Platforms, separated by commas: linux64, aarch64-linux, win64, darwin64, or all; "
+            "default: that of this machine.",
             autocompletion=completion.platforms,
         ),
-    ] = "linux64",
+    ] = None,
     outputs: Outputs = None,
     view: Annotated[
         bool, typer.Option("--view/--no-view", help="Show the mechanism in 3-D in the FMU's documentation.")
@@ -82,9 +83,9 @@ def export(
 
     Missing platforms are reported on stderr.
     """
-    from gelenk.io.export import file_name_notes, fmu_file, missing_platforms
+    from gelenk.io.export import file_name_notes, fmu_file, missing_platforms, platform_names
 
-    wanted = [name.strip() for name in platforms.split(",")]
+    wanted = platform_names([name.strip() for name in platforms.split(",")] if platforms else None)
     missing = missing_platforms(wanted)
     available = [name for name in wanted if name not in missing]
     loaded = load_scene(scene, assembly_tolerance).without(without or [])

@@ -108,10 +108,10 @@ def _reductions() -> list[str]:
 
 def _platforms(incomplete: str) -> list[str]:
     """Return lists of platforms, separated by commas, with one more than have been typed."""
-    from gelenk.io.export import RUNTIMES
+    from gelenk.io.export import ALL, LIBRARIES
 
     *before, _ = incomplete.split(",")
-    return [",".join([*before, name]) for name in RUNTIMES if name not in before]
+    return [",".join([*before, name]) for name in (*LIBRARIES, ALL) if name not in before]
 
 
 def _methods() -> list[str]:

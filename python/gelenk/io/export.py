@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import json
 import logging
+import platform
+import sys
 import zlib
 from collections.abc import Iterable, Sequence
-from importlib import resources
+from importlib import import_module, resources
 from os import PathLike
 from pathlib import Path
 
@@ -17,13 +19,21 @@ from gelenk.model.scene import Source, load
 
 log = logging.getLogger(__name__)
 
-RUNTIMES = {"linux64": "runtime/linux64/gelenk_fmu.so.gz", "win64": "runtime/win64/gelenk_fmu.dll.gz"}
+# The platforms of FMUs: file names of the libraries. darwin64 is macOS on both kinds of processors.
+LIBRARIES = {
+    "linux64": "gelenk_fmu.so.gz",
+    "aarch64-linux": "gelenk_fmu.so.gz",
+    "win64": "gelenk_fmu.dll.gz",
+    "darwin64": "gelenk_fmu.dylib.gz",
+}
+ALL = "all"
+RUNTIMES_PACKAGE = "gelenk_runtimes"  # has the libraries of all platforms; gelenk itself that of its own
 
 
 def export_fmu(
     scene: Source,
     out: str | PathLike[str],
-    platforms: Sequence[str] = ("linux64",),
+    platforms: str | Sequence[str] | None = None,
     outputs: Iterable[str] | None = None,
     *,
     view: bool = True,
@@ -33,7 +43,8 @@ def export_fmu(
     Args:
         scene: anything `gelenk.load` accepts.
         out: the .fmu file; an existing file is replaced.
-        platforms: platforms of the FMU, `linux64` or `win64`; see `missing_platforms`.
+        platforms: platforms of the FMU: `linux64`, `aarch64-linux`, `win64`, `darwin64`, or `all` of them; by
+            default that of this machine. Libraries for other machines are in the package gelenk-runtimes.
         outputs: names and patterns of the requested outputs; by default the scene's own. Parts on which none
             of them depends are not in the FMU.
         view: whether the documentation of the FMU shows the mechanism in three dimensions, in 0.2 MB.
@@ -54,17 +65,16 @@ def export_fmu(
     target = Path(out)
     if target.suffix.lower() != ".fmu":
         raise ExportError(f"{target}: found the ending {target.suffix or 'none'}, expected .fmu")
-    if not platforms:
-        raise ExportError(f"platforms: found none, expected {' or '.join(RUNTIMES)}")
-    for sentence in missing_platforms(platforms).values():
+    names = platform_names(platforms)
+    for sentence in missing_platforms(names).values():
         raise ExportError(sentence)
-    runtimes = [runtime_library(platform) for platform in dict.fromkeys(platforms)]
+    runtimes = [(name, runtime_library(name)) for name in names]
     loaded = load(scene)
     if outputs is not None:
         loaded = loaded.with_outputs(outputs)
     with loaded.located():
         _core.export_fmu(loaded._core, runtimes, target, licenses(), zlib.compress, _view if view else None)
-    log.info("%s: %.2f MB, %s", target, target.stat().st_size / 1e6, ", ".join(platforms))
+    log.info("%s: %.2f MB, %s", target, target.stat().st_size / 1e6, ", ".join(names))
     return target
 
 
@@ -107,27 +117,76 @@ def file_name_notes(name: str, output: Path | None) -> list[str]:
     ]
 
 
-def missing_platforms(platforms: Sequence[str]) -> dict[str, str]:
+def native_platform() -> str:
+    """Return the platform of this machine, as FMI 2.0 calls it."""
+    if sys.platform == "win32":
+        return "win64"
+    if sys.platform == "darwin":
+        return "darwin64"
+    return "aarch64-linux" if platform.machine() in ("aarch64", "arm64") else "linux64"
+
+
+def platform_names(platforms: str | Sequence[str] | None) -> list[str]:
+    """Return names of platforms, each once.
+
+    Args:
+        platforms: names, or `all`; None: the platform of this machine.
+
+    Raises:
+        ExportError: a platform is unknown, or there is none.
+    """
+    given = [native_platform()] if platforms is None else platforms
+    names = [given] if isinstance(given, str) else list(given)
+    expected = f"expected {', '.join(LIBRARIES)} or {ALL}"
+    if not names:
+        raise ExportError(f"platforms: found none, {expected}")
+    for name in names:
+        if name not in LIBRARIES and name != ALL:
+            raise ExportError(f"platforms: found {name!r}, {expected}")
+    return list(LIBRARIES) if ALL in names else list(dict.fromkeys(names))
+
+
+def missing_platforms(platforms: str | Sequence[str] | None) -> dict[str, str]:
     """Return the platforms for which this installation has no library, each with a message.
 
     Raises:
-        ExportError: a platform is unknown.
+        ExportError: a platform is unknown, or gelenk-runtimes has another version than gelenk.
     """
     missing = {}
-    for platform in platforms:
-        if platform not in RUNTIMES:
-            raise ExportError(f"platforms: found {platform!r}, expected {' or '.join(RUNTIMES)}")
-        path = _place(RUNTIMES[platform])
-        if path.exists():
-            continue
-        how = "run `make win64` in Gelenk's source" if platform == "win64" else "reinstall gelenk"
-        missing[platform] = f"{platform}: this installation of gelenk has no {path.name} ({path}); {how}"
+    for name in platform_names(platforms):
+        if _library(name) is None:
+            how = "reinstall gelenk" if name == native_platform() else "pip install gelenk-runtimes"
+            missing[name] = f"{name}: this installation of gelenk has no library for it; {how}"
     return missing
 
 
-def runtime_library(platform: str = "linux64") -> Path:
-    """Return the gzip file with the library of FMUs for a platform (x86-64). Raises ExportError."""
-    return _part(RUNTIMES[platform])
+def runtime_library(of: str | None = None) -> Path:
+    """Return the gzip file with the library for a platform; None: this machine's. Raises ExportError."""
+    (name,) = platform_names(of)
+    found = _library(name)
+    if found is None:
+        raise ExportError(missing_platforms(name)[name])
+    return found
+
+
+def _library(name: str) -> Path | None:
+    """Return the library for a platform, from this package or gelenk-runtimes; None: there is none."""
+    from gelenk import __version__
+
+    own = _place(f"runtime/{name}/{LIBRARIES[name]}")
+    if own.exists():
+        return own
+    try:
+        package = import_module(RUNTIMES_PACKAGE)
+    except ModuleNotFoundError:
+        return None
+    if package.__version__ != __version__:
+        raise ExportError(
+            f"{name}: found version {package.__version__} of gelenk-runtimes, expected {__version__}, "
+            f"that of gelenk; pip install gelenk-runtimes=={__version__}"
+        )
+    other = Path(str(resources.files(package) / name / LIBRARIES[name]))
+    return other if other.exists() else None
 
 
 def licenses() -> Path:

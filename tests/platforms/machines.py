@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Other machines, as far as programs for them run here: Windows in Wine, 64-bit ARM in QEMU."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from numpy.typing import NDArray
+
+from gelenk.io import export
+
+HERE = Path(__file__).resolve().parent
+FMU_TESTS = HERE.parent / "fmu"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
+NO_RUNTIMES = "gelenk-runtimes is not installed: `make runtimes` builds and installs it"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """One of them.
+
+    Attributes:
+        target: of Zig, which compiles the hosts; empty: the C compiler of this machine.
+        programs: that run the host, in the order of preference.
+        how: what installs them.
+    """
+
+    platform: str
+    target: str = ""
+    programs: Sequence[str] = ()
+    how: str = ""
+
+    @property
+    def missing(self) -> str:
+        """Why it cannot be had here; empty if it can."""
+        if export.missing_platforms(self.platform):
+            return NO_RUNTIMES
+        if self.target and importlib.util.find_spec("ziglang") is None:
+            return "ziglang is not installed: pip install --group runtimes"
+        if self.programs and not any(map(shutil.which, self.programs)):
+            return f"none of {', '.join(self.programs)} is installed: {self.how}"
+        if self.platform == "aarch64-linux" and not ARM_LIBRARIES.exists():
+            return f"{ARM_LIBRARIES} is missing: {self.how}"
+        return ""
+
+    def compiled(self, source: Path, folder: Path) -> Path:
+        """A host as a program of this machine."""
+        out = folder / f"{source.stem}-{self.platform}{'.exe' if self.platform == 'win64' else ''}"
+        command = ["cc"]
+        if self.target:
+            import ziglang
+
+            command = [str(Path(ziglang.__file__).parent / "zig"), "cc", "-target", self.target]
+        libraries = [] if self.platform == "win64" else ["-ldl", "-lm"]
+        subprocess.run(
+            [*command, "-O1", f"-I{HEADERS}", f"-I{FMU_TESTS}", str(source), "-o", str(out), "-lpthread",
+             *libraries], check=True,
+        )  # fmt: skip
+        return out
+
+    def path(self, file: Path) -> str:
+        """A file as programs of this machine call it."""
+        return f"Z:{file}" if self.platform == "win64" else str(file)
+
+    def uri(self, folder: Path) -> str:
+        """The same as a URI."""
+        return f"file:///Z:{folder.as_uri()[7:]}" if self.platform == "win64" else folder.as_uri()
+
+    def output(self, host: Path, arguments: Sequence[str], wine: Path) -> str:
+        """What a host prints. wine: the folder in which Wine keeps its files."""
+        program = [found for name in self.programs if (found := shutil.which(name))][:1]
+        if self.platform == "aarch64-linux":
+            program += ["-L", str(ARM_LIBRARIES)]
+        done = subprocess.run(
+            [*program, str(host), *arguments], capture_output=True, text=True, timeout=600, check=False,
+            env={**os.environ, "WINEPREFIX": str(wine), "WINEDEBUG": "-all"},
+        )  # fmt: skip
+        assert done.returncode == 0, (done.returncode, done.stdout[-2000:], done.stderr[-2000:])
+        return done.stdout
+
+
+HERE_ITSELF = Machine("linux64")
+WINDOWS = Machine("win64", "x86_64-windows-gnu", ("wine64", "wine"), "apt-get install wine wine64")
+ARM = Machine(
+    "aarch64-linux", "aarch64-linux-gnu.2.34", ("qemu-aarch64", "qemu-aarch64-static"),
+    "apt-get install qemu-user libc6-arm64-cross",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Plant:
+    """An extracted FMU with the libraries of all machines."""
+
+    folder: Path
+    guid: str
+    arguments: Sequence[str]  # of its variables: INPUT FIRST_OUTPUT OUTPUTS
+
+    def on(self, machine: Machine) -> list[str]:
+        """The common arguments of a host."""
+        (library,) = (self.folder / "binaries" / machine.platform).iterdir()
+        return [machine.path(library), self.guid, machine.uri(self.folder / "resources"), *self.arguments]
+
+
+def extracted(fmu: Path, folder: Path) -> Plant:
+    """Unpack an FMU."""
+    description = fmpy.read_model_description(str(fmu))
+    fmpy.extract(str(fmu), str(folder))
+    references = {
+        kind: [v.valueReference for v in description.modelVariables if v.causality == kind]
+        for kind in ("input", "output")
+    }
+    outputs = references["output"]
+    assert outputs == list(range(outputs[0], outputs[0] + len(outputs)))
+    numbers = [*references["input"][:1], -1][0], outputs[0], len(outputs)
+    return Plant(folder, description.guid, [str(n) for n in numbers])
+
+
+def table(text: str) -> NDArray[np.float64]:
+    """The rows of numbers that a host has printed."""
+    return np.array([[float(word) for word in line.split()] for line in text.splitlines()])

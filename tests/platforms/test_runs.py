@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""FMUs on Windows (Wine) and 64-bit ARM (QEMU): the results of linux64, and states that change machines.
+
+`make platforms` runs these tests; `make runtimes` builds what they need.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gelenk
+
+from .machines import ARM, FMU_TESTS, HERE, HERE_ITSELF, WINDOWS, Machine, Plant, extracted, table
+
+pytestmark = pytest.mark.platforms
+
+MACHINES = [
+    pytest.param(machine, marks=pytest.mark.skipif(bool(machine.missing), reason=machine.missing), id=name)
+    for name, machine in (("Windows", WINDOWS), ("ARM", ARM))
+]
+SCENES = sorted((HERE.parents[1] / "scenes").glob("*.yaml"))
+# Ends of runs [s] where the scene's own amplifies differences between steps: at the end of its run, the
+# five-bar differs by 220 times the tolerance, the body that tumbles about its middle axis by 2500 times.
+ENDS = {"five_bar": 1.4, "free_body": 10.0}
+STEPS = 50
+
+
+@pytest.fixture(scope="session")
+def wine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("wine")
+
+
+@pytest.fixture(scope="session")
+def hosts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("hosts")
+
+
+@cache
+def host(name: str, machine: Machine, folder: Path) -> Path:
+    where = HERE if (HERE / f"{name}.c").exists() else FMU_TESTS
+    return machine.compiled(where / f"{name}.c", folder)
+
+
+@pytest.fixture(scope="session")
+def plants(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Plant]:
+    folder = tmp_path_factory.mktemp("a room, Ünïcode")
+    wanted = ["linux64", *(m.platform for m in (WINDOWS, ARM) if not m.missing)]
+    return {
+        scene.stem: extracted(
+            gelenk.export_fmu(gelenk.load(scene), folder / f"{scene.stem}.fmu", wanted, view=False),
+            folder / scene.stem,
+        )
+        for scene in SCENES
+    }
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.stem)
+def test_outputs_are_those_of_linux64_and_states_change_machines(
+    scene: Path, tolerance: float, machine: Machine, plants: dict[str, Plant], hosts: Path, wine: Path,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    """Within 100 times the tolerance, relative to the largest value: both integrate with this tolerance.
+
+    A state saved there in the middle goes on here, and the other way round, as it would have at home.
+    """
+    stop = ENDS.get(scene.stem, gelenk.load(scene).stop)
+    settings = [str(tolerance), repr(stop / STEPS), str(STEPS), str(STEPS // 2)]
+    files = {HERE_ITSELF: tmp_path / "here", machine: tmp_path / "there"}
+    runs, rests = {}, {}
+    for where, file in files.items():
+        program, plant = host("life_host", where, hosts), plants[scene.stem].on(where)
+        runs[where] = table(where.output(program, [*plant, *settings, "save", where.path(file)], wine))
+    (here, here_state), (there, there_state) = files.items()
+    for where, state in ((here, there_state), (there, here_state)):
+        program, plant = host("life_host", where, hosts), plants[scene.stem].on(where)
+        rests[where] = table(where.output(program, [*plant, *settings, "restore", where.path(state)], wine))
+    scale = 1 + np.abs(runs[here]).max(axis=0)
+    assert (np.abs(runs[there] - runs[here]) / scale).max() < 100 * tolerance
+    half = slice(STEPS // 2, None)
+    for where, other in ((here, there), (there, here)):
+        assert (np.abs(rests[where] - runs[other][half]) / scale).max() < 100 * tolerance
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_the_host_with_many_instances_is_content(
+    machine: Machine, plants: dict[str, Plant], hosts: Path, wine: Path
+) -> None:
+    """The same as on Linux: instances in turns and in threads, states, wrong calls."""
+    plant, tasks = plants["four_bar"], ["crowd=20", "threads=4", "states=3", "wrong=3"]
+    said = {
+        where.platform: where.output(
+            host("multithreaded_host", where, hosts), [*plant.on(where), *tasks], wine
+        ).splitlines()
+        for where in (HERE_ITSELF, machine)
+    }
+    assert said[machine.platform][:3] == ["crowd 20", "threads 4", "states 3"]
+    assert said[machine.platform] == said["linux64"]
