@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from models.touching import SceneData, heap, stack, wall
 
 import gelenk
@@ -54,3 +55,35 @@ def test_a_heap_of_spheres_loses_its_energy() -> None:
     assert result["solver.contact_points"].max() > 67  # more than 200 rows: sparse factors
     # Coulomb's law need not have a solution in each step.
     assert (result["solver.cone_residual"] > 1e-6).mean() < 0.02
+
+
+def test_the_residual_follows_its_tolerance() -> None:
+    """Sweeps end at the tolerance, relative to velocities of 1 to 3 m/s; overlaps follow them."""
+    median, most = [], []
+    for tolerance in (1e-3, 1e-6):
+        scene = heap(80)
+        scene["solver"] = {**scene.get("solver", {}), "cone_tolerance": tolerance}
+        simulation = gelenk.Simulation(scene)
+        simulation.initialize()
+        found = []
+        for k in range(250):
+            simulation.step_to((k + 1) * STEP)
+            found.append(
+                [simulation.diagnostic(f"solver.cone_{name}") for name in ("residual", "iterations")]
+            )
+        residuals, iterations = np.array(found[100:]).T
+        assert residuals.max() < 10 * tolerance
+        median.append(np.median(residuals))
+        most.append(iterations.mean())
+    assert median[1] < 1e-2 * median[0]
+    assert most[0] < 0.8 * most[1]
+
+
+def test_a_tolerance_of_contacts_needs_contacts() -> None:
+    scene = heap(2)
+    scene["solver"] = {"integrator": "rk4", "cone_tolerance": 1e-6}
+    message = (
+        r"solver\.cone_tolerance: found 1e-06 with the integrator rk4, expected the integrator moreau-jean"
+    )
+    with pytest.raises(gelenk.SceneError, match=message):
+        gelenk.Simulation(scene)
