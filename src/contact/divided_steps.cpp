@@ -66,6 +66,19 @@ double TimeStepper::small_change(double part) const {
 bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   double* v = y + mechanism_.nq;
   std::copy_n(v, v0_.size(), v0_.data());
+  go_to_middle(h, u, y);
+  failure_ = "the velocities are not finite";
+  if (!find_velocities(h, u, last)) return false;
+  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
+  rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
+  correct_position(h, dq_.data());
+  dynamics_.displace(y, dq_.data());
+  std::ranges::copy(v1_, v);
+  remember(h);
+  return all_finite(v1_) && all_finite(dq_);
+}
+
+void TimeStepper::go_to_middle(double h, const double* u, double* y) {
   for (std::size_t k = 0; k < v0_.size(); ++k) dq_[k] = h / 2 * v0_[k];
   rotation_.set_first_half(h, v0_.data(), dq_.data());
   dynamics_.displace(y, dq_.data());
@@ -75,46 +88,44 @@ bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   dynamics_.set_velocity(v0_.data());
   if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
+}
+
+// v1_ <- the velocities at the end of the step.
+bool TimeStepper::find_velocities(double h, const double* u, bool last) {
   vm_ = v0_;
   const double largest = solved_.residual;
-  failure_ = "the velocities are not finite";
   std::ranges::fill(struck_, 0.0);
   const double most_turned = last ? most_turned_at_last : most_turned_at_first;
   if (update_forces(h, u, most_turned) == Forces::too_fast || !respond(h)) return false;
   // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
   double first = 0;
   double second = change();
-  bool converges = true;
   for (int repetition = 0; repetition < most_repetitions; ++repetition) {
-    for (std::size_t k = 0; k < v0_.size(); ++k) {
-      vm_[k] = (v0_[k] + v1_[k]) / 2;
-      struck_[k] = v1_[k] - v0_[k] - h * vdot_[k];
-    }
+    set_mean_velocities(h);
     const Forces forces = update_forces(h, u, most_turned);
     if (forces == Forces::too_fast) return false;
-    if (forces == Forces::as_before) break;
+    if (forces == Forces::as_before) return true;
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
     first = second;
     second = change();
-    if (second <= small_change(repetition == 0 ? notable : settled)) break;
+    if (second <= small_change(repetition == 0 ? notable : settled)) return true;
     // Where impulses jump from one solution to another, repetitions may come no closer to each other.
-    if (repetition > 1 && second > quick * first) break;
-    if (repetition != 1) continue;
-    converges = second <= std::max(quick * first, small_change(negligible)) || (last && second <= first);
-    if (!converges) break;
+    if (repetition > 1 && second > quick * first) return true;
+    const bool converges = second <= std::max(quick * first, small_change(negligible)) || (last && second <= first);
+    if (repetition == 1 && !converges) {
+      failure_ = too_fast;
+      return false;
+    }
   }
-  if (!converges) {
-    failure_ = too_fast;
-    return false;
+  return true;
+}
+
+void TimeStepper::set_mean_velocities(double h) {
+  for (std::size_t k = 0; k < v0_.size(); ++k) {
+    vm_[k] = (v0_[k] + v1_[k]) / 2;
+    struck_[k] = v1_[k] - v0_[k] - h * vdot_[k];
   }
-  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
-  rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
-  correct_position(h, dq_.data());
-  dynamics_.displace(y, dq_.data());
-  std::ranges::copy(v1_, v);
-  remember(h);
-  return all_finite(v1_) && all_finite(dq_);
 }
 
 // vdot_ <- the accelerations by the forces at vm_, and whether they have changed, by more than what the solver leaves

@@ -68,6 +68,9 @@ class TimeStepper final : public ContactReadings {
 
   void reserve();
   bool attempt(double h, const double* u, double* y, bool last);
+  void go_to_middle(double h, const double* u, double* y);
+  bool find_velocities(double h, const double* u, bool last);
+  void set_mean_velocities(double h);
   double change() const;
   double small_change(double part) const;
   bool step_in_parts(double h, const double* u, double* y, int halvings);

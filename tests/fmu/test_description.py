@@ -291,7 +291,9 @@ def test_values_at_the_start_depend_on_what_is_listed(plant: Callable[[], Scene]
     for v in fmu.description.modelVariables:
         if v.causality not in ("parameter", "input"):
             continue
-        if v.name.startswith(("solver.baumgarte_", "solver.rho_inf", "solver.cone_")):  # refused without their methods
+        if v.name.startswith(
+            ("solver.baumgarte_", "solver.rho_inf", "solver.cone_")
+        ):  # refused without their methods
             continue
         if v.name in CONTRADICTIONS.get(plant, ()):  # against the motion
             continue
