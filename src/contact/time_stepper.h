@@ -65,6 +65,7 @@ class TimeStepper final : public ContactReadings {
   };
 
   void reserve();
+  bool converge(double h, const double* u, bool last);
   bool attempt(double h, const double* u, double* y, bool last);
   double change() const;
   double small_change(double part) const;
@@ -107,7 +108,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<LockRow> lock_rows_;
   std::vector<Cone> cones_, correction_cones_;
   std::vector<double> b_, x_, speeds_, free_speeds_, correction_;
-  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, struck_, dq_;
+  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   const char* failure_ = "";
 };
