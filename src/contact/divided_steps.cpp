@@ -25,6 +25,33 @@ constexpr double most_turned_at_last = 2;
 constexpr const char* too_fast =
     "the velocities do not converge, expected a smaller solver.step for motions as fast as these";
 
+// Repeated evaluations of the forces in a step.
+struct Repetitions {
+  bool last = false;  // poor convergence suffices
+  double change = 0;  // of the velocities by the last one
+  int count = 0;
+  bool converge = true;
+  bool damped = false;  // the mean of two solutions is used, as they follow each other in turn
+
+  // After one that has changed the velocities by `by`. enough, little: changes that end them, that do not count.
+  bool need_another(double by, double enough, double little) {
+    const double before = change;
+    change = by;
+    ++count;
+    if (by <= enough) {
+      converge = true;
+      return false;
+    }
+    if (count == 1) return true;
+    // Where impulses jump from one solution to another, later ones may come no closer to each other.
+    if (count > 2 && !damped) return by <= quick * before;
+    converge = by <= std::max(quick * before, little) || (last && by <= before);
+    if (converge ? damped : !last) return false;
+    damped = !converge;
+    return true;
+  }
+};
+
 bool all_finite(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
 }
@@ -66,19 +93,6 @@ double TimeStepper::small_change(double part) const {
 bool TimeStepper::attempt(double h, const double* u, double* y, bool last) {
   double* v = y + mechanism_.nq;
   std::copy_n(v, v0_.size(), v0_.data());
-  go_to_middle(h, u, y);
-  failure_ = "the velocities are not finite";
-  if (!find_velocities(h, u, last)) return false;
-  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
-  rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
-  correct_position(h, dq_.data());
-  dynamics_.displace(y, dq_.data());
-  std::ranges::copy(v1_, v);
-  remember(h);
-  return all_finite(v1_) && all_finite(dq_);
-}
-
-void TimeStepper::go_to_middle(double h, const double* u, double* y) {
   for (std::size_t k = 0; k < v0_.size(); ++k) dq_[k] = h / 2 * v0_[k];
   rotation_.set_first_half(h, v0_.data(), dq_.data());
   dynamics_.displace(y, dq_.data());
@@ -88,44 +102,40 @@ void TimeStepper::go_to_middle(double h, const double* u, double* y) {
   dynamics_.set_velocity(v0_.data());
   if (dynamics_.branching().locks() > 0) dynamics_.solve(u, vdot_.data());
   collect(h);
+  vm_ = v0_;
+  if (!converge(h, u, last)) return false;
+  for (std::size_t k = 0; k < v1_.size(); ++k) dq_[k] = h / 2 * v1_[k];
+  rotation_.set_rest(h, v0_.data(), v1_.data(), dynamics_.readings(), dq_.data());
+  correct_position(h, dq_.data());
+  dynamics_.displace(y, dq_.data());
+  std::ranges::copy(v1_, v);
+  remember(h);
+  return all_finite(v1_) && all_finite(dq_);
 }
 
-// v1_ <- the velocities at the end of the step.
-bool TimeStepper::find_velocities(double h, const double* u, bool last) {
-  vm_ = v0_;
+// v1_ <- the velocities at the end of the step, after the position in the middle has been set.
+bool TimeStepper::converge(double h, const double* u, bool last) {
   const double largest = solved_.residual;
-  std::ranges::fill(struck_, 0.0);
+  failure_ = "the velocities are not finite";
   const double most_turned = last ? most_turned_at_last : most_turned_at_first;
   if (update_forces(h, u, most_turned) == Forces::too_fast || !respond(h)) return false;
   // Once more, with forces at the mean velocity that was found, and again where that changes the velocities notably.
-  double first = 0;
-  double second = change();
-  for (int repetition = 0; repetition < most_repetitions; ++repetition) {
-    set_mean_velocities(h);
+  Repetitions done{last, change()};
+  while (done.count < most_repetitions) {
+    for (std::size_t k = 0; k < v0_.size(); ++k) {
+      const double mean = (v0_[k] + v1_[k]) / 2;
+      vm_[k] = done.damped ? (vm_[k] + mean) / 2 : mean;
+    }
     const Forces forces = update_forces(h, u, most_turned);
     if (forces == Forces::too_fast) return false;
-    if (forces == Forces::as_before) return true;
+    if (forces == Forces::as_before) break;
     solved_.residual = largest;  // of the results that count
     if (!respond(h)) return false;
-    first = second;
-    second = change();
-    if (second <= small_change(repetition == 0 ? notable : settled)) return true;
-    // Where impulses jump from one solution to another, repetitions may come no closer to each other.
-    if (repetition > 1 && second > quick * first) return true;
-    const bool converges = second <= std::max(quick * first, small_change(negligible)) || (last && second <= first);
-    if (repetition == 1 && !converges) {
-      failure_ = too_fast;
-      return false;
-    }
+    const double enough = small_change(done.count == 0 ? notable : settled);
+    if (!done.need_another(change(), enough, small_change(negligible))) break;
   }
-  return true;
-}
-
-void TimeStepper::set_mean_velocities(double h) {
-  for (std::size_t k = 0; k < v0_.size(); ++k) {
-    vm_[k] = (v0_[k] + v1_[k]) / 2;
-    struck_[k] = v1_[k] - v0_[k] - h * vdot_[k];
-  }
+  if (!done.converge) failure_ = too_fast;
+  return done.converge;
 }
 
 // vdot_ <- the accelerations by the forces at vm_, and whether they have changed, by more than what the solver leaves
@@ -135,7 +145,7 @@ TimeStepper::Forces TimeStepper::update_forces(double h, const double* u, double
   dynamics_.set_velocity(vm_.data());
   dynamics_.solve(u, vdot_.data());
   if (!all_finite(vdot_)) return Forces::changed;  // respond() says so
-  if (!rotation_.balance(h, v0_.data(), vm_.data(), struck_.data(), most_turned, dynamics_.readings(), vdot_.data())) {
+  if (!rotation_.balance(h, v0_.data(), vm_.data(), most_turned, dynamics_.readings(), vdot_.data())) {
     failure_ = too_fast;
     return Forces::too_fast;
   }

@@ -55,10 +55,10 @@ struct TangentRatio {
   explicit TangentRatio(double a) {
     if (a < 1e-4) return;  // the errors are those of the next terms of the series, a^2/3 and 8 a^2/15
     value = std::tan(a) / a;
-    slope = value * value - (value - 1) / (a * a);
+    derivative = value * value - (value - 1) / (a * a);
   }
   double value = 1;
-  double slope = 2.0 / 3;
+  double derivative = 2.0 / 3;
 };
 
 // The displacement (1 + d/2 is the quaternion, up to its length) of a rotation.
@@ -112,7 +112,7 @@ void FreeRotation::set_first_half(double h, const double* v0, double* dq) {
 
 FreeRotation::Turns FreeRotation::turns_of(const Body& body, double h, const Vector& w0, const Vector& w1) const {
   const Eigen::Quaterniond to_start = rotation_by(h / 2 * w0).conjugate();
-  const bool conserves = body.has_gyroscopic && !is_touched_[static_cast<std::size_t>(body.link)];
+  const bool conserves = body.has_gyroscopic && !is_touched(body);
   return {to_start, conserves ? to_start * rotation_by(h / 2 * (w0 + w1)) : rotation_by(h / 2 * w1)};
 }
 
@@ -122,7 +122,7 @@ void FreeRotation::set_rest(double h, const double* v0, const double* v1, const 
     const Vector w0 = three(v0 + body.turns), w1 = three(v1 + body.turns);
     const Turns turns = turns_of(body, h, w0, w1);
     copy(displacement(turns.to_end), dq + body.turns);
-    if (!body.is_offset) continue;
+    if (!body.is_offset || is_touched(body)) continue;
     // The center of mass moves with its mean velocity.
     const Vector& c = body.com;
     const Vector turned =
@@ -143,7 +143,7 @@ bool FreeRotation::Body::solve(double h, const Vector& w0, const Vector& other, 
     const Vector Jw = J * wm, cross = wm.cross(Jw);
     const Vector r = 2 * (J * (wm - w0)) - other + h * k.value * cross;
     const Matrix K = 2 * J + h * k.value * (cross_matrix<double>(wm) * J - cross_matrix<double>(Jw)) +
-                     h * h * h / 4 * k.slope * cross * wm.transpose();
+                     h * h * h / 4 * k.derivative * cross * wm.transpose();
     const Vector step = K.inverse() * r;
     const double size = step.norm();
     if (size >= last && iteration > 2) return true;  // rounding
@@ -154,26 +154,25 @@ bool FreeRotation::Body::solve(double h, const Vector& w0, const Vector& other, 
   return false;
 }
 
-bool FreeRotation::balance(double h, const double* v0, const double* vm, const double* struck, double most,
-                           const Readings<double>& readings, double* vdot) const {
+bool FreeRotation::balance(double h, const double* v0, const double* vm, double most, const Readings<double>& readings,
+                           double* vdot) const {
   for (const Body& body : bodies_) {
-    if (!body.has_gyroscopic && !body.is_offset) continue;
+    if (is_touched(body) || !(body.has_gyroscopic || body.is_offset)) continue;
     const Matrix& J = body.J;
-    const Vector w0 = three(v0 + body.turns), at = three(vm + body.turns), hit = three(struck + body.turns);
-    const Vector a = three(vdot + body.turns);
+    const Vector w0 = three(v0 + body.turns), at = three(vm + body.turns), a = three(vdot + body.turns);
     Vector wm = at, a_new = a;
     if (body.has_gyroscopic) {
       const Vector before = at.cross(J * at);
-      if (!body.solve(h, w0, h * (J * a + before) + J * hit, most, wm)) return false;
+      if (!body.solve(h, w0, h * (J * a + before), most, wm)) return false;
       a_new += body.inverse * (before - TangentRatio(h * wm.norm() / 2).value * wm.cross(J * wm));
       copy(a_new, vdot + body.turns);
     }
     if (!body.is_offset) continue;
     // The origin moves such that the center of mass has the acceleration that it had.
     const Vector& c = body.com;
-    const Vector w1 = w0 + h * a_new + hit;
+    const Vector w1 = w0 + h * a_new;
     const Turns turns = turns_of(body, h, w0, w1);
-    const Vector turned = turns.to_end * w1.cross(c) - turns.to_start * w0.cross(c) - hit.cross(c);
+    const Vector turned = turns.to_end * w1.cross(c) - turns.to_start * w0.cross(c);
     const Vector shift = body.R_FM(readings) * (a.cross(c) + at.cross(at.cross(c)) - turned / h);
     for (int i = 0; i < 3; ++i) vdot[body.shifts + i] += shift[i];
   }

@@ -3,13 +3,13 @@
 // that conserve their kinetic energy and angular momentum (Simo & Wong 1991). With the angular velocity w in the body,
 // its mean wm = (w + w')/2 and the inertia J about the center of mass or the fixed point,
 //
-//   J (w' - w) = h (tau - k wm x J wm) + impulses,    R' = R exp(h wm),    k = tan(a) / a,  a = h |wm| / 2.
+//   J (w' - w) = h (tau - k wm x J wm),    R' = R exp(h wm),    k = tan(a) / a,  a = h |wm| / 2.
 //
-// Without tau and impulses, R' J w' = R J w and w' J w' = w J w exactly, and rotation about a principal axis is exact,
-// too. The implicit equation, in which gyroscopic forces do not converge by evaluating them again if the body turns
-// fast, is solved by Newton's method for each body. Contacts see the body in the middle, R_m = R exp(h/2 w). Where they
-// may act, and where J is a multiple of the unit matrix, R' = R_m exp(h/2 w'): then R' w' = R_m w', the velocity that
-// the contacts have prescribed, and balls take up the angular momentum of impulses and torques exactly.
+// Without tau, R' J w' = R J w and w' J w' = w J w exactly, and rotation about a principal axis is exact, too. The
+// implicit equation, in which gyroscopic forces do not converge by evaluating them again if the body turns fast, is
+// solved by Newton's method for each body. Contacts see the body in the middle, R_m = R exp(h/2 w). Where they may act,
+// and where J is a multiple of the unit matrix, R' = R_m exp(h/2 w'): then R' w' = R_m w', the velocity that the
+// contacts have prescribed, and balls take up the angular momentum of impulses and torques exactly.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -32,10 +32,10 @@ class FreeRotation {
   void touch(int link) { is_touched_[static_cast<std::size_t>(link)] = true; }
   // dq <- that of the rest, which starts where the first half ends.
   void set_rest(double h, const double* v0, const double* v1, const Readings<double>& readings, double* dq) const;
-  // Replaces the gyroscopic part of the accelerations vdot, which is that of vm, by the one of the equation above.
-  // struck: changes of the velocities by impulses. Returns false if a body turns by more than `most` [rad].
-  bool balance(double h, const double* v0, const double* vm, const double* struck, double most,
-               const Readings<double>& readings, double* vdot) const;
+  // Replaces the gyroscopic part of the accelerations vdot of what is not touched, which is that of vm, by the one of
+  // the equation above. Returns false if a body turns by more than `most` [rad].
+  bool balance(double h, const double* v0, const double* vm, double most, const Readings<double>& readings,
+               double* vdot) const;
 
  private:
   struct Body {
@@ -57,6 +57,7 @@ class FreeRotation {
   struct Turns {
     Eigen::Quaterniond to_start, to_end;
   };
+  bool is_touched(const Body& body) const { return is_touched_[static_cast<std::size_t>(body.link)]; }
   Turns turns_of(const Body& body, double h, const Eigen::Vector3d& w0, const Eigen::Vector3d& w1) const;
 
   std::vector<Body> bodies_;

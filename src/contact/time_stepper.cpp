@@ -105,7 +105,6 @@ TimeStepper::TimeStepper(const Mechanism& mechanism, Dynamics& dynamics, const L
       vm_(v0_.size()),
       vdot_(v0_.size()),
       vdot_before_(v0_.size()),
-      struck_(v0_.size()),
       dq_(v0_.size()),
       starts_(most_halvings + 1, std::vector<double>(static_cast<std::size_t>(mechanism.nq) + v0_.size())) {
   state_.forces_along.resize(static_cast<std::size_t>(dynamics.branching().locks()));

@@ -67,10 +67,8 @@ class TimeStepper final : public ContactReadings {
   };
 
   void reserve();
+  bool converge(double h, const double* u, bool last);
   bool attempt(double h, const double* u, double* y, bool last);
-  void go_to_middle(double h, const double* u, double* y);
-  bool find_velocities(double h, const double* u, bool last);
-  void set_mean_velocities(double h);
   double change() const;
   double small_change(double part) const;
   bool step_in_parts(double h, const double* u, double* y, int halvings);
@@ -119,7 +117,7 @@ class TimeStepper final : public ContactReadings {
   std::vector<Cone> correction_cones_;
   std::vector<double> correction_b_, correction_, displacing_;
   SelectedRows normal_operator_;
-  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, struck_, dq_;
+  std::vector<double> v0_, v1_, vm_, vdot_, vdot_before_, dq_;
   std::vector<std::vector<double>> starts_;  // of a step and its halves
   const char* failure_ = "";
 };
