@@ -41,6 +41,19 @@ void AndersonAcceleration::keep(const Eigen::Ref<const Eigen::VectorXd>& image) 
   }
 }
 
+// L <- the Cholesky factor of the products, from the newest difference on; zero pivots of those that say nothing.
+void AndersonAcceleration::factorize() {
+  for (Index i = 0; i < count_; ++i) {
+    for (Index j = 0; j < i; ++j) {
+      const double left = products_(place(i), place(j)) - L_.row(i).head(j).dot(L_.row(j).head(j));
+      L_(i, j) = L_(j, j) > 0 ? left / L_(j, j) : 0;
+    }
+    const double square = products_(place(i), place(i));
+    const double left = square - L_.row(i).head(i).squaredNorm();
+    L_(i, i) = left > min_square * square ? std::sqrt(left) : 0;
+  }
+}
+
 const AndersonAcceleration::Vector& AndersonAcceleration::next(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                                const Eigen::Ref<const Eigen::VectorXd>& image) {
   residual_ = image - y;
@@ -49,27 +62,16 @@ const AndersonAcceleration::Vector& AndersonAcceleration::next(const Eigen::Ref<
   last_residual_ = residual_;
   last_image_ = image;
   next_ = image;
-  // The normal equations by Cholesky's method, from the newest difference on.
-  Eigen::Matrix<double, depth, depth> L;
+  factorize();
   Eigen::Matrix<double, depth, 1> weights = Eigen::Matrix<double, depth, 1>::Zero();
-  const auto place = [&](Index i) { return (newest_ - i + depth) % depth; };
   for (Index i = 0; i < count_; ++i) {
-    for (Index j = 0; j <= i; ++j) {
-      double left = products_(place(i), place(j));
-      for (Index k = 0; k < j; ++k) left -= L(i, k) * L(j, k);
-      if (j < i) {
-        L(i, j) = L(j, j) > 0 ? left / L(j, j) : 0;
-      } else {
-        L(i, i) = left > min_square * products_(place(i), place(i)) ? std::sqrt(left) : 0;
-      }
-    }
-    double left = residuals_.col(place(i)).dot(residual_);
-    for (Index k = 0; k < i; ++k) left -= L(i, k) * weights[k];
-    weights[i] = L(i, i) > 0 ? left / L(i, i) : 0;
+    const double left = residuals_.col(place(i)).dot(residual_) - L_.row(i).head(i).dot(weights.head(i));
+    weights[i] = L_(i, i) > 0 ? left / L_(i, i) : 0;
   }
   for (Index i = count_ - 1; i >= 0; --i) {
-    for (Index k = i + 1; k < count_; ++k) weights[i] -= L(k, i) * weights[k];
-    weights[i] = L(i, i) > 0 ? weights[i] / L(i, i) : 0;
+    const Index after = count_ - i - 1;
+    const double left = weights[i] - L_.col(i).segment(i + 1, after).dot(weights.segment(i + 1, after));
+    weights[i] = L_(i, i) > 0 ? left / L_(i, i) : 0;
     next_ -= weights[i] * images_.col(place(i));
   }
   return next_;

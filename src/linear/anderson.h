@@ -20,6 +20,8 @@ class AndersonAcceleration {
  private:
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
   void keep(const Eigen::Ref<const Eigen::VectorXd>& image);
+  void factorize();
+  Eigen::Index place(Eigen::Index i) const { return (newest_ - i + depth) % depth; }  // of the i-th newest difference
 
   static constexpr Eigen::Index depth = 8;
 
@@ -30,6 +32,7 @@ class AndersonAcceleration {
   Vector residual_{nullptr, 0}, last_residual_{nullptr, 0}, last_image_{nullptr, 0}, next_{nullptr, 0};
   Matrix residuals_{nullptr, 0, 0}, images_{nullptr, 0, 0};  // differences from one iterate to the next, in columns
   Eigen::Matrix<double, depth, depth> products_;             // of residuals_ with each other
+  Eigen::Matrix<double, depth, depth> L_;
 };
 
 }  // namespace gelenk
