@@ -174,6 +174,15 @@ Parameter count(const char* name, const char* description, IntRange range, int S
   return p;
 }
 
+void add_cone_tolerance(std::vector<Parameter>& table) {
+  Parameter cone_tolerance = real_parameter(
+      "solver.cone_tolerance", "1", "moreau-jean: residual of the velocities of contacts, relative to the largest one",
+      [](auto& scene) -> auto& { return scene.solver.cone_tolerance; });
+  cone_tolerance.min = words::min_cone_tolerance;
+  cone_tolerance.max = words::max_cone_tolerance;
+  table.push_back(std::move(cone_tolerance));
+}
+
 void add_solver(std::vector<Parameter>& table) {
   Parameter tolerance =
       real_parameter("solver.tolerance", "1",
@@ -210,12 +219,6 @@ void add_solver(std::vector<Parameter>& table) {
   gain("solver.baumgarte_alpha", "the constraint errors at velocity level", &Solver::baumgarte_alpha);
   gain("solver.baumgarte_beta", "the constraint errors at position level (enters as its square)",
        &Solver::baumgarte_beta);
-  Parameter cone_tolerance = real_parameter(
-      "solver.cone_tolerance", "1", "moreau-jean: residual of the velocities of contacts, relative to the largest one",
-      [](auto& scene) -> auto& { return scene.solver.cone_tolerance; });
-  cone_tolerance.min = words::min_cone_tolerance;
-  cone_tolerance.max = words::max_cone_tolerance;
-  table.push_back(std::move(cone_tolerance));
   Parameter rho_inf =
       real_parameter("solver.rho_inf", "1", "generalized-alpha, hht: spectral radius at infinite frequency",
                      [](auto& scene) -> auto& { return scene.solver.rho_inf; });
@@ -279,6 +282,7 @@ std::vector<Parameter> scene_parameters(const Scene& scene) {
   add_starts(table, scene);
   add_gravity(table);
   add_solver(table);
+  if (!scene.contacts.empty()) add_cone_tolerance(table);
   add_listed(table, scene);
   return table;
 }

@@ -79,8 +79,8 @@ def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None
 
 
 def test_the_library_is_small(library: Path) -> None:
-    """Shapes, collisions and the solvers of contact impulses take 0.17 MB; compressed, it has 2.3 MB."""
-    assert library.stat().st_size < 5.2e6
+    """Shapes, collisions and the solvers of contact impulses take 0.2 MB; compressed, it has 2.3 MB."""
+    assert library.stat().st_size < 5.25e6
 
 
 RUN_BOTH = """
