@@ -2,9 +2,9 @@
 // Projected block Gauss-Seidel: the cones one after the other, each solved exactly with the others' present impulses
 // (Jean & Moreau 1992; Jourdan, Alart & Jean 1998). With a sparse root of G a sweep costs as much as a product.
 //
-// The sweeps are accelerated by Anderson's method. Where that stalls they continue with Nesterov's momentum for a while:
-// jammed contacts share impulses that G takes to nearly nothing, and sweeps carry these on and on, by the same amount
-// each time, until something slips.
+// The sweeps are accelerated by Anderson's method. Where that stalls they continue with Nesterov's momentum for a
+// while: jammed contacts share impulses that G takes to nearly nothing, and sweeps carry these on and on, by the same
+// amount each time, until something slips.
 #pragma once
 
 #include <array>
