@@ -170,8 +170,9 @@ def test_input_that_cannot_be_followed_fails_the_step_and_leaves_the_state_uncha
     plant.initialize()
     before = plant.values().tolist()
     plant.set_input("drive.phi_ref", 0.1)
-    with pytest.raises(gelenk.StepError, match="the motion prescribed by an input cannot be followed"):
-        plant.step_to(0.01)
+    for _ in range(2):  # the input is not taken for one that is followed already
+        with pytest.raises(gelenk.StepError, match="the motion prescribed by an input cannot be followed"):
+            plant.step_to(0.01)
     plant.set_input("drive.phi_ref", plant.output("D.phi"))
     assert plant.values().tolist() == before
     plant.step_to(0.01)
