@@ -155,24 +155,8 @@ Json left_out() {
   return out;
 }
 
-Json settings() {
-  Json out;
-  out["assembly"] =
-      object({{"tolerance",
-               {{"type", "number"},
-                {"minimum", 0},
-                {"maximum", words::max_assembly_tolerance},
-                {"description",
-                 "Largest displacement of joint frames [rad, or relative to the size of the mechanism] by "
-                 "which loops with redundant constraints and rounded dimensions are made to close "
-                 "exactly; 0 if not given: no more than 1e-9"}}}},
-             {});
-  out["experiment"] = object(
-      {{"stop", number("s", "Default end time of a run", Range::positive)},
-       {"step", number("s", "Default communication step", Range::positive)},
-       {"tolerance", number("", "Relative error tolerance; absolute per radian, meter, rad/s, m/s", Range::positive)}},
-      {});
-  out["solver"] = object(
+Json solver() {
+  return object(
       {{"formulation", {{"enum", words::formulations}}},
        {"integrator", {{"enum", words::integrators}}},
        {"start",
@@ -220,6 +204,26 @@ Json settings() {
        {"reductions", reductions()},
        {"left_out", left_out()}},
       {});
+}
+
+Json settings() {
+  Json out;
+  out["assembly"] =
+      object({{"tolerance",
+               {{"type", "number"},
+                {"minimum", 0},
+                {"maximum", words::max_assembly_tolerance},
+                {"description",
+                 "Largest displacement of joint frames [rad, or relative to the size of the mechanism] by "
+                 "which loops with redundant constraints and rounded dimensions are made to close "
+                 "exactly; 0 if not given: no more than 1e-9"}}}},
+             {});
+  out["experiment"] = object(
+      {{"stop", number("s", "Default end time of a run", Range::positive)},
+       {"step", number("s", "Default communication step", Range::positive)},
+       {"tolerance", number("", "Relative error tolerance; absolute per radian, meter, rad/s, m/s", Range::positive)}},
+      {});
+  out["solver"] = solver();
   return out;
 }
 
