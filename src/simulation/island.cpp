@@ -45,6 +45,7 @@ Island::Island(const Scene& scene, PreparedIsland prepared, Loads loads, Inputs&
   follows_ = std::ranges::any_of(mechanism().coordinate_rows, [](const CoordinateRow& row) { return row.input >= 0; });
   if (follows_) equations_->drives().targets_at(time, followed_);
   backup_followed_ = drives_ = followed_;  // so that steps do not allocate
+  make_reading();
 }
 
 void Island::start_integrator(double tolerance) {
@@ -55,6 +56,7 @@ void Island::start_integrator(double tolerance) {
   options.cone_tolerance = scene_.solver.cone_tolerance;
   options.rho_inf = scene_.solver.rho_inf;
   integrator_ = make_integrator(scene_.solver.integrator, *equations_, options);
+  make_reading();
   integrator_->restart(time_, y_.data());
   evaluations_before_ = dynamics_->evaluations();
   warm_up(options.step);
@@ -218,24 +220,21 @@ void Island::realize(Stage stage) {
     equations_->output_accelerations(time_, y_.data(), vdot_.data());
   } else {
     equations_->drives().go_to_outputs(time_);
-    dynamics_->set_position(q());
-    dynamics_->set_velocity(v());
+    dynamics_->set_position(y_.data());
+    dynamics_->set_velocity(y_.data() + mechanism().nq);
   }
   dynamics_->readings().set_root_poses();
   if (stage == Stage::acceleration) dynamics_->set_acceleration(vdot_.data());
   realized_ = stage;
 }
 
-Reading Island::reading() const {
-  return {dynamics_->readings(),
-          q(),
-          v(),
-          vdot_.data(),
-          equations_->revolutions().coordinates().data(),
-          equations_->revolutions().speeds().data(),
-          equations_->modes().recorded_forces().data(),
-          equations_->modes().recorded_sides().data(),
-          equations_->impulses()->readings()};
+// Again when the integrator has decided whether steps are made with impulses.
+void Island::make_reading() {
+  const RevolutionCounter& turns = equations_->revolutions();
+  const EventModes& modes = equations_->modes();
+  reading_.emplace(dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
+                   turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
+                   modes.recorded_sides().data(), equations_->impulses()->readings());
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,7 +57,7 @@ class Island {
 
   // Evaluates the equations up to the stage that an output requires.
   void realize(Stage stage);
-  Reading reading() const;
+  const Reading& reading() const { return *reading_; }
   const PreparedIsland& prepared() const { return prepared_; }
   const Loads& loads() const { return loads_; }
   Dynamics& dynamics() { return *dynamics_; }
@@ -79,10 +80,9 @@ class Island {
   void warm_up(double step);
   void reserve(std::size_t words);
   void discard_history();
+  void make_reading();
   void remember(const ReplayStep& leg, bool continues, bool whole);
   void enforce_given_motions();
-  const double* q() const { return y_.data(); }
-  const double* v() const { return y_.data() + mechanism().nq; }
 
   const Scene& scene_;
   PreparedIsland prepared_;
@@ -93,6 +93,7 @@ class Island {
   std::unique_ptr<Integrator> integrator_;  // null if nothing can move
   double time_;
   std::vector<double> y_, vdot_;
+  std::optional<Reading> reading_;
   double backup_time_;
   std::vector<double> backup_;
   LockModes::State backup_modes_;  // before the last advance
