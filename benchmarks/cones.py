@@ -7,44 +7,35 @@ and writes to out/nonsmooth/ only, as a test.
 
 from __future__ import annotations
 
-import argparse
 import sys
-from pathlib import Path
 
-from benchmarks.page_parts import put
+from benchmarks.page_parts import NonsmoothStudy, quick_parser
 
 from gelenk.chart import cones, draw_cones
 from gelenk.chart.cone_problems import COUNT
 from gelenk.chart.progress import status_line
+from gelenk.chart.recorded_cones import recorded_scenes
 
-ROOT = Path(__file__).resolve().parent.parent
-NUMBERS = ROOT / "out" / "nonsmooth"
 MAKER = "benchmarks/cones.py"
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
-    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
-    NUMBERS.mkdir(parents=True, exist_ok=True)
+    study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
+    numbers = range(12 if study.quick else COUNT)
+    scenes = recorded_scenes()[::2] if study.quick else recorded_scenes()
     parts = {}
     for name, exact in (("cones", False), ("cones-coulomb", True)):
         with status_line(sys.stderr) as progress:
-            runs = cones.study(None, range(12 if given.quick else COUNT), exact, progress)
-        cones.write(runs, NUMBERS / f"{name}.csv")
-        picture = pictures / f"{name}.png"
+            runs = cones.study(None, numbers, exact, scenes, progress)
+        cones.write(runs, study.numbers / f"{name}.csv")
+        picture = study.pictures / f"{name}.png"
         draw_cones.draw(runs, picture, exact)
         law = "Coulomb's law" if exact else "convex problems"
         parts[name] = (
             f"![{law}: work and failures against residual](pictures/{picture.name})\n\n" + cones.table(runs)
         )
-        print(f"{picture.relative_to(ROOT)}: {len(runs)} runs", flush=True)
-    target = NUMBERS / "contact.md" if given.quick else ROOT / "docs" / "contact.md"
-    put(target, MAKER, parts)
-    print(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
+        print(f"{picture.name}: {len(runs)} runs", flush=True)
+    study.put(MAKER, parts)
 
 
 if __name__ == "__main__":

@@ -7,24 +7,20 @@ if they are installed. `--quick` runs two steps of each series and writes to out
 
 from __future__ import annotations
 
-import argparse
 import csv
 import dataclasses
 import importlib.util
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from benchmarks.contacts import draw, engines, problems
 from benchmarks.contacts.problems import Problem
-from benchmarks.page_parts import put
+from benchmarks.page_parts import NonsmoothStudy, quick_parser
 
 from gelenk.chart.tables import rows
 
-ROOT = Path(__file__).resolve().parents[2]
-NUMBERS = ROOT / "out" / "nonsmooth"
 MAKER = "benchmarks/contacts"
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)  # s
 ROUNDS = 3  # of runs that take less than a second; the fastest counts
@@ -100,30 +96,20 @@ def table(chosen: list[Problem], found: list[Run]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
-    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
-    NUMBERS.mkdir(parents=True, exist_ok=True)
+    study = NonsmoothStudy("contact.md", quick_parser(__doc__).parse_args().quick)
     chosen = problems.problems()
     found: list[Run] = []
     for problem in chosen:
-        found += runs_of(problem, STEPS[:2] if given.quick else STEPS)
+        found += runs_of(problem, STEPS[:2] if study.quick else STEPS)
         print(f"{problem.title}: {sum(run.problem == problem.name for run in found)} runs", flush=True)
-    with (NUMBERS / "contacts.csv").open("w", encoding="utf-8", newline="") as file:
+    with (study.numbers / "contacts.csv").open("w", encoding="utf-8", newline="") as file:
         out = csv.DictWriter(file, [field.name for field in dataclasses.fields(Run)])
         out.writeheader()
         out.writerows(dataclasses.asdict(run) for run in found)
-    picture = pictures / "contacts.png"
+    picture = study.pictures / "contacts.png"
     draw.draw(chosen, found, picture)
-    parts = {
-        "contacts": f"![work against error of contacts](pictures/{picture.name})\n\n{table(chosen, found)}"
-    }
-    target = NUMBERS / "contact.md" if given.quick else ROOT / "docs" / "contact.md"
-    put(target, MAKER, parts)
-    print(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
+    shown = f"![work against error of contacts](pictures/{picture.name})\n\n{table(chosen, found)}"
+    study.put(MAKER, {"contacts": shown})
 
 
 if __name__ == "__main__":

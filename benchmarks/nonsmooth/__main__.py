@@ -7,58 +7,54 @@ they are installed. `--quick` runs a small part of everything and writes to out/
 
 from __future__ import annotations
 
-import argparse
 import csv
 import dataclasses
 import sys
 import warnings
-from pathlib import Path
 
 from benchmarks.nonsmooth import draw, engines, judge, laws, page, problems, runs, trials
-from benchmarks.page_parts import put
+from benchmarks.page_parts import NonsmoothStudy, quick_parser
 
 from gelenk.chart.progress import status_line
 from gelenk.errors import SceneWarning, StartWarning
 
-ROOT = Path(__file__).resolve().parents[2]
-NUMBERS = ROOT / "out" / "nonsmooth"
 MAKER = "benchmarks/nonsmooth"
 INTEGRATORS = ("auto", "cvode", "ida", "dirk")  # of the map; fixed steps have no tolerance
 
 
-def charts(pictures: Path, quick: bool) -> dict[str, str]:
+def charts(study: NonsmoothStudy) -> dict[str, str]:
     """Return the parts of the page with the work-precision diagrams."""
     parts, found, chosen = {}, [], problems.problems()
     for problem in chosen:
         mine = [
-            *runs.event_driven(problem, quick),
-            *laws.regularized(problem, quick),
-            *engines.engines(problem, quick),
+            *runs.event_driven(problem, study.quick),
+            *laws.regularized(problem, study.quick),
+            *engines.engines(problem, study.quick),
         ]
-        picture = pictures / f"friction-{problem.name}.png"
+        picture = study.pictures / f"friction-{problem.name}.png"
         draw.draw(problem, mine, picture)
         parts[problem.name] = page.chart(problem, mine, picture.name)
-        print(f"{picture.relative_to(ROOT)}: {len(mine)} runs", flush=True)
+        print(f"{picture.name}: {len(mine)} runs", flush=True)
         found += mine
-    with (NUMBERS / "runs.csv").open("w", encoding="utf-8", newline="") as file:
+    with (study.numbers / "runs.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, [field.name for field in dataclasses.fields(runs.Run)])
         table.writeheader()
         table.writerows(dataclasses.asdict(run) for run in found)
-    return parts | {"goals": page.goals(chosen, found)} if not quick else parts
+    return parts | {"goals": page.goals(chosen, found)} if not study.quick else parts
 
 
-def failure_map(pictures: Path, quick: bool) -> dict[str, str]:
+def failure_map(study: NonsmoothStudy) -> dict[str, str]:
     """Return the parts of the page with the failure map."""
-    chosen = trials.trials()[:: 25 if quick else 1]
-    integrators = INTEGRATORS[:2] if quick else INTEGRATORS
+    chosen = trials.trials()[:: 25 if study.quick else 1]
+    integrators = INTEGRATORS[:2] if study.quick else INTEGRATORS
     verdicts = []
     with status_line(sys.stderr) as progress:
         for k, trial in enumerate(chosen):
             progress(trial.family, k / len(chosen))
             verdicts += [judge.judged(trial, name) for name in integrators]
-    picture = pictures / "friction-map.png"
+    picture = study.pictures / "friction-map.png"
     draw.draw_map(verdicts, integrators, picture)
-    with (NUMBERS / "map.csv").open("w", encoding="utf-8", newline="") as file:
+    with (study.numbers / "map.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(
             ["trials", "row", "column", "integrator", "outcome", "error", "events", "exact", "message"]
@@ -68,7 +64,7 @@ def failure_map(pictures: Path, quick: bool) -> dict[str, str]:
             table.writerow(
                 [t.family, t.row, t.column, v.integrator, v.outcome, v.error, v.events, t.events, v.words]
             )
-    print(f"{picture.relative_to(ROOT)}: {len(verdicts)} runs")
+    print(f"{picture.name}: {len(verdicts)} runs")
     return {
         "map": f"![outcomes of {len(chosen)} trials](pictures/{picture.name})",
         "outcomes": page.outcomes(verdicts, integrators),
@@ -77,25 +73,19 @@ def failure_map(pictures: Path, quick: bool) -> dict[str, str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true")
+    parser = quick_parser(__doc__)
     parser.add_argument("--only", choices=["charts", "map"])
     given = parser.parse_args()
-    pictures = NUMBERS if given.quick else ROOT / "docs" / "pictures"
-    NUMBERS.mkdir(parents=True, exist_ok=True)
+    study = NonsmoothStudy("friction.md", given.quick)
     for expected in (SceneWarning, StartWarning):  # tolerances below those that ida and cvode achieve
         warnings.simplefilter("ignore", expected)
     warnings.filterwarnings("ignore", "lsoda", UserWarning)
     parts: dict[str, str] = {}
     if given.only in (None, "charts"):
-        parts |= charts(pictures, given.quick)
+        parts |= charts(study)
     if given.only in (None, "map"):
-        parts |= failure_map(pictures, given.quick)
-    target = NUMBERS / "friction.md" if given.quick else ROOT / "docs" / "friction.md"
-    put(target, MAKER, parts)
-    print(f"{target.relative_to(ROOT)}: {len(parts)} parts updated")
+        parts |= failure_map(study)
+    study.put(MAKER, parts)
 
 
 if __name__ == "__main__":
