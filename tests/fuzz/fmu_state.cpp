@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fmu/instance.h"
@@ -24,15 +25,20 @@ namespace {
 
 using namespace gelenk;
 
-constexpr std::array integrators = {"auto", "rk4", "ida", "cvode", "dirk", "generalized-alpha"};
+// Plants: scenes in this folder with their integrators; tests/fuzz/states.py reads this list. four_bar is a loop with a
+// spring and a damper, rubbing has dry friction and limits, touching has contacts; all have a motor named drive.
+constexpr std::array plants = {"four_bar/auto",       "four_bar/rk4",  "four_bar/ida",
+                               "four_bar/cvode",      "four_bar/dirk", "four_bar/generalized-alpha",
+                               "rubbing/auto",        "rubbing/rk4",   "rubbing/ida",
+                               "touching/moreau-jean"};
 constexpr double size_of_step = 1e-3;  // s
 
-// A four-bar with a spring, a damper and a motor. FUZZED_SCENE: its file, which tests/fuzz/test_corpus.py reads, too.
-std::string scene(const char* integrator) {
-  std::ifstream file(FUZZED_SCENE);
+std::string scene(std::string_view plant) {
+  const std::size_t slash = plant.find('/');
+  std::ifstream file(FUZZED_SCENES "/" + std::string(plant.substr(0, slash)) + ".json");
   std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string given = "\"auto\"";
-  return text.replace(text.find(given), given.size(), '"' + std::string(integrator) + '"');
+  return text.replace(text.find(given), given.size(), '"' + std::string(plant.substr(slash + 1)) + '"');
 }
 
 void demand(bool holds, const char* what) {
@@ -43,8 +49,8 @@ void demand(bool holds, const char* what) {
 
 // An instance that has made some steps, with a state of its own to go back to and the outputs of the step after it.
 struct Host {
-  explicit Host(const char* integrator)
-      : model(std::make_shared<const PlantModel>(scene(integrator), "fuzzed.json")),
+  explicit Host(std::string_view plant)
+      : model(std::make_shared<const PlantModel>(scene(plant), "fuzzed.json")),
         instance(model, Log(nullptr, "plant", false)) {
     for (int i = 0; i < static_cast<int>(model->catalog.variables().size()); ++i) {
       if (model->catalog.variables()[i].source == Source::output) outputs.push_back(i);
@@ -79,9 +85,9 @@ struct Host {
 };
 
 Host& host_of(std::uint8_t which) {
-  static std::array<std::unique_ptr<Host>, integrators.size()> hosts;
-  std::unique_ptr<Host>& host = hosts[which % integrators.size()];
-  if (!host) host = std::make_unique<Host>(integrators[which % integrators.size()]);
+  static std::array<std::unique_ptr<Host>, plants.size()> hosts;
+  std::unique_ptr<Host>& host = hosts[which % plants.size()];
+  if (!host) host = std::make_unique<Host>(plants[which % plants.size()]);
   return *host;
 }
 

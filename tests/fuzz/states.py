@@ -2,7 +2,7 @@
 """The seeds of fmu_state; `python -m fuzz.states` writes them anew.
 
 What a state holds, and in which order, changes with the plant's code: of older code each would be refused for
-its length. A seed is a byte, which tells the integrator, and the words of a state: true ones, others forged.
+its length. A seed is a byte, which tells the plant, and the words of a state: true ones, others forged.
 """
 
 from __future__ import annotations
@@ -34,19 +34,25 @@ SPECIAL = (
 )
 
 
-def integrators() -> list[str]:
-    """By a state's first byte, as fmu_state.cpp has them."""
+def plants() -> list[str]:
+    """Scenes with their integrators, by a state's first byte, as fmu_state.cpp has them."""
     text = (HERE / "fmu_state.cpp").read_text("utf-8")
-    (names,) = re.findall(r"std::array integrators = \{([^}]+)\}", text)
-    return re.findall(r'"([\w-]+)"', names)
+    (names,) = re.findall(r"std::array plants = \{([^}]+)\}", text)
+    return re.findall(r'"([\w/-]+)"', names)
 
 
-def fuzzed(integrator: str, folder: Path) -> Fmu:
-    """The fuzzed plant's FMU."""
-    data = json.loads((HERE / "four_bar.json").read_text("utf-8"))
+def fuzzed(plant: str, folder: Path) -> Fmu:
+    """The FMU of one of the plants."""
+    scene, integrator = plant.split("/")
+    data = json.loads((HERE / f"{scene}.json").read_text("utf-8"))
     data["solver"]["integrator"] = integrator
-    made = gelenk.export_fmu(gelenk.load(data), folder / f"{integrator}.fmu")
-    return Fmu(fmpy.extract(str(made), str(folder / integrator)))
+    made = gelenk.export_fmu(gelenk.load(data), folder / f"{scene}-{integrator}.fmu")
+    return Fmu(fmpy.extract(str(made), str(folder / f"{scene}-{integrator}")))
+
+
+def seed_name(plant: str, kind: str) -> str:
+    """The file of a seed."""
+    return f"{plant.replace('/', '-')}-{kind}"
 
 
 class Host:
@@ -57,7 +63,7 @@ class Host:
     def __init__(self, fmu: Fmu) -> None:
         self.slave = Slave(fmu)
         self.stepped = 0  # steps from states of others
-        assert self.slave.set_real(drive__tau=0.5) == OK
+        assert self.drive(0.5) == OK
         self.slave.start()
         for k in range(5):
             assert self.slave.step(k * STEP, STEP) == OK, self.slave.said
@@ -65,6 +71,11 @@ class Host:
         whole = serialized(self.slave, self.home)
         self.head, self.words = whole[: HEAD - WORD], whole[HEAD:-WORD]  # less their number, and the checksum
         self.expected = self.go_home()
+
+    def drive(self, effort: float) -> int:
+        """Sets the motor, the only input."""
+        (name,) = [v.name for v in self.slave.fmu.description.modelVariables if v.causality == "input"]
+        return self.slave.set({name: effort})
 
     def go_home(self) -> bytes:
         set_state(self.slave, self.home)
@@ -104,7 +115,7 @@ class Host:
     def later(self) -> bytes:
         """Words of a state further on, under another input."""
         self.go_home()
-        assert self.slave.set_real(drive__tau=-3.0) == OK
+        assert self.drive(-3.0) == OK
         for k in range(6, 30):
             assert self.slave.step(k * STEP, STEP) == OK, self.slave.said
         return serialized(self.slave, get_state(self.slave))[HEAD:-WORD]
@@ -135,13 +146,13 @@ def main() -> None:
     for old in SEEDS.iterdir():
         old.unlink()
     with tempfile.TemporaryDirectory() as folder:
-        for i, integrator in enumerate(integrators()):
-            host = Host(fuzzed(integrator, Path(folder)))
-            made = forged(host.words, host.later(), random.Random(integrator))
-            for name, words in made.items():
-                (SEEDS / f"{integrator}-{name}").write_bytes(bytes([i]) + words)
+        for i, plant in enumerate(plants()):
+            host = Host(fuzzed(plant, Path(folder)))
+            made = forged(host.words, host.later(), random.Random(plant))
+            for kind, words in made.items():
+                (SEEDS / seed_name(plant, kind)).write_bytes(bytes([i]) + words)
             taken = sum(host.given(words) for words in made.values())
-            print(f"{integrator}: {len(made)} seeds of {len(host.words) // WORD} words, {taken} taken")
+            print(f"{plant}: {len(made)} seeds of {len(host.words) // WORD} words, {taken} taken")
 
 
 if __name__ == "__main__":

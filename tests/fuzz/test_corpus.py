@@ -22,7 +22,7 @@ from fmu.states import deserialize
 import gelenk
 from gelenk import _core
 
-from .states import Host, fuzzed, integrators
+from .states import Host, fuzzed, plants, seed_name
 
 HERE = Path(__file__).parent
 
@@ -86,14 +86,14 @@ def test_seeds_of_scenes_are_of_both_kinds(fuzzer: str, tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Fmu]:
-    """The fuzzed plant's FMU, by integrator."""
+    """FMUs of the fuzzed plants."""
     folder = tmp_path_factory.mktemp("fuzzed")
-    return cache(lambda integrator: fuzzed(integrator, folder))
+    return cache(lambda plant: fuzzed(plant, folder))
 
 
 @pytest.fixture(scope="module")
 def hosts(exported: Callable[[str], Fmu]) -> Callable[[int], Host]:
-    names = integrators()
+    names = plants()
     made = cache(lambda which: Host(exported(names[which])))
     return lambda byte: made(byte % len(names))
 
@@ -116,10 +116,10 @@ def test_seeds_of_states_are_of_both_kinds(hosts: Callable[[int], Host]) -> None
     assert sum(hosts(which).stepped for which in {data[0] for data in given}) > 5
 
 
-@pytest.mark.parametrize("integrator", integrators())
-def test_seeds_of_states_are_of_today(integrator: str, hosts: Callable[[int], Host]) -> None:
+@pytest.mark.parametrize("plant", plants())
+def test_seeds_of_states_are_of_today(plant: str, hosts: Callable[[int], Host]) -> None:
     """Else they all would be refused by their length: `make states` writes them anew."""
-    data = content("fmu_state", f"{integrator}-whole")
+    data = content("fmu_state", seed_name(plant, "whole"))
     host = hosts(data[0])
     assert host.given(data[1:], steps=1)
     # Compilers round otherwise; ten short steps under tolerances of 1e-6 make less of it.
@@ -132,6 +132,6 @@ def test_fmus_refuse_any_bytes_for_their_scene(
 ) -> None:
     """The native reader gets them undecoded. No seed is the scene of this GUID."""
     (tmp_path / "scene.json").write_bytes(content("scene_json", seed))
-    slave = Slave(exported("auto"), resources=tmp_path.as_uri())
+    slave = Slave(exported("four_bar/auto"), resources=tmp_path.as_uri())
     assert not slave.component
     assert slave.said.startswith("fmi2Instantiate: "), slave.said

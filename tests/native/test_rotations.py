@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rotations that take the z-axis to a direction, above all near its opposite, where the shortest is ambiguous."""
+"""Rotations that take the z-axis to a direction, above all near its opposite, where there are several."""
 
 from __future__ import annotations
 
