@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "formulation/inputs.h"
+#include "inspection/inspection.h"
 #include "modelDescription/fingerprint.h"
 #include "modelDescription/write_xml.h"
-#include "simulation/inspection.h"
 #include "util/text.h"
 
 namespace gelenk {

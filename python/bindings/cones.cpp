@@ -10,12 +10,14 @@
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "bindings.h"
+#include "contact/recorded_problem.h"
 
 namespace nb = nanobind;
 
@@ -44,28 +46,34 @@ struct Solution {
   History history;
 };
 
-Solution solve_cones(const Eigen::MatrixXd& G, const Eigen::VectorXd& b, const std::vector<Cone>& cones,
-                     const std::string& solver, double tolerance, int max_iterations, bool exact_coulomb,
-                     const Eigen::VectorXd& start) {
-  if (G.rows() != G.cols()) throw nb::value_error("G: expected a square matrix");
-  if (start.size() != 0 && start.size() != G.rows())
+Solution solve(const RecordedProblem& problem, const std::string& solver, double tolerance, int max_iterations,
+               bool exact_coulomb, const Eigen::VectorXd& start) {
+  if (start.size() != 0 && start.size() != problem.size())
     throw nb::value_error("start: expected one number for each row of G");
   for (const ConeSolverKind& kind : cone_solver_kinds()) {
     if (kind.name != solver) continue;
-    const DenseConeOperator matrix(G);
     Solution out;
-    out.x = start.size() == 0 ? Eigen::VectorXd::Zero(G.rows()) : start;
+    out.x = start.size() == 0 ? Eigen::VectorXd::Zero(problem.size()) : start;
     Recorder recorder;
     ConeOptions options;
     options.tolerance = tolerance;
     options.max_iterations = max_iterations;
     options.observer = &recorder;
-    const std::span<const double> velocities(b.data(), static_cast<std::size_t>(b.size()));
-    out.result = kind.make()->solve({matrix, velocities, cones, exact_coulomb}, options, out.x.data());
+    out.result = kind.make()->solve(problem.problem(exact_coulomb), options, out.x.data());
     out.history = recorder.history();
     return out;
   }
   throw nb::value_error(("no cone solver is called '" + solver + "'").c_str());
+}
+
+RecordedProblem checked(const Eigen::MatrixXd& G, const Eigen::VectorXd& b, std::vector<Cone> cones) {
+  if (G.rows() != G.cols()) throw nb::value_error("G: expected a square matrix");
+  if (b.size() != G.rows()) throw nb::value_error("b: expected one number for each row of G");
+  return {G, b, std::move(cones)};
+}
+
+Eigen::VectorXd vector(std::span<const double> numbers) {
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
 
 }  // namespace
@@ -88,9 +96,16 @@ void bind_cones(nb::module_& m) {
       .def_prop_ro("products", [](const Solution& of) { return of.result.products; })
       .def_prop_ro("converged", [](const Solution& of) { return of.result.converged; })
       .def_ro("history", &Solution::history);
-  m.def("solve_cones", &solve_cones, nb::arg("G"), nb::arg("b"), nb::arg("cones"), nb::arg("solver") = "hybrid",
-        nb::arg("tolerance") = 1e-10, nb::arg("max_iterations") = 1000, nb::arg("exact_coulomb") = true,
-        nb::arg("start") = Eigen::VectorXd());
+  nb::class_<RecordedProblem>(m, "ConeProblem", "A cone complementarity problem, given or recorded from a step.")
+      .def(nb::new_(&checked), nb::arg("G"), nb::arg("b"), nb::arg("cones"))
+      .def_prop_ro("G", &RecordedProblem::matrix)
+      .def_prop_ro("b", [](const RecordedProblem& of) { return vector(of.b()); })
+      .def_prop_ro("cones",
+                   [](const RecordedProblem& of) { return std::vector<Cone>(of.cones().begin(), of.cones().end()); })
+      .def("without_matrix", &RecordedProblem::without_matrix,
+           "The same for methods as if there were too many rows for a matrix, if there is a root.")
+      .def("solve", &solve, nb::arg("solver") = "hybrid", nb::arg("tolerance") = 1e-10,
+           nb::arg("max_iterations") = 1000, nb::arg("exact_coulomb") = true, nb::arg("start") = Eigen::VectorXd());
   m.def("cone_solvers", [] {
     std::vector<std::pair<std::string, std::string>> out;
     for (const ConeSolverKind& kind : cone_solver_kinds()) out.emplace_back(kind.name, kind.summary);

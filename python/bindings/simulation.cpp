@@ -18,8 +18,8 @@
 
 #include "analysis/equilibrium.h"
 #include "bindings.h"
+#include "inspection/inspection.h"
 #include "scene/wanted_outputs.h"
-#include "simulation/inspection.h"
 #include "simulation/probe.h"
 #include "simulation/start_report.h"
 #include "simulation/state_derivatives.h"
@@ -342,6 +342,10 @@ void bind_reports(nb::class_<Plant>& simulation) {
           "evaluation_cost",
           [](Plant& p) { return p.with([](Simulation& s) { return gelenk::Probe(s).evaluation_cost(); }); },
           "CPU time of one evaluation of the equations of motion at the present state [s], the smallest of several.")
+      .def("_record_cone_problems",
+           [](Plant& p, double end) {
+             return p.with([&](Simulation& s) { return gelenk::Probe(s).record_cone_problems(end); });
+           })
       .def(
           "inspect",
           [](Plant& p, const gelenk::Scene& whole) {

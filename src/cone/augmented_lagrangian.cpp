@@ -48,7 +48,7 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
       if (at.done()) return;
       least_weight = std::min(first_weight, weight_growth * rho_);
       rho_ = least_weight;
-      at.return_to_best();
+      at.return_to(Iterate::best);
       center_at_iterate(at);
       continue;
     }

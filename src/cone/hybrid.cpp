@@ -3,6 +3,8 @@
 // projected gradient where it stalls. Larger problems with a sparse root of G: Newton's method and the augmented
 // Lagrangian method in the space of velocities in turn, or Gauss-Seidel sweeps in loose heaps and where factors fill
 // in. Without a root: the accelerated gradient, with Newton's method up to some hundred contacts if there is a matrix.
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "cone/accelerated_gradient.h"
@@ -25,10 +27,16 @@ constexpr double max_factor_cost = 3e7;        // multiplications, some hundredt
 constexpr double max_loose_rows = 1.5;         // of contacts, per velocity that they change: loose heaps
 constexpr double max_products_per_factor = 8;  // that cost as much as a factorization, in loose heaps
 constexpr int sweeps_without_gain = 250;       // of a factor of two
+constexpr int first_newton_steps = 8;  // from the impulses of the last step, which are close unless bodies strike
+constexpr double near = 1e-3;          // residual of such impulses, relative to the largest velocity
+constexpr int first_sweeps = 1500;
+constexpr int first_patience = 200;  // sweeps without a gain of a factor of two
+constexpr double near_enough = 1e-6;
+constexpr int last_newton_steps = 5;  // they suffice where the right contacts slide
 constexpr int sparse_newton_steps = 30;
 constexpr int proximal_steps = 12;
 constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
-constexpr int max_failures = 3;     // in a row
+constexpr int max_failures = 2;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
@@ -44,7 +52,7 @@ class HybridSolver final : public IterativeConeSolver {
     newton_.reserve(at.size(), at.cones().size());
     bool newton = at.size() <= newton_first;
     for (; !at.done(); newton = !newton) {
-      at.return_to_best();
+      at.return_to(Iterate::best);
       if (newton) {
         newton_.run(at, newton_steps);
         for (int k = 0; k < fixed_point_steps && at.exact() && !at.done(); ++k) fixed_point_step(at, k == 0);
@@ -61,14 +69,36 @@ class HybridSolver final : public IterativeConeSolver {
     hessian_.start(at);
     if (sweeps_suffice(at)) return sweeps_.run(at, std::numeric_limits<int>::max(), sweeps_without_gain);
     newton_.reserve(at.size(), at.cones().size(), &hessian_);
+    if (at.exact() && solve_by_sweeps(at)) return;
     for (int failures = 0; !at.done() && failures < max_failures;) {
       const double before = at.best_residual();
       newton_.run(at, sparse_newton_steps);
-      at.return_to_best();
+      at.return_to(Iterate::best);
       if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps);
-      at.return_to_best();
+      at.return_to(Iterate::best);
       failures = at.best_residual() < least_gain * before ? 0 : failures + 1;
     }
+  }
+
+  static bool is_near(ConeIteration& at, double fraction) {
+    double largest = 0;
+    for (Eigen::Index i = 0; i < at.size(); ++i) largest = std::max(largest, std::abs(at.b()[i]) / at.scale(i));
+    return at.best_residual() <= fraction * largest;
+  }
+
+  // Bodies that strike and slide by Coulomb's law: sweeps come close, and where Newton's method finds no way on from
+  // there, the augmented Lagrangian method rarely does, and costs a hundred times as much. Returns whether that is near
+  // enough.
+  bool solve_by_sweeps(ConeIteration& at) {
+    if (is_near(at, near)) newton_.run(at, first_newton_steps);
+    if (at.done()) return true;
+    at.return_to(Iterate::start);  // failed steps leave impulses that balance each other
+    sweeps_.run(at, first_sweeps, first_patience);
+    at.return_to(Iterate::best);
+    if (at.done()) return true;
+    newton_.run(at, last_newton_steps);
+    at.return_to(Iterate::best);
+    return at.done() || is_near(at, near_enough);
   }
 
   // Sweeps are quick in loose heaps, whose impulses are nearly determined. Towers and walls, whose blocks touch at
@@ -90,7 +120,7 @@ class HybridSolver final : public IterativeConeSolver {
   // Solves the convex problem with De Saxce's shift of the present iterate, to a fraction: a step of the fixed-point
   // iteration of FrozenShift, but with Newton's method.
   void fixed_point_step(ConeIteration& at, bool first) {
-    if (first) at.return_to_best();
+    if (first) at.return_to(Iterate::best);
     shift_.start(at.size());
     ConeVector shift = shift_.vector(at.size());
     shift.setZero();

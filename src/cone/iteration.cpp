@@ -171,7 +171,7 @@ bool ConeIteration::project_iterate() {
 
 ConeResult ConeIteration::finish() {
   if (!std::isfinite(result_.residual)) return result_;
-  return_to_best();
+  return_to(Iterate::best);
   if (project_iterate()) {
     result_.residual = present_residual();
     result_.converged = result_.residual <= std::max(options_->tolerance, rounding());
@@ -273,8 +273,9 @@ bool ConeIteration::advance(bool look) {
   return !done();
 }
 
-void ConeIteration::return_to_best() {
-  std::copy_n(best_x_, size_, x_);
+void ConeIteration::return_to(Iterate which) {
+  std::copy_n(which == Iterate::best ? best_x_ : start_x_, size_, x_);
+  if (which == Iterate::start) return update_velocity();
   std::copy_n(best_u_, size_, u_);
 }
 

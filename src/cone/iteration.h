@@ -35,6 +35,8 @@ class ConeMemory {
 // out <- out + s(u), De Saxce's shift
 void add_lift(std::span<const Cone> cones, const double* u, double* out);
 
+enum class Iterate { start, best };
+
 class ConeIteration {
  public:
   // Starts at x, projected onto K. problem, options and x stay in use until finish().
@@ -64,7 +66,7 @@ class ConeIteration {
   bool done() const { return result_.converged || result_.iterations >= options_->max_iterations; }
   double residual() const { return residual_; }  // of the present iterate, at the last advance()
   double best_residual() const { return result_.residual; }
-  void return_to_best();
+  void return_to(Iterate which);
 
  private:
   void check() const;

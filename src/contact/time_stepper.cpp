@@ -303,7 +303,9 @@ void TimeStepper::solve_impulses() {
   ConeOptions options;
   options.tolerance = velocity_tolerance();
   options.max_iterations = max_iterations;
-  const ConeResult result = solver_->solve({*operator_, b_, cones_, true}, options, x_.data());
+  const ConeProblem problem{*operator_, b_, cones_, true};
+  if (recorded_ != nullptr) recorded_->emplace_back(problem);
+  const ConeResult result = solver_->solve(problem, options, x_.data());
   solved_.residual = std::max(solved_.residual, result.residual);
   solved_.iterations = std::max(solved_.iterations, result.iterations);
 }

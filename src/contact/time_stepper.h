@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "cone/cone.h"
-#include "cone/selected_rows.h"
 #include "contact/contact_finder.h"
 #include "contact/contact_state.h"
 #include "contact/free_rotation.h"
+#include "contact/recorded_problem.h"
+#include "contact/selected_rows.h"
 #include "dynamics/dynamics.h"
 #include "kinematics/model.h"
 
@@ -52,6 +53,8 @@ class TimeStepper final : public ContactReadings {
     int iterations = 0;   // the most for one problem
   };
   const Solved& solved() const { return solved_; }
+  // Where to append the problems that are solved; null: nowhere.
+  void record(std::vector<RecordedProblem>* to) { recorded_ = to; }
   // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
   void begin_part(bool continues);
   void undo_part() { state_ = before_; }
@@ -106,6 +109,7 @@ class TimeStepper final : public ContactReadings {
   std::unique_ptr<ConeSolver> solver_;
   ContactState state_, before_;
   Solved solved_;
+  std::vector<RecordedProblem>* recorded_ = nullptr;
 
   std::vector<TouchPoint> points_;       // of this step
   std::vector<Eigen::Matrix3d> frames_;  // by point: normal and tangential axes, in columns

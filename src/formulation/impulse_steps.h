@@ -46,6 +46,9 @@ class ImpulseSteps final : public ImpulseEquations {
   std::string failure() const { return are_used() ? stepper_->failure() : ""; }
   TimeStepper::Solved solved() const { return are_used() ? stepper_->solved() : TimeStepper::Solved{}; }
   std::size_t contact_points() const { return are_used() ? stepper_->state().contacts.size() : 0; }
+  void record(std::vector<RecordedProblem>* to) {
+    if (are_used()) stepper_->record(to);
+  }
   // What outputs of contacts show; null: otherwise.
   ContactReadings* readings() const { return stepper_.get(); }
   void serialize(Archive& archive);

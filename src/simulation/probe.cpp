@@ -53,6 +53,21 @@ double Probe::evaluation_cost() {
   return sum;
 }
 
+std::vector<RecordedProblem> Probe::record_cone_problems(double end) {
+  if (!impl_.initialized) throw UsageError("a recording before initialize()");
+  std::vector<RecordedProblem> out;
+  const auto record = [&](std::vector<RecordedProblem>* to) {
+    for (const auto& island : impl_.islands) island->equations_->impulses()->record(to);
+  };
+  struct Off {
+    const decltype(record)& set;
+    ~Off() { set(nullptr); }
+  } off{record};
+  record(&out);
+  simulation_.step_to(end);
+  return out;
+}
+
 // The smallest of several measurements. budget: approximate measuring time [s].
 double Probe::evaluation_cost(Island& of, double budget) {
   if (of.mechanism().nv == 0) return 0;

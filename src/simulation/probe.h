@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "contact/recorded_problem.h"
 #include "simulation/simulation.h"
 
 namespace gelenk {
@@ -13,7 +14,7 @@ class Island;
 // View of a simulation that outlives it. Requires initialize().
 class Probe {
  public:
-  explicit Probe(Simulation& of) : impl_(*of.impl_) {}
+  explicit Probe(Simulation& of) : simulation_(of), impl_(*of.impl_) {}
 
   // The equations of an island as its integrator evaluates them, and its state (q, v). Evaluating the equations
   // invalidates the outputs at the present time.
@@ -25,10 +26,13 @@ class Probe {
   // CPU time of one evaluation of the equations of motion of all islands at the present state [s]. Measures for some
   // tens of ms.
   double evaluation_cost();
+  // Advances to `end` and returns the cone problems of all islands that were solved on the way.
+  std::vector<RecordedProblem> record_cone_problems(double end);
 
  private:
   static double evaluation_cost(Island& of, double budget);
 
+  Simulation& simulation_;
   Simulation::Impl& impl_;
 };
 

@@ -24,6 +24,9 @@ TITLES = {
     "dense": "dense: eigenvalues to 1 : 1e6",
     "chain": "chain: stacks of unequal bodies",
     "redundant": "redundant: half the rank",
+    "spheres": "recorded: heaps of spheres",
+    "boxes": "recorded: walls of boxes",
+    "loops": "recorded: boxes on a linkage",
 }
 
 
@@ -38,7 +41,7 @@ def draw(runs: Sequence[ConeRun], path: Path, exact_coulomb: bool = False) -> No
     kinds = [kind for kind in KINDS if any(run.kind == kind for run in runs)]
     solvers = list(dict.fromkeys(run.solver for run in runs))
     figure, axes = plt.subplots(
-        3, len(kinds), figsize=(4.1 * len(kinds) + 1.2, 9.2), sharex=True, sharey="row", squeeze=False,
+        3, len(kinds), figsize=(3.4 * len(kinds) + 1.2, 9.2), sharex=True, sharey="row", squeeze=False,
         layout="constrained", gridspec_kw={"height_ratios": [3, 3, 2]},
     )  # fmt: skip
     for j, kind in enumerate(kinds):

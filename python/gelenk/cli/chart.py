@@ -231,19 +231,24 @@ def cones(
         bool, typer.Option("--coulomb", help="Solve Coulomb's law instead of the convex problems.")
     ] = False,
     output: Output = Path("charts"),
-    quick: Annotated[bool, typer.Option("--quick", help="Solve twelve of the hundred problems.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Solve 24 of the problems.")] = False,
 ) -> Report:
     """Plot the work of the cone solvers against their residual.
 
-    They solve a hundred problems of frictional contact with known solutions.
+    They solve a hundred problems of frictional contact with known solutions, and 24 that are recorded from
+    scenes: heaps of spheres, walls of boxes, boxes on a linkage.
     """
     from gelenk.chart import cones as cone_study
     from gelenk.chart import draw_cones
     from gelenk.chart.cone_problems import COUNT
+    from gelenk.chart.recorded_cones import recorded_scenes
 
     pyplot()  # reports missing matplotlib before anything is run
     with status_line(sys.stderr) as progress:
-        runs = cone_study.study(solvers, range(12 if quick else COUNT), exact_coulomb, progress)
+        numbers, scenes = range(COUNT), recorded_scenes()
+        if quick:
+            numbers, scenes = numbers[:12], scenes[::2]
+        runs = cone_study.study(solvers, numbers, exact_coulomb, scenes, progress)
     output.mkdir(parents=True, exist_ok=True)
     name = "cones-coulomb" if exact_coulomb else "cones"
     table, picture = output / f"{name}.csv", output / f"{name}.png"

@@ -62,7 +62,7 @@ def test_the_load_presses_with_its_weight_and_inertia(between: list[str]) -> Non
     stiffness = (carried * ARM + 2 * LINK * ARM / 2) * G
 
     def acceleration(angle: float) -> float:
-        return -stiffness * np.sin(angle) / inertia
+        return -stiffness * float(np.sin(angle)) / inertia
 
     times = np.arange(1, 801) * STEP
     exact = solve_ivp(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cone/selected_rows.h"
+#include "contact/selected_rows.h"
 
 #include <algorithm>
 

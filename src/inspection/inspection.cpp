@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simulation/inspection.h"
+#include "inspection/inspection.h"
 
 #include <Eigen/LU>
 #include <algorithm>
