@@ -32,6 +32,11 @@ foreach(language IN ITEMS C CXX)
   # Zig adds checks of undefined behavior to some builds. Paths would differ between machines.
   string(APPEND CMAKE_${language}_FLAGS_INIT
     " -fno-sanitize=undefined -ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
+  # Return addresses are signed and indirect calls must lead to landing pads, on processors that verify this; others skip
+  # these instructions. Systems do not enforce landing pads, as Zig's C++ library has none.
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    string(APPEND CMAKE_${language}_FLAGS_INIT " -mbranch-protection=standard")
+  endif()
   # <math.h> of macOS gets INFINITY and NAN from <float.h>, of which libc++ lets it read either these or the rest.
   if(CMAKE_SYSTEM_NAME STREQUAL "Darwin")
     string(APPEND CMAKE_${language}_FLAGS_INIT " -include float.h -include __float_infinity_nan.h")
