@@ -24,7 +24,7 @@ MACHINES = [
     for name, machine in (("Windows", WINDOWS), ("ARM", ARM))
 ]
 SCENES = sorted((HERE.parents[1] / "scenes").glob("*.yaml"))
-# Ends of runs [s] where rounding alone changes results by more than the bound, as a test below shows on linux64.
+# Ends of runs [s] where rounding alone changes results by more than the bound: a test below shows it here.
 # Differences of start values grow by a factor of 10,600 over the run of the five-bar and 390 up to 1.4 s, of
 # 7300 over the run of the body that tumbles about its middle axis and 1800 up to 10 s (tolerance 1e-13).
 # Rounding changes the steps that error control chooses, i.e. results by a fraction of the tolerance, and that
