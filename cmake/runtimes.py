@@ -37,7 +37,7 @@ class Platform:
 
     targets: Sequence[str]
     library: str
-    licenses: Sequence[str] = ("LLVM",)
+    licenses: tuple[str, ...] = ("LLVM",)
 
 
 # glibc 2.17 is the first one for AArch64. macOS 11 is the first one on ARM.
