@@ -68,7 +68,7 @@ class Environment:
         return done.stdout
 
     def first_fmu(self, wheel: Path) -> None:
-        """Install Gelenk and export the scene of the README, with the libraries that `make runtimes` has built."""
+        """Install Gelenk and export the scene of the README, for the platforms of `make runtimes`."""
         self.said("pip", "install", "--only-binary=:all:", str(wheel), *map(str, RUNTIMES[-1:]))
         scene = blocks(ROOT / "README.md", "yaml")[0]
         (self.folder / "four_bar.yaml").write_text(scene, encoding="utf-8")
