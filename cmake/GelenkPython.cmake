@@ -6,6 +6,13 @@ find_package(nanobind CONFIG REQUIRED)
 file(GLOB binding_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/bindings/*.cpp)
 if(binding_sources)
   nanobind_add_module(_core STABLE_ABI NB_STATIC ${binding_sources})  # one module for Python 3.12 and all later ones
+  if(WIN32)
+    set_property(TARGET _core PROPERTY SUFFIX .pyd)
+  endif()
+  if(GELENK_ZIG AND APPLE)  # Zig's linker makes no bundles and reads no list of the interpreter's symbols
+    set(CMAKE_SHARED_MODULE_CREATE_CXX_FLAGS -dynamiclib)
+    set_property(TARGET _core PROPERTY LINK_OPTIONS -Wl,-undefined,dynamic_lookup)
+  endif()
   target_link_libraries(_core PRIVATE gelenk_flags gelenk_core)
   set(nanobind_library nanobind-static)
   if(TARGET nanobind-static-abi3)

@@ -8,11 +8,13 @@ The module uses Python's stable ABI, so that the headers of this machine's Pytho
 from __future__ import annotations
 
 import argparse
+import hashlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,19 +29,24 @@ class CrossWheel:
         platform: of FMI, whose runtime the wheel contains.
         target: of Zig.
         tag: of the wheel's file name; the system must not be older.
+        module: file name of the compiled module.
     """
 
     platform: str
     target: str
     tag: str
+    module: str = "_core.abi3.so"
 
 
 WHEELS = [
     CrossWheel("aarch64-linux", "aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64"),
     CrossWheel("darwin64", "aarch64-macos.11.0", "macosx_11_0_arm64"),
     CrossWheel("darwin64", "x86_64-macos.11.0", "macosx_11_0_x86_64"),
+    CrossWheel("win64", "x86_64-windows-gnu", "win_amd64", "_core.pyd"),
 ]
-MODULE = "_core.abi3.so"
+# Headers and import library of Python for Windows, from Maven Central.
+WINDOWS_PYTHON = "org.bytedeco:cpython:3.14.3-1.5.13:jar:windows-x86_64"
+WINDOWS_PYTHON_SHA256 = "3291bf3d8f405335ac21dbe55780521fdfd295b0f9f43f7e6e8c55bedd709cb3"
 
 
 def module(wheel: CrossWheel, builds: Path) -> Path:
@@ -47,9 +54,37 @@ def module(wheel: CrossWheel, builds: Path) -> Path:
     folder = builds / wheel.target / "gelenk"
     if not (folder / "CMakeCache.txt").exists():
         sys.exit(f"{folder}: found no build of the runtime for {wheel.platform}; `make runtimes` makes it")
-    run("cmake", folder, "-DGELENK_PYTHON=ON", "-DSKBUILD_SABI_COMPONENT=Development.SABIModule")
+    options = ["-DGELENK_PYTHON=ON", "-DSKBUILD_SABI_COMPONENT=Development.SABIModule"]
+    if wheel.platform == "win64":
+        options.append(f"-DGELENK_PYTHON_SDK={windows_python(builds / 'windows-python')}")
+    run("cmake", folder, *options)
     run("cmake", "--build", folder, "--target", "_core")
-    return folder / MODULE
+    return folder / wheel.module
+
+
+def windows_python(folder: Path) -> Path:
+    """Fetch Python for Windows with Maven, verify it, and return the folder with include/ and libs/."""
+    group, artifact, version, _, classifier = WINDOWS_PYTHON.split(":")
+    file = folder / f"{artifact}-{version}-{classifier}.jar"
+    if not file.exists():
+        if shutil.which("mvn") is None:
+            sys.exit("mvn: not found; it fetches Python's headers for Windows. Debian: apt-get install maven")
+        run(
+            "mvn",
+            "-q",
+            "-B",
+            "dependency:copy",
+            f"-Dartifact={WINDOWS_PYTHON}",
+            f"-DoutputDirectory={folder}",
+        )
+    found = hashlib.sha256(file.read_bytes()).hexdigest()
+    if found != WINDOWS_PYTHON_SHA256:
+        sys.exit(
+            f"{file}: SHA-256: found {found}, expected {WINDOWS_PYTHON_SHA256}; delete it to fetch it again"
+        )
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(folder)
+    return folder.joinpath(*group.split("."), artifact, classifier)
 
 
 def repacked(wheel: CrossWheel, source: Path, built: Path, runtimes: Path, out: Path) -> None:
@@ -58,7 +93,8 @@ def repacked(wheel: CrossWheel, source: Path, built: Path, runtimes: Path, out: 
         run(sys.executable, "-m", "wheel", "unpack", "--dest", temporary, source)
         (root,) = Path(temporary).iterdir()
         package = root / "gelenk"
-        shutil.copy(built, package / MODULE)
+        (package / "_core.abi3.so").unlink()
+        shutil.copy(built, package / wheel.module)
         shutil.rmtree(package / "runtime")
         shutil.copytree(runtimes / wheel.platform, package / "runtime" / wheel.platform)
         (info,) = root.glob("*.dist-info")

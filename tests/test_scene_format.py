@@ -148,7 +148,7 @@ def test_information_that_xml_cannot_contain_is_refused(key: str, text: str) -> 
 
 @pytest.mark.parametrize("text", ["a\nb", "\ufffe"])
 def test_a_name_has_one_line_of_characters(text: str) -> None:
-    with pytest.raises(gelenk.SceneError, match="name: found '.*', expected a name of 1 to 200 printable"):
+    with pytest.raises(gelenk.SceneError, match=r"name: found '.*', expected a name of 1 to 200 printable"):
         gelenk.load(two_bodies({"type": "revolute"}) | {"name": text})
 
 
