@@ -106,7 +106,7 @@ def test_information_about_the_scene_is_in_the_attributes_of_the_same_names(tmp_
     with zipfile.ZipFile(other) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     assert {key: root.get(key) for key in texts if key in root.attrib} == {
-        "description": "Multibody plant Mechanism"
+        "description": "Multibody plant FourBar"
     }
 
 
