@@ -5,13 +5,13 @@
 # The interpreter: -DPython_EXECUTABLE, that of an active virtualenv, or one on PATH.
 set(Python_FIND_VIRTUALENV FIRST)
 set(Python_FIND_UNVERSIONED_NAMES FIRST)
-if(GELENK_PYTHON_SDK)  # headers and import library of Python for Windows, when building elsewhere
+if(GELENK_PYTHON_HEADERS)  # for another platform: cmake/cross_wheels.py
   find_package(Python 3.12 REQUIRED COMPONENTS Interpreter)
-  set(Python_INCLUDE_DIRS ${GELENK_PYTHON_SDK}/include)
+  set(Python_INCLUDE_DIRS ${GELENK_PYTHON_HEADERS})
   foreach(target IN ITEMS Module SABIModule)
     add_library(Python::${target} INTERFACE IMPORTED)
-    target_include_directories(Python::${target} INTERFACE ${GELENK_PYTHON_SDK}/include)
-    target_link_libraries(Python::${target} INTERFACE ${GELENK_PYTHON_SDK}/libs/python3.lib)
+    target_include_directories(Python::${target} INTERFACE ${GELENK_PYTHON_HEADERS})
+    target_link_libraries(Python::${target} INTERFACE ${GELENK_PYTHON_LIBRARY})
   endforeach()
 elseif(GELENK_PYTHON)
   find_package(Python 3.12 REQUIRED COMPONENTS Interpreter Development.Module ${SKBUILD_SABI_COMPONENT})

@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import zipfile
 from dataclasses import dataclass
@@ -54,10 +55,14 @@ def module(wheel: CrossWheel, builds: Path) -> Path:
     folder = builds / wheel.target / "gelenk"
     if not (folder / "CMakeCache.txt").exists():
         sys.exit(f"{folder}: found no build of the runtime for {wheel.platform}; `make runtimes` makes it")
-    options = ["-DGELENK_PYTHON=ON", "-DSKBUILD_SABI_COMPONENT=Development.SABIModule"]
+    options = {"GELENK_PYTHON": "ON", "GELENK_PYTHON_HEADERS": sysconfig.get_path("include")}
     if wheel.platform == "win64":
-        options.append(f"-DGELENK_PYTHON_SDK={windows_python(builds / 'windows-python')}")
-    run("cmake", folder, *options)
+        python = windows_python(builds / "windows-python")
+        options |= {
+            "GELENK_PYTHON_HEADERS": str(python / "include"),
+            "GELENK_PYTHON_LIBRARY": str(python / "libs" / "python3.lib"),
+        }
+    run("cmake", folder, *(f"-D{name}={value}" for name, value in options.items()))
     run("cmake", "--build", folder, "--target", "_core")
     return folder / wheel.module
 
