@@ -53,6 +53,7 @@ LICENSES = {
 SUNDIALS_OPTIONS = {
     "CMAKE_BUILD_TYPE": "Release",
     "BUILD_SHARED_LIBS": "OFF",
+    "CMAKE_C_VISIBILITY_PRESET": "hidden",  # on macOS, the library would export SUNDIALS, too
     "BUILD_CVODE": "OFF",
     "BUILD_IDA": "OFF",
     "BUILD_KINSOL": "OFF",
