@@ -5,7 +5,15 @@
 # The interpreter: -DPython_EXECUTABLE, that of an active virtualenv, or one on PATH.
 set(Python_FIND_VIRTUALENV FIRST)
 set(Python_FIND_UNVERSIONED_NAMES FIRST)
-if(GELENK_PYTHON)
+if(GELENK_PYTHON_HEADERS)  # for another platform: cmake/cross_wheels.py
+  find_package(Python 3.12 REQUIRED COMPONENTS Interpreter)
+  set(Python_INCLUDE_DIRS ${GELENK_PYTHON_HEADERS})
+  foreach(target IN ITEMS Module SABIModule)
+    add_library(Python::${target} INTERFACE IMPORTED)
+    target_include_directories(Python::${target} INTERFACE ${GELENK_PYTHON_HEADERS})
+    target_link_libraries(Python::${target} INTERFACE ${GELENK_PYTHON_LIBRARY})
+  endforeach()
+elseif(GELENK_PYTHON)
   find_package(Python 3.12 REQUIRED COMPONENTS Interpreter Development.Module ${SKBUILD_SABI_COMPONENT})
 else()
   find_package(Python 3.8 QUIET COMPONENTS Interpreter)

@@ -25,6 +25,16 @@ target_compile_options(gelenk_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${GELENK_WERROR}>:-Werror>)
 
+# Processors with control-flow enforcement detect calls and returns that lead elsewhere (CET: landing pads, shadow stack);
+# others skip these instructions. For ARM, cmake/zig.cmake gives the flag to all code. The linker marks a library as
+# fit for the shadow stack if all its parts are, but the C library's few startup instructions are not marked on every
+# system; they do not change return addresses.
+set(GELENK_CET OFF)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT GELENK_SANITIZE)
+  set(GELENK_CET ON)
+  target_compile_options(gelenk_flags INTERFACE $<$<CONFIG:Release>:-fcf-protection=full>)
+endif()
+
 # The address sanitizer is combined with that for undefined behavior; the thread sanitizer needs its own runtime.
 set(sanitizers_address address,undefined)
 set(sanitizers_thread thread)

@@ -44,6 +44,8 @@ else()
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free  # fmu/memory.h
     -Wl,--version-script=${exports_map} -Wl,-Bsymbolic
     -Wl,-z,relro,-z,now -Wl,-z,noexecstack
+    # Zig's linker does not know the option.
+    $<$<AND:$<BOOL:${GELENK_CET}>,$<CONFIG:Release>,$<NOT:$<BOOL:${GELENK_ZIG}>>>:-Wl,-z,shstk>
     $<$<NOT:$<BOOL:${GELENK_SANITIZE}>>:-Wl,-z,defs>)
 endif()
 

@@ -37,7 +37,7 @@ class Platform:
 
     targets: Sequence[str]
     library: str
-    licenses: Sequence[str] = ("LLVM",)
+    licenses: tuple[str, ...] = ("LLVM",)
 
 
 # glibc 2.17 is the first one for AArch64. macOS 11 is the first one on ARM.
@@ -53,6 +53,7 @@ LICENSES = {
 SUNDIALS_OPTIONS = {
     "CMAKE_BUILD_TYPE": "Release",
     "BUILD_SHARED_LIBS": "OFF",
+    "CMAKE_C_VISIBILITY_PRESET": "hidden",  # on macOS, the library would export SUNDIALS, too
     "BUILD_CVODE": "OFF",
     "BUILD_IDA": "OFF",
     "BUILD_KINSOL": "OFF",

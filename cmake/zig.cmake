@@ -29,9 +29,15 @@ set(CMAKE_RC_COMPILER ${tools}/rc)
 
 foreach(language IN ITEMS C CXX)
   set(CMAKE_${language}_FLAGS_RELEASE "-O2 -DNDEBUG" CACHE STRING "")
-  # Zig adds checks of undefined behavior to some builds. Paths would differ between machines.
+  # Zig adds checks of undefined behavior to some builds, and debugging symbols to all, which the linker removes again.
+  # Paths would differ between machines.
   string(APPEND CMAKE_${language}_FLAGS_INIT
-    " -fno-sanitize=undefined -ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
+    " -g0 -fno-sanitize=undefined -ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
+  # Return addresses are signed and indirect calls must lead to landing pads, on processors that verify this; others skip
+  # these instructions. Systems do not enforce landing pads, as Zig's C++ library has none.
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    string(APPEND CMAKE_${language}_FLAGS_INIT " -mbranch-protection=standard")
+  endif()
   # <math.h> of macOS gets INFINITY and NAN from <float.h>, of which libc++ lets it read either these or the rest.
   if(CMAKE_SYSTEM_NAME STREQUAL "Darwin")
     string(APPEND CMAKE_${language}_FLAGS_INIT " -include float.h -include __float_infinity_nan.h")

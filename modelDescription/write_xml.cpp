@@ -255,6 +255,14 @@ void write_structure(Writer& w, const Catalog& catalog, const std::vector<Knowns
   w.close(1, "ModelStructure");
 }
 
+void write_metadata(Writer& w, const Scene& scene) {
+  Metadata metadata = scene.metadata;
+  if (metadata.description.empty()) metadata.description = "Multibody plant " + scene.name;
+  for (const MetadataKey& key : metadata_keys) {
+    if (const std::string text = on_one_line(metadata.*key.text); !text.empty()) w.attribute(key.name, text);
+  }
+}
+
 }  // namespace
 
 std::string escaped(std::string_view text) {
@@ -280,12 +288,19 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string on_one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  std::ranges::replace_if(text, [](char c) { return c == '\n' || c == '\t'; }, ' ');
+  return text;
+}
+
 std::string write_model_description(const Scene& scene, const Catalog& catalog, const std::vector<Knowns>& dependencies,
                                     const FmuFacts& facts) {
   Writer w;
   w.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
   w.open(0, "fmiModelDescription").attribute("fmiVersion", "2.0").attribute("modelName", scene.name);
-  w.attribute("guid", facts.guid).attribute("description", "Multibody plant " + scene.name);
+  w.attribute("guid", facts.guid);
+  write_metadata(w, scene);
   w.attribute("generationTool", "Gelenk " + std::string(gelenk_version()));
   w.attribute("variableNamingConvention", "structured").attribute("numberOfEventIndicators", 0).inside();
   write_capabilities(w, facts);

@@ -22,6 +22,10 @@ struct FmuFacts {
 std::string write_model_description(const Scene& scene, const Catalog& catalog, const std::vector<Knowns>& dependencies,
                                     const FmuFacts& facts);
 
+// The text with line breaks and tabs as spaces, as attributes of XML contain none; those at the end, which YAML's
+// folded texts have, are dropped.
+std::string on_one_line(std::string text);
+
 // The text with the special characters of XML and HTML escaped; control characters are dropped.
 std::string escaped(std::string_view text);
 

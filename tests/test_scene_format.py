@@ -125,6 +125,33 @@ def test_three_moments_of_inertia_are_six_without_products() -> None:
     assert gelenk.load(scene).to_dict()["bodies"]["b"]["inertia"] == [0.3, 0.4, 0.5, 0, 0, 0]
 
 
+TEXTS = ("author", "version", "description", "copyright", "license")
+
+
+def test_information_about_the_scene_is_kept_as_it_is_given() -> None:
+    texts = {key: f'{key} <&> "Ü"\n\tof two lines\n' for key in TEXTS} | {"author": "é" * 10_000}
+    scene = two_bodies({"type": "revolute"})
+    written = gelenk.load(scene | texts).to_dict()
+    assert {key: written[key] for key in TEXTS} == texts
+    assert not set(TEXTS) & set(gelenk.load(scene).to_dict())
+
+
+@pytest.mark.parametrize("key", TEXTS)
+@pytest.mark.parametrize("text", ["", "é" * 10_001, "a\x07b", "a\x7fb", "a\rb", "a\ufffeb", "\uffff"])
+def test_information_that_xml_cannot_contain_is_refused(key: str, text: str) -> None:
+    scene = two_bodies({"type": "revolute"})
+    with pytest.raises(
+        gelenk.SceneError, match=f"{key}: found '.*', expected a text of 1 to 10000 printable"
+    ):
+        gelenk.load(scene | {key: text})
+
+
+@pytest.mark.parametrize("text", ["a\nb", "\ufffe"])
+def test_a_name_has_one_line_of_characters(text: str) -> None:
+    with pytest.raises(gelenk.SceneError, match=r"name: found '.*', expected a name of 1 to 200 printable"):
+        gelenk.load(two_bodies({"type": "revolute"}) | {"name": text})
+
+
 def test_sections_keep_the_order_of_the_file() -> None:
     names = ["z", "a", "m", "b"]
     scene = {

@@ -2,6 +2,7 @@
 #include "fmu/export/write_page.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "formulation/inputs.h"
 #include "inspection/inspection.h"
@@ -109,6 +110,21 @@ std::string figures(const PageContents& contents) {
   return out + "</figcaption>\n</figure>\n";
 }
 
+// What the scene says about itself.
+std::string about(const Metadata& metadata) {
+  std::string out;
+  if (!metadata.description.empty()) out += "<p>" + escaped(on_one_line(metadata.description)) + "</p>\n";
+  constexpr std::pair<const char*, std::string Metadata::*> facts[] = {{"Author", &Metadata::author},
+                                                                       {"Version", &Metadata::version},
+                                                                       {"Copyright", &Metadata::copyright},
+                                                                       {"License", &Metadata::license}};
+  for (const auto& [title, text] : facts) {
+    const std::string line = on_one_line(metadata.*text);
+    if (!line.empty()) out += std::string("<p>") + title + ": " + escaped(line) + "</p>\n";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string write_documentation(Simulation& simulation, const Catalog& catalog, const PageContents& contents) {
@@ -116,8 +132,8 @@ std::string write_documentation(Simulation& simulation, const Catalog& catalog, 
   const ModelSize& size = simulation.size();
   const std::string name = escaped(scene.name);
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name +
-                     "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n<p>";
-  page += "Multibody plant with " + std::to_string(size.bodies) +
+                     "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n";
+  page += about(scene.metadata) + "<p>Multibody plant with " + std::to_string(size.bodies) +
           (size.bodies == 1 ? " moving body: " : " moving bodies: ") + counted(size.coordinates, "coordinate") + ", " +
           std::to_string(size.speeds) + (size.speeds == 1 ? " velocity" : " velocities") + ", " +
           counted(size.rows, "constraint equation") + " of rank " + std::to_string(size.rank) + ", so " +

@@ -17,6 +17,7 @@
 #include "element/registry.h"
 #include "joint/registry.h"
 #include "math/spatial.h"
+#include "scene/metadata.h"
 #include "scene/unit_system.h"
 #include "shape/registry.h"
 
@@ -161,6 +162,7 @@ struct AssemblySettings {
 struct Scene {
   std::string file;  // for messages; empty if the scene was not read from a file
   std::string name = "Mechanism";
+  Metadata metadata;
   UnitSystem units;                                   // units of the numbers in this scene
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s2
   std::vector<Body> bodies;

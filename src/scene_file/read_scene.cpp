@@ -21,16 +21,43 @@ bool version_is_supported(Fields& fields) {
   return false;
 }
 
+// A text that files and XML can contain, of 1 to `longest` characters. U+FFFE and U+FFFF (EF BF BE and EF BF BF in
+// UTF-8) are no characters.
+bool is_printable(const std::string& text, std::size_t longest, bool lines) {
+  const auto printable = [&](unsigned char c) {
+    return (c >= 0x20 && c != 0x7f) || (lines && (c == '\n' || c == '\t'));
+  };
+  const auto size = std::ranges::count_if(text, [](unsigned char c) { return (c & 0xc0U) != 0x80; });
+  return !text.empty() && static_cast<std::size_t>(size) <= longest && std::ranges::all_of(text, printable) &&
+         text.find("\xef\xbf\xbe") == std::string::npos && text.find("\xef\xbf\xbf") == std::string::npos;
+}
+
 std::string read_name(Fields& fields, const std::string& otherwise) {
   const Json* value = fields.find("name");
   if (value == nullptr) return otherwise;
   constexpr const char* expected = "a name of 1 to 200 printable characters";
   const auto name = read_text(*value, "name", fields.faults(), expected);
   if (!name) return otherwise;
-  const bool printable = std::ranges::all_of(*name, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
-  if (!name->empty() && name->size() <= 200 && printable) return *name;
+  if (is_printable(*name, 200, false)) return *name;
   fields.faults().add("name", text::quoted(*name), expected);
   return otherwise;
+}
+
+void read_metadata(Fields& fields, Metadata& metadata) {
+  const std::string expected = "a text of 1 to " + std::to_string(max_metadata_size) + " printable characters";
+  for (const MetadataKey& key : metadata_keys) {
+    const std::string name(key.name);
+    const Json* value = fields.find(name);
+    if (value == nullptr) continue;
+    const bool number = value->is_number() || value->is_boolean();
+    const auto text = read_text(*value, name, fields.faults(), expected + (number ? "; put it in quotes" : ""));
+    if (!text) continue;
+    if (is_printable(*text, max_metadata_size, true)) {
+      metadata.*key.text = *text;
+    } else {
+      fields.faults().add(name, text::quoted(*text), expected);
+    }
+  }
 }
 
 std::vector<std::string> keys(const Json* section) {
@@ -78,6 +105,7 @@ Scene scene_from_tree(const Json& tree, const std::string& file, Faults& faults)
   if (fields.valid() && version_is_supported(fields)) {
     SuspectNames suspect_names;
     scene.name = read_name(fields, scene.name);
+    read_metadata(fields, scene.metadata);
     scene.gravity = fields.vector("gravity", "m/s2");
     read_sections(fields, scene, suspect_names);
     fields.done();

@@ -210,6 +210,9 @@ std::string write_scene_json(const Scene& scene) {
   Json out;
   out["gelenk"] = scene_version;
   out["name"] = scene.name;
+  for (const MetadataKey& key : metadata_keys) {
+    if (const std::string& text = scene.metadata.*key.text; !text.empty()) out[std::string(key.name)] = text;
+  }
   out["gravity"] = numbers_of(scene.gravity);
   if (!scene.ground_shapes.empty()) out["ground"]["shapes"] = section(scene.ground_shapes, shape);
   out["bodies"] = section(scene.bodies, body);

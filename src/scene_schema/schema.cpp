@@ -233,6 +233,12 @@ std::string scene_schema() {
   Json fields;
   fields["gelenk"] = {{"const", scene_version}, {"description", "Version of the format"}};
   fields["name"] = {{"type", "string"}, {"minLength", 1}, {"maxLength", 200}, {"description", "Name of the mechanism"}};
+  for (const MetadataKey& key : metadata_keys) {
+    fields[std::string(key.name)] = {{"type", "string"},
+                                     {"minLength", 1},
+                                     {"maxLength", max_metadata_size},
+                                     {"description", std::string(key.meaning) + "; passed on by FMUs"}};
+  }
   fields["gravity"] = list(3, "m/s2", "Gravitational acceleration in the world; none if not given");
   fields["bodies"] = section(body(), "Rigid bodies. The ground always exists.", true);
   fields["ground"] = object({{"shapes", reference("shapes")}}, {});

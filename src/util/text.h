@@ -34,7 +34,7 @@ std::string quoted(std::string_view raw);
 // Returns the name closest to `found` if a typing error explains the difference; otherwise an empty string.
 std::string nearest(std::string_view found, const std::vector<std::string>& names);
 
-// "one of ground, crank", with a suggestion if the list is long; more than 14 names are not listed.
+// "one of ground, crank", with a suggestion if the list is long; more than 24 names are not listed.
 // many: plural noun for the names, "bodies".
 std::string one_of(std::string_view found, const std::vector<std::string>& names, std::string_view many);
 

@@ -85,6 +85,31 @@ def test_choices_are_integers_whose_words_are_told(fmu: Path, description: Any) 
         assert v.description.endswith(": " + ", ".join(f"{k + 1} {word}" for k, word in enumerate(words)))
 
 
+def test_information_about_the_scene_is_in_the_attributes_of_the_same_names(tmp_path: Path) -> None:
+    texts = {
+        "author": "A. <Example> & 'Söhne'",
+        "version": "1.10",
+        "description": 'Two\nlines of "text"\n',
+        "copyright": "2026 Example Ltd.",
+        "license": "BSD-3-Clause",
+    }
+    fmu = gelenk.export_fmu(crank_rocker() | texts, tmp_path / "x.fmu")
+    assert validate_fmu(str(fmu)) == []
+    with zipfile.ZipFile(fmu) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        page = archive.read("documentation/index.html").decode()
+    wanted = texts | {"description": 'Two lines of "text"'}  # an attribute has no line breaks
+    assert {key: root.get(key) for key in texts} == wanted
+    assert "<p>Two lines of &quot;text&quot;</p>" in page
+    assert "Author: A. &lt;Example&gt; &amp; 'Söhne'" in page
+    other = gelenk.export_fmu(crank_rocker(), tmp_path / "y.fmu")
+    with zipfile.ZipFile(other) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    assert {key: root.get(key) for key in texts if key in root.attrib} == {
+        "description": "Multibody plant FourBar"
+    }
+
+
 def test_compound_units_are_told_in_base_units(tmp_path: Path) -> None:
     found = fmpy.read_model_description(str(gelenk.export_fmu(crank_rocker(), tmp_path / "x.fmu")))
     units = {u.name: u for u in found.unitDefinitions}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import gzip
+import platform
 import sys
 import zipfile
 from pathlib import Path
@@ -140,3 +141,14 @@ def test_a_library_with_the_ending_of_another_platform_is_refused(
     ):
         with pytest.raises(gelenk.ExportError, match=told):
             _core.export_fmu(four_bar._core, [(platform, library)], tmp_path / "x.fmu", tmp_path, None)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have their own folder in an FMU")
+def test_on_arm_the_library_for_arm_is_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, four_bar: gelenk.Scene
+) -> None:
+    """fmpy takes that of x86-64 there."""
+    fmu = gelenk.export_fmu(four_bar, tmp_path / "x.fmu")
+    monkeypatch.setattr(platform, "machine", lambda: "aarch64")
+    with pytest.raises(gelenk.UsageError, match=r"Cannot find .*/binaries/aarch64-linux/FourBar\.so"):
+        gelenk.simulate(fmu, stop=0.1)

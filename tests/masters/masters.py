@@ -25,12 +25,13 @@ BAD_WORDS = re.compile(r"\[(?i:warning|discard|error|fatal)\]|\b(?:WARN|WARNING|
 
 @dataclass(frozen=True)
 class Master:
-    """One of them. package: on PyPI, or the artifact in pom.xml."""
+    """One of them. package: on PyPI or crates.io, or the artifact in pom.xml."""
 
     name: str
     command: Sequence[str]
     package: str
-    modules: Sequence[str] = ()  # of Python; none: it is in Java
+    modules: Sequence[str] = ()  # of Python
+    program: str = ""  # neither modules nor a program: it is in Java
     inputs_from: int | None = 0  # see `jobs.expected`
 
     @property
@@ -39,6 +40,10 @@ class Master:
         for module in self.modules:
             if importlib.util.find_spec(module) is None:
                 return f"{module} is not installed"
+        if self.program:
+            return (
+                "" if Path(self.program).exists() else f"{self.program} is missing: `make masters` builds it"
+            )
         return "" if self.modules or JARS else "GELENK_MASTERS names no folder of jars: `make masters` does"
 
     @property
@@ -46,6 +51,9 @@ class Master:
         """Its package's."""
         if self.modules:
             return importlib.metadata.version(self.package)
+        if self.program:
+            done = subprocess.run([self.program, "--version"], capture_output=True, text=True, check=True)
+            return done.stdout.split()[-1]
         pom = ElementTree.parse(HERE / "pom.xml").getroot()
         space = {"m": "http://maven.apache.org/POM/4.0.0"}
         for dependency in pom.findall(".//m:dependency", space):
@@ -55,10 +63,13 @@ class Master:
 
 
 PYTHON = [sys.executable, "-m"]
+FMI_SIM = str(Path(JARS or HERE.parents[1] / "build" / "masters") / "bin" / "fmi-sim")
 MASTERS = [
     Master("fmpy", [*PYTHON, "masters.run_fmpy"], "fmpy", ["fmpy"]),
     Master("libcosim", [*PYTHON, "masters.run_libcosim"], "libcosimpy", ["libcosimpy"], inputs_from=1),
     Master("Ecos", [*PYTHON, "masters.run_ecos"], "ecospy", ["ecospy"]),
+    Master("fmuloader", [*PYTHON, "masters.run_fmuloader"], "fmuloader", ["fmuloader"]),
+    Master("fmi-sim", [*PYTHON, "masters.run_fmi_sim", FMI_SIM], "fmi-sim", program=FMI_SIM),
     Master("FMI4j", ["java", "-cp", f"{JARS}/*", str(HERE / "RunFmi4j.java")], "fmi-import"),
     Master("Maestro", [*PYTHON, "masters.run_maestro", JARS], "maestro", inputs_from=None),
 ]

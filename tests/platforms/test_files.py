@@ -70,9 +70,14 @@ def test_windows_sees_only_the_functions_of_fmi_and_gives_only_its_own() -> None
 
 
 def test_windows_places_the_library_at_random_and_runs_no_data() -> None:
-    flags = library("win64").optional_header.dll_characteristics_lists
+    dll = library("win64")
     kinds = lief.PE.OptionalHeader.DLL_CHARACTERISTICS
-    assert {kinds.DYNAMIC_BASE, kinds.HIGH_ENTROPY_VA, kinds.NX_COMPAT} <= set(flags)
+    flags = set(dll.optional_header.dll_characteristics_lists)
+    assert {kinds.DYNAMIC_BASE, kinds.HIGH_ENTROPY_VA, kinds.NX_COMPAT} <= flags
+    assert dll.has_relocations  # without them, it would stay where it is
+    written_and_run = lief.PE.Section.CHARACTERISTICS.MEM_WRITE, lief.PE.Section.CHARACTERISTICS.MEM_EXECUTE
+    for section in dll.sections:
+        assert not all(section.has_characteristic(kind) for kind in written_and_run), section.name
 
 
 def test_arm_needs_only_the_c_library_of_2012() -> None:
@@ -101,6 +106,25 @@ def test_arm_has_read_only_addresses_and_runs_no_data() -> None:
     assert lief.ELF.Segment.TYPE.GNU_RELRO in kinds
     assert not int(kinds[lief.ELF.Segment.TYPE.GNU_STACK].flags) & int(lief.ELF.Segment.FLAGS.X)
     assert so[lief.ELF.DynamicEntry.TAG.FLAGS].has(lief.ELF.DynamicEntryFlags.FLAG.BIND_NOW)
+
+
+# First instructions of functions that may be called indirectly: bti c, or paciasp, which signs the return
+# address, too.
+LANDING_PADS = {bytes.fromhex("5f2403d5"), bytes.fromhex("3f2303d5")}
+
+
+def test_arm_signs_return_addresses_and_has_landing_pads() -> None:
+    so = library("aarch64-linux")
+    starts = {s.name: bytes(so.get_content_from_virtual_address(s.value, 4)) for s in so.exported_symbols}
+    assert {name for name, first in starts.items() if first not in LANDING_PADS} == set()
+    text = bytes(so.get_section(".text").content)
+    assert text.count(bytes.fromhex("3f2303d5")) > 1000  # most functions call others
+
+
+def test_macos_runs_no_data(mac: Any) -> None:
+    """No segment may be written and run; 64-bit programs have no executable stack there."""
+    for segment in mac.segments:
+        assert segment.init_protection & 6 != 6, segment.name  # VM_PROT_WRITE 2, VM_PROT_EXECUTE 4
 
 
 def test_an_fmu_for_all_machines_is_small(tmp_path: Path, four_bar: Any) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import platform
+import sys
 from contextlib import chdir
 from ctypes import c_void_p
 from pathlib import Path
@@ -11,6 +13,13 @@ from typing import Any
 from fmpy import fmi2
 
 from gelenk import _core
+
+
+def _library(folder: str, identifier: str) -> str | None:
+    """Return the library where fmpy does not find it: on 64-bit ARM, fmpy looks for that of x86-64."""
+    if sys.platform == "linux" and platform.machine() in ("aarch64", "arm64"):
+        return str(Path(folder, "binaries", "aarch64-linux", f"{identifier}.so").absolute())
+    return None
 
 
 def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: bool) -> Any:
@@ -38,6 +47,7 @@ def instantiated(folder: str, description: Any, log: _core.FmuLog, *, verbose: b
             guid=description.guid,
             unzipDirectory=folder,
             modelIdentifier=description.coSimulation.modelIdentifier,
+            libraryPath=_library(folder, description.coSimulation.modelIdentifier),
         )
     callbacks = fmi2.fmi2CallbackFunctions(
         logger=fmi2.fmi2CallbackLoggerTYPE(_core.fmu_logger),
