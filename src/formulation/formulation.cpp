@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/formulation.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "contact/touch_modes.h"
+
 namespace gelenk {
 namespace {
 
@@ -27,7 +32,23 @@ Formulation::Formulation(const FormulationContext& context)
       impulses_({mechanism_, dynamics_, context.loads, drives_, modes_.locks()}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
-      dv_(mechanism_.nv) {}
+      dv_(mechanism_.nv) {
+  if (!context.options.locates_contacts || mechanism_.shapes.empty()) return;
+  touch_ = std::make_unique<TouchModes>(
+      TouchModes::Context{mechanism_, dynamics_, context.loads, *this, events_, modes_.own_indicators()});
+  modes_.add(*touch_);
+}
+
+Formulation::~Formulation() = default;
+
+ContactReadings* Formulation::contact_readings() {
+  return touch_ ? static_cast<ContactReadings*>(touch_.get()) : impulses_.readings();
+}
+
+void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
+  modes_.locks().inputs_jumped();
+  if (touch_) touch_->inputs_jumped();
+}
 
 // Describes a dead center at the present position of `dynamics`; empty: there is none.
 std::string Formulation::describe_dead_center() {
@@ -56,6 +77,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   dynamics_.set_position(y);
   if (!row_domain_.is_defined()) return false;
   modes_.watch(t, v);
+  if (touch_) touch_->watch(t);
   if (!accelerate(t, y, vdot)) return false;
   modes_.watch_holding_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
@@ -92,6 +114,7 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
+  if (touch_) touch_->equations().accelerate(vdot);
   return true;
 }
 
@@ -103,10 +126,27 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   count_jacobian();
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
+  if (touch_ && touch_->equations().any_closed()) return jacobian_by_differences(t, y, out);
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
   out.topRightCorner(nq, mechanism_.nv) = jacobians_.qdot_v;
   return out.allFinite();
+}
+
+// ydot_ has the rates at y. Newton's methods, which use it, need no exact derivatives.
+bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out) {
+  constexpr double relative_step = 1e-7;
+  std::vector<double> at(y, y + size());
+  std::vector<double> rates(at.size());
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double step = relative_step * std::max(1.0, std::abs(y[k]));
+    at[k] = y[k] + step;
+    if (!rhs(t, at.data(), rates.data())) return false;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
+    at[k] = y[k];
+  }
+  return rhs(t, y, rates.data()) && out.allFinite();
 }
 
 void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
@@ -145,6 +185,7 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
   projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
+  if (touch_) touch_->equations().accelerate(vdot);
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
@@ -153,6 +194,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
     const ImpulseSteps::AppliedForces forces(impulses_);
     return solve_at(t, y, vdot);
   }
+  if (touch_) return output_touched_accelerations(t, y, vdot);
   const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -162,11 +204,27 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   modes_.apply_recorded_forces();
 }
 
+// Contact forces are applied as loads, so that reactions show them.
+void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
+  const std::vector<SpotMode> present = touch_->equations().modes();
+  touch_->preview(t, y);
+  drives_.go_to_outputs(t);
+  solve_at(t, y, vdot);
+  touch_->record_outputs();
+  touch_->equations().set_modes(std::vector<SpotMode>(present.size()));
+  dynamics_.branching().contact_rows().apply_forces(touch_->wrenches(), nullptr);
+  solve_at(t, y, vdot);
+  dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
+  touch_->equations().set_modes(present);
+  modes_.record_outputs();
+}
+
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
   impulses_.forget();
+  if (touch_) touch_->start();
   if (!impulses_.are_used()) modes_.locks().start(t, y);
 }
 
@@ -176,6 +234,7 @@ void Formulation::serialize(Archive& archive) {
   events_.serialize(archive);
   modes_.locks().serialize(archive);
   impulses_.serialize(archive);
+  if (touch_) touch_->serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

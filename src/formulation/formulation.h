@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "contact/touched_equations.h"
 #include "dynamics/dynamics.h"
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
@@ -26,11 +27,14 @@
 
 namespace gelenk {
 
+class TouchModes;
+
 struct FormulationOptions {
   double step = 1e-3;           // s: of fixed-step methods, or between outputs
   double baumgarte_alpha = 0;   // 1/s; 0: chosen from the step
   double baumgarte_beta = 0;    // 1/s; 0: equal to alpha
   int corrections = 0;          // projection iterations after each step; 0: until converged
+  bool locates_contacts = false;  // contacts of shapes change at events, not in steps
   double best_pivot_ratio = 0;  // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
 };
 
@@ -44,9 +48,10 @@ struct FormulationContext {
   FormulationOptions options{};
 };
 
-class Formulation : public Equations, private ModeEquations {
+class Formulation : public Equations, private ModeEquations, private TouchedEquations {
  public:
   explicit Formulation(const FormulationContext& context);
+  ~Formulation() override;
 
   int size() const final { return mechanism_.nq + mechanism_.nv; }
   int coordinates() const final { return mechanism_.nq; }
@@ -59,13 +64,17 @@ class Formulation : public Equations, private ModeEquations {
   ImpulseSteps* impulses() final { return &impulses_; }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
+  // Contacts of shapes that change at events; null: there are none.
+  TouchModes* touch() { return touch_.get(); }
+  // What outputs of contacts show; null: there are none.
+  ContactReadings* contact_readings();
 
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
-  virtual void inputs_changed(double /*t*/, const double* /*y*/) { modes_.locks().inputs_jumped(); }
+  virtual void inputs_changed(double t, const double* y);
   // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
   // this is an impact. Returns false if that fails.
   bool project_onto_constraints(double t, double* y);
@@ -109,13 +118,18 @@ class Formulation : public Equations, private ModeEquations {
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
+  void touch_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
+  void touched_accelerations(double t, const double* y, double* vdot) final { accelerations_at(t, y, vdot); }
+  void output_touched_accelerations(double t, const double* y, double* vdot);
+  bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
   void solve_at(double t, const double* y, double* vdot);
 
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
   ImpulseSteps impulses_;
+  std::unique_ptr<TouchModes> touch_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;

@@ -6,7 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "contact/touch_modes.h"
 #include "scene/element_numbers.h"
+#include "scene/shapes.h"
 
 namespace gelenk {
 namespace {
@@ -19,7 +21,11 @@ constexpr double jump_tolerance = 1e-10;
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
 FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
-  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections,
+  return {step_of(scene),
+          scene.solver.baumgarte_alpha,
+          scene.solver.baumgarte_beta,
+          scene.solver.corrections,
+          locates_contacts(scene),
           std::isfinite(mobility.best_pivot_ratio) ? mobility.best_pivot_ratio : 0};
 }
 
@@ -69,6 +75,15 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
+  if (equations_->touch() == nullptr) return out;
+  const auto name = [this](int body) {
+    return body < 0 ? std::string("the ground") : scene_.bodies[static_cast<std::size_t>(body)].name;
+  };
+  for (const TouchModes::SpotName& spot : equations_->touch()->names()) {
+    const std::string& contact = scene_.contacts[static_cast<std::size_t>(spot.contact)].name;
+    for (const auto& texts : TouchModes::event_texts(contact, name(spot.tip_body), name(spot.core_body)))
+      out.push_back(texts);
+  }
   return out;
 }
 
@@ -107,6 +122,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   realized_ = Stage::position;
   if (!continues) events_.begin(time_);
   equations_->impulses()->begin_part(continues);
+  if (TouchModes* touch = equations_->touch(); touch != nullptr) touch->begin_part();
   events_.begin_part();
   if (integrator_) {
     if (follows_) enforce_given_motions();
@@ -190,6 +206,7 @@ void Island::roll_back() {
   realized_ = Stage::position;
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
   if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
+  if (TouchModes* touch = equations_->touch(); touch != nullptr) touch->undo_part();
   if (integrator_) integrator_->restart(time_, y_.data());
   replay_.clear();
 }
@@ -235,7 +252,7 @@ Reading Island::reading() const {
           equations_->revolutions().speeds().data(),
           equations_->modes().recorded_forces().data(),
           equations_->modes().recorded_sides().data(),
-          equations_->impulses()->readings()};
+          equations_->contact_readings()};
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
@@ -247,14 +264,23 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
 }
 
 RunCounts Island::counts() const {
-  return {equations_->modes().locks().counts(),
+  const TouchModes* touch = equations_->touch();
+  LockModes::Counts of_modes = equations_->modes().locks().counts();
+  long points = static_cast<long>(equations_->impulses()->contact_points());
+  if (touch != nullptr) {
+    of_modes.impacts += touch->counts().impacts;
+    of_modes.closed_series += touch->counts().closed_series;
+    of_modes.ambiguous += touch->counts().ambiguous;
+    points = touch->closed_spots();
+  }
+  return {of_modes,
           integrator_ ? integrator_->steps() : 0,
           integrator_ ? integrator_->rejected_steps() : 0,
           evaluations(),
           equations_->jacobians(),
           events_.count(),
           equations_->singularity_monitor().count(),
-          static_cast<long>(equations_->impulses()->contact_points()),
+          points,
           equations_->impulses()->solved().iterations,
           equations_->impulses()->solved().residual};
 }
