@@ -366,12 +366,26 @@ void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
   if (changed && logs) equations_.touch_changed();
 }
 
-// What is closed does not approach, and what is at rest does not move.
+// What is closed does not approach, and what is at rest, or begins to move from there, does not move.
 void TouchModes::finish(double* y) {
   std::ranges::fill(triggered_, Trigger{});
   if (!touch_.any_closed()) return;
-  dynamics_.set_position(y);
-  touch_.close_velocity(y + mechanism_.nq);
+  double* const v = y + mechanism_.nq;
+  const double rest = slow(v);
+  go_to(y);
+  const std::vector<SpotMode> modes = touch_.modes();
+  std::vector<SpotMode> stopped = modes;
+  TouchEquations::Rows rows;
+  touch_.build(touch_.closed(), modes, false, rows);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      bool& moves = stopped[static_cast<std::size_t>(entry.spot)].groups[k].moves;
+      moves = moves && entry.slip[k].norm() > rest;
+    }
+  }
+  touch_.set_modes(stopped);
+  touch_.close_velocity(v);
+  touch_.set_modes(modes);
 }
 
 void TouchModes::record_outputs() {

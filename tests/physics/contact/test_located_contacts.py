@@ -70,16 +70,17 @@ def test_impacts_are_located_and_lose_their_energy() -> None:
     """With e = 0.8, the k-th impact is at t1 (1 + 2 e (1 - e^(k-1)) / (1 - e)), and leaves e^2k of the energy."""
     e, t1 = 0.8, sqrt(2 / G)
     scene = ball(0.1, 0.7, {"r": [0, 0, 1.1]}, {"restitution": e})
-    run = gelenk.simulate(scene, stop=1.8, step=0.01, tolerance=1e-9, integrator="erk")
+    run = gelenk.simulate(
+        scene, stop=1.8, step=0.01, tolerance=1e-9, integrator="erk", outputs=["energy.total", "J.r[3]"]
+    )
     impacts = [t for t, text in run.events if text == "floor: body touches the ground"]
     exact = [t1 * (1 + 2 * e * (1 - e**k) / (1 - e)) for k in range(len(impacts))]
     assert len(impacts) >= 3
     assert impacts == pytest.approx(exact, abs=1e-11)
-    energy = run["energy.total"] - run["energy.total"][-1]
+    energy = run["energy.total"] - 0.7 * G * 0.1
     for k, (start, end) in enumerate(zip(exact, exact[1:], strict=False)):
-        between = (run.time > start + 0.01) & (run.time < end)
-        left = 0.7 * G * (e ** (2 * k + 2) - e ** (2 * len(impacts)))
-        assert np.abs(energy[between] - left).max() <= 1e-9
+        between = (run.time > start) & (run.time < end)
+        assert np.abs(energy[between] - 0.7 * G * e ** (2 * k + 2)).max() <= 1e-10
 
 
 def test_an_impact_within_a_step_is_found() -> None:
@@ -124,7 +125,7 @@ def test_a_block_sticks_without_creep(friction: float) -> None:
     run = gelenk.simulate(scene, stop=10, step=1, tolerance=1e-6, integrator="erk")
     for k in (1, 2, 3):
         assert np.abs(run[f"J.v[{k}]"]).max() <= 1e-15
-        assert run[f"floor.f[{k}]"][-1] == pytest.approx(-2.5 * G if k == 3 else 0, abs=1e-11)
+        assert run[f"floor.f[{k}]"][-1] == pytest.approx(2.5 * G if k == 3 else 0, abs=1e-11)
 
 
 def test_a_ball_that_slides_rolls_in_the_end_with_five_sevenths() -> None:
@@ -292,8 +293,8 @@ def test_a_ball_bounces_off_with_friction() -> None:
 
 
 @pytest.mark.parametrize("force", [8.0, -5.0])
-def test_forces_of_edges_of_a_box_that_stands(force: float) -> None:
-    """Sums over the edges follow from the moments; the single corners carry equal halves of them."""
+def test_forces_on_a_box_that_stands(force: float) -> None:
+    """It balances the force and the weight without creep, although the forces of the four corners are not unique."""
     size, mass, height = [0.4, 0.3, 0.2], 2.0, 0.15
     scene = on_plane({"box": size}, mass, inertia_of_box(mass, size), {"r": [0, 0, 0.1]}, {"friction": 0.6})
     scene["forces"] = {
@@ -306,9 +307,8 @@ def test_forces_of_edges_of_a_box_that_stands(force: float) -> None:
         }
     }
     run = gelenk.simulate(scene, stop=1, step=0.5, tolerance=1e-8, integrator="erk")
-    assert run["floor.f[1]"][-1] == pytest.approx(force, abs=1e-10) or run["floor.f[1]"][-1] == pytest.approx(
-        -force, abs=1e-10
-    )
+    assert run["floor.f[1]"][-1] == pytest.approx(-force, abs=1e-10)
+    assert run["floor.f[3]"][-1] == pytest.approx(mass * G, abs=1e-10)
     assert run["floor.mode"][-1] == 1
     assert np.abs(run["J.v[1]"]).max() <= 1e-14
 
