@@ -26,6 +26,11 @@ constexpr double lowest_rebound = 2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
 
+// Whether a rebound at this speed is lost in the rounding of the position, for this acceleration back.
+bool is_lost(double speed, double acceleration) {
+  return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * touch_tolerance;
+}
+
 double leaving_depth(double gap) {
   return gap > touch_tolerance ? 0 : std::max(0.0, -gap) + leaving_fraction * touch_tolerance;
 }
@@ -291,14 +296,35 @@ void TouchModes::end_series(const std::vector<int>& struck, ContactImpact& impac
     const VectorXd falls = impact.accelerations(vdot_.data());
     for (std::size_t i = 0; i < struck.size(); ++i) {
       const auto at = static_cast<Index>(i);
-      if (impact.restitution(i) == 0 || !(rebounds[at] > 0) || !(falls[at] < 0)) continue;
-      if (rebounds[at] * rebounds[at] > -2 * falls[at] * lowest_rebound * touch_tolerance) continue;
+      if (impact.restitution(i) == 0 || !(rebounds[at] > 0)) continue;
+      if (!is_lost(rebounds[at], -falls[at])) continue;
       impact.set_inelastic(i);
       if (approach[at] < 0) ++counts_.closed_series;
       closed = true;
     }
     if (closed) impact.solve(decision_.solver());
   }
+}
+
+// The spots that touch and remain closed if forces keep them so, at the state of the last solve() with the
+// accelerations vdot_: those with a normal velocity of zero, or one so low that they would return before they have left
+// the rounding of their positions.
+std::vector<int> TouchModes::lasting(double rest) {
+  std::vector<int> touching;
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (touch_.spots().gap(i) <= touch_tolerance) touching.push_back(i);
+  }
+  std::vector<int> out;
+  TouchEquations::Rows rows;
+  touch_.build(touching, touch_.modes(), false, rows);
+  const Eigen::Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    const double rate = entry.at.rate;
+    const double fall = -rows.rates[entry.first] - rows.R.row(entry.first).dot(vdot);
+    const bool returns = rate > 0 && is_lost(rate, fall);
+    if (std::abs(rate) <= rest || returns) out.push_back(entry.spot);
+  }
+  return out;
 }
 
 // The modes that follow at (t, y). What moves keeps moving; on what is at rest accelerations decide.
@@ -309,14 +335,9 @@ void TouchModes::decide(double t, const double* y, bool logs) {
   touch_.set_modes(next);
   equations_.touched_accelerations(t, y, vdot_.data());
   go_to(y);
-  std::vector<int> spots;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    const SpotState at = touch_.spots().state(i);
-    SpotMode& mode = next[static_cast<std::size_t>(i)];
-    mode.leaves_from = leaving_depth(at.gap);
-    if (at.gap > touch_tolerance || std::abs(at.rate) > rest) continue;
-    spots.push_back(i);
-  }
+  for (int i = 0; i < touch_.spots().count(); ++i)
+    next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
+  const std::vector<int> spots = lasting(rest);
   if (!spots.empty()) {
     TouchEquations::Rows rows;
     touch_.build(spots, next, false, rows);

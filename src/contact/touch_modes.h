@@ -91,6 +91,7 @@ class TouchModes final : public EventSource, public ContactReadings {
   bool is_consistent(double t, const double* y);
   void strike(double t, double* y);
   void end_series(const std::vector<int>& struck, ContactImpact& impact, const Eigen::VectorXd& approach);
+  std::vector<int> lasting(double rest);
   void decide(double t, const double* y, bool logs);
   void enter(double t, std::vector<SpotMode> next, bool logs);
   void finish(double* y);
