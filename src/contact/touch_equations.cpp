@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 constexpr double rank_threshold = 1e-11;
 // Relative motions below this have no direction of their own: they begin or end [natural units of speed].
 constexpr double no_direction = 1e-13;
+// Weight of redundant moments.
+constexpr double least_moment = 1e-3;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
@@ -183,12 +185,13 @@ void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
   dynamics_.solve_linear_columns(Z.data(), zero_.data(), static_cast<int>(F.rows()));
 }
 
-// Of a force in a norm: moments count as the forces with the same effect.
+// Of a force in a norm: moments count as the forces with the same effect, and where several contacts can exert those
+// forces, moments, which have narrow limits, are hardly used.
 double TouchEquations::weight(const Entry& entry, int group) const {
   if (group == 0) return 1;
   const Index n = entry.first;
   const Index r = entry.rows[static_cast<std::size_t>(group)];
-  return std::sqrt(G_(n, n) / G_(r, r));
+  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(G_(n, n) / G_(r, r));
 }
 
 void TouchEquations::accelerate(double* vdot) {
