@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 // does so together; and what the solution of a cone problem may be short of a limit.
 constexpr double break_away_fraction = 1e-9;
 constexpr double limit_fraction = 1e-10;
+// Relative accelerations of what breaks away at this instant are larger than this fraction of the largest.
+constexpr double least_acceleration = 1e-12;
 // Normal forces below this fraction of the largest are none.
 constexpr double least_force = 1e-9;
 // Errors of accelerations relative to the largest: of a solution of the cone problem, and where one is checked.
@@ -155,7 +157,8 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
   solver_->solve({G, right, cones_, true}, options, x_.data());
 }
 
-std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative) const {
+std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative,
+                                                        const std::vector<Trigger>& triggered) const {
   std::vector<SpotMode> next = tentative;
   double largest = 0;
   VectorXd normal(static_cast<Index>(spots_.size()));
@@ -176,10 +179,14 @@ std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotM
       const auto part = x_.segment(entry.rows[g], entry.kept(group));
       const double limit = touch_.coefficient(entry.spot, group, slides_[i][g]) * n;
       const double size = part.norm();
-      const bool moves = n > least_force * largest && size >= limit * (1 - 2 * break_away_fraction) && size > 0;
-      mode.groups[g].moves = moves;
+      mode.groups[g].moves = false;
       mode.groups[g].direction.setZero();
-      if (!moves) continue;
+      if (!(n > least_force * largest && size >= limit * (1 - 2 * break_away_fraction) && size > 0)) continue;
+      // Redundant forces may be at their limits although nothing moves.
+      const double along = -part.dot(a.segment(entry.rows[g], entry.kept(group))) / size;
+      const bool is_triggered = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      if (!(along > (is_triggered ? least_acceleration : limit_fraction) * scale_)) continue;
+      mode.groups[g].moves = true;
       for (Index k = 0; k < part.size(); ++k)
         mode.groups[g].direction -= part[k] / size * entry.axes.col((group == 1 ? 0 : 1) + k);
     }
@@ -287,7 +294,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
   for (int k = 0; k < most_repetitions; ++k) {
     set_cones(triggered);
     solve_cones(normal);
-    next = modes_of_solution(tentative);
+    next = modes_of_solution(tentative, triggered);
     if (let_slide(tentative, next)) continue;
     if (refine(vdot, next)) return Outcome::found;
     const VectorXd before = normal;

@@ -65,7 +65,8 @@ class ContactDecision {
  private:
   void set_cones(const std::vector<Trigger>& triggered);
   void solve_cones(const Eigen::VectorXd& normal);
-  std::vector<SpotMode> modes_of_solution(const std::vector<SpotMode>& tentative) const;
+  std::vector<SpotMode> modes_of_solution(const std::vector<SpotMode>& tentative,
+                                          const std::vector<Trigger>& triggered) const;
   bool refine(const double* vdot, std::vector<SpotMode>& next);
   bool check(const double* vdot, const std::vector<SpotMode>& next, int& pulls);
   bool let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next);
