@@ -149,8 +149,8 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
   for (const Joint& joint : scene.joints) {
     if (joint.locking_element().empty()) continue;
     faults.add("solver.integrator",
-               with + text::printable(scene.contacts.front().name) + " and joints." + text::printable(joint.name) + "." +
-                   std::string(joint.locking_element()),
+               with + text::printable(scene.contacts.front().name) + " and joints." + text::printable(joint.name) +
+                   "." + std::string(joint.locking_element()),
                "auto or moreau-jean: contacts are located in mechanisms without friction and limits of joints only");
     break;
   }

@@ -12,17 +12,17 @@
 namespace gelenk {
 
 struct Spot {
-  int core = 0, tip = 0;          // shapes of the mechanism
+  int core = 0, tip = 0;  // shapes of the mechanism
   int core_link = 0, tip_link = 0;
-  int contact = 0;                // of the scene
-  int feature = 0;                // of the tip
-  double sign = 1;                // -1: the shape of the tip has the first surface of the contact
-  Pose3 X_LS;                     // of the core in its link
-  RoundedBox box;                 // the core, in S
-  Eigen::Vector3d center;         // of the tip in its link [m]
-  double radius = 0;              // of the tip [m]
-  double size = 0;                // of the smaller shape [m]
-  Eigen::Matrix3d R_belt;         // from the shape with the second surface to its link
+  int contact = 0;         // of the scene
+  int feature = 0;         // of the tip
+  double sign = 1;         // -1: the shape of the tip has the first surface of the contact
+  Pose3 X_LS;              // of the core in its link
+  RoundedBox box;          // the core, in S
+  Eigen::Vector3d center;  // of the tip in its link [m]
+  double radius = 0;       // of the tip [m]
+  double size = 0;         // of the smaller shape [m]
+  Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
 };
 
 // Where and how the shapes of a spot touch or nearly do, in the root frame.

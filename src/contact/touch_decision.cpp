@@ -116,7 +116,8 @@ VectorXd ContactImpact::accelerations(const double* vdot) const {
   VectorXd out(approach_.size());
   for (std::size_t i = 0; i < cones_.size(); ++i) {
     const int row = cones_[i].first;
-    out[static_cast<Index>(i)] = rows_.R.row(row).dot(Eigen::Map<const VectorXd>(vdot, rows_.R.cols())) + rows_.rates[row];
+    out[static_cast<Index>(i)] =
+        rows_.R.row(row).dot(Eigen::Map<const VectorXd>(vdot, rows_.R.cols())) + rows_.rates[row];
   }
   return out;
 }
@@ -158,7 +159,7 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
 }
 
 std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative,
-                                                        const std::vector<Trigger>& triggered) const {
+                                                         const std::vector<Trigger>& triggered) const {
   std::vector<SpotMode> next = tentative;
   double largest = 0;
   VectorXd normal(static_cast<Index>(spots_.size()));

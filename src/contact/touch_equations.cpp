@@ -273,8 +273,7 @@ bool TouchEquations::close_position(double* q) {
     if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
     build(closed_, modes_, true, kept_);
     RowMatrix N(gaps.size(), mechanism_.nv);
-    for (std::size_t i = 0; i < closed_.size(); ++i)
-      N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
+    for (std::size_t i = 0; i < closed_.size(); ++i) N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
     RowMatrix Z;
     respond(N, Z);
     const VectorXd dq = -(Z * least_norm_solution(N * Z, gaps, VectorXd::Ones(gaps.size())));

@@ -57,12 +57,12 @@ class TouchEquations {
   struct Entry {
     int spot = 0;
     SpotState at;
-    Eigen::Matrix3d axes;                      // the normal and two tangential axes, in columns
-    int first = 0;                             // its normal row
-    std::array<int, contact_groups> rows{};    // first row of each group that is kept; -1: there is none
-    std::array<int, contact_groups> moving{};  // row of S of each group that moves; -1: it does not
-    std::array<Eigen::Vector3d, contact_groups> slip;  // relative motions
-    std::array<Eigen::Vector3d, contact_groups> along; // directions of those that move
+    Eigen::Matrix3d axes;                               // the normal and two tangential axes, in columns
+    int first = 0;                                      // its normal row
+    std::array<int, contact_groups> rows{};             // first row of each group that is kept; -1: there is none
+    std::array<int, contact_groups> moving{};           // row of S of each group that moves; -1: it does not
+    std::array<Eigen::Vector3d, contact_groups> slip;   // relative motions
+    std::array<Eigen::Vector3d, contact_groups> along;  // directions of those that move
 
     int kept(int group) const { return group == 1 ? 1 : 2; }
   };
@@ -86,9 +86,9 @@ class TouchEquations {
   // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
   // proportion to normal forces.
   struct SpotForce {
-    double normal = 0;                                  // N
-    std::array<double, contact_groups> held{};          // N, N m: of the groups that are kept
-    Eigen::Vector3d force, moment;                      // on the tip, in the root frame
+    double normal = 0;                          // N
+    std::array<double, contact_groups> held{};  // N, N m: of the groups that are kept
+    Eigen::Vector3d force, moment;              // on the tip, in the root frame
   };
   const std::vector<SpotForce>& forces();
   const Rows& rows() const { return rows_; }

@@ -121,8 +121,7 @@ void TouchModes::indicators_of_closed(double* g, double* gdot) {
       if (entry.rows[at] < 0 && !mode.moves) continue;
       rate[1 + group] = NAN;
       if (!mode.moves) {
-        of[1 + group] =
-            forces[i].held[at] - touch_.coefficient(entry.spot, group, false) * forces[i].normal - slack;
+        of[1 + group] = forces[i].held[at] - touch_.coefficient(entry.spot, group, false) * forces[i].normal - slack;
         continue;
       }
       // Where the direction turns, this rate is that of the speed.

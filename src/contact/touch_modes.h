@@ -75,7 +75,7 @@ class TouchModes final : public EventSource, public ContactReadings {
   std::vector<SpotName> names() const;
   // Of the indicators of a spot: what happens when it becomes negative, and positive.
   static std::array<std::array<std::string, 2>, per_spot> event_texts(const std::string& contact,
-                                                                     const std::string& tip, const std::string& core);
+                                                                      const std::string& tip, const std::string& core);
   void begin_part() { before_ = touch_.modes(); }
   void undo_part() { touch_.set_modes(before_); }
   void serialize(Archive& archive);

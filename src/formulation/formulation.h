@@ -30,12 +30,12 @@ namespace gelenk {
 class TouchModes;
 
 struct FormulationOptions {
-  double step = 1e-3;           // s: of fixed-step methods, or between outputs
-  double baumgarte_alpha = 0;   // 1/s; 0: chosen from the step
-  double baumgarte_beta = 0;    // 1/s; 0: equal to alpha
-  int corrections = 0;          // projection iterations after each step; 0: until converged
+  double step = 1e-3;             // s: of fixed-step methods, or between outputs
+  double baumgarte_alpha = 0;     // 1/s; 0: chosen from the step
+  double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
+  int corrections = 0;            // projection iterations after each step; 0: until converged
   bool locates_contacts = false;  // contacts of shapes change at events, not in steps
-  double best_pivot_ratio = 0;  // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
+  double best_pivot_ratio = 0;    // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
 };
 
 // The objects that a formulation refers to; all but the options must outlive it.

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Contacts whose changes are located, to the tolerance of adaptive integrators, against closed forms."""
 
-from math import asin, atan, cos, hypot, log, radians, sin, sqrt
+from itertools import pairwise
+from math import asin, atan, cos, radians, sin, sqrt
 
 import numpy as np
 import pytest
@@ -57,7 +58,7 @@ def test_problems_with_other_integrators(problem: Problem, integrator: str) -> N
 
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
 def test_fixed_steps_end_at_events(problem: Problem) -> None:
-    """Of order 4: the error of a step of 1 ms is far below 1e-7 in all problems, as between events the motion is smooth."""
+    """Of order 4, as the motion is smooth between events: steps of 1 ms leave far less than 1e-7."""
     assert error(problem, "rk4", 1e-8) <= 1e-7
 
 
@@ -67,7 +68,7 @@ def ball(radius: float, mass: float, start: SceneData, law: SceneData) -> SceneD
 
 
 def test_impacts_are_located_and_lose_their_energy() -> None:
-    """With e = 0.8, the k-th impact is at t1 (1 + 2 e (1 - e^(k-1)) / (1 - e)), and leaves e^2k of the energy."""
+    """The k-th impact is at t1 (1 + 2 e (1 - e^(k-1)) / (1 - e)) and leaves e^2k of the energy."""
     e, t1 = 0.8, sqrt(2 / G)
     scene = ball(0.1, 0.7, {"r": [0, 0, 1.1]}, {"restitution": e})
     run = gelenk.simulate(
@@ -78,7 +79,7 @@ def test_impacts_are_located_and_lose_their_energy() -> None:
     assert len(impacts) >= 3
     assert impacts == pytest.approx(exact, abs=1e-11)
     energy = run["energy.total"] - 0.7 * G * 0.1
-    for k, (start, end) in enumerate(zip(exact, exact[1:], strict=False)):
+    for k, (start, end) in enumerate(pairwise(exact)):
         between = (run.time > start) & (run.time < end)
         assert np.abs(energy[between] - 0.7 * G * e ** (2 * k + 2)).max() <= 1e-10
 
@@ -144,7 +145,7 @@ def test_a_ball_that_slides_rolls_in_the_end_with_five_sevenths() -> None:
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_sliding_across_a_slope_turns_downhill(integrator: str) -> None:
-    """At the angle of friction, speed plus its part downhill is constant (Euler): in the end half of it is left.
+    """At the angle of friction, speed plus its part downhill is constant: in the end half of it is left.
 
     The direction of slip turns by 90 degrees, and the acceleration vanishes.
     """
@@ -157,9 +158,7 @@ def test_sliding_across_a_slope_turns_downhill(integrator: str) -> None:
         "Q": [0, sin(angle / 2), 0, cos(angle / 2)],
         "v": [0, speed, 0],
     }
-    scene = on_plane(
-        {"box": size}, 1.0, inertia_of_box(1, size), start, {"friction": mu}, normal=normal
-    )
+    scene = on_plane({"box": size}, 1.0, inertia_of_box(1, size), start, {"friction": mu}, normal=normal)
     run = gelenk.simulate(scene, stop=4, step=0.1, tolerance=1e-9, integrator=integrator)
     down = run["J.v[1]"] * cos(angle) - run["J.v[3]"] * sin(angle)
     total = np.sqrt(sum(run[f"J.v[{k}]"] ** 2 for k in (1, 2, 3)))
@@ -201,7 +200,11 @@ def test_a_growing_force_breaks_a_box_away() -> None:
     """10 N/s on 2 kg: held until static friction is used up, then pulled against sliding friction."""
     static, sliding, mass, size = 0.5, 0.3, 2.0, [0.2, 0.3, 0.1]
     scene = on_plane(
-        {"box": size}, mass, inertia_of_box(mass, size), {"r": [0, 0, 0.05]}, {"friction": sliding, "static": static}
+        {"box": size},
+        mass,
+        inertia_of_box(mass, size),
+        {"r": [0, 0, 0.05]},
+        {"friction": sliding, "static": static},
     )
     rate = 10.0
     scene["forces"] = {
@@ -263,8 +266,16 @@ def test_balls_exchange_their_momenta_in_an_oblique_impact() -> None:
     radius, offset = 0.1, 0.1
     scene = ball(radius, 1.0, {"r": [-1, 0, 0], "v": [2, 0, 0]}, {})
     scene["gravity"] = [0, 0, 0]
-    scene["bodies"]["other"] = {**scene["bodies"]["body"], "shapes": {"s": {"sphere": radius, "surface": "wood"}}}
-    scene["joints"]["K"] = {"type": "free", "parent": "ground", "child": "other", "start": {"r": [0, offset, 0]}}
+    scene["bodies"]["other"] = {
+        **scene["bodies"]["body"],
+        "shapes": {"s": {"sphere": radius, "surface": "wood"}},
+    }
+    scene["joints"]["K"] = {
+        "type": "free",
+        "parent": "ground",
+        "child": "other",
+        "start": {"r": [0, offset, 0]},
+    }
     del scene["ground"]
     scene["contacts"] = {"hit": {"between": ["wood", "wood"], "restitution": 1}}
     run = gelenk.simulate(scene, stop=1, step=0.1, tolerance=1e-10, integrator="erk")
@@ -276,7 +287,7 @@ def test_balls_exchange_their_momenta_in_an_oblique_impact() -> None:
 
 
 def test_a_ball_bounces_off_with_friction() -> None:
-    """A ball without spin strikes the floor obliquely: it rolls after the impact, or slips if mu is too small.
+    """A ball without spin strikes the floor obliquely: it rolls after the impact, or slips for small mu.
 
     Rolling: the impulse is 2/7 m v_t; slipping: mu (1 + e) m v_n (Coulomb's law for impulses).
     """
@@ -294,7 +305,7 @@ def test_a_ball_bounces_off_with_friction() -> None:
 
 @pytest.mark.parametrize("force", [8.0, -5.0])
 def test_forces_on_a_box_that_stands(force: float) -> None:
-    """It balances the force and the weight without creep, although the forces of the four corners are not unique."""
+    """Their sum balances the force and the weight, although the forces of the corners are not unique."""
     size, mass, height = [0.4, 0.3, 0.2], 2.0, 0.15
     scene = on_plane({"box": size}, mass, inertia_of_box(mass, size), {"r": [0, 0, 0.1]}, {"friction": 0.6})
     scene["forces"] = {
@@ -316,12 +327,16 @@ def test_forces_on_a_box_that_stands(force: float) -> None:
 def test_oblique_push_within_the_base_does_not_tip() -> None:
     """The resultant stays within the square base but beyond the diamond of least-norm forces: the box stands.
 
-    Pushed at the top along the diagonal with 0.7 of the force that would move the resultant onto an edge, in both
-    directions: redundant corner forces of least norm would pull at a corner.
+    Pushed at the top along the diagonal with 0.7 of the force that would move the resultant onto an edge, in
+    both directions: redundant corner forces of least norm would pull at a corner.
     """
     edge, mass = 0.2, 2.0
     scene = on_plane(
-        {"box": [edge, edge, edge]}, mass, inertia_of_box(mass, [edge] * 3), {"r": [0, 0, edge / 2]}, {"friction": 2}
+        {"box": [edge, edge, edge]},
+        mass,
+        inertia_of_box(mass, [edge] * 3),
+        {"r": [0, 0, edge / 2]},
+        {"friction": 2},
     )
     force = 0.7 * mass * G * (edge / 2) / edge
     scene["forces"] = {
@@ -343,7 +358,9 @@ def test_oblique_push_within_the_base_does_not_tip() -> None:
 @pytest.mark.parametrize("time", [0.3, 0.6, 1.3546, 1.5])
 def test_a_restored_run_continues_with_the_same_bits(integrator: str, time: float) -> None:
     """Saved in flight, in a slide after an impact, within a series of impacts, and at rest."""
-    scene = ball(0.1, 0.7, {"r": [0, 0, 1.1], "v": [2, 1, 0], "w": [5, 0, 3]}, {"restitution": 0.5, "friction": 0.1})
+    scene = ball(
+        0.1, 0.7, {"r": [0, 0, 1.1], "v": [2, 1, 0], "w": [5, 0, 3]}, {"restitution": 0.5, "friction": 0.1}
+    )
     scene["solver"] = {"integrator": integrator}
     first, second = gelenk.Simulation(scene), gelenk.Simulation(scene)
     for simulation in (first, second):
