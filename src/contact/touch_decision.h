@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What follows where contacts change: the impulses of an impact, and the modes in which closed contacts go on. Both are
-// cone complementarity problems, of velocities and of accelerations.
+// What follows where contacts change: the impulses of an impact, and the modes in which closed contacts continue. Both
+// are cone complementarity problems, of velocities and of accelerations.
 #pragma once
 
 #include <Eigen/Core>

@@ -20,6 +20,8 @@ constexpr double rank_threshold = 1e-11;
 constexpr double no_direction = 1e-13;
 // Weight of redundant moments.
 constexpr double least_moment = 1e-3;
+// Speeds far above those by which differences are taken, up to which directions are kept then.
+constexpr double slow_sliding = 1e-4;
 // Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
@@ -94,7 +96,7 @@ Vector3d TouchEquations::moving_direction(int spot, int group, const Vector3d& s
                                           const std::vector<SpotMode>& modes) const {
   const Vector3d& before = modes[static_cast<std::size_t>(spot)].groups[static_cast<std::size_t>(group)].direction;
   const double speed = slip.norm();
-  if (speed <= no_direction) return before;
+  if (speed <= (keeps_directions_ ? slow_sliding : no_direction)) return before;
   return slip.dot(before) < 0 ? Vector3d(-slip / speed) : Vector3d(slip / speed);
 }
 

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/spots.h"
+#include "dynamics/spots.h"
 
 namespace gelenk {
 
@@ -81,6 +81,8 @@ class TouchEquations {
   // Z <- K^-1 F^T, F by rows, with the last factors of `dynamics`; by velocity and row.
   void respond(const RowMatrix& F, RowMatrix& Z);
 
+  // Slow sliding keeps its direction, where derivatives are taken by differences.
+  void keep_directions(bool on) { keeps_directions_ = on; }
   // Adds the effect of closed contacts to the vdot of the last solve() of `dynamics`.
   void accelerate(double* vdot);
   // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
@@ -113,6 +115,7 @@ class TouchEquations {
   Spots spots_;
   std::vector<SpotMode> modes_;
   std::vector<int> closed_;
+  bool keeps_directions_ = false;
   Rows rows_, kept_;
   RowMatrix B_, Z_, zero_;
   Eigen::MatrixXd G_;

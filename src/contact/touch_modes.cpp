@@ -11,29 +11,15 @@
 namespace gelenk {
 namespace {
 
-using Eigen::Index;
-using Eigen::Vector3d;
+using Eigen::Map;
 using Eigen::VectorXd;
 
 // A normal force or a force of friction beyond its bound by less than this fraction of the normal forces is rounding.
 constexpr double force_rounding = 1e-11;
-// What leaves may be closer than touching by rounding, and go further by this fraction of what counts as contact before
-// it touches again; and a gap up to this fraction of it has been reached.
-constexpr double leaving_fraction = 0.1;
+// A gap up to this fraction of what counts as contact has been reached.
 constexpr double reached_fraction = 1e-2;
-// A series of impacts ends in contact when its rebounds are lower than this times what counts as contact.
-constexpr double lowest_rebound = 2;
 // Gaps beyond the held mode by less than this are rounding.
 constexpr double watched_depth = touch_tolerance;
-
-// Whether a rebound at this speed is lost in the rounding of the position, for this acceleration back.
-bool is_lost(double speed, double acceleration) {
-  return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * touch_tolerance;
-}
-
-double leaving_depth(double gap) {
-  return gap > touch_tolerance ? 0 : std::max(0.0, -gap) + leaving_fraction * touch_tolerance;
-}
 
 }  // namespace
 
@@ -45,11 +31,10 @@ TouchModes::TouchModes(const Context& context)
       first_indicator_(context.first_indicator),
       touch_(context.mechanism, context.dynamics, context.loads),
       decision_(touch_),
+      outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
       before_(touch_.modes()),
       triggered_(before_.size()),
-      vdot_(static_cast<std::size_t>(context.mechanism.nv)),
-      sums_(context.loads.contacts.size()),
-      wrenches_(context.mechanism.links.size()) {}
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
 
 // Speeds up to this are rest.
 double TouchModes::slow(const double* v) const {
@@ -65,7 +50,8 @@ void TouchModes::go_to(const double* y) {
 }
 
 void TouchModes::start() {
-  touch_.set_modes(std::vector<SpotMode>(before_.size()));
+  touch_.set_modes(undone_ ? before_ : std::vector<SpotMode>(before_.size()));
+  undone_ = false;
   started_ = true;
   refusal_.clear();
 }
@@ -77,22 +63,7 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   if (touch_.any_closed()) {
     equations_.touched_accelerations(t, y, vdot_.data());
     indicators_of_closed(g, gdot);
-    bool strained = false;
-    for (const int spot : touch_.closed()) {
-      for (int k = 1; k < per_spot; ++k) {
-        const auto group = static_cast<std::size_t>(k - 1);
-        strained = strained || (!mode_of(spot).groups[group].moves && g[per_spot * spot + k] > 0);
-      }
-    }
-    // Redundant forces of friction may be distributed in other ways.
-    if (strained && touch_.closed().size() > 1 && holds_by_others(t, y)) {
-      for (const int spot : touch_.closed()) {
-        for (int k = 1; k < per_spot; ++k) {
-          double& value = g[per_spot * spot + k];
-          if (!mode_of(spot).groups[static_cast<std::size_t>(k - 1)].moves) value = -std::abs(value);
-        }
-      }
-    }
+    find_other_forces(t, y, g);
   }
   go_to(y);
   for (int i = 0; i < n; ++i) {
@@ -103,12 +74,27 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   }
 }
 
+// Where redundant forces of friction at rest exceed their limits, but may be distributed in other ways, corrects the
+// indicators g.
+void TouchModes::find_other_forces(double t, const double* y, double* g) {
+  if (touch_.closed().size() < 2) return;
+  std::vector<double*> exceeded;
+  for (const int spot : touch_.closed()) {
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      double& value = g[per_spot * spot + 1 + static_cast<int>(k)];
+      if (value > 0 && !mode_of(spot).groups[k].moves) exceeded.push_back(&value);
+    }
+  }
+  if (exceeded.empty() || !holds_by_others(t, y)) return;
+  for (double* value : exceeded) *value = -*value;
+}
+
 void TouchModes::indicators_of_closed(double* g, double* gdot) {
   const auto& forces = touch_.forces();
   double sum = 0;
   for (const auto& force : forces) sum += std::abs(force.normal);
   const double slack = force_rounding * sum;
-  const Eigen::Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
+  const Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const TouchEquations::Entry& entry = touch_.rows().entries[i];
     double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
@@ -254,204 +240,6 @@ bool TouchModes::recall_mode(double t, double* y) {
 void TouchModes::preview(double t, const double* y) {
   if (!started_ && (!jumped_ || is_consistent(t, y))) return;
   decide(t, y, false);
-}
-
-// The impulses of all contacts that are struck.
-void TouchModes::strike(double t, double* y) {
-  double* const v = y + mechanism_.nq;
-  const double rest = slow(v);
-  go_to(y);
-  std::vector<int> struck;
-  bool any = false;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    const SpotState at = touch_.spots().state(i);
-    if (!mode_of(i).closed && at.gap > touch_tolerance) continue;
-    struck.push_back(i);
-    any = any || (at.rate < -rest && !mode_of(i).closed);
-  }
-  if (!any) return;
-  const std::vector<SpotMode> present = touch_.modes();
-  touch_.set_modes(std::vector<SpotMode>(present.size()));
-  equations_.touched_accelerations(t, y, vdot_.data());
-  ContactImpact impact(touch_, struck, v, rest);
-  const bool found = impact.solve(decision_.solver());
-  end_series(struck, impact, impact.approach());
-  touch_.set_modes(present);
-  if (!found) ++counts_.ambiguous;
-  for (std::size_t i = 0; i < struck.size(); ++i) {
-    if (!(impact.approach()[static_cast<Index>(i)] < -rest)) continue;
-    ++counts_.impacts;
-    log_.add({t, first_indicator_ + per_spot * struck[i], true, !found});
-  }
-  impact.apply(v);
-  equations_.touch_changed();
-}
-
-// Contacts of which the rebound would be lost in rounding have no restitution.
-void TouchModes::end_series(const std::vector<int>& struck, ContactImpact& impact, const VectorXd& approach) {
-  for (bool closed = true; closed;) {
-    closed = false;
-    const VectorXd rebounds = impact.rebounds();
-    const VectorXd falls = impact.accelerations(vdot_.data());
-    for (std::size_t i = 0; i < struck.size(); ++i) {
-      const auto at = static_cast<Index>(i);
-      if (impact.restitution(i) == 0 || !(rebounds[at] > 0)) continue;
-      if (!is_lost(rebounds[at], -falls[at])) continue;
-      impact.set_inelastic(i);
-      if (approach[at] < 0) ++counts_.closed_series;
-      closed = true;
-    }
-    if (closed) impact.solve(decision_.solver());
-  }
-}
-
-// The spots that touch and remain closed if forces keep them so, at the state of the last solve() with the
-// accelerations vdot_: those with a normal velocity of zero, or one so low that they would return before they have left
-// the rounding of their positions.
-std::vector<int> TouchModes::lasting(double rest) {
-  std::vector<int> touching;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots().gap(i) <= touch_tolerance) touching.push_back(i);
-  }
-  std::vector<int> out;
-  TouchEquations::Rows rows;
-  touch_.build(touching, touch_.modes(), false, rows);
-  const Eigen::Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
-  for (const TouchEquations::Entry& entry : rows.entries) {
-    const double rate = entry.at.rate;
-    const double fall = -rows.rates[entry.first] - rows.R.row(entry.first).dot(vdot);
-    const bool returns = rate > 0 && is_lost(rate, fall);
-    if (std::abs(rate) <= rest || returns) out.push_back(entry.spot);
-  }
-  return out;
-}
-
-// The modes that follow at (t, y). What moves keeps moving; on what is at rest accelerations decide.
-void TouchModes::decide(double t, const double* y, bool logs) {
-  const double rest = slow(y + mechanism_.nq);
-  const std::vector<SpotMode> present = touch_.modes();
-  std::vector<SpotMode> next(present.size());
-  touch_.set_modes(next);
-  equations_.touched_accelerations(t, y, vdot_.data());
-  go_to(y);
-  for (int i = 0; i < touch_.spots().count(); ++i)
-    next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
-  const std::vector<int> spots = lasting(rest);
-  if (!spots.empty()) {
-    TouchEquations::Rows rows;
-    touch_.build(spots, next, false, rows);
-    for (const TouchEquations::Entry& entry : rows.entries) {
-      SpotMode& mode = next[static_cast<std::size_t>(entry.spot)];
-      mode.closed = true;
-      for (std::size_t k = 0; k < contact_groups; ++k) {
-        const double speed = entry.slip[k].norm();
-        mode.groups[k].moves = entry.rows[k] >= 0 && speed > rest;
-        if (mode.groups[k].moves) mode.groups[k].direction = entry.slip[k] / speed;
-      }
-    }
-    const auto outcome = decision_.decide(spots, triggered_, vdot_.data(), next);
-    if (outcome != ContactDecision::Outcome::found && logs) {
-      ++counts_.ambiguous;
-      log_.add({t, first_indicator_ + per_spot * spots.front(), true, true});
-      if (outcome == ContactDecision::Outcome::none) {
-        refusal_ = log_.report({t, first_indicator_ + per_spot * spots.front(), true}).text +
-                   ", and no contact forces were found that agree with Coulomb's law (as in Painlev\u00e9's paradox)";
-      }
-    }
-  }
-  touch_.set_modes(present);
-  enter(t, std::move(next), logs);
-}
-
-void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    const SpotMode& before = touch_.modes()[i];
-    SpotMode& after = next[i];
-    if (after.closed) after.leaves_from = 0;
-    if (!after.closed) after.groups = {};
-    if (!logs) continue;
-    const int first = first_indicator_ + per_spot * static_cast<int>(i);
-    if (before.closed && !after.closed) log_.add({t, first, false});
-    if (!before.closed || !after.closed) continue;
-    for (int k = 0; k < contact_groups; ++k) {
-      const auto group = static_cast<std::size_t>(k);
-      const bool reverses = after.groups[group].moves && before.groups[group].moves &&
-                            after.groups[group].direction.dot(before.groups[group].direction) < 0;
-      if (reverses || after.groups[group].moves != before.groups[group].moves)
-        log_.add({t, first + 1 + k, after.groups[group].moves});
-    }
-  }
-  const bool changed = next != touch_.modes();
-  touch_.set_modes(next);
-  if (changed && logs) equations_.touch_changed();
-}
-
-// What is closed does not approach, and what is at rest, or begins to move from there, does not move.
-void TouchModes::finish(double* y) {
-  std::ranges::fill(triggered_, Trigger{});
-  if (!touch_.any_closed()) return;
-  double* const v = y + mechanism_.nq;
-  const double rest = slow(v);
-  go_to(y);
-  const std::vector<SpotMode> modes = touch_.modes();
-  std::vector<SpotMode> stopped = modes;
-  TouchEquations::Rows rows;
-  touch_.build(touch_.closed(), modes, false, rows);
-  for (const TouchEquations::Entry& entry : rows.entries) {
-    for (std::size_t k = 0; k < contact_groups; ++k) {
-      bool& moves = stopped[static_cast<std::size_t>(entry.spot)].groups[k].moves;
-      moves = moves && entry.slip[k].norm() > rest;
-    }
-  }
-  touch_.set_modes(stopped);
-  touch_.close_velocity(v);
-  touch_.set_modes(modes);
-}
-
-void TouchModes::record_outputs() {
-  std::ranges::fill(sums_, Sum{});
-  std::ranges::fill(wrenches_, Spatial::Force{});
-  const auto& forces = touch_.forces();
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const TouchEquations::Entry& entry = touch_.rows().entries[i];
-    const Spot& spot = touch_.spots()[entry.spot];
-    const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
-    wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
-    wrenches_[static_cast<std::size_t>(spot.core_link)] -= on_tip;
-    Sum& sum = sums_[static_cast<std::size_t>(spot.contact)];
-    sum.force -= spot.sign * (mechanism_.X_W0.R * forces[i].force);
-    const bool slides = mode_of(entry.spot).groups[0].moves || !(touch_.coefficient(entry.spot, 0, false) > 0);
-    sum.mode = std::max(sum.mode, slides ? 2 : 1);
-  }
-}
-
-double TouchModes::gap(int contact) {
-  touch_.spots().read_position(dynamics_);
-  double out = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots()[i].contact == contact) out = std::min(out, touch_.spots().gap(i));
-  }
-  return out;
-}
-
-std::vector<TouchModes::SpotName> TouchModes::names() const {
-  std::vector<SpotName> out;
-  for (int i = 0; i < touch_.spots().count(); ++i) {
-    const Spot& spot = touch_.spots()[i];
-    const auto body = [this](int shape) { return mechanism_.shapes[static_cast<std::size_t>(shape)].scene_body; };
-    out.push_back({spot.contact, body(spot.tip), body(spot.core)});
-  }
-  return out;
-}
-
-std::array<std::array<std::string, 2>, TouchModes::per_spot> TouchModes::event_texts(const std::string& contact,
-                                                                                     const std::string& tip,
-                                                                                     const std::string& core) {
-  const std::string subject = contact + ": " + tip;
-  return {{{subject + " leaves " + core, subject + " touches " + core},
-           {subject + " stops sliding on " + core, subject + " slides on " + core},
-           {subject + " stops spinning on " + core, subject + " spins on " + core},
-           {subject + " stops rolling on " + core, subject + " rolls on " + core}}};
 }
 
 void TouchModes::serialize(Archive& archive) {

@@ -12,6 +12,7 @@
 
 #include "contact/touch_decision.h"
 #include "contact/touch_equations.h"
+#include "contact/touch_outputs.h"
 #include "contact/touched_equations.h"
 #include "event/event_log.h"
 #include "event/event_source.h"
@@ -19,7 +20,7 @@
 
 namespace gelenk {
 
-class TouchModes final : public EventSource, public ContactReadings {
+class TouchModes final : public EventSource {
  public:
   struct Context {
     const Mechanism& mechanism;
@@ -32,7 +33,7 @@ class TouchModes final : public EventSource, public ContactReadings {
   explicit TouchModes(const Context& context);
 
   // Four indicators for each spot: positive while it is closed; and while it slips, spins and rolls against friction.
-  static constexpr int per_spot = 1 + contact_groups;
+  static constexpr int per_spot = TouchOutputs::per_spot;
   int indicators() const override { return per_spot * touch_.spots().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   bool recall_mode(double t, double* y) override;
@@ -55,29 +56,15 @@ class TouchModes final : public EventSource, public ContactReadings {
   TouchEquations& equations() { return touch_; }
   // Enters the modes in which a step at (t, y) would begin, without recording it.
   void preview(double t, const double* y);
-  // Records what outputs show, after the accelerations have been solved for.
-  void record_outputs();
-  // The recorded forces by link (ContactRows::apply_forces).
-  const Spatial::Force* wrenches() const { return wrenches_.data(); }
-  Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
-  int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
-  double gap(int contact) override;
+  TouchOutputs& outputs() { return outputs_; }
 
   struct Counts {
     long impacts = 0, closed_series = 0, ambiguous = 0;
   };
   const Counts& counts() const { return counts_; }
-  long closed_spots() const { return static_cast<long>(touch_.closed().size()); }
-  // By spot: what event messages name. Bodies of the scene; -1: the ground.
-  struct SpotName {
-    int contact, tip_body, core_body;
-  };
-  std::vector<SpotName> names() const;
-  // Of the indicators of a spot: what happens when it becomes negative, and positive.
-  static std::array<std::array<std::string, 2>, per_spot> event_texts(const std::string& contact,
-                                                                      const std::string& tip, const std::string& core);
   void begin_part() { before_ = touch_.modes(); }
-  void undo_part() { touch_.set_modes(before_); }
+  // start() must follow.
+  void undo_part() { undone_ = true; }
   void serialize(Archive& archive);
 
  private:
@@ -86,6 +73,7 @@ class TouchModes final : public EventSource, public ContactReadings {
   void go_to(const double* y);
   void check(double t);
   void indicators_of_closed(double* g, double* gdot);
+  void find_other_forces(double t, const double* y, double* g);
   bool holds_by_others(double t, const double* y);
   bool update_modes(const double* y);
   bool is_consistent(double t, const double* y);
@@ -103,20 +91,15 @@ class TouchModes final : public EventSource, public ContactReadings {
   int first_indicator_;
   TouchEquations touch_;
   ContactDecision decision_;
+  TouchOutputs outputs_;
   std::vector<SpotMode> before_;
   std::vector<Trigger> triggered_;  // by spot
-  bool started_ = true, jumped_ = false;
+  bool started_ = true, jumped_ = false, undone_ = false;
   bool held_ = false;
   double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
   Counts counts_;
   std::string refusal_;
   std::vector<double> vdot_;
-  struct Sum {
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    int mode = 0;
-  };
-  std::vector<Sum> sums_;                 // by contact of the scene
-  std::vector<Spatial::Force> wrenches_;  // by link
 };
 
 }  // namespace gelenk

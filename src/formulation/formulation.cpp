@@ -41,8 +41,35 @@ Formulation::Formulation(const FormulationContext& context)
 
 Formulation::~Formulation() = default;
 
-ContactReadings* Formulation::contact_readings() {
-  return touch_ ? static_cast<ContactReadings*>(touch_.get()) : impulses_.readings();
+ContactReadings* Formulation::contact_readings() { return touch_ ? &touch_->outputs() : impulses_.readings(); }
+
+RunCounts Formulation::mode_counts() {
+  RunCounts out{modes_.locks().counts()};
+  out.jacobians = jacobian_count_;
+  out.singular_positions = singularity_monitor_.count();
+  out.contact_points = static_cast<long>(impulses_.contact_points());
+  out.cone_iterations = impulses_.solved().iterations;
+  out.cone_residual = impulses_.solved().residual;
+  if (!touch_) return out;
+  out.impacts += touch_->counts().impacts;
+  out.closed_series += touch_->counts().closed_series;
+  out.ambiguous += touch_->counts().ambiguous;
+  out.contact_points = static_cast<long>(touch_->equations().closed().size());
+  return out;
+}
+
+void Formulation::begin_part(bool continues) {
+  impulses_.begin_part(continues);
+  if (touch_) touch_->begin_part();
+}
+
+void Formulation::undo_part() {
+  impulses_.undo_part();
+  if (touch_) touch_->undo_part();
+}
+
+std::vector<std::array<std::string, 2>> Formulation::contact_event_texts(const Scene& scene) {
+  return touch_ ? touch_->outputs().event_texts(scene) : std::vector<std::array<std::string, 2>>{};
 }
 
 void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
@@ -138,15 +165,17 @@ bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<
   constexpr double relative_step = 1e-7;
   std::vector<double> at(y, y + size());
   std::vector<double> rates(at.size());
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    const double step = relative_step * std::max(1.0, std::abs(y[k]));
-    at[k] = y[k] + step;
-    if (!rhs(t, at.data(), rates.data())) return false;
+  touch_->equations().keep_directions(true);
+  bool is_finite = true;
+  for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
+    at[k] += relative_step * std::max(1.0, std::abs(y[k]));
+    is_finite = rhs(t, at.data(), rates.data());
     for (std::size_t i = 0; i < at.size(); ++i)
       out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
     at[k] = y[k];
   }
-  return rhs(t, y, rates.data()) && out.allFinite();
+  touch_->equations().keep_directions(false);
+  return is_finite && rhs(t, y, rates.data()) && out.allFinite();
 }
 
 void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
@@ -210,9 +239,9 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
   touch_->preview(t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
-  touch_->record_outputs();
+  touch_->outputs().record();
   touch_->equations().set_modes(std::vector<SpotMode>(present.size()));
-  dynamics_.branching().contact_rows().apply_forces(touch_->wrenches(), nullptr);
+  dynamics_.branching().contact_rows().apply_forces(touch_->outputs().wrenches(), nullptr);
   solve_at(t, y, vdot);
   dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
   touch_->equations().set_modes(present);

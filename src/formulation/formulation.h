@@ -6,9 +6,11 @@
 // whichever formulation is used.
 #pragma once
 
+#include <array>
 #include <climits>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +25,7 @@
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
+#include "modes/run_counts.h"
 #include "util/archive.h"
 
 namespace gelenk {
@@ -64,8 +67,13 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   ImpulseSteps* impulses() final { return &impulses_; }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
-  // Contacts of shapes that change at events; null: there are none.
-  TouchModes* touch() { return touch_.get(); }
+  // Those of the equations, not of the integrator.
+  RunCounts mode_counts();
+  // By indicator of contacts that follow those of modes().
+  std::vector<std::array<std::string, 2>> contact_event_texts(const Scene& scene);
+  // At the start of each part of a communication step, to which undo_part() returns; continues: of a later one.
+  void begin_part(bool continues);
+  void undo_part();
   // What outputs of contacts show; null: there are none.
   ContactReadings* contact_readings();
 
@@ -108,6 +116,8 @@ class Formulation : public Equations, private ModeEquations, private TouchedEqua
   void acceleration_jacobian(Eigen::Map<Eigen::MatrixXd>& out);
   void count_jacobian() { ++jacobian_count_; }
   virtual ConstraintProjector& projector() { return projector_; }
+  // Contacts of shapes that change at events; null: there are none.
+  TouchModes* touch() { return touch_.get(); }
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;

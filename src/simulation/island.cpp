@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "contact/touch_modes.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
 
@@ -21,12 +20,10 @@ constexpr double jump_tolerance = 1e-10;
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
 FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
-  return {step_of(scene),
-          scene.solver.baumgarte_alpha,
-          scene.solver.baumgarte_beta,
-          scene.solver.corrections,
-          locates_contacts(scene),
-          std::isfinite(mobility.best_pivot_ratio) ? mobility.best_pivot_ratio : 0};
+  const Solver& solver = scene.solver;
+  const double ratio = mobility.best_pivot_ratio;
+  return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
+          solver.corrections, locates_contacts(scene), std::isfinite(ratio) ? ratio : 0};
 }
 
 }  // namespace
@@ -75,15 +72,7 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
-  if (equations_->touch() == nullptr) return out;
-  const auto name = [this](int body) {
-    return body < 0 ? std::string("the ground") : scene_.bodies[static_cast<std::size_t>(body)].name;
-  };
-  for (const TouchModes::SpotName& spot : equations_->touch()->names()) {
-    const std::string& contact = scene_.contacts[static_cast<std::size_t>(spot.contact)].name;
-    for (const auto& texts : TouchModes::event_texts(contact, name(spot.tip_body), name(spot.core_body)))
-      out.push_back(texts);
-  }
+  for (const std::array<std::string, 2>& texts : equations_->contact_event_texts(scene_)) out.push_back(texts);
   return out;
 }
 
@@ -121,8 +110,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   if (const LockModes& locks = equations_->modes().locks(); !locks.empty()) backup_modes_ = locks.state();
   realized_ = Stage::position;
   if (!continues) events_.begin(time_);
-  equations_->impulses()->begin_part(continues);
-  if (TouchModes* touch = equations_->touch(); touch != nullptr) touch->begin_part();
+  equations_->begin_part(continues);
   events_.begin_part();
   if (integrator_) {
     if (follows_) enforce_given_motions();
@@ -202,11 +190,10 @@ void Island::roll_back() {
   time_ = backup_time_;
   followed_ = backup_followed_;
   events_.undo_part();
-  equations_->impulses()->undo_part();
+  equations_->undo_part();
   realized_ = Stage::position;
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
   if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
-  if (TouchModes* touch = equations_->touch(); touch != nullptr) touch->undo_part();
   if (integrator_) integrator_->restart(time_, y_.data());
   replay_.clear();
 }
@@ -264,25 +251,12 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
 }
 
 RunCounts Island::counts() const {
-  const TouchModes* touch = equations_->touch();
-  LockModes::Counts of_modes = equations_->modes().locks().counts();
-  long points = static_cast<long>(equations_->impulses()->contact_points());
-  if (touch != nullptr) {
-    of_modes.impacts += touch->counts().impacts;
-    of_modes.closed_series += touch->counts().closed_series;
-    of_modes.ambiguous += touch->counts().ambiguous;
-    points = touch->closed_spots();
-  }
-  return {of_modes,
-          integrator_ ? integrator_->steps() : 0,
-          integrator_ ? integrator_->rejected_steps() : 0,
-          evaluations(),
-          equations_->jacobians(),
-          events_.count(),
-          equations_->singularity_monitor().count(),
-          points,
-          equations_->impulses()->solved().iterations,
-          equations_->impulses()->solved().residual};
+  RunCounts out = equations_->mode_counts();
+  out.steps = integrator_ ? integrator_->steps() : 0;
+  out.rejected_steps = integrator_ ? integrator_->rejected_steps() : 0;
+  out.evaluations = evaluations();
+  out.events = events_.count();
+  return out;
 }
 
 }  // namespace gelenk

@@ -371,28 +371,3 @@ def test_a_restored_run_continues_with_the_same_bits(integrator: str, time: floa
         simulation.step_to(time + 0.3)
         simulation.step_to(time + 0.7)
     assert list(first.values()) == list(second.values())
-
-
-def test_too_many_impacts_are_refused() -> None:
-    scene = ball(0.1, 0.7, {"r": [0, 0, 1.1]}, {"restitution": 0.9})
-    scene["solver"] = {"integrator": "erk", "max_events": 5}
-    with pytest.raises(gelenk.StepError, match="more than 5 events"):
-        gelenk.simulate(scene, stop=5, step=5)
-
-
-@pytest.mark.parametrize(
-    ("shape", "other", "said"),
-    [
-        ({"cylinder": [0.1, 0.2]}, None, "a cylinder and a plane"),
-        ({"box": [0.1, 0.1, 0.1]}, {"box": [1, 1, 1]}, "two shapes of kind box"),
-    ],
-)
-def test_other_pairs_are_refused(shape: SceneData, other: SceneData | None, said: str) -> None:
-    scene = on_plane(shape, 1, [1, 1, 1], {"r": [0, 0, 2]}, {})
-    if other is not None:
-        scene["ground"]["shapes"] = {"block": {**other, "surface": "concrete"}}
-    scene["solver"] = {"integrator": "erk"}
-    with pytest.raises(gelenk.SceneError) as refused:
-        gelenk.simulate(scene, stop=1)
-    assert said in str(refused.value)
-    assert "auto or moreau-jean" in str(refused.value)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "contact/spots.h"
+#include "dynamics/spots.h"
 
 #include <algorithm>
 #include <cmath>
