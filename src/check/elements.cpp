@@ -8,6 +8,7 @@
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
+#include "shape/rounded.h"
 #include "util/text.h"
 
 namespace gelenk {
@@ -120,9 +121,46 @@ struct Checker {
   }
 };
 
+// Two shapes that can touch by a contact, but not by tips on a core (shape/rounded.h); empty: there are none.
+std::string pair_without_tips(const Scene& scene, const Contact& contact) {
+  std::string out;
+  each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
+    if (!out.empty() || tips_touch_core(a.is, b.is) || tips_touch_core(b.is, a.is)) return;
+    const std::string first(kind_of(a.is).kind);
+    const std::string second(kind_of(b.is).kind);
+    out = first == second ? "two shapes of kind " + first : "a " + first + " and a " + second;
+  });
+  return out;
+}
+
 // Whether the integrator steps with impulses.
 bool steps_with_impulses(const Scene& scene) {
   return scene.solver.integrator == "moreau-jean" || (scene.solver.integrator == "auto" && !scene.contacts.empty());
+}
+
+// Contacts that change at events.
+void check_located_contacts(const Scene& scene, Faults& faults) {
+  const Solver& solver = scene.solver;
+  const std::string with = text::quoted(solver.integrator) + " with contacts.";
+  if (solver.formulation != "projection" && !solver.formulation.empty())
+    faults.add("solver.formulation",
+               text::quoted(solver.formulation) + " with contacts." + text::printable(scene.contacts.front().name),
+               "the formulation projection");
+  for (const Joint& joint : scene.joints) {
+    if (joint.locking_element().empty()) continue;
+    faults.add("solver.integrator",
+               with + text::printable(scene.contacts.front().name) + " and joints." + text::printable(joint.name) +
+                   "." + std::string(joint.locking_element()),
+               "auto or moreau-jean: contacts are located in mechanisms without friction and limits of joints only");
+    break;
+  }
+  for (const Contact& contact : scene.contacts) {
+    const std::string pair = pair_without_tips(scene, contact);
+    if (pair.empty()) continue;
+    faults.add("solver.integrator", with + text::printable(contact.name) + ", which is between " + pair,
+               "auto or moreau-jean: contacts are located between a plane and spheres, capsules, boxes and hulls, and "
+               "between a sphere and spheres, capsules and boxes");
+  }
 }
 
 void check_contact_methods(const Scene& scene, Faults& faults) {
@@ -131,10 +169,8 @@ void check_contact_methods(const Scene& scene, Faults& faults) {
     faults.add("solver.start", "'equilibrium' with contacts." + text::printable(scene.contacts.front().name),
                "as_given: equilibria are found without contacts only");
   }
-  if (!scene.contacts.empty() && !steps_with_impulses(scene) && !solver.integrator.empty()) {
-    faults.add("solver.integrator",
-               text::quoted(solver.integrator) + " with contacts." + text::printable(scene.contacts.front().name),
-               "auto or moreau-jean");
+  if (locates_contacts(scene)) {
+    check_located_contacts(scene, faults);
   } else if (steps_with_impulses(scene) && solver.formulation != "projection" && !solver.formulation.empty()) {
     faults.add("solver.formulation", text::quoted(solver.formulation) + " with the integrator moreau-jean",
                "the formulation projection");

@@ -35,6 +35,9 @@ class ContactRows {
   // Adds the row of the velocity of link b relative to link a at the point p along d [m/s] or, if it turns, of the
   // relative angular velocity about d [rad/s]. p, d: in the root frame.
   virtual void add(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns) = 0;
+  // out <- that row, as nv numbers, without adding it.
+  virtual void row(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns,
+                   double* out) const = 0;
   // Adds the row of the speed of the coordinate of a lock (branching.h), times a factor.
   virtual void add_lock(int lock, double factor) = 0;
   virtual int count() const = 0;

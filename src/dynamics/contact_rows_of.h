@@ -49,19 +49,14 @@ class ContactRowsOf final : public ContactRows {
   }
 
   void add(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns) override {
-    if constexpr (!A::planar) {
-      const typename A::Force F_0 =
-          turns ? typename A::Force{d, Eigen::Vector3d::Zero()} : typename A::Force{p.cross(d), d};
-      // Links are numbered depth first: the one with the larger number is never an ancestor of the other.
-      int a = link_a;
-      int b = link_b;
-      while (a != b) {
-        int& outer = a > b ? a : b;
-        add_link(outer, a > b ? -1 : 1, F_0);
-        outer = model_.links[outer].parent;
-      }
-    }
+    each_entry(link_a, link_b, p, d, turns, [&](int column, double value) { push(column, value); });
     finish_row();
+  }
+
+  void row(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns,
+           double* out) const override {
+    std::fill_n(out, model_.nv, 0.0);
+    each_entry(link_a, link_b, p, d, turns, [&](int column, double value) { out[column] += value; });
   }
 
   void add_lock(int lock, double factor) override {
@@ -137,12 +132,31 @@ class ContactRowsOf final : public ContactRows {
     values_.push_back(value);
   }
 
-  void add_link(int i, double sign, const typename A::Force& F_0) {
+  // Calls visit(velocity, entry) for the entries of a row.
+  template <class Visit>
+  void each_entry(int link_a, int link_b, const Eigen::Vector3d& p, const Eigen::Vector3d& d, bool turns,
+                  const Visit& visit) const {
+    if constexpr (!A::planar) {
+      const typename A::Force F_0 =
+          turns ? typename A::Force{d, Eigen::Vector3d::Zero()} : typename A::Force{p.cross(d), d};
+      // Links are numbered depth first: the one with the larger number is never an ancestor of the other.
+      int a = link_a;
+      int b = link_b;
+      while (a != b) {
+        int& outer = a > b ? a : b;
+        each_entry_of_link(outer, a > b ? -1 : 1, F_0, visit);
+        outer = model_.links[outer].parent;
+      }
+    }
+  }
+
+  template <class Visit>
+  void each_entry_of_link(int i, double sign, const typename A::Force& F_0, const Visit& visit) const {
     const auto& link = model_.links[i];
     if (link.nv == 0) return;
     const typename A::Force F_L = ws_.X_0L[i].to_child(F_0);
     for (int k = link.iv; k < link.iv + link.nv; ++k) {
-      push(k, sign * (ws_.S[k].w.dot(F_L.n) + ws_.S[k].v.dot(F_L.f)));
+      visit(k, sign * (ws_.S[k].w.dot(F_L.n) + ws_.S[k].v.dot(F_L.f)));
     }
   }
 

@@ -269,6 +269,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
     std::copy(lambda, lambda + model_.rows, ws_.lambda.begin());
     kernels::constraint_wrenches(model_, ws_);
   }
+  Spatial::Motion link_bias_acceleration(int link) const override { return kernels::motion3<A>(ws_.A_bias[link]); }
   Pose3 cut_pose(int cut) const override { return kernels::pose3<A>(ws_.X_FM[cut], 0); }
   long evaluations() const override { return evaluations_; }
 

@@ -29,6 +29,9 @@ class StateReadings : public Readings<double> {
  public:
   // Computes the poses of all links in the root frame, after set_position.
   virtual void set_root_poses() = 0;
+  // The acceleration of a link without generalized accelerations, in its frame, with the upward one in place of
+  // gravity; after set_velocity.
+  virtual Spatial::Motion link_bias_acceleration(int link) const = 0;
   // Makes tree_reaction() and cut_reaction() return the wrenches of these multipliers alone, at rest without loads.
   virtual void set_multipliers(const double* lambda) = 0;
 };

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formulation/formulation.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "touch/touch_modes.h"
+
 namespace gelenk {
 namespace {
 
@@ -24,10 +29,27 @@ Formulation::Formulation(const FormulationContext& context)
       events_(context.events),
       projector_(mechanism_, dynamics_),
       modes_(*this, dynamics_, mechanism_.nq, mechanism_.nv, events_),
-      impulses_({mechanism_, dynamics_, context.loads, drives_, modes_.locks()}),
+      contacts_({mechanism_, dynamics_, context.loads, drives_, modes_.locks()}),
       row_domain_(mechanism_, dynamics_),
       revolutions_(mechanism_, dynamics_),
-      dv_(mechanism_.nv) {}
+      dv_(mechanism_.nv) {
+  if (!context.options.locates_contacts || mechanism_.shapes.empty()) return;
+  modes_.add(contacts_.use(std::make_unique<TouchModes>(
+      TouchModes::Context{mechanism_, dynamics_, context.loads, *this, events_, modes_.own_indicators()})));
+}
+
+RunCounts Formulation::mode_counts() {
+  RunCounts out{modes_.locks().counts()};
+  out.jacobians = jacobian_count_;
+  out.singular_positions = singularity_monitor_.count();
+  contacts_.count(out);
+  return out;
+}
+
+void Formulation::inputs_changed(double /*t*/, const double* /*y*/) {
+  modes_.locks().inputs_jumped();
+  if (contacts_.touch() != nullptr) contacts_.touch()->inputs_jumped();
+}
 
 // Describes a dead center at the present position of `dynamics`; empty: there is none.
 std::string Formulation::describe_dead_center() {
@@ -41,7 +63,7 @@ std::string Formulation::obstacle(const double* y) {
   dynamics_.set_position(y);
   std::string reason = row_domain_.undefined_reason();
   if (reason.empty()) reason = describe_dead_center();
-  return reason.empty() ? impulses_.failure() : reason;
+  return reason.empty() ? contacts_.steps().failure() : reason;
 }
 
 bool Formulation::rhs(double t, const double* y, double* ydot) {
@@ -56,6 +78,7 @@ bool Formulation::evaluate(double t, const double* y, double* ydot) {
   dynamics_.set_position(y);
   if (!row_domain_.is_defined()) return false;
   modes_.watch(t, v);
+  if (contacts_.touch() != nullptr) contacts_.touch()->watch(t);
   if (!accelerate(t, y, vdot)) return false;
   modes_.watch_holding_forces(t);
   if (mechanism_.rows > 0 && factorizes_constraints()) singularity_monitor_.observe(t, dynamics_.pivot_ratio());
@@ -79,7 +102,7 @@ bool Formulation::project_onto_constraints(double t, double* y) {
   dynamics_.min_norm_displacement(dynamics_.row_rates().data(), dv_.data());
   for (int k = 0; k < mechanism_.nv; ++k) v[k] += dv_[k];
   if (!projector().close_velocity(v)) return false;
-  if (!impulses_.are_used()) modes_.locks().start(t, y);
+  if (!contacts_.steps().are_used()) modes_.locks().start(t, y);
   return true;
 }
 
@@ -92,6 +115,7 @@ bool Formulation::accelerate(double t, const double* y, double* vdot) {
   projector().refactorize();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
+  if (contacts_.touch() != nullptr) contacts_.touch()->equations().accelerate(vdot);
   return true;
 }
 
@@ -103,10 +127,30 @@ bool Formulation::jacobian(double t, const double* y, double* J) {
   count_jacobian();
   if (!rhs(t, y, ydot_.data())) return false;
   Eigen::Map<Eigen::MatrixXd> out(J, size(), size());
+  if (contacts_.touch() != nullptr && contacts_.touch()->equations().any_closed())
+    return jacobian_by_differences(t, y, out);
   differentiate(ydot_.data() + nq, out);
   out.topLeftCorner(nq, nq) = jacobians_.qdot_q;
   out.topRightCorner(nq, mechanism_.nv) = jacobians_.qdot_v;
   return out.allFinite();
+}
+
+// ydot_ has the rates at y. Newton's methods, which use it, need no exact derivatives.
+bool Formulation::jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out) {
+  constexpr double relative_step = 1e-7;
+  std::vector<double> at(y, y + size());
+  std::vector<double> rates(at.size());
+  contacts_.touch()->equations().keep_directions(true);
+  bool is_finite = true;
+  for (std::size_t k = 0; k < at.size() && is_finite; ++k) {
+    at[k] += relative_step * std::max(1.0, std::abs(y[k]));
+    is_finite = rhs(t, at.data(), rates.data());
+    for (std::size_t i = 0; i < at.size(); ++i)
+      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = (rates[i] - ydot_[i]) / (at[k] - y[k]);
+    at[k] = y[k];
+  }
+  contacts_.touch()->equations().keep_directions(false);
+  return is_finite && rhs(t, y, rates.data()) && out.allFinite();
 }
 
 void Formulation::differentiate(const double* vdot, Eigen::Map<Eigen::MatrixXd>& out) {
@@ -145,14 +189,16 @@ void Formulation::solve_at(double t, const double* y, double* vdot) {
   projector().factors_changed();
   dynamics_.set_velocity(y + mechanism_.nq);
   solve(t, vdot);
+  if (contacts_.touch() != nullptr) contacts_.touch()->equations().accelerate(vdot);
 }
 
 void Formulation::output_accelerations(double t, const double* y, double* vdot) {
-  if (impulses_.are_used()) {
+  if (contacts_.steps().are_used()) {
     drives_.go_to_outputs(t);
-    const ImpulseSteps::AppliedForces forces(impulses_);
+    const ImpulseSteps::AppliedForces forces(contacts_.steps());
     return solve_at(t, y, vdot);
   }
+  if (contacts_.touch() != nullptr) return output_touched_accelerations(t, y, vdot);
   const ModePreview preview(modes_.locks(), t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -162,12 +208,27 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
   modes_.apply_recorded_forces();
 }
 
+// Contact forces are applied as loads, so that reactions show them.
+void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
+  const std::vector<SpotMode> present = contacts_.touch()->equations().modes();
+  contacts_.touch()->preview(t, y);
+  drives_.go_to_outputs(t);
+  solve_at(t, y, vdot);
+  contacts_.touch()->outputs().record();
+  contacts_.touch()->equations().set_modes(std::vector<SpotMode>(present.size()));
+  dynamics_.branching().contact_rows().apply_forces(contacts_.touch()->outputs().wrenches(), nullptr);
+  solve_at(t, y, vdot);
+  dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
+  contacts_.touch()->equations().set_modes(present);
+  modes_.record_outputs();
+}
+
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {
   drives_.go_to(t);
   revolutions_.count_from(cut_q, t, y);
   singularity_monitor_.restart(t);
-  impulses_.forget();
-  if (!impulses_.are_used()) modes_.locks().start(t, y);
+  contacts_.start();
+  if (!contacts_.steps().are_used()) modes_.locks().start(t, y);
 }
 
 void Formulation::serialize(Archive& archive) {
@@ -175,7 +236,7 @@ void Formulation::serialize(Archive& archive) {
   singularity_monitor_.serialize(archive);
   events_.serialize(archive);
   modes_.locks().serialize(archive);
-  impulses_.serialize(archive);
+  contacts_.serialize(archive);
   archive.serialize(jacobian_count_);
   projector().discard_factors();
 }

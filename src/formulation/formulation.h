@@ -9,6 +9,7 @@
 #include <climits>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,22 +17,25 @@
 #include "event/event_log.h"
 #include "event/singularity_monitor.h"
 #include "formulation/constraint_projector.h"
+#include "formulation/contact_motion.h"
 #include "formulation/drives.h"
 #include "formulation/equations.h"
-#include "formulation/impulse_steps.h"
 #include "formulation/revolution_counter.h"
 #include "formulation/row_domain.h"
 #include "modes/event_modes.h"
+#include "modes/run_counts.h"
+#include "touch/touched_equations.h"
 #include "util/archive.h"
 
 namespace gelenk {
 
 struct FormulationOptions {
-  double step = 1e-3;           // s: of fixed-step methods, or between outputs
-  double baumgarte_alpha = 0;   // 1/s; 0: chosen from the step
-  double baumgarte_beta = 0;    // 1/s; 0: equal to alpha
-  int corrections = 0;          // projection iterations after each step; 0: until converged
-  double best_pivot_ratio = 0;  // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
+  double step = 1e-3;             // s: of fixed-step methods, or between outputs
+  double baumgarte_alpha = 0;     // 1/s; 0: chosen from the step
+  double baumgarte_beta = 0;      // 1/s; 0: equal to alpha
+  int corrections = 0;            // projection iterations after each step; 0: until converged
+  bool locates_contacts = false;  // contacts of shapes change at events, not in steps
+  double best_pivot_ratio = 0;    // largest known pivot ratio of the constraint Jacobian (MobilityAnalysis); 0: unknown
 };
 
 // The objects that a formulation refers to; all but the options must outlive it.
@@ -44,7 +48,7 @@ struct FormulationContext {
   FormulationOptions options{};
 };
 
-class Formulation : public Equations, private ModeEquations {
+class Formulation : public Equations, private ModeEquations, private TouchedEquations {
  public:
   explicit Formulation(const FormulationContext& context);
 
@@ -56,16 +60,19 @@ class Formulation : public Equations, private ModeEquations {
   // By default only normalizes quaternions.
   bool project(double t, double* y) override;
   void accepted(double t, const double* y) override;
-  ImpulseSteps* impulses() final { return &impulses_; }
+  ImpulseSteps* impulses() final { return &contacts_.steps(); }
   bool budget_exhausted() const final { return dynamics_.evaluations() >= last_evaluation_; }
   EventModes& modes() final { return modes_; }
+  // Those of the equations, not of the integrator.
+  RunCounts mode_counts();
+  ContactMotion& contacts() { return contacts_; }
 
   // Limits the number of solutions of the equations of motion from now on; LONG_MAX: unlimited.
   void set_evaluation_budget(long evaluations);
   // Starts or restarts the run at (t, y). cut_q: the angles of the cut joints are unwrapped to the nearest values.
   virtual void start(const std::vector<double>& cut_q, double t, const double* y);
   // Call when inputs have changed discontinuously at (t, y), the present state of the run.
-  virtual void inputs_changed(double /*t*/, const double* /*y*/) { modes_.locks().inputs_jumped(); }
+  virtual void inputs_changed(double t, const double* y);
   // Projects y onto the constraints after a discontinuity, by the smallest change in the mass metric; for velocities
   // this is an impact. Returns false if that fails.
   bool project_onto_constraints(double t, double* y);
@@ -78,9 +85,6 @@ class Formulation : public Equations, private ModeEquations {
   Drives& drives() { return drives_; }
   // Full turns of the cut joints at the last accepted state.
   const RevolutionCounter& revolutions() const { return revolutions_; }
-  // Singular configurations crossed since the start.
-  const SingularityMonitor& singularity_monitor() const { return singularity_monitor_; }
-  long jacobians() const { return jacobian_count_; }  // computed since construction
 
  protected:
   // Evaluates f at y with the present inputs. Returns false as rhs() does.
@@ -109,13 +113,17 @@ class Formulation : public Equations, private ModeEquations {
   void displace(double* q, const double* dv) const final { dynamics_.displace(q, dv); }
   std::string describe_dead_center();
   void mode_changed() override {}
+  void touch_changed() override {}
   void accelerations_at(double t, const double* y, double* vdot) final;
+  void touched_accelerations(double t, const double* y, double* vdot) final { accelerations_at(t, y, vdot); }
+  void output_touched_accelerations(double t, const double* y, double* vdot);
+  bool jacobian_by_differences(double t, const double* y, Eigen::Map<Eigen::MatrixXd>& out);
   void solve_at(double t, const double* y, double* vdot);
 
   EventLog& events_;
   ConstraintProjector projector_;
   EventModes modes_;
-  ImpulseSteps impulses_;
+  ContactMotion contacts_;
   RowDomain row_domain_;
   RevolutionCounter revolutions_;
   SingularityMonitor singularity_monitor_;

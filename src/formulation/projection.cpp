@@ -9,6 +9,7 @@
 
 #include "formulation/branch_acceleration.h"
 #include "formulation/formulation.h"
+#include "touch/touch_modes.h"
 
 namespace gelenk {
 namespace {
@@ -115,6 +116,7 @@ class Projection final : public Formulation {
   void start(const std::vector<double>& cut_q, double t, const double* y) override;
   void inputs_changed(double t, const double* y) override;
   void mode_changed() override { recorded_ = 0; }  // accelerations have jumped
+  void touch_changed() override { recorded_ = 0; }
   void serialize(Archive& archive) override;
 
  private:
@@ -127,6 +129,7 @@ class Projection final : public Formulation {
   void record_acceleration(double t);
   bool apply_fixed_corrections(double* q, double* v);
   bool close(double* y);
+  bool close_contacts(double* y);
 
   int corrections_;
   double rounding_level_ = 0;       // m or rad, from the mechanism's length
@@ -329,7 +332,20 @@ bool Projection::project(double t, double* y) {
   if (!rows_.is_regular()) rows_.update_singularity_status();  // the last accelerations used another weak fraction
   const bool closed = close(y) || (!rows_.is_regular() && rows_.close_in_full(y, y + mechanism_.nq));
   modes().locks().clear_rest(y + mechanism_.nq);
-  return closed;
+  return closed && (contacts().touch() == nullptr || close_contacts(y));
+}
+
+// Loops and contacts in turn, as the corrections of each change the others in second order.
+bool Projection::close_contacts(double* y) {
+  constexpr int most_turns = 4;
+  TouchEquations& touched = contacts().touch()->equations();
+  if (!touched.any_closed()) return true;
+  bool closed = true;
+  for (int k = 0; k < most_turns && touched.close_position(y) && mechanism_.rows > 0; ++k)
+    closed = rows_.close_position(y) && closed;
+  dynamics_.set_position(y);
+  touched.close_velocity(y + mechanism_.nq);
+  return closed && std::isfinite(y[0]);
 }
 
 void Projection::accepted(double t, const double* y) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modes/event_modes.h"
 
+#include <algorithm>
+
 namespace gelenk {
 
 EventModes::EventModes(ModeEquations& equations, Dynamics& dynamics, int nq, int nv, EventLog& log)
@@ -23,6 +25,21 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
+  if (others_ != nullptr) others_->indicator_values(t, y, g + own_indicators(), gdot + own_indicators());
+}
+
+bool EventModes::recall_mode(double t, double* y) {
+  const bool changed = locks_.recall(t, y);
+  return (others_ != nullptr && others_->recall_mode(t, y)) || changed;
+}
+
+double EventModes::mode_exit_time() const {
+  return others_ == nullptr ? mode_exit_time_ : std::min(mode_exit_time_, others_->mode_exit_time());
+}
+
+void EventModes::change_mode(double t, double* y) {
+  locks_.change(t, y);
+  if (others_ != nullptr) others_->change_mode(t, y);
 }
 
 EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {
@@ -46,6 +63,7 @@ void EventModes::remembered_mode(bool* positive) const {
     positive[2 * i] = sides_[i] == 1;
     positive[2 * i + 1] = sides_[i] == -1;
   }
+  if (others_ != nullptr) others_->remembered_mode(positive + own_indicators());
 }
 
 void EventModes::hold_mode(double t, const bool* positive) {
@@ -57,6 +75,7 @@ void EventModes::hold_mode(double t, const bool* positive) {
     sides_[i] = !held_ ? JointLoads::of_state : positive[2 * i] ? 1 : positive[2 * i + 1] ? -1 : 0;
   }
   forces_.hold(held_ || !locks_.empty() ? sides_.data() : nullptr);
+  if (others_ != nullptr) others_->hold_mode(t, held_ ? positive + own_indicators() : nullptr);
 }
 
 void EventModes::check(double t, const double* v) {
@@ -84,11 +103,18 @@ std::string EventModes::refusal() const {
     return log_.report({0, limit, true}).text +
            ", where no force can stop it: closed loops or prescribed motions determine its motion, which leads beyond";
   }
+  if (others_ != nullptr) {
+    if (std::string why = others_->refusal(); !why.empty()) return why;
+  }
   return log_.too_many();
 }
 
 void EventModes::found_event(double t, int indicator, bool positive) {
-  if (!locks_.found_event(indicator)) log_.add({t, indicator, positive});
+  if (indicator >= own_indicators()) {
+    others_->found_event(t, indicator - own_indicators(), positive);
+  } else if (!locks_.found_event(indicator)) {
+    log_.add({t, indicator, positive});
+  }
 }
 
 }  // namespace gelenk

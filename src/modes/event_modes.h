@@ -20,14 +20,17 @@ class EventModes final : public EventSource {
 
   // Two indicators for each force with modes. A stop or limit: for its upper and its lower bound, positive while it is
   // in contact. Friction: of motion in the positive and in the negative direction, positive during it.
-  int indicators() const override { return 2 * static_cast<int>(sides_.size()); }
+  int indicators() const override { return own_indicators() + (others_ == nullptr ? 0 : others_->indicators()); }
+  int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
+  // Adds the modes of contacts, whose indicators follow; they must outlive this.
+  void add(EventSource& others) { others_ = &others; }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
-  bool recall_mode(double t, double* y) override { return locks_.recall(t, y); }
+  bool recall_mode(double t, double* y) override;
   void remembered_mode(bool* positive) const override;
   void hold_mode(double t, const bool* positive) override;
-  double mode_exit_time() const override { return mode_exit_time_; }
+  double mode_exit_time() const override;
   void found_event(double t, int indicator, bool positive) override;
-  void change_mode(double t, double* y) override { locks_.change(t, y); }
+  void change_mode(double t, double* y) override;
   std::string refusal() const override;
 
   // Records whether an evaluation at t with velocities v, at the position of `dynamics`, is outside the held mode.
@@ -72,6 +75,7 @@ class EventModes final : public EventSource {
   double held_from_ = 0;                           // s: start of the held mode
   double mode_exit_time_ = INFINITY;               // s: see EventSource
   LockModes locks_;
+  EventSource* others_ = nullptr;
 };
 
 }  // namespace gelenk

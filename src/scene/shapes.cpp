@@ -68,6 +68,35 @@ int contact_between(const Scene& scene, const std::string& a, const std::string&
   return -1;
 }
 
+bool locates_contacts(const Scene& scene) {
+  const std::string& integrator = scene.solver.integrator;
+  return !scene.contacts.empty() && !integrator.empty() && integrator != "auto" && integrator != "moreau-jean";
+}
+
+void each_pair_of_shapes(const Scene& scene, const Contact& contact,
+                         const std::function<void(const BodyShape&, const BodyShape&)>& visit) {
+  if (contact.surfaces.size() < 2) return;
+  std::vector<std::pair<std::string, const BodyShape*>> shapes;  // with their bodies
+  for (const Body& body : scene.bodies) {
+    for (const BodyShape& shape : body.shapes) shapes.emplace_back(body.name, &shape);
+  }
+  for (const BodyShape& shape : scene.ground_shapes) shapes.emplace_back(std::string(ground), &shape);
+  const auto are_joined = [&](const std::string& a, const std::string& b) {
+    if (includes_joined(contact.is) || a == ground || b == ground) return false;
+    return std::ranges::any_of(scene.joints, [&](const Joint& joint) {
+      const std::string& parent = joint.parent.body;
+      const std::string& child = joint.child.body;
+      return kind_of(joint.is).nv < 6 && ((parent == a && child == b) || (parent == b && child == a));
+    });
+  };
+  for (const auto& [a, first] : shapes) {
+    for (const auto& [b, second] : shapes) {
+      const bool fits = first->surface == contact.surfaces[0] && second->surface == contact.surfaces[1];
+      if (fits && a != b && !are_joined(a, b)) visit(*first, *second);
+    }
+  }
+}
+
 std::vector<bool> bodies_that_touch(const Scene& scene) {
   std::vector<bool> out(scene.bodies.size(), false);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {

@@ -2,6 +2,7 @@
 // Shapes of a scene as a whole: surfaces, masses, units.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,13 @@ MassProperties mass_properties(const std::vector<BodyShape>& shapes);
 
 // Index of the contact between two surfaces, -1: none; either order.
 int contact_between(const Scene& scene, const std::string& a, const std::string& b);
+
+// Whether contacts change at events that are located; otherwise steps are made with impulses.
+bool locates_contacts(const Scene& scene);
+
+// Calls visit(a, b) for pairs of shapes of different bodies between which the contact may act.
+void each_pair_of_shapes(const Scene& scene, const Contact& contact,
+                         const std::function<void(const BodyShape&, const BodyShape&)>& visit);
 
 // By body of the scene: whether one of its shapes can touch something.
 std::vector<bool> bodies_that_touch(const Scene& scene);

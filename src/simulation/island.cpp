@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scene/element_numbers.h"
+#include "scene/shapes.h"
 
 namespace gelenk {
 namespace {
@@ -19,8 +20,10 @@ constexpr double jump_tolerance = 1e-10;
 double step_of(const Scene& scene) { return scene.solver.step > 0 ? scene.solver.step : scene.experiment.step; }
 
 FormulationOptions options_of(const Scene& scene, const MobilityAnalysis& mobility) {
-  return {step_of(scene), scene.solver.baumgarte_alpha, scene.solver.baumgarte_beta, scene.solver.corrections,
-          std::isfinite(mobility.best_pivot_ratio) ? mobility.best_pivot_ratio : 0};
+  const Solver& solver = scene.solver;
+  const double ratio = mobility.best_pivot_ratio;
+  return {step_of(scene),     solver.baumgarte_alpha,  solver.baumgarte_beta,
+          solver.corrections, locates_contacts(scene), std::isfinite(ratio) ? ratio : 0};
 }
 
 }  // namespace
@@ -71,6 +74,7 @@ std::vector<std::array<std::string, 2>> Island::event_texts() const {
     for (const auto& texts : of.events)
       out.push_back({filled_in(texts[0], place, coordinate), filled_in(texts[1], place, coordinate)});
   }
+  for (const std::array<std::string, 2>& texts : equations_->contacts().event_texts(scene_)) out.push_back(texts);
   return out;
 }
 
@@ -108,7 +112,7 @@ double Island::advance(double end, long max_evaluations, bool continues) {
   if (const LockModes& locks = equations_->modes().locks(); !locks.empty()) backup_modes_ = locks.state();
   realized_ = Stage::position;
   if (!continues) events_.begin(time_);
-  equations_->impulses()->begin_part(continues);
+  equations_->contacts().begin_part(continues);
   events_.begin_part();
   if (integrator_) {
     if (follows_) enforce_given_motions();
@@ -188,7 +192,7 @@ void Island::roll_back() {
   time_ = backup_time_;
   followed_ = backup_followed_;
   events_.undo_part();
-  equations_->impulses()->undo_part();
+  equations_->contacts().undo_part();
   realized_ = Stage::position;
   equations_->start(equations_->revolutions().coordinates(), time_, y_.data());
   if (LockModes& locks = equations_->modes().locks(); !locks.empty()) locks.set_state(backup_modes_);
@@ -234,7 +238,7 @@ void Island::make_reading() {
   const EventModes& modes = equations_->modes();
   reading_.emplace(dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
                    turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
-                   modes.recorded_sides().data(), equations_->impulses()->readings());
+                   modes.recorded_sides().data(), equations_->contacts().readings());
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
@@ -246,16 +250,12 @@ std::vector<MotionLaw::Derivatives> Island::targets() const {
 }
 
 RunCounts Island::counts() const {
-  return {equations_->modes().locks().counts(),
-          integrator_ ? integrator_->steps() : 0,
-          integrator_ ? integrator_->rejected_steps() : 0,
-          evaluations(),
-          equations_->jacobians(),
-          events_.count(),
-          equations_->singularity_monitor().count(),
-          static_cast<long>(equations_->impulses()->contact_points()),
-          equations_->impulses()->solved().iterations,
-          equations_->impulses()->solved().residual};
+  RunCounts out = equations_->mode_counts();
+  out.steps = integrator_ ? integrator_->steps() : 0;
+  out.rejected_steps = integrator_ ? integrator_->rejected_steps() : 0;
+  out.evaluations = evaluations();
+  out.events = events_.count();
+  return out;
 }
 
 }  // namespace gelenk

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "touch/touch_equations.h"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace gelenk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// Pivots below this fraction of the largest are redundant forces.
+constexpr double rank_threshold = 1e-11;
+// Relative motions below this have no direction of their own: they begin or end [natural units of speed].
+constexpr double no_direction = 1e-13;
+// Weight of redundant moments.
+constexpr double least_moment = 1e-3;
+// Speeds far above those by which differences are taken, up to which directions are kept then.
+constexpr double slow_sliding = 1e-4;
+// Rounding of gaps, relative to lengths of order 1; and the most repetitions that remove them.
+constexpr double gap_rounding = 1e-15;
+constexpr int most_corrections = 8;
+
+}  // namespace
+
+namespace {
+
+// Matrices up to this size need no memory of the heap.
+constexpr int small = 12;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, small, small>;
+
+template <class Matrix>
+VectorXd solve_least_norm(const Matrix& G, const VectorXd& r) {
+  const Eigen::FullPivLU<Matrix> lu(G);
+  const double largest = std::abs(lu.maxPivot());
+  const double least = lu.matrixLU().diagonal().cwiseAbs().minCoeff();
+  if (least > rank_threshold * largest) return lu.solve(r);
+  Eigen::CompleteOrthogonalDecomposition<Matrix> cod;
+  cod.setThreshold(rank_threshold);
+  cod.compute(G);
+  return cod.solve(r);
+}
+
+}  // namespace
+
+VectorXd least_norm_solution(const MatrixXd& G, const VectorXd& r, const VectorXd& weights) {
+  const VectorXd right = weights.asDiagonal() * r;
+  if (G.rows() <= small) {
+    const SmallMatrix scaled = weights.asDiagonal() * G * weights.asDiagonal();
+    return weights.asDiagonal() * solve_least_norm(scaled, right);
+  }
+  const MatrixXd scaled = weights.asDiagonal() * G * weights.asDiagonal();
+  return weights.asDiagonal() * solve_least_norm(scaled, right);
+}
+
+Eigen::Matrix3d axes_along(const Vector3d& n) {
+  const Eigen::Matrix3d z = rotation_taking_z_to(n);
+  Eigen::Matrix3d out;
+  out << z.col(2), z.col(0), z.col(1);
+  return out;
+}
+
+TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads)
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      loads_(loads),
+      spots_(mechanism),
+      modes_(static_cast<std::size_t>(spots_.count())) {}
+
+double TouchEquations::coefficient(int spot, int group, bool moves) const {
+  const ContactLaw& of = law(spot);
+  if (group == 0) return moves ? of.sliding_friction : of.static_friction;
+  return group == 1 ? of.spinning : of.rolling;
+}
+
+void TouchEquations::set_modes(const std::vector<SpotMode>& modes) {
+  if (&modes != &modes_) modes_ = modes;
+  closed_.clear();
+  for (int i = 0; i < spots_.count(); ++i) {
+    if (modes_[static_cast<std::size_t>(i)].closed) closed_.push_back(i);
+  }
+}
+
+void TouchEquations::add_row(const Entry& entry, const Vector3d& d, bool turns, double* out) const {
+  const Spot& spot = spots_[entry.spot];
+  dynamics_.branching().contact_rows().row(spot.core_link, spot.tip_link, entry.at.p, d, turns, out);
+}
+
+// Beyond a stop within a step, the direction remains what it was, so that the equations are smooth there.
+Vector3d TouchEquations::moving_direction(int spot, int group, const Vector3d& slip,
+                                          const std::vector<SpotMode>& modes) const {
+  const Vector3d& before = modes[static_cast<std::size_t>(spot)].groups[static_cast<std::size_t>(group)].direction;
+  const double speed = slip.norm();
+  if (speed <= (keeps_directions_ ? slow_sliding : no_direction)) return before;
+  return slip.dot(before) < 0 ? Vector3d(-slip / speed) : Vector3d(slip / speed);
+}
+
+// Numbers the rows and allocates them.
+void TouchEquations::number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const {
+  int kept = 0;
+  int moving = 0;
+  for (Entry& entry : out.entries) {
+    entry.first = kept++;
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      entry.rows[g] = entry.moving[g] = -1;
+      if (!(coefficient(entry.spot, group, false) > 0)) continue;
+      if (by_modes && modes[static_cast<std::size_t>(entry.spot)].groups[g].moves) {
+        entry.moving[g] = moving++;
+      } else {
+        entry.rows[g] = kept;
+        kept += entry.kept(group);
+      }
+    }
+  }
+  out.R.resize(kept, mechanism_.nv);
+  out.rates.resize(kept);
+  out.demanded.setZero(kept);
+  out.S.resize(moving, mechanism_.nv);
+  out.moving_rates.resize(moving);
+  out.D.setZero(moving > 0 ? static_cast<Index>(out.entries.size()) : 0, mechanism_.nv);
+}
+
+void TouchEquations::set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion,
+                               Entry& entry, Rows& out) {
+  const auto g = static_cast<std::size_t>(group);
+  const SpotState& at = entry.at;
+  entry.slip[g].setZero();
+  entry.along[g].setZero();
+  if (entry.rows[g] < 0 && entry.moving[g] < 0) return;
+  const bool turns = group > 0;
+  const bool about_normal = group == 1;
+  Vector3d velocity = turns ? motion.V.w : motion.velocity(at.p);
+  Vector3d acceleration = turns ? motion.A.w : motion.acceleration(at.p, at.p_dot);
+  Vector3d belt = Vector3d::Zero();
+  if (!turns && !law(entry.spot).belt_velocity.isZero(0)) {
+    Vector3d rate;
+    belt = spots_.belt(entry.spot, law(entry.spot).belt_velocity, rate);
+    velocity += belt;
+    acceleration += rate - belt.dot(at.n) * at.n_dot;
+  }
+  const double along_normal = at.n.dot(velocity);
+  entry.slip[g] = about_normal ? Vector3d(along_normal * at.n) : Vector3d(velocity - along_normal * at.n);
+  const auto rate_along = [&](const Vector3d& d) {
+    return d.dot(acceleration) + (about_normal ? d.dot(at.n) * at.n_dot.dot(velocity) : 0);
+  };
+  if (entry.moving[g] >= 0) {
+    entry.along[g] = moving_direction(entry.spot, group, entry.slip[g], modes);
+    add_row(entry, entry.along[g], turns, out.S.row(entry.moving[g]).data());
+    out.moving_rates[entry.moving[g]] = rate_along(entry.along[g]);
+    out.D.row(&entry - out.entries.data()) -= coefficient(entry.spot, group, true) * out.S.row(entry.moving[g]);
+    return;
+  }
+  for (Index k = 0; k < entry.kept(group); ++k) {
+    const Index row = entry.rows[g] + k;
+    const Vector3d d = entry.axes.col((about_normal ? 0 : 1) + k);
+    add_row(entry, d, turns, out.R.row(row).data());
+    out.rates[row] = rate_along(d);
+    out.demanded[row] = d.dot(belt);
+  }
+}
+
+void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMode>& modes, bool by_modes, Rows& out) {
+  out.entries.resize(spots.size());
+  for (std::size_t i = 0; i < spots.size(); ++i) out.entries[i].spot = spots[i];
+  number_rows(modes, by_modes, out);
+  spots_.read_motion(dynamics_);
+  for (Entry& entry : out.entries) {
+    entry.at = spots_.state(entry.spot);
+    entry.axes = axes_along(entry.at.n);
+    const RelativeMotion motion = spots_.motion(entry.spot);
+    add_row(entry, entry.at.n, false, out.R.row(entry.first).data());
+    out.rates[entry.first] = entry.at.n.dot(motion.acceleration(entry.at.p, entry.at.p_dot)) +
+                             entry.at.n_dot.dot(motion.velocity(entry.at.p));
+    for (int group = 0; group < contact_groups; ++group) set_group(modes, group, motion, entry, out);
+  }
+}
+
+void TouchEquations::respond(const RowMatrix& F, RowMatrix& Z) {
+  Z = F.transpose();
+  zero_.setZero(std::max(1, mechanism_.rows), F.rows());
+  dynamics_.solve_linear_columns(Z.data(), zero_.data(), static_cast<int>(F.rows()));
+}
+
+// Of a force in a norm: moments count as the forces with the same effect, and where several contacts can exert those
+// forces, moments, which have narrow limits, are hardly used.
+double TouchEquations::weight(const Entry& entry, int group) const {
+  if (group == 0) return 1;
+  const Index n = entry.first;
+  const Index r = entry.rows[static_cast<std::size_t>(group)];
+  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(G_(n, n) / G_(r, r));
+}
+
+void TouchEquations::accelerate(double* vdot) {
+  if (closed_.empty()) return;
+  build(closed_, modes_, true, rows_);
+  B_ = rows_.R;
+  if (rows_.any_moves()) {
+    for (std::size_t i = 0; i < rows_.entries.size(); ++i)
+      B_.row(rows_.entries[i].first) += rows_.D.row(static_cast<Index>(i));
+  }
+  respond(B_, Z_);
+  G_.noalias() = rows_.R * Z_;
+  Eigen::Map<VectorXd> a(vdot, mechanism_.nv);
+  right_.noalias() = -(rows_.R * a);
+  right_ -= rows_.rates;
+  scale_.setOnes(right_.size());
+  for (const Entry& entry : rows_.entries) {
+    for (int group = 1; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row >= 0) scale_.segment(row, entry.kept(group)).setConstant(weight(entry, group));
+    }
+  }
+  x_ = least_norm_solution(G_, right_, scale_);
+  a.noalias() += Z_ * x_;
+}
+
+const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
+  forces_.clear();
+  if (closed_.empty()) return forces_;
+  // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
+  double largest = 0;
+  for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
+  VectorXd weights = scale_;
+  for (const Entry& entry : rows_.entries) {
+    const double share = largest > 0 ? std::sqrt(std::max(1e-6, x_[entry.first] / largest)) : 1;
+    for (int group = 0; group < contact_groups; ++group) {
+      const int row = entry.rows[static_cast<std::size_t>(group)];
+      if (row >= 0) weights.segment(row, entry.kept(group)) *= share;
+    }
+  }
+  VectorXd x = x_;
+  if (rows_.entries.size() > 1 && x_.size() > static_cast<Index>(rows_.entries.size())) {
+    // Weights of columns alone.
+    const MatrixXd columns = G_ * weights.asDiagonal();
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
+    cod.setThreshold(rank_threshold);
+    cod.compute(columns);
+    x = weights.asDiagonal() * VectorXd(cod.solve(right_));
+  }
+  for (const Entry& entry : rows_.entries) {
+    SpotForce& out = forces_.emplace_back();
+    out.normal = x[entry.first];
+    out.force = out.normal * entry.at.n;
+    out.moment.setZero();
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      Vector3d& on = group == 0 ? out.force : out.moment;
+      const int row = entry.rows[g];
+      if (row >= 0) {
+        const auto part = x.segment(row, entry.kept(group));
+        out.held[g] = part.norm();
+        for (Index k = 0; k < part.size(); ++k) on += part[k] * entry.axes.col((group == 1 ? 0 : 1) + k);
+      } else {
+        on -= coefficient(entry.spot, group, true) * out.normal * entry.along[g];
+      }
+    }
+  }
+  return forces_;
+}
+
+bool TouchEquations::close_position(double* q) {
+  if (closed_.empty()) return false;
+  bool moved = false;
+  for (int attempt = 0; attempt < most_corrections; ++attempt) {
+    dynamics_.set_position(q);
+    spots_.read_position(dynamics_);
+    VectorXd gaps(static_cast<Index>(closed_.size()));
+    for (std::size_t i = 0; i < closed_.size(); ++i) gaps[static_cast<Index>(i)] = spots_.gap(closed_[i]);
+    if (!(gaps.cwiseAbs().maxCoeff() > gap_rounding) || !gaps.allFinite()) break;
+    build(closed_, modes_, true, kept_);
+    RowMatrix N(gaps.size(), mechanism_.nv);
+    for (std::size_t i = 0; i < closed_.size(); ++i) N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
+    RowMatrix Z;
+    respond(N, Z);
+    const VectorXd dq = -(Z * least_norm_solution(N * Z, gaps, VectorXd::Ones(gaps.size())));
+    dynamics_.displace(q, dq.data());
+    moved = true;
+    if (gaps.cwiseAbs().maxCoeff() < 1e-9) break;  // the error that remains is its square
+  }
+  return moved;
+}
+
+void TouchEquations::close_velocity(double* v) {
+  if (closed_.empty()) return;
+  dynamics_.set_velocity(v);
+  build(closed_, modes_, true, kept_);
+  Eigen::Map<VectorXd> speeds(v, mechanism_.nv);
+  const VectorXd left = kept_.R * speeds + kept_.demanded;
+  if (left.isZero(0)) return;
+  RowMatrix Z;
+  respond(kept_.R, Z);
+  speeds -= Z * least_norm_solution(kept_.R * Z, left, VectorXd::Ones(left.size()));
+}
+
+}  // namespace gelenk

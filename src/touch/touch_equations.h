@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Equations of motion with closed contacts between events. In its mode, each closed spot has a normal force and, where
+// friction holds, tangential forces and moments that keep relative accelerations zero; where it does not hold, friction
+// opposes the motion in proportion to the normal force. With the rows R of what is kept, and B = R^T + D^T, where D
+// has what slips,
+//
+//   M vdot + J^T lambda = f + B x,    J vdot = gamma,    R vdot = -(rates of R) v
+//
+// is solved for x by the small matrix R K^-1 B, K^-1 the response of the mechanism with its constraint equations.
+// Redundant forces are those of least norm.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "dynamics/spots.h"
+
+namespace gelenk {
+
+// Groups of components of a contact, as in cone/cone.h: tangential forces, moment about the normal, rolling moments.
+inline constexpr int contact_groups = 3;
+
+struct SpotMode {
+  struct Group {
+    bool moves = false;
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the motion, in the root frame, while it moves
+
+    bool operator==(const Group&) const = default;
+  };
+
+  bool closed = false;
+  double leaves_from = 0;  // m: depth up to which shapes that still touch may separate; 0: they do not touch
+  std::array<Group, contact_groups> groups{};
+
+  bool operator==(const SpotMode&) const = default;
+};
+
+class TouchEquations {
+ public:
+  // All must outlive it. loads: with the laws of contacts.
+  TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads);
+
+  Spots& spots() { return spots_; }
+  const Spots& spots() const { return spots_; }
+  const ContactLaw& law(int spot) const { return loads_.contacts[static_cast<std::size_t>(spots_[spot].contact)]; }
+  // Largest force or moment of a group per normal force.
+  double coefficient(int spot, int group, bool moves) const;
+  const std::vector<SpotMode>& modes() const { return modes_; }
+  void set_modes(const std::vector<SpotMode>& modes);
+  bool any_closed() const { return !closed_.empty(); }
+  std::span<const int> closed() const { return closed_; }
+
+  // --- the rows of some spots, after set_position() and set_velocity() of `dynamics` ---
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  struct Entry {
+    int spot = 0;
+    SpotState at;
+    Eigen::Matrix3d axes;                               // the normal and two tangential axes, in columns
+    int first = 0;                                      // its normal row
+    std::array<int, contact_groups> rows{};             // first row of each group that is kept; -1: there is none
+    std::array<int, contact_groups> moving{};           // row of S of each group that moves; -1: it does not
+    std::array<Eigen::Vector3d, contact_groups> slip;   // relative motions
+    std::array<Eigen::Vector3d, contact_groups> along;  // directions of those that move
+
+    int kept(int group) const { return group == 1 ? 1 : 2; }
+  };
+  struct Rows {
+    std::vector<Entry> entries;
+    RowMatrix R;               // kept relative velocities, by velocity
+    RowMatrix S;               // relative velocities of what moves, along its direction
+    RowMatrix D;               // forces of what moves, by entry and velocity, for a normal force of 1
+    Eigen::VectorXd demanded;  // velocities of belts: kept are R v + demanded = 0
+    Eigen::VectorXd rates;     // relative accelerations without generalized ones: of R, of S
+    Eigen::VectorXd moving_rates;
+    bool any_moves() const { return S.rows() > 0; }
+  };
+  // by_modes: otherwise nothing moves, and all groups have rows.
+  void build(std::span<const int> spots, const std::vector<SpotMode>& modes, bool by_modes, Rows& out);
+  // Z <- K^-1 F^T, F by rows, with the last factors of `dynamics`; by velocity and row.
+  void respond(const RowMatrix& F, RowMatrix& Z);
+
+  // Slow sliding keeps its direction, where derivatives are taken by differences.
+  void keep_directions(bool on) { keeps_directions_ = on; }
+  // Adds the effect of closed contacts to the vdot of the last solve() of `dynamics`.
+  void accelerate(double* vdot);
+  // Forces of the last accelerate(), by closed spot, distributed so that where they are redundant, friction is in
+  // proportion to normal forces.
+  struct SpotForce {
+    double normal = 0;                          // N
+    std::array<double, contact_groups> held{};  // N, N m: of the groups that are kept
+    Eigen::Vector3d force, moment;              // on the tip, in the root frame
+  };
+  const std::vector<SpotForce>& forces();
+  const Rows& rows() const { return rows_; }
+  const Eigen::VectorXd& x() const { return x_; }
+  // Displaces q so that closed contacts have no gap; returns whether it was necessary.
+  bool close_position(double* q);
+  // Changes v by the least amount in the mass metric so that what is kept does not move; `dynamics` must be at the
+  // position.
+  void close_velocity(double* v);
+
+ private:
+  Eigen::Vector3d moving_direction(int spot, int group, const Eigen::Vector3d& slip,
+                                   const std::vector<SpotMode>& modes) const;
+  void number_rows(const std::vector<SpotMode>& modes, bool by_modes, Rows& out) const;
+  void set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion, Entry& entry, Rows& out);
+  void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
+  double weight(const Entry& entry, int group) const;
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  const Loads& loads_;
+  Spots spots_;
+  std::vector<SpotMode> modes_;
+  std::vector<int> closed_;
+  bool keeps_directions_ = false;
+  Rows rows_, kept_;
+  RowMatrix B_, Z_, zero_;
+  Eigen::MatrixXd G_;
+  Eigen::VectorXd x_, right_, scale_;
+  std::vector<SpotForce> forces_;
+};
+
+// The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
+Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, const Eigen::VectorXd& weights);
+
+// Axes with the first along n; a continuous function of n nearly everywhere.
+Eigen::Matrix3d axes_along(const Eigen::Vector3d& n);
+
+}  // namespace gelenk

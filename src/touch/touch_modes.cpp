@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "touch/touch_modes.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "contact/contact_finder.h"
+#include "contact/step_limits.h"
+
+namespace gelenk {
+namespace {
+
+using Eigen::Map;
+using Eigen::VectorXd;
+
+// A normal force or a force of friction beyond its bound by less than this fraction of the normal forces is rounding.
+constexpr double force_rounding = 1e-11;
+// A gap up to this fraction of what counts as contact has been reached.
+constexpr double reached_fraction = 1e-2;
+// Gaps beyond the held mode by less than this are rounding.
+constexpr double watched_depth = touch_tolerance;
+
+}  // namespace
+
+TouchModes::TouchModes(const Context& context)
+    : mechanism_(context.mechanism),
+      dynamics_(context.dynamics),
+      equations_(context.equations),
+      log_(context.log),
+      first_indicator_(context.first_indicator),
+      touch_(context.mechanism, context.dynamics, context.loads),
+      decision_(touch_),
+      outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
+      before_(touch_.modes()),
+      triggered_(before_.size()),
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
+
+// Speeds up to this are rest.
+double TouchModes::slow(const double* v) const {
+  double fastest = 1;
+  for (int k = 0; k < mechanism_.nv; ++k) fastest = std::max(fastest, std::abs(v[k]));
+  return rest_speed * fastest;
+}
+
+void TouchModes::go_to(const double* y) {
+  dynamics_.set_position(y);
+  dynamics_.set_velocity(y + mechanism_.nq);
+  touch_.spots().read_motion(dynamics_);
+}
+
+void TouchModes::start() {
+  touch_.set_modes(undone_ ? before_ : std::vector<SpotMode>(before_.size()));
+  undone_ = false;
+  started_ = true;
+  refusal_.clear();
+}
+
+void TouchModes::indicator_values(double t, const double* y, double* g, double* gdot) {
+  const int n = touch_.spots().count();
+  std::fill_n(g, per_spot * n, -1.0);
+  std::fill_n(gdot, per_spot * n, 0.0);
+  if (touch_.any_closed()) {
+    equations_.touched_accelerations(t, y, vdot_.data());
+    indicators_of_closed(g, gdot);
+    find_other_forces(t, y, g);
+  }
+  go_to(y);
+  for (int i = 0; i < n; ++i) {
+    if (mode_of(i).closed) continue;
+    const SpotState at = touch_.spots().state(i);
+    g[per_spot * i] = -at.gap - mode_of(i).leaves_from;
+    gdot[per_spot * i] = -at.rate;
+  }
+}
+
+// Where redundant forces of friction at rest exceed their limits, but may be distributed in other ways, corrects the
+// indicators g.
+void TouchModes::find_other_forces(double t, const double* y, double* g) {
+  if (touch_.closed().size() < 2) return;
+  std::vector<double*> exceeded;
+  for (const int spot : touch_.closed()) {
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      double& value = g[per_spot * spot + 1 + static_cast<int>(k)];
+      if (value > 0 && !mode_of(spot).groups[k].moves) exceeded.push_back(&value);
+    }
+  }
+  if (exceeded.empty() || !holds_by_others(t, y)) return;
+  for (double* value : exceeded) *value = -*value;
+}
+
+void TouchModes::indicators_of_closed(double* g, double* gdot) {
+  const auto& forces = touch_.forces();
+  double sum = 0;
+  for (const auto& force : forces) sum += std::abs(force.normal);
+  const double slack = force_rounding * sum;
+  const Map<const VectorXd> vdot(vdot_.data(), mechanism_.nv);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
+    double* const rate = gdot + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
+    of[0] = forces[i].normal + slack;
+    rate[0] = NAN;
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto at = static_cast<std::size_t>(group);
+      const SpotMode::Group& mode = mode_of(entry.spot).groups[at];
+      if (entry.rows[at] < 0 && !mode.moves) continue;
+      rate[1 + group] = NAN;
+      if (!mode.moves) {
+        of[1 + group] = forces[i].held[at] - touch_.coefficient(entry.spot, group, false) * forces[i].normal - slack;
+        continue;
+      }
+      // Where the direction turns, this rate is that of the speed.
+      const int row = entry.moving[at];
+      const double cosine = entry.along[at].dot(mode.direction);
+      of[1 + group] = entry.slip[at].dot(mode.direction);
+      rate[1 + group] = cosine * (touch_.rows().S.row(row).dot(vdot) + touch_.rows().moving_rates[row]);
+    }
+  }
+}
+
+// Whether friction at rest can hold everything that it holds now, by any distribution of redundant forces.
+bool TouchModes::holds_by_others(double t, const double* y) {
+  const std::vector<SpotMode> present = touch_.modes();
+  const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
+  touch_.set_modes(std::vector<SpotMode>(present.size()));
+  equations_.touched_accelerations(t, y, vdot_.data());
+  std::vector<SpotMode> next = present;
+  const auto outcome = decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next);
+  touch_.set_modes(present);
+  bool holds = outcome == ContactDecision::Outcome::found;
+  for (const int spot : spots) {
+    const auto i = static_cast<std::size_t>(spot);
+    for (std::size_t k = 0; k < contact_groups; ++k)
+      holds = holds && (present[i].groups[k].moves || !next[i].closed || !next[i].groups[k].moves);
+  }
+  return holds;
+}
+
+void TouchModes::remembered_mode(bool* positive) const {
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    const SpotMode& mode = mode_of(i);
+    bool* const of = positive + static_cast<std::ptrdiff_t>(per_spot) * i;
+    of[0] = mode.closed;
+    for (std::size_t k = 0; k < contact_groups; ++k) of[1 + k] = mode.closed && mode.groups[k].moves;
+  }
+}
+
+void TouchModes::hold_mode(double t, const bool* positive) {
+  held_ = positive != nullptr;
+  held_from_ = t;
+  mode_exit_time_ = INFINITY;
+}
+
+void TouchModes::check(double t) {
+  touch_.spots().read_position(dynamics_);
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (mode_of(i).closed || touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from) continue;
+    mode_exit_time_ = t;
+    return;
+  }
+}
+
+void TouchModes::found_event(double, int indicator, bool positive) {
+  Trigger& trigger = triggered_[static_cast<std::size_t>(indicator / per_spot)];
+  const int which = indicator % per_spot;
+  if (which > 0) {
+    trigger.groups[static_cast<std::size_t>(which - 1)] = true;
+  } else {
+    (positive ? trigger.touches : trigger.leaves) = true;
+  }
+}
+
+void TouchModes::change_mode(double t, double* y) {
+  if (std::ranges::none_of(triggered_, &Trigger::any)) return;
+  strike(t, y);
+  decide(t, y, true);
+  finish(y);
+}
+
+// Brings directions and distances up to the state where a step begins; returns whether something touches that was not
+// located.
+bool TouchModes::update_modes(const double* y) {
+  const double rest = slow(y + mechanism_.nq);
+  std::vector<SpotMode> next = touch_.modes();
+  go_to(y);
+  bool touches = false;
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    SpotMode& mode = next[static_cast<std::size_t>(i)];
+    if (mode.closed) continue;
+    const SpotState at = touch_.spots().state(i);
+    if (at.gap > touch_tolerance) mode.leaves_from = 0;
+    if (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest) touches = true;
+  }
+  if (touch_.any_closed()) {
+    TouchEquations::Rows rows;
+    touch_.build(touch_.closed(), touch_.modes(), true, rows);
+    for (const TouchEquations::Entry& entry : rows.entries) {
+      for (std::size_t k = 0; k < contact_groups; ++k) {
+        SpotMode::Group& group = next[static_cast<std::size_t>(entry.spot)].groups[k];
+        const double speed = entry.slip[k].norm();
+        if (group.moves && speed > rest) group.direction = entry.slip[k] / speed;
+      }
+    }
+  }
+  touch_.set_modes(next);
+  return touches;
+}
+
+// Whether the present modes obey the laws at (t, y).
+bool TouchModes::is_consistent(double t, const double* y) {
+  std::vector<double> g(static_cast<std::size_t>(indicators()));
+  std::vector<double> gdot(g.size());
+  const auto expected = std::make_unique<bool[]>(g.size());
+  remembered_mode(expected.get());
+  indicator_values(t, y, g.data(), gdot.data());
+  for (const int spot : touch_.closed()) {
+    for (int k = 0; k < per_spot; ++k) {
+      const auto i = static_cast<std::size_t>(per_spot * spot + k);
+      if ((g[i] > 0) != expected[i]) return false;
+    }
+  }
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (!mode_of(i).closed && touch_.spots().gap(i) <= touch_tolerance) return false;
+  }
+  return true;
+}
+
+bool TouchModes::recall_mode(double t, double* y) {
+  const bool touches = update_modes(y);
+  const bool decides = touches || started_ || (jumped_ && !is_consistent(t, y));
+  started_ = jumped_ = false;
+  if (!decides) return false;
+  strike(t, y);
+  decide(t, y, true);
+  finish(y);
+  return true;
+}
+
+void TouchModes::preview(double t, const double* y) {
+  if (!started_ && (!jumped_ || is_consistent(t, y))) return;
+  decide(t, y, false);
+}
+
+void TouchModes::serialize(Archive& archive) {
+  std::vector<SpotMode> modes = touch_.modes();
+  for (SpotMode& mode : modes) {
+    archive.serialize(mode.closed, mode.leaves_from);
+    for (SpotMode::Group& group : mode.groups) {
+      archive.serialize(group.moves, group.direction.x(), group.direction.y(), group.direction.z());
+    }
+  }
+  archive.serialize(started_, jumped_, counts_.impacts, counts_.closed_series, counts_.ambiguous);
+  if (archive.reading()) {
+    touch_.set_modes(modes);
+    refusal_.clear();
+  }
+}
+
+}  // namespace gelenk

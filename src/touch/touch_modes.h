@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The modes of contacts between events: which spots are closed, and where friction holds. They do not follow from the
+// state, so they are remembered from one event to the next.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "event/event_log.h"
+#include "event/event_source.h"
+#include "touch/touch_decision.h"
+#include "touch/touch_equations.h"
+#include "touch/touch_outputs.h"
+#include "touch/touched_equations.h"
+#include "util/archive.h"
+
+namespace gelenk {
+
+class TouchModes final : public EventSource {
+ public:
+  struct Context {
+    const Mechanism& mechanism;
+    Dynamics& dynamics;
+    const Loads& loads;
+    TouchedEquations& equations;
+    EventLog& log;
+    int first_indicator = 0;  // number of indicators in the log before those of the spots
+  };
+  explicit TouchModes(const Context& context);
+
+  // Four indicators for each spot: positive while it is closed; and while it slips, spins and rolls against friction.
+  static constexpr int per_spot = TouchOutputs::per_spot;
+  int indicators() const override { return per_spot * touch_.spots().count(); }
+  void indicator_values(double t, const double* y, double* g, double* gdot) override;
+  bool recall_mode(double t, double* y) override;
+  void remembered_mode(bool* positive) const override;
+  void hold_mode(double t, const bool* positive) override;
+  double mode_exit_time() const override { return mode_exit_time_; }
+  void found_event(double t, int indicator, bool positive) override;
+  void change_mode(double t, double* y) override;
+  std::string refusal() const override { return refusal_; }
+
+  // Determines the modes from the state alone when the next step begins.
+  void start();
+  // Call when inputs have jumped.
+  void inputs_jumped() { jumped_ = true; }
+  // Records whether an evaluation at t, at the present position of `dynamics`, is outside the held mode.
+  void watch(double t) {
+    if (held_ && t > held_from_ && t < mode_exit_time_) check(t);
+  }
+
+  TouchEquations& equations() { return touch_; }
+  // Enters the modes in which a step at (t, y) would begin, without recording it.
+  void preview(double t, const double* y);
+  TouchOutputs& outputs() { return outputs_; }
+
+  struct Counts {
+    long impacts = 0, closed_series = 0, ambiguous = 0;
+  };
+  const Counts& counts() const { return counts_; }
+  void begin_part() { before_ = touch_.modes(); }
+  // start() must follow.
+  void undo_part() { undone_ = true; }
+  void serialize(Archive& archive);
+
+ private:
+  const SpotMode& mode_of(int spot) const { return touch_.modes()[static_cast<std::size_t>(spot)]; }
+  double slow(const double* v) const;
+  void go_to(const double* y);
+  void check(double t);
+  void indicators_of_closed(double* g, double* gdot);
+  void find_other_forces(double t, const double* y, double* g);
+  bool holds_by_others(double t, const double* y);
+  bool update_modes(const double* y);
+  bool is_consistent(double t, const double* y);
+  void strike(double t, double* y);
+  void end_series(const std::vector<int>& struck, ContactImpact& impact, const Eigen::VectorXd& approach);
+  std::vector<int> lasting(double rest);
+  void decide(double t, const double* y, bool logs);
+  void enter(double t, std::vector<SpotMode> next, bool logs);
+  void finish(double* y);
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  TouchedEquations& equations_;
+  EventLog& log_;
+  int first_indicator_;
+  TouchEquations touch_;
+  ContactDecision decision_;
+  TouchOutputs outputs_;
+  std::vector<SpotMode> before_;
+  std::vector<Trigger> triggered_;  // by spot
+  bool started_ = true, jumped_ = false, undone_ = false;
+  bool held_ = false;
+  double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
+  Counts counts_;
+  std::string refusal_;
+  std::vector<double> vdot_;
+};
+
+}  // namespace gelenk

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "touch/touch_outputs.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace gelenk {
+
+TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts)
+    : mechanism_(mechanism), dynamics_(dynamics), touch_(touch), sums_(contacts), wrenches_(mechanism.links.size()) {}
+
+void TouchOutputs::record() {
+  std::ranges::fill(sums_, Sum{});
+  std::ranges::fill(wrenches_, Spatial::Force{});
+  const auto& forces = touch_.forces();
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    const Spot& spot = touch_.spots()[entry.spot];
+    const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
+    wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
+    wrenches_[static_cast<std::size_t>(spot.core_link)] -= on_tip;
+    Sum& sum = sums_[static_cast<std::size_t>(spot.contact)];
+    sum.force -= spot.sign * (mechanism_.X_W0.R * forces[i].force);
+    const SpotMode& mode = touch_.modes()[static_cast<std::size_t>(entry.spot)];
+    const bool slides = mode.groups[0].moves || !(touch_.coefficient(entry.spot, 0, false) > 0);
+    sum.mode = std::max(sum.mode, slides ? 2 : 1);
+  }
+}
+
+double TouchOutputs::gap(int contact) {
+  touch_.spots().read_position(dynamics_);
+  double out = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (touch_.spots()[i].contact == contact) out = std::min(out, touch_.spots().gap(i));
+  }
+  return out;
+}
+
+std::vector<std::array<std::string, 2>> TouchOutputs::event_texts(const Scene& scene) const {
+  const auto name = [&](int shape) {
+    const int body = mechanism_.shapes[static_cast<std::size_t>(shape)].scene_body;
+    return body < 0 ? std::string("the ground") : scene.bodies[static_cast<std::size_t>(body)].name;
+  };
+  std::vector<std::array<std::string, 2>> out;
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    const Spot& spot = touch_.spots()[i];
+    const std::string subject = scene.contacts[static_cast<std::size_t>(spot.contact)].name + ": " + name(spot.tip);
+    const std::string core = name(spot.core);
+    out.push_back({subject + " leaves " + core, subject + " touches " + core});
+    out.push_back({subject + " stops sliding on " + core, subject + " slides on " + core});
+    out.push_back({subject + " stops spinning on " + core, subject + " spins on " + core});
+    out.push_back({subject + " stops rolling on " + core, subject + " rolls on " + core});
+  }
+  return out;
+}
+
+}  // namespace gelenk

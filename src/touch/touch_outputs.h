@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What outputs and events show of contacts between events.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "touch/touch_equations.h"
+
+namespace gelenk {
+
+class TouchOutputs final : public ContactReadings {
+ public:
+  // Numbers of indicators of a spot: of its contact, and of each group of friction.
+  static constexpr int per_spot = 1 + contact_groups;
+
+  // All must outlive it. contacts: of the scene.
+  TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);
+
+  // Records the forces and modes after the accelerations have been solved for.
+  void record();
+  // The recorded forces by link (ContactRows::apply_forces).
+  const Spatial::Force* wrenches() const { return wrenches_.data(); }
+  Eigen::Vector3d force(int contact) const override { return sums_[static_cast<std::size_t>(contact)].force; }
+  int mode(int contact) const override { return sums_[static_cast<std::size_t>(contact)].mode; }
+  double gap(int contact) override;
+
+  // By indicator: what happens when it becomes negative, and positive.
+  std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
+
+ private:
+  struct Sum {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    int mode = 0;
+  };
+
+  const Mechanism& mechanism_;
+  Dynamics& dynamics_;
+  TouchEquations& touch_;
+  std::vector<Sum> sums_;                 // by contact of the scene
+  std::vector<Spatial::Force> wrenches_;  // by link
+};
+
+}  // namespace gelenk

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What located contacts cannot do yet is refused by a message that names it."""
+
+import pytest
+from models.touching import SceneData, on_plane
+
+import gelenk
+
+from .test_located_contacts import ball
+
+
+def test_too_many_impacts_are_refused() -> None:
+    scene = ball(0.1, 0.7, {"r": [0, 0, 1.1]}, {"restitution": 0.9})
+    scene["solver"] = {"integrator": "erk", "max_events": 5}
+    with pytest.raises(gelenk.StepError, match="more than 5 events"):
+        gelenk.simulate(scene, stop=5, step=5)
+
+
+@pytest.mark.parametrize(
+    ("shape", "other", "said"),
+    [
+        ({"cylinder": [0.1, 0.2]}, None, "a cylinder and a plane"),
+        ({"box": [0.1, 0.1, 0.1]}, {"box": [1, 1, 1]}, "two shapes of kind box"),
+    ],
+)
+def test_other_pairs_are_refused(shape: SceneData, other: SceneData | None, said: str) -> None:
+    scene = on_plane(shape, 1, [1, 1, 1], {"r": [0, 0, 2]}, {})
+    if other is not None:
+        scene["ground"]["shapes"] = {"block": {**other, "surface": "concrete"}}
+    scene["solver"] = {"integrator": "erk"}
+    with pytest.raises(gelenk.SceneError) as refused:
+        gelenk.simulate(scene, stop=1)
+    assert said in str(refused.value)
+    assert "auto or moreau-jean" in str(refused.value)
+
+
+def test_friction_of_joints_in_the_same_scene_is_refused() -> None:
+    """It is not yet decided on together with contacts."""
+    scene = on_plane({"sphere": 0.1}, 1, [0.004] * 3, {"r": [0, 0, 0.2]}, {})
+    scene["bodies"]["arm"] = {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.1, 0.1, 0.1]}
+    scene["joints"]["A"] = {
+        "type": "revolute",
+        "parent": "ground",
+        "child": "arm",
+        "friction": {"coulomb": 1.0},
+    }
+    scene["solver"] = {"integrator": "ida"}
+    with pytest.raises(gelenk.SceneError, match=r"joints\.A\.friction"):
+        gelenk.simulate(scene, stop=1)
