@@ -56,14 +56,20 @@ class Machine:
         """A host as a program of this machine."""
         out = folder / f"{source.stem}-{self.platform}{'.exe' if self.platform == 'win64' else ''}"
         command = ["cc"]
+        environment = dict(os.environ)
         if self.target:
             import ziglang
 
+            # Zig keeps the C library that `make runtimes` has compiled, which takes minutes.
+            for kind in ("GLOBAL", "LOCAL"):
+                environment.setdefault(
+                    f"ZIG_{kind}_CACHE_DIR", str(HERE.parents[1] / "build/runtimes/zig-cache")
+                )
             command = [str(Path(ziglang.__file__).parent / "zig"), "cc", "-target", self.target]
         libraries = [] if self.platform == "win64" else ["-ldl", "-lm"]
         subprocess.run(
             [*command, "-O1", f"-I{HEADERS}", f"-I{FMU_TESTS}", str(source), "-o", str(out), "-lpthread",
-             *libraries], check=True,
+             *libraries], check=True, env=environment,
         )  # fmt: skip
         return out
 
