@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import gzip
-import platform
 import sys
 import zipfile
 from pathlib import Path
@@ -149,6 +148,6 @@ def test_on_arm_the_library_for_arm_is_loaded(
 ) -> None:
     """fmpy takes that of x86-64 there."""
     fmu = gelenk.export_fmu(four_bar, tmp_path / "x.fmu")
-    monkeypatch.setattr(platform, "machine", lambda: "aarch64")
+    monkeypatch.setattr("platform.machine", lambda: "aarch64")
     with pytest.raises(gelenk.UsageError, match=r"Cannot find .*/binaries/aarch64-linux/FourBar\.so"):
         gelenk.simulate(fmu, stop=0.1)
