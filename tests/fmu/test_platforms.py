@@ -146,7 +146,7 @@ def test_a_library_with_the_ending_of_another_platform_is_refused(
 def test_on_arm_the_library_for_arm_is_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, four_bar: gelenk.Scene
 ) -> None:
-    """fmpy takes that of x86-64 there."""
+    """There, fmpy takes that of x86-64."""
     fmu = gelenk.export_fmu(four_bar, tmp_path / "x.fmu")
     monkeypatch.setattr("platform.machine", lambda: "aarch64")
     with pytest.raises(gelenk.UsageError, match=r"Cannot find .*/binaries/aarch64-linux/FourBar\.so"):
