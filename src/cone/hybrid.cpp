@@ -28,6 +28,7 @@ constexpr double max_loose_rows = 1.5;         // of contacts, per velocity that
 constexpr double max_products_per_factor = 8;  // that cost as much as a factorization, in loose heaps
 constexpr int sweeps_without_gain = 250;       // of a factor of two
 constexpr int first_newton_steps = 8;  // from the impulses of the last step, which are close unless bodies strike
+constexpr double resting = 1e-7;       // residual of the impulses of the last step where only rounding has changed
 constexpr double near = 1e-3;          // residual of such impulses, relative to the largest velocity
 constexpr int first_sweeps = 1500;
 constexpr int first_patience = 200;  // sweeps without a gain of a factor of two
@@ -36,7 +37,7 @@ constexpr int last_newton_steps = 5;  // they suffice where the right contacts s
 constexpr int sparse_newton_steps = 30;
 constexpr int proximal_steps = 12;
 constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
-constexpr int max_failures = 2;     // in a row
+constexpr int max_failures = 3;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
@@ -90,6 +91,7 @@ class HybridSolver final : public IterativeConeSolver {
   // there, the augmented Lagrangian method rarely does, and costs a hundred times as much. Returns whether that is near
   // enough.
   bool solve_by_sweeps(ConeIteration& at) {
+    if (is_near(at, resting)) return false;
     if (is_near(at, near)) newton_.run(at, first_newton_steps);
     if (at.done()) return true;
     at.return_to(Iterate::start);  // failed steps leave impulses that balance each other

@@ -94,11 +94,11 @@ def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None
 
 
 def test_the_library_is_small(library: Path) -> None:
-    """Shapes, collisions and the solvers of contact impulses take 0.2 MB, landing pads of calls 45 kB.
+    """Shapes, collisions and the solvers of contact impulses take 0.2 MB, located contacts 0.2 MB, landing pads 45 kB.
 
-    Compressed, it has 2.4 MB.
+    Compressed, it has 2.5 MB.
     """
-    assert library.stat().st_size < 5.3e6
+    assert library.stat().st_size < 5.5e6
 
 
 RUN_BOTH = """

@@ -62,7 +62,7 @@ def carried(count: int) -> dict[str, Any]:
         {"mass": {"density": 500}, "shapes": {"hull": {"box": [0.2, 0.2, 0.2], "surface": "stone"}}}
         for _ in range(count)
     ]
-    # The coupler starts 0.3 rad off the lowest position; the boxes stand on its top.
+    # The coupler starts 0.3 rad off the lowest position; the boxes are on top of it.
     x, z = arm * np.sin(0.3), 1.0 - arm * np.cos(0.3)
     places = [[float(x) + 0.3 * (k + 0.5 - count / 2), 0.0, float(z) + 0.125] for k in range(count)]
     scene = _scene(boxes, places, [])
