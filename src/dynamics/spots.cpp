@@ -28,37 +28,42 @@ Spots::Spots(const Mechanism& mechanism)
       const LinkShape& second = shapes[static_cast<std::size_t>(j)];
       const int contact = contact_between(mechanism.contact_table, first, second);
       if (contact < 0) continue;
-      const bool exchanges = !tips_touch_core(first.is, second.is);
-      if (exchanges && !tips_touch_core(second.is, first.is)) continue;  // refused before (check/elements.cpp)
-      const int tip = exchanges ? j : i;
-      const int core = exchanges ? i : j;
-      const LinkShape& with_tips = shapes[static_cast<std::size_t>(tip)];
-      const LinkShape& with_core = shapes[static_cast<std::size_t>(core)];
-      const bool core_is_first = mechanism.contact_table.is_first(contact, with_core.surface) &&
-                                 (with_core.surface != with_tips.surface || core < tip);
-      const LinkShape& belt = core_is_first ? with_tips : with_core;
-      for (const Tip& at : tips_of(with_tips.is)) {
-        Spot& spot = spots_.emplace_back();
-        spot.core = core;
-        spot.tip = tip;
-        spot.core_link = with_core.link;
-        spot.tip_link = with_tips.link;
-        spot.contact = contact;
-        spot.feature = at.feature;
-        spot.sign = core_is_first ? 1 : -1;
-        spot.X_LS = with_core.X_LS;
-        spot.box = *core_of(with_core.is);
-        spot.center = with_tips.X_LS.point(at.center);
-        spot.radius = at.radius;
-        spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
-        spot.R_belt = belt.X_LS.R;
+      // Pairs without tips and core have been refused (check/elements.cpp).
+      if (tips_touch_core(first.is, second.is)) {
+        add_pair(mechanism, contact, i, j);
+      } else if (tips_touch_core(second.is, first.is)) {
+        add_pair(mechanism, contact, j, i);
       }
-      links_.push_back(with_core.link);
-      links_.push_back(with_tips.link);
     }
   }
   std::ranges::sort(links_);
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
+}
+
+void Spots::add_pair(const Mechanism& mechanism, int contact, int tip, int core) {
+  const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
+  const LinkShape& with_core = mechanism.shapes[static_cast<std::size_t>(core)];
+  const bool core_is_first = mechanism.contact_table.is_first(contact, with_core.surface) &&
+                             (with_core.surface != with_tips.surface || core < tip);
+  const LinkShape& belt = core_is_first ? with_tips : with_core;
+  for (const Tip& at : tips_of(with_tips.is)) {
+    Spot& spot = spots_.emplace_back();
+    spot.core = core;
+    spot.tip = tip;
+    spot.core_link = with_core.link;
+    spot.tip_link = with_tips.link;
+    spot.contact = contact;
+    spot.feature = at.feature;
+    spot.sign = core_is_first ? 1 : -1;
+    spot.X_LS = with_core.X_LS;
+    spot.box = *core_of(with_core.is);
+    spot.center = with_tips.X_LS.point(at.center);
+    spot.radius = at.radius;
+    spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
+    spot.R_belt = belt.X_LS.R;
+  }
+  links_.push_back(with_core.link);
+  links_.push_back(with_tips.link);
 }
 
 void Spots::read_position(Dynamics& dynamics) {

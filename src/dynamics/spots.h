@@ -69,6 +69,8 @@ class Spots {
     Eigen::Vector3d free;  // 1 where the nearest point does not follow the center, else 0
     double distance = 0;
   };
+  // Spots of the tips of one shape on the core of another; both: numbers of shapes.
+  void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
   Line line(const Spot& spot) const;
   const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
 

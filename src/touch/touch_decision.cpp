@@ -161,12 +161,8 @@ void ContactDecision::solve_cones(const VectorXd& normal) {
 std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotMode>& tentative,
                                                          const std::vector<Trigger>& triggered) const {
   std::vector<SpotMode> next = tentative;
-  double largest = 0;
-  VectorXd normal(static_cast<Index>(spots_.size()));
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    normal[static_cast<Index>(i)] = x_[rows_.entries[i].first];
-    largest = std::max(largest, normal[static_cast<Index>(i)]);
-  }
+  const VectorXd normal = normal_forces();
+  const double largest = std::max(0.0, normal.maxCoeff());
   const VectorXd a = G_ * x_ + C_ * normal + b_;
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     const TouchEquations::Entry& entry = rows_.entries[i];
@@ -177,57 +173,79 @@ std::vector<SpotMode> ContactDecision::modes_of_solution(const std::vector<SpotM
     for (int group = 0; group < contact_groups; ++group) {
       const auto g = static_cast<std::size_t>(group);
       if (entry.rows[g] < 0) continue;
-      const auto part = x_.segment(entry.rows[g], entry.kept(group));
-      const double limit = touch_.coefficient(entry.spot, group, slides_[i][g]) * n;
-      const double size = part.norm();
       mode.groups[g].moves = false;
       mode.groups[g].direction.setZero();
-      if (!(n > least_force * largest && size >= limit * (1 - 2 * break_away_fraction) && size > 0)) continue;
-      // Redundant forces may be at their limits although nothing moves.
-      const double along = -part.dot(a.segment(entry.rows[g], entry.kept(group))) / size;
       const bool is_triggered = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
-      if (!(along > (is_triggered ? least_acceleration : limit_fraction) * scale_)) continue;
-      mode.groups[g].moves = true;
-      for (Index k = 0; k < part.size(); ++k)
-        mode.groups[g].direction -= part[k] / size * entry.axes.col((group == 1 ? 0 : 1) + k);
+      if (n > least_force * largest) find_motion(i, group, a, is_triggered, mode);
     }
   }
   return next;
 }
 
-// Whether accelerations in these modes obey the laws. pulls: the contact with the most negative normal force; -1: none.
-bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& next, int& pulls) {
-  touch_.set_modes(next);
-  VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
-  touch_.accelerate(a.data());
-  pulls = -1;
+// Whether friction of a group is at its limit, and what moves against it.
+void ContactDecision::find_motion(std::size_t i, int group, const VectorXd& a, bool is_triggered,
+                                  SpotMode& mode) const {
+  const TouchEquations::Entry& entry = rows_.entries[i];
+  const auto g = static_cast<std::size_t>(group);
+  const auto part = x_.segment(entry.rows[g], entry.kept(group));
+  const double limit = touch_.coefficient(entry.spot, group, slides_[i][g]) * x_[entry.first];
+  const double size = part.norm();
+  if (!(size >= limit * (1 - 2 * break_away_fraction) && size > 0)) return;
+  // Redundant forces may be at their limits although nothing moves.
+  const double along = -part.dot(a.segment(entry.rows[g], entry.kept(group))) / size;
+  if (!(along > (is_triggered ? least_acceleration : limit_fraction) * scale_)) return;
+  mode.groups[g].moves = true;
+  for (Index k = 0; k < part.size(); ++k)
+    mode.groups[g].direction -= part[k] / size * entry.axes.col((group == 1 ? 0 : 1) + k);
+}
+
+VectorXd ContactDecision::normal_forces() const {
+  VectorXd out(static_cast<Index>(spots_.size()));
+  for (std::size_t i = 0; i < spots_.size(); ++i) out[static_cast<Index>(i)] = x_[rows_.entries[i].first];
+  return out;
+}
+
+// The closed contact with the most negative normal force; -1: none.
+int ContactDecision::most_pulling() const {
   double largest = 0;
   const auto& forces = touch_.forces();
   for (const auto& force : forces) largest = std::max(largest, std::abs(force.normal));
   double least = -acceleration_tolerance * largest;
+  int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (!(forces[i].normal < least)) continue;
     least = forces[i].normal;
-    pulls = touch_.closed()[i];
+    out = touch_.closed()[i];
   }
+  return out;
+}
+
+// Whether a spot is accelerated as its mode permits. relative: by row.
+bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd& relative) const {
+  const TouchEquations::Entry& entry = rows_.entries[i];
+  const double tolerance = acceleration_tolerance * scale_;
+  if (!mode.closed) return !(relative[entry.first] < -tolerance);
+  for (int group = 0; group < contact_groups; ++group) {
+    const auto g = static_cast<std::size_t>(group);
+    if (entry.rows[g] < 0 || !mode.groups[g].moves) continue;
+    double along = 0;
+    for (Index k = 0; k < entry.kept(group); ++k)
+      along += relative[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k).dot(mode.groups[g].direction);
+    if (along < -tolerance) return false;
+  }
+  return true;
+}
+
+// Whether accelerations in these modes obey the laws. pulls: see most_pulling().
+bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& next, int& pulls) {
+  touch_.set_modes(next);
+  VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
+  touch_.accelerate(a.data());
+  pulls = most_pulling();
   if (pulls >= 0 || !a.allFinite()) return false;
   const VectorXd relative = rows_.R * a + rows_.rates;
-  const double tolerance = acceleration_tolerance * scale_;
   for (std::size_t i = 0; i < spots_.size(); ++i) {
-    const TouchEquations::Entry& entry = rows_.entries[i];
-    const SpotMode& mode = next[static_cast<std::size_t>(spots_[i])];
-    if (!mode.closed) {
-      if (relative[entry.first] < -tolerance) return false;
-      continue;
-    }
-    for (int group = 0; group < contact_groups; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      if (entry.rows[g] < 0 || !mode.groups[g].moves) continue;
-      double along = 0;
-      for (Index k = 0; k < entry.kept(group); ++k)
-        along += relative[entry.rows[g] + k] * entry.axes.col((group == 1 ? 0 : 1) + k).dot(mode.groups[g].direction);
-      if (along < -tolerance) return false;
-    }
+    if (!obeys(i, next[static_cast<std::size_t>(spots_[i])], relative)) return false;
   }
   return true;
 }
@@ -257,9 +275,7 @@ bool ContactDecision::let_slide(const std::vector<SpotMode>& tentative, const st
       changed = changed || touch_.coefficient(spot, group, true) != touch_.coefficient(spot, group, false);
     }
     if (opens_[i] == 0) continue;
-    VectorXd normal(static_cast<Index>(spots_.size()));
-    for (std::size_t j = 0; j < spots_.size(); ++j) normal[static_cast<Index>(j)] = x_[rows_.entries[j].first];
-    const double leaving = (G_ * x_ + C_ * normal + b_)[rows_.entries[i].first];
+    const double leaving = (G_ * x_ + C_ * normal_forces() + b_)[rows_.entries[i].first];
     if (leaving >= -acceleration_tolerance * scale_) continue;
     opens_[i] = 0;
     changed = true;
@@ -299,7 +315,7 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     if (let_slide(tentative, next)) continue;
     if (refine(vdot, next)) return Outcome::found;
     const VectorXd before = normal;
-    for (std::size_t i = 0; i < spots.size(); ++i) normal[static_cast<Index>(i)] = x_[rows_.entries[i].first];
+    normal = normal_forces();
     if (!normal.allFinite()) break;
     if ((normal - before).cwiseAbs().maxCoeff() > limit_fraction * normal.cwiseAbs().maxCoeff()) continue;
     outcome = Outcome::ambiguous;

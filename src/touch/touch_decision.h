@@ -67,6 +67,10 @@ class ContactDecision {
   void solve_cones(const Eigen::VectorXd& normal);
   std::vector<SpotMode> modes_of_solution(const std::vector<SpotMode>& tentative,
                                           const std::vector<Trigger>& triggered) const;
+  void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, SpotMode& mode) const;
+  Eigen::VectorXd normal_forces() const;
+  int most_pulling() const;
+  bool obeys(std::size_t i, const SpotMode& mode, const Eigen::VectorXd& relative) const;
   bool refine(const double* vdot, std::vector<SpotMode>& next);
   bool check(const double* vdot, const std::vector<SpotMode>& next, int& pulls);
   bool let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next);
@@ -74,7 +78,7 @@ class ContactDecision {
   TouchEquations& touch_;
   std::unique_ptr<ConeSolver> solver_;
   std::vector<int> spots_;
-  TouchEquations::Rows rows_, checked_;
+  TouchEquations::Rows rows_;
   Eigen::MatrixXd G_, C_;
   Eigen::VectorXd b_, x_;
   double scale_ = 0;  // of accelerations

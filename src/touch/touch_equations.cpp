@@ -220,10 +220,9 @@ void TouchEquations::accelerate(double* vdot) {
   a.noalias() += Z_ * x_;
 }
 
-const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
-  forces_.clear();
-  if (closed_.empty()) return forces_;
-  // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
+// Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
+VectorXd TouchEquations::shared() const {
+  if (rows_.entries.size() <= 1 || x_.size() <= static_cast<Index>(rows_.entries.size())) return x_;
   double largest = 0;
   for (const Entry& entry : rows_.entries) largest = std::max(largest, x_[entry.first]);
   VectorXd weights = scale_;
@@ -234,15 +233,18 @@ const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
       if (row >= 0) weights.segment(row, entry.kept(group)) *= share;
     }
   }
-  VectorXd x = x_;
-  if (rows_.entries.size() > 1 && x_.size() > static_cast<Index>(rows_.entries.size())) {
-    // Weights of columns alone.
-    const MatrixXd columns = G_ * weights.asDiagonal();
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
-    cod.setThreshold(rank_threshold);
-    cod.compute(columns);
-    x = weights.asDiagonal() * VectorXd(cod.solve(right_));
-  }
+  // Weights of columns alone.
+  const MatrixXd columns = G_ * weights.asDiagonal();
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
+  cod.setThreshold(rank_threshold);
+  cod.compute(columns);
+  return weights.asDiagonal() * VectorXd(cod.solve(right_));
+}
+
+const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
+  forces_.clear();
+  if (closed_.empty()) return forces_;
+  const VectorXd x = shared();
   for (const Entry& entry : rows_.entries) {
     SpotForce& out = forces_.emplace_back();
     out.normal = x[entry.first];

@@ -108,6 +108,7 @@ class TouchEquations {
   void set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion, Entry& entry, Rows& out);
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
+  Eigen::VectorXd shared() const;
 
   const Mechanism& mechanism_;
   Dynamics& dynamics_;

@@ -69,8 +69,9 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   for (int i = 0; i < n; ++i) {
     if (mode_of(i).closed) continue;
     const SpotState at = touch_.spots().state(i);
-    g[per_spot * i] = -at.gap - mode_of(i).leaves_from;
-    gdot[per_spot * i] = -at.rate;
+    const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
+    g[first] = -at.gap - mode_of(i).leaves_from;
+    gdot[first] = -at.rate;
   }
 }
 
@@ -216,7 +217,8 @@ bool TouchModes::is_consistent(double t, const double* y) {
   indicator_values(t, y, g.data(), gdot.data());
   for (const int spot : touch_.closed()) {
     for (int k = 0; k < per_spot; ++k) {
-      const auto i = static_cast<std::size_t>(per_spot * spot + k);
+      const std::size_t i =
+          static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(spot) + static_cast<std::size_t>(k);
       if ((g[i] > 0) != expected[i]) return false;
     }
   }

@@ -94,7 +94,7 @@ def test_what_reads_bytes_of_others_is_checked_as_it_runs(library: Path) -> None
 
 
 def test_the_library_is_small(library: Path) -> None:
-    """Shapes, collisions and the solvers of contact impulses take 0.2 MB, located contacts 0.2 MB, landing pads 45 kB.
+    """Shapes, collisions and cone solvers take 0.2 MB, located contacts 0.2 MB, landing pads of calls 45 kB.
 
     Compressed, it has 2.5 MB.
     """
