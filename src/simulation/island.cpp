@@ -236,9 +236,9 @@ void Island::realize(Stage stage) {
 void Island::make_reading() {
   const RevolutionCounter& turns = equations_->revolutions();
   const EventModes& modes = equations_->modes();
-  reading_.emplace(dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
-                   turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
-                   modes.recorded_sides().data(), equations_->contacts().readings());
+  reading_.emplace(Reading{dynamics_->readings(), y_.data(), y_.data() + mechanism().nq, vdot_.data(),
+                           turns.coordinates().data(), turns.speeds().data(), modes.recorded_forces().data(),
+                           modes.recorded_sides().data(), equations_->contacts().readings()});
 }
 
 std::vector<MotionLaw::Derivatives> Island::targets() const {
