@@ -103,4 +103,13 @@ int closed_contact(const Mechanism& mechanism, const Readings<double>& readings,
   return closed == gaps.end() ? -1 : static_cast<int>(closed - gaps.begin());
 }
 
+Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
+  Eigen::Matrix3d out = rotation_taking_z_to(n);
+  const Eigen::Vector3d z = out.col(2);
+  out.col(2) = out.col(1);
+  out.col(1) = out.col(0);
+  out.col(0) = z;
+  return out;
+}
+
 }  // namespace gelenk

@@ -83,4 +83,7 @@ inline constexpr double touch_tolerance = 1e-10;
 // none.
 int closed_contact(const Mechanism& mechanism, const Readings<double>& readings, std::size_t contacts);
 
+// Axes with the first along n; a continuous function of n nearly everywhere.
+Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n);
+
 }  // namespace gelenk

@@ -49,10 +49,7 @@ RecordedProblem RecordedProblem::without_matrix() const {
 
 void RecordedProblem::apply(const double* x, double* y) const {
   const int n = size();
-  if (has_matrix()) {
-    Eigen::Map<Eigen::VectorXd>(y, n).noalias() = G_ * Eigen::Map<const Eigen::VectorXd>(x, n);
-    return;
-  }
+  if (has_matrix()) return DenseConeOperator(G_).apply(x, y);
   std::vector<double> Wx(static_cast<std::size_t>(root_rows_), 0.0);
   for (int j = 0; j < n; ++j) {
     for (int k = begin(j); k < end(j); ++k)
@@ -66,12 +63,10 @@ void RecordedProblem::apply(const double* x, double* y) const {
 }
 
 void RecordedProblem::diagonal_block(const Cone& cone, double* out) const {
+  if (has_matrix()) return DenseConeOperator(G_).diagonal_block(cone, out);
   const int n = cone.size();
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      out[i * n + j] =
-          has_matrix() ? G_(cone.first + i, cone.first + j) : product_of_columns(cone.first + i, cone.first + j);
-    }
+    for (int j = 0; j < n; ++j) out[i * n + j] = product_of_columns(cone.first + i, cone.first + j);
   }
 }
 

@@ -23,16 +23,6 @@ constexpr int max_dense_rows_with_root = 200;
 // Rows for which memory is taken at the start: some MB.
 constexpr std::size_t max_reserved_rows = 200;
 
-// Axes with the first along n; a continuous function of n nearly everywhere.
-Eigen::Matrix3d contact_axes(const Eigen::Vector3d& n) {
-  Eigen::Matrix3d out = rotation_taking_z_to(n);
-  const Eigen::Vector3d z = out.col(2);
-  out.col(2) = out.col(1);
-  out.col(1) = out.col(0);
-  out.col(0) = z;
-  return out;
-}
-
 }  // namespace
 
 // The Delassus operator of the present rows: a matrix if they are few.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/contact_finder.h"
+
 namespace gelenk {
 namespace {
 
@@ -26,10 +28,6 @@ constexpr double slow_sliding = 1e-4;
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
 
-}  // namespace
-
-namespace {
-
 // Matrices up to this size need no memory of the heap.
 constexpr int small = 12;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, small, small>;
@@ -46,8 +44,7 @@ VectorXd solve_least_norm(const Matrix& G, const VectorXd& r) {
   return cod.solve(r);
 }
 
-}  // namespace
-
+// The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
 VectorXd least_norm_solution(const MatrixXd& G, const VectorXd& r, const VectorXd& weights) {
   const VectorXd right = weights.asDiagonal() * r;
   if (G.rows() <= small) {
@@ -58,12 +55,7 @@ VectorXd least_norm_solution(const MatrixXd& G, const VectorXd& r, const VectorX
   return weights.asDiagonal() * solve_least_norm(scaled, right);
 }
 
-Eigen::Matrix3d axes_along(const Vector3d& n) {
-  const Eigen::Matrix3d z = rotation_taking_z_to(n);
-  Eigen::Matrix3d out;
-  out << z.col(2), z.col(0), z.col(1);
-  return out;
-}
+}  // namespace
 
 TouchEquations::TouchEquations(const Mechanism& mechanism, Dynamics& dynamics, const Loads& loads)
     : mechanism_(mechanism),
@@ -172,7 +164,7 @@ void TouchEquations::build(std::span<const int> spots, const std::vector<SpotMod
   spots_.read_motion(dynamics_);
   for (Entry& entry : out.entries) {
     entry.at = spots_.state(entry.spot);
-    entry.axes = axes_along(entry.at.n);
+    entry.axes = contact_axes(entry.at.n);
     const RelativeMotion motion = spots_.motion(entry.spot);
     add_row(entry, entry.at.n, false, out.R.row(entry.first).data());
     out.rates[entry.first] = entry.at.n.dot(motion.acceleration(entry.at.p, entry.at.p_dot)) +

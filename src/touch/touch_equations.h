@@ -94,7 +94,6 @@ class TouchEquations {
   };
   const std::vector<SpotForce>& forces();
   const Rows& rows() const { return rows_; }
-  const Eigen::VectorXd& x() const { return x_; }
   // Displaces q so that closed contacts have no gap; returns whether it was necessary.
   bool close_position(double* q);
   // Changes v by the least amount in the mass metric so that what is kept does not move; `dynamics` must be at the
@@ -123,11 +122,5 @@ class TouchEquations {
   Eigen::VectorXd x_, right_, scale_;
   std::vector<SpotForce> forces_;
 };
-
-// The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
-Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& G, const Eigen::VectorXd& r, const Eigen::VectorXd& weights);
-
-// Axes with the first along n; a continuous function of n nearly everywhere.
-Eigen::Matrix3d axes_along(const Eigen::Vector3d& n);
 
 }  // namespace gelenk

@@ -173,7 +173,11 @@ void TouchModes::found_event(double, int indicator, bool positive) {
 }
 
 void TouchModes::change_mode(double t, double* y) {
-  if (std::ranges::none_of(triggered_, &Trigger::any)) return;
+  if (std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
+}
+
+// Impulses, and the modes that follow.
+void TouchModes::determine(double t, double* y) {
   strike(t, y);
   decide(t, y, true);
   finish(y);
@@ -232,11 +236,8 @@ bool TouchModes::recall_mode(double t, double* y) {
   const bool touches = update_modes(y);
   const bool decides = touches || started_ || (jumped_ && !is_consistent(t, y));
   started_ = jumped_ = false;
-  if (!decides) return false;
-  strike(t, y);
-  decide(t, y, true);
-  finish(y);
-  return true;
+  if (decides) determine(t, y);
+  return decides;
 }
 
 void TouchModes::preview(double t, const double* y) {

@@ -77,6 +77,7 @@ class TouchModes final : public EventSource {
   bool holds_by_others(double t, const double* y);
   bool update_modes(const double* y);
   bool is_consistent(double t, const double* y);
+  void determine(double t, double* y);
   void strike(double t, double* y);
   void end_series(const std::vector<int>& struck, ContactImpact& impact, const Eigen::VectorXd& approach);
   std::vector<int> lasting(double rest);

@@ -10,7 +10,7 @@ TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, Touch
     : mechanism_(mechanism), dynamics_(dynamics), touch_(touch), sums_(contacts), wrenches_(mechanism.links.size()) {}
 
 void TouchOutputs::record() {
-  std::ranges::fill(sums_, Sum{});
+  std::ranges::fill(sums_, ContactSum{});
   std::ranges::fill(wrenches_, Spatial::Force{});
   const auto& forces = touch_.forces();
   for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -19,7 +19,7 @@ void TouchOutputs::record() {
     const Spatial::Force on_tip{forces[i].moment + entry.at.p.cross(forces[i].force), forces[i].force};
     wrenches_[static_cast<std::size_t>(spot.tip_link)] += on_tip;
     wrenches_[static_cast<std::size_t>(spot.core_link)] -= on_tip;
-    Sum& sum = sums_[static_cast<std::size_t>(spot.contact)];
+    ContactSum& sum = sums_[static_cast<std::size_t>(spot.contact)];
     sum.force -= spot.sign * (mechanism_.X_W0.R * forces[i].force);
     const SpotMode& mode = touch_.modes()[static_cast<std::size_t>(entry.spot)];
     const bool slides = mode.groups[0].moves || !(touch_.coefficient(entry.spot, 0, false) > 0);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/contact_state.h"
 #include "scene/scene.h"
 #include "touch/touch_equations.h"
 
@@ -32,15 +33,10 @@ class TouchOutputs final : public ContactReadings {
   std::vector<std::array<std::string, 2>> event_texts(const Scene& scene) const;
 
  private:
-  struct Sum {
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    int mode = 0;
-  };
-
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   TouchEquations& touch_;
-  std::vector<Sum> sums_;                 // by contact of the scene
+  std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
 };
 
