@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 
 // Weights of the proximal term, relative to the mean diagonal of G.
-constexpr double first_weight = 1e-3;
+constexpr double largest_weight = 1e-3;
 constexpr double last_weight = 1e-9;
 constexpr double weight_decay = 0.1;
 // The weight decays where the proximal term causes more than this fraction of the error that the shift causes: a
@@ -33,7 +33,7 @@ void AugmentedLagrangian::reserve(Index n) {
   for (double** piece : {&center_, &shift_, &t_, &dt_, &z_, &p_, &trial_, &lift_}) *piece = memory_.take(n);
 }
 
-void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int max_outer) {
+void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int max_outer, double first_weight) {
   hessian_ = &hessian;
   reserve(at.size());
   rho_ = first_weight;
@@ -46,7 +46,7 @@ void AugmentedLagrangian::run(ConeIteration& at, VelocityHessian& hessian, int m
   for (int outer = 0; outer < max_outer && !at.done(); ++outer) {
     if (!proximal_step(at)) {
       if (at.done()) return;
-      least_weight = std::min(first_weight, weight_growth * rho_);
+      least_weight = std::min(largest_weight, weight_growth * rho_);
       rho_ = least_weight;
       at.return_to(Iterate::best);
       center_at_iterate(at);

@@ -17,8 +17,9 @@ namespace gelenk {
 
 class AugmentedLagrangian {
  public:
-  // Up to max_outer proximal steps. hessian: started with the problem.
-  void run(ConeIteration& at, VelocityHessian& hessian, int max_outer);
+  // Up to max_outer proximal steps. hessian: started with the problem. first_weight: of the proximal term, relative to
+  // the mean diagonal of G.
+  void run(ConeIteration& at, VelocityHessian& hessian, int max_outer, double first_weight);
 
  private:
   void reserve(Eigen::Index n);

@@ -23,21 +23,25 @@ constexpr int fixed_point_steps = 200;  // between attempts at the exact problem
 constexpr int spectral_steps = 30;
 constexpr int accelerated_steps = 300;
 // With a sparse root:
-constexpr double max_factor_cost = 3e7;        // multiplications, some hundredths of a second
+constexpr double max_factor_cost = 3e8;        // multiplications, some tenths of a second
 constexpr double max_loose_rows = 1.5;         // of contacts, per velocity that they change: loose heaps
 constexpr double max_products_per_factor = 8;  // that cost as much as a factorization, in loose heaps
 constexpr int sweeps_without_gain = 250;       // of a factor of two
 constexpr int first_newton_steps = 8;  // from the impulses of the last step, which are close unless bodies strike
-constexpr double resting = 1e-7;       // residual of the impulses of the last step where only rounding has changed
-constexpr double near = 1e-3;          // residual of such impulses, relative to the largest velocity
+// Residuals of the impulses of the last step, relative to the largest velocity: where only rounding has changed, and
+// where they are a good guess.
+constexpr double resting = 1e-7;
+constexpr double near = 1e-3;
 constexpr int first_sweeps = 1500;
 constexpr int first_patience = 200;  // sweeps without a gain of a factor of two
 constexpr double near_enough = 1e-6;
 constexpr int last_newton_steps = 5;  // they suffice where the right contacts slide
 constexpr int sparse_newton_steps = 30;
 constexpr int proximal_steps = 12;
-constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
-constexpr int max_failures = 3;     // in a row
+constexpr double proximal_weight = 1e-3;  // relative to the mean diagonal of G: the first one
+constexpr double resting_weight = 1e-5;   // the same at rest; smaller ones make the first step of Newton's method fail
+constexpr double least_gain = 0.5;        // of the residual, by both methods; otherwise they failed
+constexpr int max_failures = 3;           // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
@@ -70,12 +74,18 @@ class HybridSolver final : public IterativeConeSolver {
     hessian_.start(at);
     if (sweeps_suffice(at)) return sweeps_.run(at, std::numeric_limits<int>::max(), sweeps_without_gain);
     newton_.reserve(at.size(), at.cones().size(), &hessian_);
-    if (at.exact() && solve_by_sweeps(at)) return;
+    // At rest, redundant impulses are not determined: Newton's method wanders among them, the proximal one stays near.
+    if (is_near(at, resting)) {
+      lagrangian_.run(at, hessian_, proximal_steps, resting_weight);
+      at.return_to(Iterate::best);
+    } else if (at.exact() && solve_by_sweeps(at)) {
+      return;
+    }
     for (int failures = 0; !at.done() && failures < max_failures;) {
       const double before = at.best_residual();
       newton_.run(at, sparse_newton_steps);
       at.return_to(Iterate::best);
-      if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps);
+      if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps, proximal_weight);
       at.return_to(Iterate::best);
       failures = at.best_residual() < least_gain * before ? 0 : failures + 1;
     }
@@ -91,7 +101,6 @@ class HybridSolver final : public IterativeConeSolver {
   // there, the augmented Lagrangian method rarely does, and costs a hundred times as much. Returns whether that is near
   // enough.
   bool solve_by_sweeps(ConeIteration& at) {
-    if (is_near(at, resting)) return false;
     if (is_near(at, near)) newton_.run(at, first_newton_steps);
     if (at.done()) return true;
     at.return_to(Iterate::start);  // failed steps leave impulses that balance each other

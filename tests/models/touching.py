@@ -85,9 +85,17 @@ def stack(boxes: int, *, edge: float = 0.1, mass: float = 1.0, friction: float =
 
 
 def wall(
-    columns: int, rows: int, *, size: Sequence[float] = (0.2, 0.1, 0.1), friction: float = 0.6
+    columns: int,
+    rows: int,
+    *,
+    size: Sequence[float] = (0.2, 0.1, 0.1),
+    friction: float = 0.6,
+    pitch: float = 1.001,
 ) -> SceneData:
-    """Return bricks in running bond on the ground; joints are called j<row>_<column>."""
+    """Return bricks in running bond on the ground; joints are called j<row>_<column>.
+
+    pitch: distance of the centers of two bricks of a layer, in lengths of a brick; at 1, their ends touch.
+    """
     x, _, z = size
     places = [(row, column) for row in range(rows) for column in range(columns)]
     return {
@@ -106,7 +114,7 @@ def wall(
                 "type": "free",
                 "parent": "ground",
                 "child": f"b{row}_{column}",
-                "start": {"r": [1.001 * x * column + (row % 2) * x / 2, 0, z * (row + 0.5)]},
+                "start": {"r": [pitch * x * column + (row % 2) * x / 2, 0, z * (row + 0.5)]},
             }
             for row, column in places
         },
