@@ -63,7 +63,7 @@ def gaps(positions: Array, half: float) -> Array:
     return np.concatenate([between, to_walls[to_walls < TOUCHING]])
 
 
-def gelenk_pile(count: int) -> Advance:
+def gelenk_pile(count: int, **solver: float) -> Advance:
     import gelenk
 
     places, half = lattice(count)
@@ -84,7 +84,7 @@ def gelenk_pile(count: int) -> Advance:
             for k, p in enumerate(places.tolist())
         },
         "contacts": {"c": {"between": ["stone", "stone"], "friction": FRICTION}},
-        "solver": {"integrator": "moreau-jean", "step": STEP},
+        "solver": {"integrator": "moreau-jean", "step": STEP, **solver},
     }
     plant = gelenk.Simulation(gelenk.load(scene))
     plant.initialize()
@@ -194,6 +194,7 @@ CONES = 'cone="elliptic" tolerance="1e-10" iterations="200"'
 #: By series: the package and what makes a pile.
 SERIES: dict[str, tuple[str, Callable[[int], Advance]]] = {
     "Gelenk": ("gelenk", gelenk_pile),
+    "Gelenk, cone_tolerance 1e-3": ("gelenk", lambda count: gelenk_pile(count, cone_tolerance=1e-3)),
     "MuJoCo": ("mujoco", lambda count: mujoco_pile(count, "")),
     "MuJoCo, elliptic, Newton": ("mujoco", lambda count: mujoco_pile(count, f'{CONES} solver="Newton"')),
     "MuJoCo, elliptic, CG": ("mujoco", lambda count: mujoco_pile(count, f'{CONES} solver="CG"')),
