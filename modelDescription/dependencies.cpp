@@ -129,7 +129,8 @@ class DependencyAnalysis {
       const Signal& input = inputs[static_cast<std::size_t>(i)];
       all.insert(i);
       if (input.section == sections::constraints) continue;  // a prescribed motion: see structure_is_known_
-      for (const int body : moving_bodies(scene_, numbers_, element_of(input))) {
+      const ElementPlace on = input.section < 0 ? joint_place(input.joint) : element_of(input);
+      for (const int body : moving_bodies(scene_, numbers_, on)) {
         inputs_of_[static_cast<std::size_t>(cluster_[static_cast<std::size_t>(body)])].insert(i);
       }
     }
@@ -144,6 +145,11 @@ class DependencyAnalysis {
       if (section++ == signal.section) out = &elements[static_cast<std::size_t>(signal.element)];
     });
     return *out;
+  }
+
+  ElementPlace joint_place(int joint) const {
+    return {
+        .name = {}, .frames = {}, .joints = {scene_.joints[static_cast<std::size_t>(joint)].name}, .coordinate = {}};
   }
 
   static bool follows_input(const Mechanism& mechanism) {
@@ -180,8 +186,8 @@ class DependencyAnalysis {
     if (p.states.contains(variable)) return of_state(signal, variable);
     if (!structure_is_known_) return all_knowns_;
     if (signal.level >= 2) {
-      const ElementPlace at{.name = {}, .frames = {}, .joints = {scene_.joints[j].name}, .coordinate = {}};
-      return moves ? of_accelerations(moving_bodies(scene_, numbers_, at), place.island) : no_knowns_;
+      return moves ? of_accelerations(moving_bodies(scene_, numbers_, joint_place(signal.joint)), place.island)
+                   : no_knowns_;
     }
     return signal.level == 0 ? p.of_positions : p.of_states;
   }

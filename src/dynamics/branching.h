@@ -28,6 +28,8 @@ class Branching {
   // differentiate(); `sides` is read at each evaluation. null: they are in the modes of the state, and nothing is
   // locked.
   virtual void hold(const int* sides) = 0;
+  // Inputs of the scene at the last solve(), those that forces with modes have.
+  virtual const double* inputs() const = 0;
 
   // --- coordinates with friction or a limit, by lock: values have the user's signs ---
   struct Lock {

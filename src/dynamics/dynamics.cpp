@@ -197,7 +197,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
       if (!forward_ad_) forward_ad_ = std::make_unique<Differentiator>(mechanism_, loads_, inputs);
       (*forward_ad_)(at, out);
     }
-    if (modes_.held() != nullptr) differentiate_held(out);
+    if (modes_.held() != nullptr) differentiate_held(u, out);
   }
 
   void solve_linear(double* r, const double* c, double* l, double* holding) const override {
@@ -301,6 +301,7 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   // f <- tau - h.
   void forces(const double* u, double* f) {
     ++evaluations_;
+    modes_.set_inputs(u);
     const bool none = loads_.only_along_tree && !modes_.contact_rows().has_wrenches();
     if (!none || !link_loads_are_zero_) {
       kernels::link_loads(model_, loads_, u, ws_);
@@ -315,13 +316,15 @@ class DynamicsOf final : public WithReadings<A, AllOfDynamics> {
   }
 
   // Replaces the derivatives on the branches of the state by those on the held branches.
-  void differentiate_held(Jacobians& out) const {
+  void differentiate_held(const double* u, Jacobians& out) const {
     const int* side = modes_.held();
     loads_.tree.each_branching([&](const auto& force) {
-      const auto held = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0, side);
-      const auto free = derivatives_by_duals(force, q_.data(), v_.data(), nullptr, 0);
+      const int inputs = count_of(own_inputs(force.element));
+      const auto held = derivatives_by_duals(force, q_.data(), v_.data(), u, inputs, side);
+      const auto free = derivatives_by_duals(force, q_.data(), v_.data(), u, inputs);
       out.r_q()(force.v, force.q) += free[0] - held[0];
       out.r_v()(force.v, force.v) += free[1] - held[1];
+      for (int i = 0; out.of_inputs && i < inputs; ++i) out.r_u(force.v, force.input + i) += free[2 + i] - held[2 + i];
       ++side;
     });
   }

@@ -33,6 +33,8 @@ class JointModes final : public Branching {
         locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
+        input_numbers_(inputs_of_forces()),
+        inputs_(input_numbers_.empty() ? 0 : static_cast<std::size_t>(input_numbers_.back()) + 1),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
     for (const auto& link : state.model.links) mass += link.G.m;
@@ -51,6 +53,10 @@ class JointModes final : public Branching {
     return locks_.any();
   }
   LockedCoordinates<A>& locked() { return locks_; }
+  // Keeps the inputs on which modes depend. u: all inputs of the scene.
+  void set_inputs(const double* u) {
+    for (const int input : input_numbers_) inputs_[static_cast<std::size_t>(input)] = u[input];
+  }
   ContactRowsOf<A>& contact_rows() override { return contact_rows_; }
   // Estimates the forces to which rounding is relative: the generalized forces f, and weights and forces of inertia,
   // which may cancel in f.
@@ -82,7 +88,8 @@ class JointModes final : public Branching {
       const int lock = lock_of_[index];
       if constexpr (Sticks<Element>) {
         const double acceleration = vdot == nullptr ? NAN : this->speed(lock, vdot);
-        force.element.indicators(side, speed, acceleration, holding[lock], slack(lock), g, gdot);
+        const double limit = force.element.sticking_limit(inputs() + force.input) + slack(lock);
+        force.element.indicators(side, speed, acceleration, holding[lock], limit, g, gdot);
         if (is_in_contact(lock)) g[0] = g[1] = -1;  // what leaves a contact has overcome friction
       } else if constexpr (Blocks<Element>) {
         const double adhesion = this->lock(lock).sticking_limit + slack(lock);
@@ -102,8 +109,8 @@ class JointModes final : public Branching {
     Lock out = found_[lock];
     visit(out.friction, [&](const auto& force) {
       if constexpr (Sticks<std::decay_t<decltype(force.element)>>) {
-        out.sticking_limit = force.element.sticking_limit();
-        out.slipping_limit = force.element.slipping_limit();
+        out.sticking_limit = force.element.sticking_limit(inputs() + force.input);
+        out.slipping_limit = force.element.slipping_limit(inputs() + force.input);
       }
     });
     visit(out.limit, [&](const auto& force) {
@@ -130,7 +137,6 @@ class JointModes final : public Branching {
   }
   double speed(int lock, const double* v) const override { return found_[lock].sign * locks_.speed(lock, v); }
   HoldingForces& holding_forces() override { return holding_; }
-  bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
   // Without any forces, more than 0.
   double slack(int lock) const override {
@@ -182,6 +188,10 @@ class JointModes final : public Branching {
   }
 
  private:
+  // Only for those who know the interface.
+  const double* inputs() const override { return inputs_.data(); }
+  bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
+
   // Part of the forces that may be rounding: far more than that of some hundred operations.
   static constexpr double slack_fraction = 4e-11;
 
@@ -252,6 +262,18 @@ class JointModes final : public Branching {
     return rows;
   }
 
+  // Their numbers, in ascending order.
+  std::vector<int> inputs_of_forces() const {
+    std::vector<int> out;
+    const auto add = [&](const auto& force) {
+      for (int i = 0; i < count_of(own_inputs(force.element)); ++i) out.push_back(force.input + i);
+    };
+    state_.loads.tree.each_branching(add);
+    for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
+    std::ranges::sort(out);
+    return out;
+  }
+
   std::vector<double> signs() const {
     std::vector<double> out;
     for (const Lock& lock : found_) out.push_back(lock.sign);
@@ -292,8 +314,10 @@ class JointModes final : public Branching {
   LockedCoordinates<A> locks_;
   ContactRowsOf<A> contact_rows_;
   HoldingForces holding_;
-  double sqrt_mass_ = 0;   // of the whole mechanism
-  double force_size_ = 0;  // |L^-T f| for a force f that acts on the whole mechanism
+  std::vector<int> input_numbers_;  // of the inputs that forces with modes have
+  std::vector<double> inputs_;      // by number
+  double sqrt_mass_ = 0;            // of the whole mechanism
+  double force_size_ = 0;           // |L^-T f| for a force f that acts on the whole mechanism
   std::vector<double> work_;
 };
 

@@ -10,16 +10,16 @@
 //
 // An element with modes (a stop) also has
 //   side(q, v)            the mode of a state: 1, -1, or 0 for no contact
-//   held(side, q, v)      tau in a given mode, used in place of effort()
+//   held(side, q, v, u)   tau in a given mode, used in place of effort()
 //   indicators(q, v, g, gdot)   two event indicators, which are zero where the modes 1 and -1 begin and end, and their
 //                         rates
 //   events[2][2]          for each indicator the texts of the events at which it becomes negative and positive
 //
 // Elements that can keep their coordinate at rest, with a force that is not theirs to compute, have indicators for a
 // given mode; x: the generalized force that keeps the coordinate at rest. One whose mode 0 is rest (friction) has
-//   sticking_limit()      largest |tau| that keeps the coordinate at rest
-//   slipping_limit()      |tau| in a motion that begins
-//   indicators(side, v, a, x, slack, g, gdot)    a: acceleration, or NaN
+//   sticking_limit(u)     largest |tau| that keeps the coordinate at rest
+//   slipping_limit(u)     |tau| in a motion that begins
+//   indicators(side, v, a, x, limit, g, gdot)    a: acceleration, or NaN; limit: sticking_limit(u) and rounding
 // and one whose modes 1 and -1 are contact (limit) has
 //   depth(side, q), touch_tolerance(side), restitution, is_poisson()
 //   indicators(side, q, v, x, adhesion, g, gdot)
@@ -46,7 +46,7 @@ concept HasBranches = requires(const F& f, double x) { f.side(x, x); };
 
 // Elements that can keep their coordinate at rest, by friction and in contact.
 template <class F>
-concept Sticks = HasBranches<F> && requires(const F& f) { f.sticking_limit(); };
+concept Sticks = HasBranches<F> && requires(const F& f, const double* u) { f.sticking_limit(u); };
 template <class F>
 concept Blocks = HasBranches<F> && requires(const F& f) { f.restitution; };
 

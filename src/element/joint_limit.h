@@ -67,7 +67,7 @@ struct JointLimit {
   // Modes: 1 and -1 in contact at the upper and the lower bound, where the equations of motion determine the force
   // (dynamics/locked_coordinates.h); otherwise 0.
   template <class T>
-  T held(int, const T&, const T&) const {
+  T held(int, const T&, const T&, const T*) const {
     return T(0);
   }
   template <class T>

@@ -83,6 +83,7 @@ JointForceKind describe_joint_force() {
           },
           .emplace = Access::emplace,
           .erase = Access::erase,
+          .inputs = [](const void* element) { return own_inputs(*static_cast<const Element*>(element)); },
           .fault = [](const void* element, const Coordinate& coordinate) -> std::optional<ElementFault> {
             return own_fault(*static_cast<const Element*>(element), coordinate);
           },

@@ -109,12 +109,13 @@ struct JointForceKind {
   std::string_view summary;
   std::string_view misfit;  // why a joint with coordinates cannot have it; completes "a universal joint ..."
   std::span<const Field> fields;
-  std::span<const SignalGroup> outputs;  // force and mode (element/coordinate_force.h), or none
-  bool (*fits)(const JointKind&);        // whether joints of a type can have it
-  void* (*find)(JointForces&);           // address of the element; null if it is not present
-  const void* (*defaults)();             // an element with default values
-  void (*emplace)(JointForces&);         // adds the element with default values, if it is optional
-  void (*erase)(JointForces&);           // removes it or restores the default values
+  std::span<const SignalGroup> outputs;                 // force and mode (element/coordinate_force.h), or none
+  bool (*fits)(const JointKind&);                       // whether joints of a type can have it
+  void* (*find)(JointForces&);                          // address of the element; null if it is not present
+  const void* (*defaults)();                            // an element with default values
+  void (*emplace)(JointForces&);                        // adds the element with default values, if it is optional
+  void (*erase)(JointForces&);                          // removes it or restores the default values
+  std::span<const SignalGroup> (*inputs)(const void*);  // its input signals
   std::optional<ElementFault> (*fault)(const void*, const Coordinate&);            // error in its values
   std::optional<ElementFault> (*doubt)(const void*, double q, const Coordinate&);  // warning about a start at q
 

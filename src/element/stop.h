@@ -66,7 +66,7 @@ struct Stop {
   // Generalized force in a given mode, in the direction of the coordinate. side: 1 in contact at the upper bound, -1 at
   // the lower one, 0 without contact.
   template <class T>
-  T held(int side, const T& q, const T& v) const {
+  T held(int side, const T& q, const T& v, const T* = nullptr) const {
     if (side > 0) return -(T(stiffness) * (q - T(upper)) + T(damping) * v);
     if (side < 0) return T(stiffness) * (T(lower) - q) - T(damping) * v;
     return T(0);

@@ -27,7 +27,7 @@ Dual::Directions derivatives_by_duals(const AlongCoordinate<F>& force, const dou
   at.derivatives()[0] = speed.derivatives()[1] = 1;  // signs cancel
   if constexpr (HasBranches<F>) {
     const bool is_held = side != nullptr && *side != JointLoads::of_state;
-    return force.element.held(is_held ? *side : force.element.side(at, speed), at, speed).derivatives();
+    return force.element.held(is_held ? *side : force.element.side(at, speed), at, speed, input.data()).derivatives();
   } else {
     return force.element.effort(at, speed, input.data()).derivatives();
   }

@@ -87,23 +87,38 @@ struct LoadCollector {
     if (!cut) loads.added_inertia[place.iv] += inertia_of(motor.is);
   }
 
-  void joint(int j) {
+  // input: its first one.
+  void joint(int j, int input) {
     const JointPlace& place = reduced.joints[j];
     JointLoads* const to = along(place);
     if (to == nullptr) return;
     const std::vector<JointForces>& forces = scene.joints[j].along;
     for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
-      std::apply([&](const auto&... force) { (add_if_active(*to, force, place, i, j), ...); }, forces[i]);
+      std::apply(
+          [&](const auto&... force) {
+            ((add_if_active(*to, force, place, i, input, j), input += own_input_count(force)), ...);
+          },
+          forces[i]);
     }
   }
 
   template <class E>
-  void add_if_active(JointLoads& to, const E& element, const JointPlace& place, int i, int joint) {
-    const bool cut = place.role == JointPlace::Role::cut;
+  static int own_input_count(const E& element) {
     if constexpr (requires { *element; }) {
-      if (element) add(to, *element, place, cut, i, 0, joint);
+      return element ? count_of(own_inputs(*element)) : 0;
     } else {
-      if (!is_idle(element)) add(to, element, place, cut, i, 0, joint);
+      return count_of(own_inputs(element));
+    }
+  }
+
+  template <class E>
+  void add_if_active(JointLoads& to, const E& element, const JointPlace& place, int i, int input, int joint) {
+    const bool cut = place.role == JointPlace::Role::cut;
+    for (int k = 0; k < own_input_count(element); ++k) out[place.island].inputs.push_back(input + k);
+    if constexpr (requires { *element; }) {
+      if (element) add(to, *element, place, cut, i, input, joint);
+    } else {
+      if (!is_idle(element)) add(to, element, place, cut, i, input, joint);
     }
   }
 
@@ -173,7 +188,8 @@ void LoadAssembler::fill(std::vector<Loads>& loads) const {
   collector.prepare();
   for (std::size_t m = 0; m < scene_.motors.size(); ++m)
     collector.motor(scene_.motors[m], inputs_[sections::motors][m]);
-  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) collector.joint(j);
+  for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j)
+    collector.joint(j, inputs_.back()[static_cast<std::size_t>(j)]);
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
     collector.force(static_cast<int>(f), inputs_[sections::forces][f]);
   }

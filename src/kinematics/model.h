@@ -50,8 +50,8 @@ struct AlongCoordinate {
   }
   // The same on a given branch (element/coordinate_force.h).
   template <class T>
-  T held(int side, const T* at, const T* speed) const {
-    return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]));
+  T held(int side, const T* at, const T* speed, const T* u) const {
+    return T(sign) * element.held(side, T(T(sign) * at[q]), T(T(sign) * speed[v]), u + input);
   }
   // The branch on which the state is.
   template <class T>
@@ -117,7 +117,7 @@ struct JointLoads {
       for (const auto& force : list) {
         if constexpr (HasBranches<std::decay_t<decltype(force.element)>>) {
           const int held = sides == nullptr ? of_state : *sides++;
-          tau[force.v] += force.held(held == of_state ? force.side(q, v) : held, q, v);
+          tau[force.v] += force.held(held == of_state ? force.side(q, v) : held, q, v, u);
         } else {
           tau[force.v] += force.effort(q, v, u);
         }

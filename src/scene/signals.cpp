@@ -50,16 +50,19 @@ void add_level(std::vector<Signal>& signals, const Joint& joint, int index, int 
   }
 }
 
-// Appends the signals of the elements along the velocities of a joint.
-void add_along(std::vector<Signal>& signals, const Joint& joint, int index) {
+// Appends the signals of the elements along the velocities of a joint; groups(kind, element) returns their groups.
+template <class Groups>
+void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Groups groups) {
   const ElementPlace place{.name = joint.name, .frames = {}, .joints = {joint.name}, .coordinate = {}};
   for (std::size_t i = 0; i < joint.along.size(); ++i) {
     const Coordinate coordinate = coordinate_of(kind_of(joint.is), static_cast<int>(i));
     for (std::size_t k = 0; k < joint_force_kinds().size(); ++k) {
       const JointForceKind& kind = joint_force_kinds()[k];
-      if (kind.outputs.empty() || kind.in(joint.along[i]) == nullptr) continue;
-      for (std::size_t g = 0; g < kind.outputs.size(); ++g) {
-        const SignalGroup& group = kind.outputs[g];
+      const void* element = kind.in(joint.along[i]);
+      if (element == nullptr) continue;
+      const std::span<const SignalGroup> all = groups(kind, element);
+      for (std::size_t g = 0; g < all.size(); ++g) {
+        const SignalGroup& group = all[g];
         signals.push_back(
             {.name = joint.name + "." + std::string(kind.group) + "." + filled_in(group.name, place, coordinate),
              .unit = unit_of(group.unit, coordinate),
@@ -73,6 +76,10 @@ void add_along(std::vector<Signal>& signals, const Joint& joint, int index) {
       }
     }
   }
+}
+
+std::span<const SignalGroup> inputs_along(const JointForceKind& kind, const void* element) {
+  return kind.inputs(element);
 }
 
 double start_of(SignalGroup::Start start, const Scene& scene, const ElementPlace& element) {
@@ -109,6 +116,8 @@ std::vector<Signal> input_signals(const Scene& scene) {
   each_section(scene, [&](const Section&, const auto& elements) {
     add_section(signals, scene, section++, elements, [](const auto& element) { return inputs_of(element.is); });
   });
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    add_along(signals, scene.joints[j], static_cast<int>(j), inputs_along);
   return signals;
 }
 
@@ -122,6 +131,12 @@ std::vector<std::vector<int>> first_inputs(const Scene& scene) {
       input += input_count(element.is);
     }
   });
+  std::vector<int>& of_joints = out.emplace_back();
+  std::vector<Signal> along;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    of_joints.push_back(input + static_cast<int>(along.size()));
+    add_along(along, scene.joints[j], static_cast<int>(j), inputs_along);
+  }
   return out;
 }
 
@@ -133,7 +148,8 @@ std::vector<Signal> output_signals(const Scene& scene) {
     add_level(signals, joint, static_cast<int>(j), 0, kind.q);
     add_level(signals, joint, static_cast<int>(j), 1, kind.v);
     add_level(signals, joint, static_cast<int>(j), 2, kind.a);
-    add_along(signals, joint, static_cast<int>(j));
+    add_along(signals, joint, static_cast<int>(j),
+              [](const JointForceKind& kind, const void*) { return kind.outputs; });
   }
   const auto groups = [](const auto& element) { return kind_of(element.is).outputs; };
   add_section(signals, scene, sections::sensors, scene.sensors, groups);

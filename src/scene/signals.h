@@ -28,9 +28,9 @@ struct Signal {
   int group = -1;
 };
 
-// Returns the inputs in the order of the sections and the file.
+// Returns the inputs in the order of the sections and the file, then those of joints (clutches, brakes).
 std::vector<Signal> input_signals(const Scene& scene);
-// Returns, for each section and element, the index of the element's first input.
+// Returns, for each section and element and last for the joints, the index of the first input.
 std::vector<std::vector<int>> first_inputs(const Scene& scene);
 
 // Returns the outputs: joints in file order (coordinates, velocities, accelerations, friction and limits), then
