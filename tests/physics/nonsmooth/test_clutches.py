@@ -6,36 +6,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mechanisms import GRAVITY, Scene, body, frame, joint, scene
+from models.drive_line import ENGAGEMENT, ENGINE, LOAD, SLIDING, STATIC, drive_line
 from models.running import assert_close
 
 import gelenk
 
+from .test_joint_friction import FOUR_BAR_PHI, FOUR_BAR_TIMES, FOUR_BAR_W, four_bar_with_friction
+
 INTEGRATORS = ("erk", "cvode", "cvode-adams", "ida", "dirk")
-ENGINE, LOAD = 0.5, 2.0  # kg m2
-SLIDING, STATIC = 10.0, 12.0  # N m
-ENGAGEMENT = "clutch.friction.engagement"
 # Exact derivatives: some tens of operations on numbers about 1.
 ROUNDING = 1e-13
-
-
-def drive_line(slip: float = 0.0) -> Scene:
-    """An engine with a motor and, behind a clutch, a load that is ahead by `slip` [rad/s]."""
-    return scene(
-        {"engine": body(1, inertia=(0, 0, ENGINE)), "load": body(1, inertia=(0, 0, LOAD))},
-        {
-            "shaft": joint(
-                "revolute", frame("ground"), frame("engine"), start={"phi": 0.0, "w": 50.0, "fixed": True}
-            ),
-            "clutch": joint(
-                "revolute",
-                frame("engine"),
-                frame("load"),
-                friction={"coulomb": SLIDING, "static": STATIC, "input": "engagement"},
-                start={"phi": 0.0, "w": slip, "fixed": True},
-            ),
-        },
-        motors={"torque": {"joint": "shaft"}},
-    )
 
 
 def lift() -> Scene:
@@ -184,10 +164,45 @@ def test_a_locked_clutch_joins_two_inertias() -> None:
     assert_close("B", found.B, [[0, 0], [1 / (ENGINE + LOAD), 0]], ROUNDING, "rounding")
 
 
+def braked_four_bar() -> Scene:
+    """The four-bar with a known solution, with brakes of twice the friction in all joints."""
+    source = four_bar_with_friction()
+    for each in source["joints"].values():
+        each["friction"] = {"coulomb": 2 * each["friction"]["coulomb"], "input": "engagement"}
+    return source
+
+
+@pytest.mark.parametrize("integrator", ["auto", "erk", "ida"])
+def test_brakes_in_a_loop_that_are_half_engaged(integrator: str) -> None:
+    """One of these joints is cut where the loop is opened."""
+    half = {f"{name}__friction__engagement": 0.5 for name in "ABCD"}
+    simulation = plant(braked_four_bar(), integrator, 1e-8, **half)
+    for time, phi, w in zip(FOUR_BAR_TIMES, FOUR_BAR_PHI, FOUR_BAR_W, strict=True):
+        simulation.step_to(time)
+        assert_close("A.phi", simulation.output("A.phi"), phi, 1e-6, "100 times the tolerance")
+        assert_close("A.w", simulation.output("A.w"), w, 1e-5, "of some 10 rad/s")
+
+
+def test_brakes_in_a_loop_have_the_derivatives_of_their_engagements() -> None:
+    """Accelerations are linear in the engagements, so that their differences are exact up to rounding."""
+    source = braked_four_bar()
+    names = [f"{name}.friction.engagement" for name in "ABCD"]
+    found = gelenk.linear.linear_model(gelenk.load(source), input_values=dict.fromkeys(names, 0.5))
+    assert found.inputs == tuple(names)
+    row = found.outputs.index("A.a")
+    for name, slope in zip(names, found.D[row], strict=True):
+        ends = []
+        for engagement in (0.25, 0.75):
+            values = {key.replace(".", "__"): engagement if key == name else 0.5 for key in names}
+            ends.append(plant(source, "erk", 1e-8, **values).output("A.a"))
+        assert abs(slope) > 1e-3
+        assert_close(name, slope, (ends[1] - ends[0]) / 0.5, 1e-10, "rounding of accelerations of some 100")
+
+
 def test_engagement_is_the_only_input() -> None:
     source = lift()
     source["joints"]["guide"]["friction"]["input"] = "torque"
     with pytest.raises(
-        gelenk.SceneError, match=r'joints\.guide\.friction\.input: found .torque., expected engagement'
+        gelenk.SceneError, match=r"joints\.guide\.friction\.input: found .torque., expected engagement"
     ):
         gelenk.load(source)
