@@ -42,6 +42,23 @@ def test_planetary_gear() -> None:
     assert_stated("planetary_gear", load * 24 / 84, "N m")
 
 
+def test_gear_shift() -> None:
+    """The engine and all the rest, seen at the second wheel, exchange momentum until their speeds agree."""
+    run = gelenk.simulate(file("gear_shift"), inputs={"clutch2.friction.engagement": 0.5})
+    ratio = 12 / 14
+    rest = ratio**2 * (3 + 0.02 / 0.3**2) + 0.02
+    slip, torque = 10 - 3 / ratio, 1.0  # rad/s, N m
+    end = slip / (torque * (1 / 0.2 + 1 / rest))
+    common = 10 - torque / 0.2 * end
+    assert [text for _, text in run.events] == ["clutch2.phi sticks"]
+    assert run.events[0][0] == pytest.approx(end, abs=1e-8)
+    expected = np.where(run.time < end, 10 - torque / 0.2 * run.time, common)
+    np.testing.assert_allclose(run["in.w"], expected, atol=1e-7)  # ten tolerances
+    np.testing.assert_allclose(run["out.w"], -ratio * run["wheel2.w"], rtol=1e-12)
+    np.testing.assert_allclose(run["clutch1.friction.tau"], 0, atol=0)
+    assert_stated("gear_shift", common, "rad/s")
+
+
 def test_differential() -> None:
     """In a circle, wheels turn as their distances from its center; the spider shares the torque evenly."""
     run = ran("differential")
