@@ -21,7 +21,7 @@ namespace {
 
 // Priority 101: runs after all other destructors, which may still throw and catch.
 [[gnu::destructor(101)]] void unload() {
-  __cxa_finalize(&__dso_handle);
+  __cxa_finalize(static_cast<void*>(&__dso_handle));
   if (__gnu_cxx::__freeres != nullptr) __gnu_cxx::__freeres();
 }
 
