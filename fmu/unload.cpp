@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What has to be done when the library is unloaded while the program goes on. Other C++ libraries remain loaded.
+// What has to be done when the library is unloaded while the program continues. Other C++ libraries remain loaded.
 // - Destructors of static objects are called. In libraries linked by GCC this is done anyway; in those linked by Zig
 //   it is not, so that the C library would call them at the end of the program, where the library no longer is.
 // - The statically linked C++ library of GCC reserves 72,704 bytes for exceptions thrown when memory has run out. It
