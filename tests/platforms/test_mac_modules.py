@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import gzip
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,11 @@ def wheel(request: pytest.FixtureRequest) -> Path:
 
 
 @pytest.fixture(scope="module")
-def module(wheel: Path) -> Any:
+def module(wheel: Path) -> Iterator[Any]:
     with zipfile.ZipFile(wheel) as archive:
-        (part,) = lief.MachO.parse(list(archive.read("gelenk/_core.abi3.so")))
-    return part
+        whole = lief.MachO.parse(list(archive.read("gelenk/_core.abi3.so")))
+    (part,) = whole
+    yield part  # lief releases it with the whole
 
 
 def test_the_module_is_for_the_processor_and_system_of_the_file_name(wheel: Path, module: Any) -> None:
