@@ -181,7 +181,7 @@ fuzz: $(VENV)/tools.stamp
 states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fuzz.states
 
-# Half an hour with two processes.
+# Twenty minutes with two processes.
 $(VENV)/runtimes.stamp: $(VENV)/tools.stamp
 	@$(PIP) install --progress-bar off --group runtimes
 	@touch $@

@@ -40,7 +40,7 @@ def mac(request: pytest.FixtureRequest) -> Iterator[Any]:
     assert both.size == 2
     wanted = {"x86-64": lief.MachO.Header.CPU_TYPE.X86_64, "ARM": lief.MachO.Header.CPU_TYPE.ARM64}
     (found,) = (part for part in both if part.header.cpu_type == wanted[request.param])
-    yield found
+    yield found  # noqa: PT022
 
 
 def test_macos_sees_only_the_functions_of_fmi_and_gives_only_its_system_library(mac: Any) -> None:
