@@ -23,7 +23,7 @@
 # make fuzz     fuzz the readers of scenes and saved states with libFuzzer, SECONDS_EACH=600; needs clang
 # make states   regenerate the fuzzers' seeds of FMU states, after the contents of a state have changed
 # make runtimes  build the FMU runtimes for other platforms with Zig, and install them as gelenk-runtimes; needs cargo; QUICK=1: not optimized
-# make wheels   build the wheel of gelenk for this machine's platform: build/wheels
+# make wheels   build the wheels of gelenk: build/wheels; those for other platforms after make runtimes
 # make platforms  run FMUs on Windows (Wine) and ARM (QEMU), as far as these are installed, and inspect the libraries; after make runtimes
 # make clean    remove everything that was built
 # PYTHON=... selects the interpreter; otherwise a Python >= 3.12 is searched for. Everything else comes from PyPI.
@@ -181,7 +181,7 @@ fuzz: $(VENV)/tools.stamp
 states: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests $(BIN)/python -m fuzz.states
 
-# Half an hour with two processes.
+# Twenty minutes with two processes.
 $(VENV)/runtimes.stamp: $(VENV)/tools.stamp
 	@$(PIP) install --progress-bar off --group runtimes
 	@touch $@

@@ -10,6 +10,7 @@ set(fmu_once ${fmu_sources})
 list(FILTER fmu_once INCLUDE REGEX "/(derivatives|instance|lifecycle|log|model_exchange|states|uri)\\.cpp$")  # called once or rarely
 set_property(SOURCE ${fmu_once} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
+gelenk_precompiled(small ${fmu_once})
 # The objects of the core are linked in a fixed order (GelenkTargets.cmake). From an archive the linker would take them in
 # the order in which they are needed, which would decide which copies of shared templates it keeps.
 set(library_type MODULE)

@@ -22,13 +22,20 @@ list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # executed in every step
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
 gelenk_harden(${small})
+set(fast ${core_sources})
+list(REMOVE_ITEM fast ${small})
+include(GelenkPrecompile)
+gelenk_precompile(small -Os ${GELENK_HARDENING})
+gelenk_precompiled(small ${small})
+gelenk_precompile(fast)
+gelenk_precompiled(fast ${fast})
 
 # Loops in the kernels run over the few velocities of a joint or constraint equations of a loop. Vectorized loops take
 # longer (a fifth on a four-bar); straight-line code is still vectorized.
 set(kernels ${core_sources})
 list(FILTER kernels INCLUDE REGEX "/(linear|kinematics|derivatives|dynamics)/([a-z]*_kernels|dynamics|articulated_factor|row_factor|sparse_factor|sparse_row_factor)\\.cpp$")
 list(REMOVE_ITEM kernels ${small})
-set_source_files_properties(${kernels} PROPERTIES COMPILE_OPTIONS
+set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS
   "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-fno-tree-loop-vectorize>;$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:Clang>>:-fno-vectorize>")
 
 # If several files instantiate a template, the linker keeps the copy of the first one. Files compiled for speed therefore

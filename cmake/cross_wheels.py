@@ -129,8 +129,8 @@ def main() -> None:
     parser.add_argument("builds", type=Path, help="folder of the builds of runtimes.py")
     parser.add_argument("package", type=Path, help="folder of the source of gelenk-runtimes")
     parser.add_argument("out", type=Path, help="folder of the wheels")
-    # Not usable yet: the module for Windows fails to initialize in Wine, those for macOS were not built.
-    parser.add_argument("--tags", nargs="*", default=[WHEELS[0].tag], help="platforms of the wheels")
+    tags = [wheel.tag for wheel in WHEELS]
+    parser.add_argument("--tags", nargs="*", default=tags, choices=tags, help="platforms of the wheels")
     arguments = parser.parse_args()
     for wheel in WHEELS:
         if wheel.tag not in arguments.tags:

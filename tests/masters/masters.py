@@ -52,8 +52,10 @@ class Master:
         if self.modules:
             return importlib.metadata.version(self.package)
         if self.program:
-            done = subprocess.run([self.program, "--version"], capture_output=True, text=True, check=True)
-            return done.stdout.split()[-1]
+            # fmi-sim reports its version like an error, with status 1.
+            done = subprocess.run([self.program, "--version"], capture_output=True, text=True, check=False)
+            (found,) = re.findall(rf"{self.package} (\d[\w.]*)", done.stdout + done.stderr)
+            return str(found)
         pom = ElementTree.parse(HERE / "pom.xml").getroot()
         space = {"m": "http://maven.apache.org/POM/4.0.0"}
         for dependency in pom.findall(".//m:dependency", space):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import gzip
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -33,13 +34,13 @@ def library(platform: str) -> Any:
 
 
 @pytest.fixture(scope="module", params=["x86-64", "ARM"])
-def mac(request: pytest.FixtureRequest) -> Any:
-    """The part of the library for macOS for each processor."""
+def mac(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """The part of the library for macOS for each processor; lief releases it with the whole."""
     both = lief.MachO.parse(content("darwin64"))
     assert both.size == 2
     wanted = {"x86-64": lief.MachO.Header.CPU_TYPE.X86_64, "ARM": lief.MachO.Header.CPU_TYPE.ARM64}
     (found,) = (part for part in both if part.header.cpu_type == wanted[request.param])
-    return found
+    yield found  # noqa: PT022
 
 
 def test_macos_sees_only_the_functions_of_fmi_and_gives_only_its_system_library(mac: Any) -> None:

@@ -146,3 +146,14 @@ def test_the_host_with_many_instances_is_content(
     }
     assert said[machine.platform][:3] == ["crowd 20", "threads 4", "states 3"]
     assert said[machine.platform] == said["linux64"]
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_a_program_ends_after_the_library_was_unloaded(
+    machine: Machine, plants: dict[str, Plant], hosts: Path, wine: Path
+) -> None:
+    """Nothing of the library is called where it no longer is; on ARM, all programs crashed at their end."""
+    for where in (HERE_ITSELF, machine):
+        arguments = [*plants["four_bar"].on(where), "5"]
+        said = where.output(host("unload_host", where, hosts), arguments, wine)
+        assert said.split() == ["5", "cycles", "end"]
