@@ -146,14 +146,6 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
     faults.add("solver.formulation",
                text::quoted(solver.formulation) + " with contacts." + text::printable(scene.contacts.front().name),
                "the formulation projection");
-  for (const Joint& joint : scene.joints) {
-    if (joint.locking_element().empty()) continue;
-    faults.add("solver.integrator",
-               with + text::printable(scene.contacts.front().name) + " and joints." + text::printable(joint.name) +
-                   "." + std::string(joint.locking_element()),
-               "auto or moreau-jean: contacts are located in mechanisms without friction and limits of joints only");
-    break;
-  }
   for (const Contact& contact : scene.contacts) {
     const std::string pair = pair_without_tips(scene, contact);
     if (pair.empty()) continue;

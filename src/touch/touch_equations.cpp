@@ -210,6 +210,19 @@ void TouchEquations::accelerate(double* vdot) {
   }
   x_ = least_norm_solution(G_, right_, scale_);
   a.noalias() += Z_ * x_;
+  add_holding_forces();
+}
+
+// What contacts do to the forces that keep coordinates of joints at rest.
+void TouchEquations::add_holding_forces() {
+  Branching& branching = dynamics_.branching();
+  if (branching.locks() == 0) return;
+  force_.noalias() = B_.transpose() * x_;
+  zero_.setZero(std::max(1, mechanism_.rows), 1);
+  holding_.resize(static_cast<std::size_t>(branching.locks()));
+  std::ranges::fill(holding_, 0.0);
+  dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
+  branching.holding_forces().add(holding_);
 }
 
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.

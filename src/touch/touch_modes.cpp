@@ -30,6 +30,7 @@ TouchModes::TouchModes(const Context& context)
       log_(context.log),
       first_indicator_(context.first_indicator),
       touch_(context.mechanism, context.dynamics, context.loads),
+      locks_(context.locks, context.mechanism.nv),
       decision_(touch_),
       outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
       before_(touch_.modes()),
@@ -63,7 +64,6 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   if (touch_.any_closed()) {
     equations_.touched_accelerations(t, y, vdot_.data());
     indicators_of_closed(g, gdot);
-    find_other_forces(t, y, g);
   }
   go_to(y);
   for (int i = 0; i < n; ++i) {
@@ -75,19 +75,25 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   }
 }
 
-// Where redundant forces of friction at rest exceed their limits, but may be distributed in other ways, corrects the
-// indicators g.
-void TouchModes::find_other_forces(double t, const double* y, double* g) {
-  if (touch_.closed().size() < 2) return;
-  std::vector<double*> exceeded;
+void TouchModes::redistribute(double t, const double* y, double* locks, double* own) {
+  if (!touch_.any_closed()) return;
+  std::vector<double*> yielding;
+  find_yielding(own, yielding);
+  std::size_t kept = touch_.closed().size();
+  if (locks != nullptr) kept += locks_.find_yielding(locks, yielding);
+  if (yielding.empty() || kept < 2 || !holds_by_others(t, y)) return;
+  for (double* value : yielding) *value = *value > 0 ? -*value : std::max(-*value, std::numeric_limits<double>::min());
+}
+
+// Of the indicators g, those that say that a contact gives way in which something is kept at rest.
+void TouchModes::find_yielding(double* g, std::vector<double*>& out) const {
   for (const int spot : touch_.closed()) {
+    double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * spot;
+    if (!(of[0] > 0)) out.push_back(of);
     for (std::size_t k = 0; k < contact_groups; ++k) {
-      double& value = g[per_spot * spot + 1 + static_cast<int>(k)];
-      if (value > 0 && !mode_of(spot).groups[k].moves) exceeded.push_back(&value);
+      if (of[1 + k] > 0 && !mode_of(spot).groups[k].moves) out.push_back(of + 1 + k);
     }
   }
-  if (exceeded.empty() || !holds_by_others(t, y)) return;
-  for (double* value : exceeded) *value = -*value;
 }
 
 void TouchModes::indicators_of_closed(double* g, double* gdot) {
@@ -120,22 +126,37 @@ void TouchModes::indicators_of_closed(double* g, double* gdot) {
   }
 }
 
-// Whether friction at rest can hold everything that it holds now, by any distribution of redundant forces.
+// Whether everything that is kept at rest can remain so, by any distribution of redundant forces.
 bool TouchModes::holds_by_others(double t, const double* y) {
   const std::vector<SpotMode> present = touch_.modes();
+  const LockModes::State present_locks = locks_.state();
   const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
   touch_.set_modes(std::vector<SpotMode>(present.size()));
+  locks_.begin_check();
   equations_.touched_accelerations(t, y, vdot_.data());
   std::vector<SpotMode> next = present;
-  const auto outcome = decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next);
+  set_accelerations(t, y);
+  const auto outcome =
+      decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next, locks_.problem());
   touch_.set_modes(present);
+  locks_.set_state(present_locks);
   bool holds = outcome == ContactDecision::Outcome::found;
   for (const int spot : spots) {
     const auto i = static_cast<std::size_t>(spot);
+    holds = holds && next[i].closed;
     for (std::size_t k = 0; k < contact_groups; ++k)
-      holds = holds && (present[i].groups[k].moves || !next[i].closed || !next[i].groups[k].moves);
+      holds = holds && (present[i].groups[k].moves || !next[i].groups[k].moves);
   }
-  return holds;
+  return holds && std::ranges::none_of(locks_.problem().locks, &LockProblem::Lock::leaves);
+}
+
+// Of the problem of locks.
+void TouchModes::set_accelerations(double t, const double* y) {
+  locks_.problem().accelerate = [this, t, y](double* vdot) {
+    dynamics_.set_position(y);
+    locks_.try_answers();
+    equations_.touched_accelerations(t, y, vdot);
+  };
 }
 
 void TouchModes::remembered_mode(bool* positive) const {
@@ -173,13 +194,13 @@ void TouchModes::found_event(double, int indicator, bool positive) {
 }
 
 void TouchModes::change_mode(double t, double* y) {
-  if (std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
+  if (locks_.is_triggered() || std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
 }
 
 // Impulses, and the modes that follow.
 void TouchModes::determine(double t, double* y) {
   strike(t, y);
-  decide(t, y, true);
+  if (!decide(t, y, true) && locks_.is_triggered()) locks_.force_away(t);
   finish(y);
 }
 
@@ -219,6 +240,7 @@ bool TouchModes::is_consistent(double t, const double* y) {
   const auto expected = std::make_unique<bool[]>(g.size());
   remembered_mode(expected.get());
   indicator_values(t, y, g.data(), gdot.data());
+  redistribute(t, y, nullptr, g.data());
   for (const int spot : touch_.closed()) {
     for (int k = 0; k < per_spot; ++k) {
       const std::size_t i =
@@ -234,14 +256,15 @@ bool TouchModes::is_consistent(double t, const double* y) {
 
 bool TouchModes::recall_mode(double t, double* y) {
   const bool touches = update_modes(y);
-  const bool decides = touches || started_ || (jumped_ && !is_consistent(t, y));
+  const bool decides = locks_.recall(t, y) || touches || started_ || (jumped_ && !is_consistent(t, y));
   started_ = jumped_ = false;
   if (decides) determine(t, y);
   return decides;
 }
 
 void TouchModes::preview(double t, const double* y) {
-  if (!started_ && (!jumped_ || is_consistent(t, y))) return;
+  const bool settled = !started_ && (!jumped_ || (is_consistent(t, y) && !locks_.are_doubtful(t, y)));
+  if (settled) return;
   decide(t, y, false);
 }
 

@@ -32,18 +32,3 @@ def test_other_pairs_are_refused(shape: SceneData, other: SceneData | None, said
         gelenk.simulate(scene, stop=1)
     assert said in str(refused.value)
     assert "auto or moreau-jean" in str(refused.value)
-
-
-def test_friction_of_joints_in_the_same_scene_is_refused() -> None:
-    """It is not yet decided on together with contacts."""
-    scene = on_plane({"sphere": 0.1}, 1, [0.004] * 3, {"r": [0, 0, 0.2]}, {})
-    scene["bodies"]["arm"] = {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.1, 0.1, 0.1]}
-    scene["joints"]["A"] = {
-        "type": "revolute",
-        "parent": "ground",
-        "child": "arm",
-        "friction": {"coulomb": 1.0},
-    }
-    scene["solver"] = {"integrator": "ida"}
-    with pytest.raises(gelenk.SceneError, match=r"joints\.A\.friction"):
-        gelenk.simulate(scene, stop=1)
