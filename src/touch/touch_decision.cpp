@@ -161,7 +161,44 @@ VectorXd ContactDecision::normal_forces() const {
   return out;
 }
 
-// The closed contact with the most negative normal force; -1: none.
+// Whether a spot has a normal force in the cone problem with joints at rest.
+bool ContactDecision::presses(int spot) const {
+  if (problem_->locks.empty()) return false;
+  const auto i = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
+  return i < spots_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
+}
+
+// By spot: in the modes of the last check().
+VectorXd ContactDecision::normal_forces_in_modes() {
+  VectorXd out = VectorXd::Zero(static_cast<Index>(spots_.size()));
+  const auto& forces = touch_.forces();
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const auto at = std::ranges::find(spots_, touch_.closed()[i]) - spots_.begin();
+    if (at < out.size()) out[at] = forces[i].normal;
+  }
+  return out;
+}
+
+// Whether friction that holds in these modes needs more than its limit.
+bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
+  const auto& forces = touch_.forces();
+  double sum = 0;
+  for (const auto& force : forces) sum += std::abs(force.normal);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      if (entry.rows[g] < 0) continue;
+      const double limit = touch_.coefficient(entry.spot, group, false) * forces[i].normal;
+      const bool breaks_away = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
+    }
+  }
+  return false;
+}
+
+// The closed contact with the most negative normal force; -1: none. Where joints at rest exert redundant forces, which
+// are not those of the cone problem, contacts that press in that do not count.
 int ContactDecision::most_pulling() const {
   double largest = 0;
   const auto& forces = touch_.forces();
@@ -169,7 +206,7 @@ int ContactDecision::most_pulling() const {
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (!(forces[i].normal < least)) continue;
+    if (!(forces[i].normal < least) || presses(touch_.closed()[i])) continue;
     least = forces[i].normal;
     out = touch_.closed()[i];
   }
@@ -298,7 +335,14 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
     next = modes_of_solution(tentative, triggered);
     answer_locks();
     if (let_slide(tentative, next)) continue;
-    if (refine(vdot, next)) return Outcome::found;
+    if (refine(vdot, next)) {
+      const VectorXd found = normal_forces_in_modes();
+      const double change = (found - normal).cwiseAbs().maxCoeff();
+      const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
+      if (same || !exceeds_limits(triggered)) return Outcome::found;
+      normal = found;
+      continue;
+    }
     const VectorXd before = normal;
     normal = normal_forces();
     if (!normal.allFinite()) break;

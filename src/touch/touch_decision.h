@@ -45,6 +45,9 @@ class ContactDecision {
   void answer_locks();
   void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, SpotMode& mode) const;
   Eigen::VectorXd normal_forces() const;
+  Eigen::VectorXd normal_forces_in_modes();
+  bool exceeds_limits(const std::vector<Trigger>& triggered);
+  bool presses(int spot) const;
   int most_pulling() const;
   bool obeys(std::size_t i, const SpotMode& mode, const Eigen::VectorXd& relative) const;
   bool locks_obey(const Eigen::VectorXd& relative) const;

@@ -185,7 +185,10 @@ double TouchEquations::weight(const Entry& entry, int group) const {
   if (group == 0) return 1;
   const Index n = entry.first;
   const Index r = entry.rows[static_cast<std::size_t>(group)];
-  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(G_(n, n) / G_(r, r));
+  const double of_moments = std::abs(G_(r, r));
+  const double of_forces = std::abs(G_(n, n));
+  if (!(of_moments > 0 && of_forces > 0)) return 1;  // what joints do not permit to turn
+  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(of_forces / of_moments);
 }
 
 void TouchEquations::accelerate(double* vdot) {
