@@ -11,7 +11,6 @@ import re
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
-from math import pi
 from multiprocessing import Pool
 from time import process_time
 from typing import Any
@@ -138,7 +137,7 @@ def thrown(seed: int) -> SceneData:
     ground = {"floor": {"plane": [0, 0, 1], "surface": "stone"}}
     if rng.random() < 0.3:
         ground["wall"] = {"plane": [-1, 0, 0.2], "position": [1.2, 0, 0], "surface": "stone"}
-    scene = {
+    return {
         "gelenk": 1,
         "gravity": [0, 0, -9.81],
         "bodies": bodies,
@@ -151,15 +150,12 @@ def thrown(seed: int) -> SceneData:
             "max_evaluations": 300_000,
         },
     }
-    return scene
 
 
 def _contacts(rng: Generator, bodies: SceneData, joints: SceneData) -> SceneData:
     """Laws between all surfaces that can touch."""
     surfaces = [body["shapes"]["s"]["surface"] for body in bodies.values()]
-    joined = {
-        (joint["parent"], joint["child"]) for joint in joints.values() if joint["type"] != "free"
-    }
+    joined = {(joint["parent"], joint["child"]) for joint in joints.values() if joint["type"] != "free"}
     pairs = {tuple(sorted((surface, "stone"))) for surface in surfaces}
     names = list(bodies)
     for i, first in enumerate(names):
@@ -243,7 +239,10 @@ def main(count: int, jobs: int = 2) -> int:
                 print(course.seed, course.refused, *course.faults, f"{course.seconds:.1f} s", flush=True)
     wrong = sum(bool(course.faults) for course in courses)
     refused = Counter(course.refused for course in courses if course.refused)
-    print(f"{count} scenes, {sum(c.events for c in courses)} events, {wrong} with faults, refused: {dict(refused)}")
+    print(
+        f"{count} scenes, {sum(c.events for c in courses)} events, {wrong} with faults, "
+        f"refused: {dict(refused)}"
+    )
     print(f"{sum(c.seconds for c in courses):.0f} s of CPU, at most {max(c.seconds for c in courses):.1f} s")
     return wrong
 
