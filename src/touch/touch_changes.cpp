@@ -33,9 +33,7 @@ bool differ(const std::vector<SpotMode>& a, const std::vector<SpotMode>& b) {
   return false;
 }
 
-double leaving_depth(double gap) {
-  return gap > touch_tolerance ? 0 : std::max(0.0, -gap) + leaving_fraction * touch_tolerance;
-}
+double leaving_depth(double gap) { return std::max(0.0, -gap) + leaving_fraction * touch_tolerance; }
 
 }  // namespace
 
@@ -48,7 +46,7 @@ void TouchModes::strike(double t, double* y) {
   bool any = false;
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const SpotState at = touch_.spots().state(i);
-    if (!mode_of(i).closed && at.gap > touch_tolerance) continue;
+    if (!mode_of(i).closed && !may_touch(i)) continue;
     struck.push_back(i);
     any = any || (at.rate < -rest && !mode_of(i).closed);
   }
@@ -115,7 +113,7 @@ int TouchModes::end_series(const std::vector<JointLocks::Struck>& limits, Contac
 std::vector<int> TouchModes::lasting(double rest) {
   std::vector<int> touching;
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots().gap(i) <= touch_tolerance) touching.push_back(i);
+    if (may_touch(i)) touching.push_back(i);
   }
   std::vector<int> out;
   TouchEquations::Rows rows;
@@ -141,8 +139,9 @@ bool TouchModes::decide(double t, const double* y, bool logs) {
   equations_.touched_accelerations(t, y, vdot_.data());
   if (locks_.add_returning(y, vdot_.data())) equations_.touched_accelerations(t, y, vdot_.data());
   go_to(y);
-  for (int i = 0; i < touch_.spots().count(); ++i)
-    next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (may_touch(i)) next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
+  }
   find_modes(y, logs, t, next);
   touch_.set_modes(present);
   dynamics_.set_position(y);

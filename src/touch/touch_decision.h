@@ -17,9 +17,10 @@ namespace gelenk {
 // Which indicators of a spot have changed their sign.
 struct Trigger {
   bool touches = false, leaves = false;
+  bool ends = false;  // beyond the end of a feature
   std::array<bool, contact_groups> groups{};
 
-  bool any() const { return touches || leaves || groups[0] || groups[1] || groups[2]; }
+  bool any() const { return touches || leaves || ends || groups[0] || groups[1] || groups[2]; }
 };
 
 class ContactDecision {

@@ -35,7 +35,14 @@ TouchModes::TouchModes(const Context& context)
       outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
       before_(touch_.modes()),
       triggered_(before_.size()),
-      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    const Spot& spot = touch_.spots()[i];
+    if (spot.kind != Spot::Kind::corner && spot.kind != Spot::Kind::edges) continue;
+    if (std::ranges::find(guards_, spot.contact, &Guard::contact) == guards_.end())
+      guards_.push_back({.contact = spot.contact, .spot = i});
+  }
+}
 
 // Speeds up to this are rest.
 double TouchModes::slow(const double* v) const {
@@ -68,10 +75,25 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   go_to(y);
   for (int i = 0; i < n; ++i) {
     if (mode_of(i).closed) continue;
-    const SpotState at = touch_.spots().state(i);
     const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
+    g[first] = -touch_.spots()[i].size;
+    if (!touch_.spots().is_near(i)) continue;
+    const SpotState at = touch_.spots().state(i);
     g[first] = -at.gap - mode_of(i).leaves_from;
     gdot[first] = -at.rate;
+  }
+  find_penetration(g);
+}
+
+// Shows in the indicators g what penetrates although no feature touches. The position is that of `dynamics`.
+void TouchModes::find_penetration(double* g) {
+  for (const Guard& guard : guards_) {
+    const bool any_closed =
+        std::ranges::any_of(touch_.closed(), [&](int spot) { return touch_.spots()[spot].contact == guard.contact; });
+    if (any_closed || !(guard.allowed < INFINITY)) continue;
+    const double depth = -outputs_.gap(guard.contact);
+    double& value = g[static_cast<std::ptrdiff_t>(per_spot) * guard.spot];
+    if (depth > guard.allowed) value = std::max(value, depth);
   }
 }
 
@@ -107,7 +129,8 @@ void TouchModes::indicators_of_closed(double* g, double* gdot) {
     double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
     double* const rate = gdot + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
     of[0] = forces[i].normal + slack;
-    rate[0] = NAN;
+    of[per_spot - 1] = touch_.spots().margin(entry.spot) + touch_tolerance;
+    rate[0] = rate[per_spot - 1] = NAN;
     for (int group = 0; group < contact_groups; ++group) {
       const auto at = static_cast<std::size_t>(group);
       const SpotMode::Group& mode = mode_of(entry.spot).groups[at];
@@ -163,7 +186,7 @@ void TouchModes::remembered_mode(bool* positive) const {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const SpotMode& mode = mode_of(i);
     bool* const of = positive + static_cast<std::ptrdiff_t>(per_spot) * i;
-    of[0] = mode.closed;
+    of[0] = of[per_spot - 1] = mode.closed;
     for (std::size_t k = 0; k < contact_groups; ++k) of[1 + k] = mode.closed && mode.groups[k].moves;
   }
 }
@@ -178,6 +201,7 @@ void TouchModes::check(double t) {
   touch_.spots().read_position(dynamics_);
   for (int i = 0; i < touch_.spots().count(); ++i) {
     if (mode_of(i).closed || touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from) continue;
+    if (!touch_.spots().is_near(i)) continue;
     mode_exit_time_ = t;
     return;
   }
@@ -186,7 +210,9 @@ void TouchModes::check(double t) {
 void TouchModes::found_event(double, int indicator, bool positive) {
   Trigger& trigger = triggered_[static_cast<std::size_t>(indicator / per_spot)];
   const int which = indicator % per_spot;
-  if (which > 0) {
+  if (which == per_spot - 1) {
+    trigger.ends = true;
+  } else if (which > 0) {
     trigger.groups[static_cast<std::size_t>(which - 1)] = true;
   } else {
     (positive ? trigger.touches : trigger.leaves) = true;
@@ -201,7 +227,25 @@ void TouchModes::change_mode(double t, double* y) {
 void TouchModes::determine(double t, double* y) {
   strike(t, y);
   if (!decide(t, y, true) && locks_.is_triggered()) locks_.force_away(t);
+  refuse_ends(t);
   finish(y);
+}
+
+// Cylinders on their flat ends have no points of contact that remain when they tilt.
+void TouchModes::refuse_ends(double t) {
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (touch_.spots()[i].kind != Spot::Kind::rim) continue;
+    const bool touches = mode_of(i).closed || touch_.spots().gap(i) <= touch_tolerance;
+    const bool ends = triggered_[static_cast<std::size_t>(i)].ends || touch_.spots().margin(i) <= 0;
+    if (!touches || !ends) continue;
+    refusal_ = log_.report({t, first_indicator_ + per_spot * i, true}).text +
+               " with a flat end, whose contacts are not located: use the integrator moreau-jean";
+  }
+}
+
+// Whether a spot touches, as far as its gap says.
+bool TouchModes::may_touch(int spot) const {
+  return touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
 }
 
 // Brings directions and distances up to the state where a step begins; returns whether something touches that was not
@@ -214,9 +258,12 @@ bool TouchModes::update_modes(const double* y) {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     SpotMode& mode = next[static_cast<std::size_t>(i)];
     if (mode.closed) continue;
+    if (!may_touch(i)) {
+      mode.leaves_from = 0;
+      continue;
+    }
     const SpotState at = touch_.spots().state(i);
-    if (at.gap > touch_tolerance) mode.leaves_from = 0;
-    if (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest) touches = true;
+    touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
   if (touch_.any_closed()) {
     TouchEquations::Rows rows;
@@ -230,6 +277,7 @@ bool TouchModes::update_modes(const double* y) {
     }
   }
   touch_.set_modes(next);
+  for (Guard& guard : guards_) guard.allowed = std::max(0.0, -outputs_.gap(guard.contact)) + watched_depth;
   return touches;
 }
 
@@ -249,7 +297,7 @@ bool TouchModes::is_consistent(double t, const double* y) {
     }
   }
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (!mode_of(i).closed && touch_.spots().gap(i) <= touch_tolerance) return false;
+    if (!mode_of(i).closed && may_touch(i)) return false;
   }
   return true;
 }

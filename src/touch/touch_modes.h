@@ -35,7 +35,8 @@ class TouchModes final : public ConnectedModes {
   };
   explicit TouchModes(const Context& context);
 
-  // Four indicators for each spot: positive while it is closed; and while it slips, spins and rolls against friction.
+  // Five indicators for each spot: positive while it is closed; while it slips, spins and rolls against friction; and
+  // while it is closed within the ends of its features.
   static constexpr int per_spot = TouchOutputs::per_spot;
   int indicators() const override { return per_spot * touch_.spots().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
@@ -80,7 +81,10 @@ class TouchModes final : public ConnectedModes {
   void find_yielding(double* g, std::vector<double*>& out) const;
   bool holds_by_others(double t, const double* y);
   void set_accelerations(double t, const double* y);
+  bool may_touch(int spot) const;
+  void find_penetration(double* g);
   bool update_modes(const double* y);
+  void refuse_ends(double t);
   bool is_consistent(double t, const double* y);
   void determine(double t, double* y);
   void strike(double t, double* y);
@@ -107,6 +111,12 @@ class TouchModes final : public ConnectedModes {
   bool started_ = true, jumped_ = false, undone_ = false;
   bool held_ = false;
   double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
+  // Contacts of edges, whose features may be passed within a step: penetration of the whole shapes is an event, too.
+  struct Guard {
+    int contact = 0, spot = 0;  // of the scene; its first one, of which the indicator shows it
+    double allowed = INFINITY;  // m: penetration where the step began
+  };
+  std::vector<Guard> guards_;
   Counts counts_;
   std::string refusal_;
   std::vector<double> vdot_;

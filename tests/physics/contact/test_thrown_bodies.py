@@ -2,23 +2,22 @@
 """Random scenes of thrown bodies with joints, loops, friction and limits: contacts at located events."""
 
 import pytest
-from models.thrown import STEP, run, thrown
+from models.thrown import EDGED, STEP, run, thrown
 
 import gelenk
 
 BLOCK = 40
-# Of a block, besides scenes that cannot move: of 3000 scenes, some 20 are refused, so that in a block three
-# come once in a thousand.
+# Of a block, besides scenes that cannot move: of 3000 scenes, 31 were refused.
 MOST_REFUSED = 2
 # Scenes in which events once came again without end: what sticks and spins, joints at rest in a loop that a
-# contact also holds, a spin that joints prevent.
-FORMER = [53, 203, 276, 277, 198, 73, 133]
+# contact also holds, a spin that joints prevent; and in which edges were passed within a step.
+FORMER = [53, 203, 276, 277, 198, 73, 133, EDGED + 194, EDGED + 200, EDGED + 356, EDGED + 541]
 
 
-@pytest.mark.parametrize("block", range(4))
-def test_steps_end_without_gain_of_energy(block: int) -> None:
-    """Or are refused in words that are known; numbers are finite, and all ends."""
-    courses = [run(seed) for seed in range(block * BLOCK, (block + 1) * BLOCK)]
+@pytest.mark.parametrize("first", [0, BLOCK, 2 * BLOCK, EDGED, EDGED + BLOCK])
+def test_steps_end_without_gain_of_energy(first: int) -> None:
+    """Or are refused in words that are known; numbers are finite, nothing penetrates, and all ends."""
+    courses = [run(seed) for seed in range(first, first + BLOCK)]
     assert {course.seed: course.faults for course in courses if course.faults} == {}
     assert sum(course.refused not in ("", "rigid") for course in courses) <= MOST_REFUSED
     assert sum(course.events for course in courses) > 2 * BLOCK
