@@ -17,7 +17,7 @@ list(FILTER small INCLUDE REGEX
   "/(util|field|shape|element|event|scene|check|scene_file|scene_schema|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
 set(once ${core_sources})
 list(FILTER once INCLUDE REGEX
-  "/(formulation/(branch_acceleration|registry)|integrator/registry|cone/registry|derivatives/forward_ad|analysis/(equilibrium|independent_columns|rest_forces|rest_pose|singular_start|mobility)|kinematics/(loads|model)|modes/(joint_locks|mode_changes)|linear/(box_complementarity|least_load|singular_values)|outputs/(outputs_dual|port_readings)|inspection/inspection|touch/(contact_impact|touch_changes|touch_decision|touch_modes|touch_outputs)|simulation/(assemblies|assembled_start|events|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")
+  "/(formulation/(branch_acceleration|registry)|integrator/registry|cone/registry|derivatives/forward_ad|analysis/(equilibrium|independent_columns|rest_forces|rest_pose|singular_start|mobility)|kinematics/(loads|model)|dynamics/(spot_features|spots)|modes/(joint_locks|mode_changes)|linear/(box_complementarity|least_load|singular_values)|outputs/(outputs_dual|port_readings)|inspection/inspection|touch/(contact_impact|touch_changes|touch_decision|touch_equations|touch_modes|touch_outputs)|simulation/(assemblies|assembled_start|events|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # executed in every step
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
