@@ -32,16 +32,21 @@ constexpr int most_corrections = 8;
 constexpr int small = 12;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, small, small>;
 
+// Of a singular G.
+VectorXd redundant_solution(const MatrixXd& G, const VectorXd& r) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
+  cod.setThreshold(rank_threshold);
+  cod.compute(G);
+  return cod.solve(r);
+}
+
 template <class Matrix>
 VectorXd solve_least_norm(const Matrix& G, const VectorXd& r) {
   const Eigen::FullPivLU<Matrix> lu(G);
   const double largest = std::abs(lu.maxPivot());
   const double least = lu.matrixLU().diagonal().cwiseAbs().minCoeff();
   if (least > rank_threshold * largest) return lu.solve(r);
-  Eigen::CompleteOrthogonalDecomposition<Matrix> cod;
-  cod.setThreshold(rank_threshold);
-  cod.compute(G);
-  return cod.solve(r);
+  return redundant_solution(G, r);
 }
 
 // The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
@@ -243,10 +248,7 @@ VectorXd TouchEquations::shared() const {
   }
   // Weights of columns alone.
   const MatrixXd columns = G_ * weights.asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
-  cod.setThreshold(rank_threshold);
-  cod.compute(columns);
-  return weights.asDiagonal() * VectorXd(cod.solve(right_));
+  return weights.asDiagonal() * redundant_solution(columns, right_);
 }
 
 const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {
