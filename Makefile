@@ -17,6 +17,7 @@
 # make costs    update the reference evaluation and instruction counts: tests/costs/figures.json; WHY="..."
 # make clocks   run the timing tests, on an otherwise idle machine
 # make special  compare computation paths at special configurations: all families, 2000 random mechanisms
+# make thrown   simulate 3000 random scenes of thrown bodies with contacts at located events; COUNT=... other numbers
 # make masters  run the shipped scenes in third-party masters and VDMCheck: table of docs/fmu.md; needs Maven, Java and cargo
 # make sanitize run the FMU under AddressSanitizer, UBSan, ThreadSanitizer and Valgrind
 # make smoke    fuzz for one minute, if clang is installed, and run the native unit tests under sanitizers
@@ -47,7 +48,7 @@ NATIVE  := $(shell find src modelDescription fmu python/bindings \( -name '*.cpp
 PACKAGE := $(shell find python/gelenk scenes -type f -not -path '*/__pycache__/*' 2>/dev/null)
 BUILD   := pyproject.toml CMakeLists.txt $(wildcard cmake/*) LICENSE $(wildcard licenses/*.txt licenses/*/*.txt)
 
-.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special masters sanitize smoke fuzz states runtimes wheels platforms clean
+.PHONY: help demo test lint style tidy format pytest reductions charts accuracy nonsmooth gallery tutorial real-time growth bench costs clocks special thrown masters sanitize smoke fuzz states runtimes wheels platforms clean
 help:
 	@sed -n '2,29s/^# //p' Makefile
 
@@ -130,6 +131,11 @@ clocks: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 ARGS ?=
 special: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
 	PYTHONPATH=tests:. $(BIN)/python -m special.study --jobs $(JOBS) $(ARGS)
+
+# Some two minutes; prints the scenes that are refused and those with faults, of which it returns whether there are any.
+COUNT ?= 3000
+thrown: $(VENV)/tools.stamp $(VENV)/gelenk.stamp
+	PYTHONPATH=tests $(BIN)/python -m models.thrown $(COUNT)
 
 # Ten minutes, most of them for Maestro.
 MASTERS := $(abspath build/masters)

@@ -8,6 +8,7 @@
 #include "joint/registry.h"
 #include "scene/element_numbers.h"
 #include "scene/shapes.h"
+#include "shape/features.h"
 #include "shape/rounded.h"
 #include "util/text.h"
 
@@ -121,11 +122,12 @@ struct Checker {
   }
 };
 
-// Two shapes that can touch by a contact, but not by tips on a core (shape/rounded.h); empty: there are none.
+// Two shapes that can touch by a contact, but not by tips, edges and rims (shape/features.h); empty: there are none.
 std::string pair_without_tips(const Scene& scene, const Contact& contact) {
   std::string out;
   each_pair_of_shapes(scene, contact, [&](const BodyShape& a, const BodyShape& b) {
     if (!out.empty() || tips_touch_core(a.is, b.is) || tips_touch_core(b.is, a.is)) return;
+    if (edges_touch(a.is, b.is) || rims_touch_plane(a.is, b.is) || rims_touch_plane(b.is, a.is)) return;
     const std::string first(kind_of(a.is).kind);
     const std::string second(kind_of(b.is).kind);
     out = first == second ? "two shapes of kind " + first : "a " + first + " and a " + second;
@@ -146,20 +148,12 @@ void check_located_contacts(const Scene& scene, Faults& faults) {
     faults.add("solver.formulation",
                text::quoted(solver.formulation) + " with contacts." + text::printable(scene.contacts.front().name),
                "the formulation projection");
-  for (const Joint& joint : scene.joints) {
-    if (joint.locking_element().empty()) continue;
-    faults.add("solver.integrator",
-               with + text::printable(scene.contacts.front().name) + " and joints." + text::printable(joint.name) +
-                   "." + std::string(joint.locking_element()),
-               "auto or moreau-jean: contacts are located in mechanisms without friction and limits of joints only");
-    break;
-  }
   for (const Contact& contact : scene.contacts) {
     const std::string pair = pair_without_tips(scene, contact);
     if (pair.empty()) continue;
     faults.add("solver.integrator", with + text::printable(contact.name) + ", which is between " + pair,
-               "auto or moreau-jean: contacts are located between a plane and spheres, capsules, boxes and hulls, and "
-               "between a sphere and spheres, capsules and boxes");
+               "auto or moreau-jean: contacts are located between a plane and spheres, capsules, boxes, hulls and "
+               "cylinders, and between spheres, capsules and boxes");
   }
 }
 

@@ -21,6 +21,10 @@ class HoldingForces {
     in_users_signs(x, x_.data());
     is_redistributed_ = false;
   }
+  // Adds those of other forces.
+  void add(const std::vector<double>& x) {
+    for (std::size_t i = 0; i < x.size(); ++i) x_[i] += x[i];
+  }
   // Replaces them by others with the same effect; constraint forces follow.
   void redistribute(const std::vector<double>& x) {
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "dynamics/spot_features.h"
 #include "mechanism/touching.h"
 #include "shape/registry.h"
 
@@ -28,11 +29,20 @@ Spots::Spots(const Mechanism& mechanism)
       const LinkShape& second = shapes[static_cast<std::size_t>(j)];
       const int contact = contact_between(mechanism.contact_table, first, second);
       if (contact < 0) continue;
-      // Pairs without tips and core have been refused (check/elements.cpp).
+      // Other pairs have been refused (check/elements.cpp).
       if (tips_touch_core(first.is, second.is)) {
         add_pair(mechanism, contact, i, j);
       } else if (tips_touch_core(second.is, first.is)) {
         add_pair(mechanism, contact, j, i);
+      } else if (edges_touch(first.is, second.is)) {
+        add_pair(mechanism, contact, i, j);
+        add_pair(mechanism, contact, j, i);
+        const bool second_is_sharp = edges_of(second.is).front().is_sharp();  // the core is, if one of them is
+        add_edges(mechanism, contact, second_is_sharp ? i : j, second_is_sharp ? j : i);
+      } else if (rims_touch_plane(first.is, second.is)) {
+        add_rims(mechanism, contact, i, j);
+      } else if (rims_touch_plane(second.is, first.is)) {
+        add_rims(mechanism, contact, j, i);
       }
     }
   }
@@ -40,30 +50,83 @@ Spots::Spots(const Mechanism& mechanism)
   links_.erase(std::unique(links_.begin(), links_.end()), links_.end());
 }
 
-void Spots::add_pair(const Mechanism& mechanism, int contact, int tip, int core) {
+// What all spots of a pair have in common.
+Spot Spots::spot_between(const Mechanism& mechanism, int contact, int tip, int core) {
   const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
   const LinkShape& with_core = mechanism.shapes[static_cast<std::size_t>(core)];
   const bool core_is_first = mechanism.contact_table.is_first(contact, with_core.surface) &&
                              (with_core.surface != with_tips.surface || core < tip);
   const LinkShape& belt = core_is_first ? with_tips : with_core;
-  for (const Tip& at : tips_of(with_tips.is)) {
-    Spot& spot = spots_.emplace_back();
-    spot.core = core;
-    spot.tip = tip;
-    spot.core_link = with_core.link;
-    spot.tip_link = with_tips.link;
-    spot.contact = contact;
-    spot.feature = at.feature;
-    spot.sign = core_is_first ? 1 : -1;
-    spot.X_LS = with_core.X_LS;
-    spot.box = *core_of(with_core.is);
-    spot.center = with_tips.X_LS.point(at.center);
-    spot.radius = at.radius;
-    spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
-    spot.R_belt = belt.X_LS.R;
-  }
+  Spot spot;
+  spot.core = core;
+  spot.tip = tip;
+  spot.core_link = with_core.link;
+  spot.tip_link = with_tips.link;
+  spot.contact = contact;
+  spot.sign = core_is_first ? 1 : -1;
+  spot.X_LS = with_core.X_LS;
+  spot.box = *core_of(with_core.is);
+  spot.size = std::min(size_of(with_core.is), size_of(with_tips.is));
+  spot.R_belt = belt.X_LS.R;
   links_.push_back(with_core.link);
   links_.push_back(with_tips.link);
+  return spot;
+}
+
+void Spots::add_pair(const Mechanism& mechanism, int contact, int tip, int core) {
+  const LinkShape& with_tips = mechanism.shapes[static_cast<std::size_t>(tip)];
+  Spot spot = spot_between(mechanism, contact, tip, core);
+  for (const Tip& at : tips_of(with_tips.is)) {
+    spot.feature = at.feature;
+    spot.center = with_tips.X_LS.point(at.center);
+    spot.radius = at.radius;
+    const bool sharp = !spot.box.half_space && spot.box.radius == 0 && at.radius == 0;
+    if (sharp) {
+      add_corner(spot);
+    } else {
+      spots_.push_back(spot);
+    }
+  }
+}
+
+void Spots::add_corner(const Spot& spot) {
+  for (int face = 0; face < 6; ++face) {
+    Spot& at = spots_.emplace_back(spot);
+    at.kind = Spot::Kind::corner;
+    at.face = face;
+  }
+}
+
+void Spots::add_edges(const Mechanism& mechanism, int contact, int tip, int core) {
+  const LinkShape& a = mechanism.shapes[static_cast<std::size_t>(tip)];
+  const LinkShape& b = mechanism.shapes[static_cast<std::size_t>(core)];
+  const auto in_link = [](const Pose3& X, SolidEdge edge) {
+    edge.center = X.point(edge.center);
+    edge.direction = X.R * edge.direction;
+    for (Vector3d& normal : edge.normals) normal = X.R * normal;
+    return edge;
+  };
+  Spot spot = spot_between(mechanism, contact, tip, core);
+  spot.kind = Spot::Kind::edges;
+  for (const SolidEdge& of_tip : edges_of(a.is)) {
+    for (const SolidEdge& of_core : edges_of(b.is)) {
+      spot.tip_edge = in_link(a.X_LS, of_tip);
+      spot.core_edge = in_link(b.X_LS, of_core);
+      spots_.push_back(spot);
+    }
+  }
+}
+
+void Spots::add_rims(const Mechanism& mechanism, int contact, int tip, int core) {
+  const LinkShape& with_rims = mechanism.shapes[static_cast<std::size_t>(tip)];
+  Spot spot = spot_between(mechanism, contact, tip, core);
+  spot.kind = Spot::Kind::rim;
+  for (const SolidRim& rim : rims_of(with_rims.is)) {
+    spot.tip_edge.center = with_rims.X_LS.point(rim.center);
+    spot.tip_edge.direction = with_rims.X_LS.R * rim.axis;
+    spot.radius = rim.radius;
+    spots_.push_back(spot);
+  }
 }
 
 void Spots::read_position(Dynamics& dynamics) {
@@ -82,10 +145,21 @@ void Spots::read_motion(Dynamics& dynamics) {
   }
 }
 
+Vector3d Spots::center(const Spot& spot) const {
+  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
+  return X_0S.R.transpose() * (pose(spot.tip_link).point(spot.center) - X_0S.p);
+}
+
 Spots::Line Spots::line(const Spot& spot) const {
   Line out;
-  const Pose3 X_0S = pose(spot.core_link) * spot.X_LS;
-  out.x = X_0S.R.transpose() * (pose(spot.tip_link).point(spot.center) - X_0S.p);
+  out.x = center(spot);
+  if (spot.kind == Spot::Kind::corner) {
+    const int axis = spot.face % 3;
+    out.free = Vector3d::Unit(axis);
+    out.normal = spot.face < 3 ? out.free : Vector3d(-out.free);
+    out.distance = out.normal.dot(out.x) - spot.box.half[axis];
+    return out;
+  }
   if (spot.box.half_space) {
     out.normal = out.free = Vector3d::UnitZ();
     out.distance = out.x.z();
@@ -111,7 +185,40 @@ Spots::Line Spots::line(const Spot& spot) const {
 
 double Spots::gap(int spot) const {
   const Spot& at = (*this)[spot];
+  if (at.kind == Spot::Kind::edges) return crossing(at).gap;
+  if (at.kind == Spot::Kind::rim) return lowest(at).gap;
   return line(at).distance - at.box.radius - at.radius;
+}
+
+double Spots::margin(int spot) const {
+  const Spot& at = (*this)[spot];
+  switch (at.kind) {
+    case Spot::Kind::tip:
+      return at.size;
+    case Spot::Kind::corner: {
+      const Vector3d left = at.box.half - center(at).cwiseAbs();
+      const int axis = at.face % 3;
+      return std::min(left[(axis + 1) % 3], left[(axis + 2) % 3]);
+    }
+    case Spot::Kind::edges: {
+      const Crossing on = crossing(at);
+      return std::min(on.left, on.sine - least_sine);
+    }
+    default:
+      return lowest(at).sine - flat_sine;
+  }
+}
+
+bool Spots::is_near(int spot) const {
+  const Spot& at = (*this)[spot];
+  if (at.kind == Spot::Kind::tip || at.kind == Spot::Kind::rim) return true;
+  if (margin(spot) < -near_tolerance) return false;
+  if (at.kind == Spot::Kind::edges) return is_near(at, crossing(at));
+  // Inside the box, its nearest face is the one that touches.
+  const double depth = line(at).distance;
+  const Vector3d others = center(at).cwiseAbs() - at.box.half;
+  const int axis = at.face % 3;
+  return depth >= std::max(others[(axis + 1) % 3], others[(axis + 2) % 3]) - near_tolerance;
 }
 
 RelativeMotion Spots::motion(int spot) const {
@@ -122,6 +229,8 @@ RelativeMotion Spots::motion(int spot) const {
 
 SpotState Spots::state(int spot) const {
   const Spot& at = (*this)[spot];
+  if (at.kind == Spot::Kind::edges) return state_of_edges(at);
+  if (at.kind == Spot::Kind::rim) return state_of_rim(at);
   const Line way = line(at);
   const Eigen::Matrix3d R_0S = pose(at.core_link).R * at.X_LS.R;
   const Spatial::Motion& V_core = V_[static_cast<std::size_t>(at.core_link)];
@@ -135,7 +244,8 @@ SpotState Spots::state(int spot) const {
   out.n = R_0S * way.normal;
   out.rate = way.normal.dot(way_dot);
   out.n_dot = V_core.w.cross(out.n);
-  if (!at.box.half_space && way.distance > 0) out.n_dot += R_0S * (way_dot - out.rate * way.normal) / way.distance;
+  const bool is_flat = at.box.half_space || at.kind == Spot::Kind::corner;
+  if (!is_flat && way.distance > 0) out.n_dot += R_0S * (way_dot - out.rate * way.normal) / way.distance;
   const double arm = at.radius + out.gap / 2;
   out.p = center - arm * out.n;
   out.p_dot = center_dot - arm * out.n_dot - out.rate / 2 * out.n;

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The spots at which shapes of a mechanism can touch, each with a gap that is a smooth function of time: the tips of
-// one shape on the core of another (shape/rounded.h).
+// one shape on the core of another (shape/rounded.h), corners on faces, edges on edges, rims on planes.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "dynamics/dynamics.h"
+#include "shape/features.h"
 #include "shape/rounded.h"
 
 namespace gelenk {
 
 struct Spot {
+  // corner: a tip on one face of a box.
+  enum class Kind { tip, corner, edges, rim };
+
+  Kind kind = Kind::tip;
   int core = 0, tip = 0;  // shapes of the mechanism
   int core_link = 0, tip_link = 0;
   int contact = 0;         // of the scene
@@ -22,6 +27,9 @@ struct Spot {
   Eigen::Vector3d center;  // of the tip in its link [m]
   double radius = 0;       // of the tip [m]
   double size = 0;         // of the smaller shape [m]
+  int face = 0;            // of the box: the axis of its normal, plus 3 for the negative one
+  SolidEdge core_edge;     // in the link of the core
+  SolidEdge tip_edge;      // in the link of the tip; of a rim, center and axis
   Eigen::Matrix3d R_belt;  // from the shape with the second surface to its link
 };
 
@@ -55,8 +63,12 @@ class Spots {
   void read_position(Dynamics& dynamics);
   void read_motion(Dynamics& dynamics);
 
-  // After read_position().
+  // After read_position(). Of a feature beyond its ends, as if it were longer.
   double gap(int spot) const;
+  // How far the point of contact is from the ends of a feature, negative beyond them; positive for what has none.
+  double margin(int spot) const;
+  // Whether this feature is where the shapes touch if their gap is zero.
+  bool is_near(int spot) const;
   // After read_motion().
   SpotState state(int spot) const;
   RelativeMotion motion(int spot) const;
@@ -71,7 +83,20 @@ class Spots {
   };
   // Spots of the tips of one shape on the core of another; both: numbers of shapes.
   void add_pair(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_edges(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_rims(const Mechanism& mechanism, int contact, int tip, int core);
+  Spot spot_between(const Mechanism& mechanism, int contact, int tip, int core);
+  void add_corner(const Spot& spot);
   Line line(const Spot& spot) const;
+  Eigen::Vector3d center(const Spot& spot) const;  // of the tip, in S
+  struct Crossing;
+  Crossing crossing(const Spot& spot) const;
+  bool is_near(const Spot& spot, const Crossing& at) const;
+  SpotState state_of_edges(const Spot& spot) const;
+  struct Lowest;
+  Lowest lowest(const Spot& spot) const;
+  SpotState state_of_rim(const Spot& spot) const;
+  const Spatial::Motion& velocity(int link) const { return V_[static_cast<std::size_t>(link)]; }
   const Pose3& pose(int link) const { return poses_[static_cast<std::size_t>(link)]; }
 
   std::vector<Spot> spots_;

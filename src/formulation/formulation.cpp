@@ -34,8 +34,8 @@ Formulation::Formulation(const FormulationContext& context)
       revolutions_(mechanism_, dynamics_),
       dv_(mechanism_.nv) {
   if (!context.options.locates_contacts || mechanism_.shapes.empty()) return;
-  modes_.add(contacts_.use(std::make_unique<TouchModes>(
-      TouchModes::Context{mechanism_, dynamics_, context.loads, *this, events_, modes_.own_indicators()})));
+  modes_.add(contacts_.use(std::make_unique<TouchModes>(TouchModes::Context{
+      mechanism_, dynamics_, context.loads, *this, events_, modes_.locks(), modes_.own_indicators()})));
 }
 
 RunCounts Formulation::mode_counts() {
@@ -211,6 +211,7 @@ void Formulation::output_accelerations(double t, const double* y, double* vdot) 
 // Contact forces are applied as loads, so that reactions show them.
 void Formulation::output_touched_accelerations(double t, const double* y, double* vdot) {
   const std::vector<SpotMode> present = contacts_.touch()->equations().modes();
+  const LockModes::State present_locks = modes_.locks().state();
   contacts_.touch()->preview(t, y);
   drives_.go_to_outputs(t);
   solve_at(t, y, vdot);
@@ -218,9 +219,14 @@ void Formulation::output_touched_accelerations(double t, const double* y, double
   contacts_.touch()->equations().set_modes(std::vector<SpotMode>(present.size()));
   dynamics_.branching().contact_rows().apply_forces(contacts_.touch()->outputs().wrenches(), nullptr);
   solve_at(t, y, vdot);
+  modes_.record_outputs();
+  if (dynamics_.branching().is_redundant()) {
+    solve_at(t, y, vdot);
+    modes_.apply_recorded_forces();
+  }
   dynamics_.branching().contact_rows().apply_forces(nullptr, nullptr);
   contacts_.touch()->equations().set_modes(present);
-  modes_.record_outputs();
+  if (!modes_.locks().empty()) modes_.locks().set_state(present_locks);
 }
 
 void Formulation::start(const std::vector<double>& cut_q, double t, const double* y) {

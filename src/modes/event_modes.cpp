@@ -25,12 +25,13 @@ void EventModes::indicator_values(double t, const double* y, double* g, double* 
   dynamics_.set_position(y);
   dynamics_.set_velocity(y + nq_);
   locks_.indicators(vdot, g, gdot);
-  if (others_ != nullptr) others_->indicator_values(t, y, g + own_indicators(), gdot + own_indicators());
+  if (others_ == nullptr) return;
+  others_->indicator_values(t, y, g + own_indicators(), gdot + own_indicators());
+  others_->redistribute(t, y, g, g + own_indicators());
 }
 
 bool EventModes::recall_mode(double t, double* y) {
-  const bool changed = locks_.recall(t, y);
-  return (others_ != nullptr && others_->recall_mode(t, y)) || changed;
+  return others_ == nullptr ? locks_.recall(t, y) : others_->recall_mode(t, y);
 }
 
 double EventModes::mode_exit_time() const {
@@ -38,8 +39,8 @@ double EventModes::mode_exit_time() const {
 }
 
 void EventModes::change_mode(double t, double* y) {
-  locks_.change(t, y);
-  if (others_ != nullptr) others_->change_mode(t, y);
+  if (others_ == nullptr) return locks_.change(t, y);
+  others_->change_mode(t, y);
 }
 
 EventModes::Present EventModes::present(double t, const double* y, FrictionTreatment friction) {

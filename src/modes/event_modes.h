@@ -13,6 +13,14 @@
 
 namespace gelenk {
 
+// Modes that are decided together with those of friction and limits.
+class ConnectedModes : public EventSource {
+ public:
+  // After indicator_values(): where what is at rest or closed seems to give way, although redundant forces can be
+  // distributed so that it does not, corrects the indicators of friction and limits, and its own.
+  virtual void redistribute(double t, const double* y, double* locks, double* own) = 0;
+};
+
 class EventModes final : public EventSource {
  public:
   // nq, nv: number of coordinates and velocities in y. log: receives the events.
@@ -22,8 +30,9 @@ class EventModes final : public EventSource {
   // in contact. Friction: of motion in the positive and in the negative direction, positive during it.
   int indicators() const override { return own_indicators() + (others_ == nullptr ? 0 : others_->indicators()); }
   int own_indicators() const { return 2 * static_cast<int>(sides_.size()); }
-  // Adds the modes of contacts, whose indicators follow; they must outlive this.
-  void add(EventSource& others) { others_ = &others; }
+  // Adds the modes of contacts, whose indicators follow, and which change those of friction and limits, too; they must
+  // outlive this.
+  void add(ConnectedModes& others) { others_ = &others; }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
   bool recall_mode(double t, double* y) override;
   void remembered_mode(bool* positive) const override;
@@ -39,7 +48,8 @@ class EventModes final : public EventSource {
   }
   // The same after the accelerations have been solved for: whether what is kept at rest can no longer be.
   void watch_holding_forces(double t) {
-    if (held_ && t > held_from_ && t < mode_exit_time_ && locks_.are_overloaded()) mode_exit_time_ = t;
+    if (held_ && others_ == nullptr && t > held_from_ && t < mode_exit_time_ && locks_.are_overloaded())
+      mode_exit_time_ = t;
   }
 
   LockModes& locks() { return locks_; }
@@ -75,7 +85,7 @@ class EventModes final : public EventSource {
   double held_from_ = 0;                           // s: start of the held mode
   double mode_exit_time_ = INFINITY;               // s: see EventSource
   LockModes locks_;
-  EventSource* others_ = nullptr;
+  ConnectedModes* others_ = nullptr;
 };
 
 }  // namespace gelenk

@@ -162,8 +162,8 @@ void LockModes::find_events_at_start(double t, const double* y) {
 
 void LockModes::preview(double t, const double* y) { update(t, y, true, false); }
 
-// jumped: inputs may have jumped since the modes were determined. Returns whether they have changed.
-bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
+// Whether the modes have to be determined again. jumped: inputs may have jumped since they were.
+bool LockModes::is_doubtful(double t, const double* y, bool jumped) {
   const double* v = y + nq_;
   bool doubtful = false;
   for (int i = 0; i < count() && !doubtful; ++i) {
@@ -174,7 +174,12 @@ bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
     find_holding_forces(t, y);
     doubtful = exceed(holding_);
   }
-  if (!doubtful) return false;
+  return doubtful;
+}
+
+// Returns whether the modes have changed.
+bool LockModes::update(double t, const double* y, bool jumped, bool logs) {
+  if (!is_doubtful(t, y, jumped)) return false;
   modes_.unstoppable = -1;
   return settle(t, y, false, logs);
 }

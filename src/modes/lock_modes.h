@@ -98,6 +98,7 @@ class LockModes {
   void serialize(Archive& archive);
 
  private:
+  friend class JointLocks;  // decides together with contacts of shapes
   enum Trigger : char { nothing, by_friction, by_limit };
 
   int count() const { return static_cast<int>(modes_.motions.size()); }
@@ -112,6 +113,8 @@ class LockModes {
   double leaving_depth(int lock) const;
   void find_events_at_start(double t, const double* y);
   void hold();
+  bool is_doubtful(double t, const double* y, bool jumped);
+  void record_doubtful(double t, bool logs);
   bool update(double t, const double* y, bool jumped, bool logs);
   bool settle(double t, const double* y, bool breaks_away, bool logs);
   void decide(State& next, const std::vector<int>& undecided, bool breaks_away);

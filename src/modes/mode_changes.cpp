@@ -165,15 +165,20 @@ bool LockModes::settle(double t, const double* y, bool breaks_away, bool logs) {
     set_state(before);
     decide(next, undecided, breaks_away);
   }
+  record_doubtful(t, logs);
+  enter(t, next, logs);
+  return state() != before;
+}
+
+// logs: a preview is without effect on the run.
+void LockModes::record_doubtful(double t, bool logs) {
   for (const int lock : doubtful_) {
-    if (!logs) break;  // a preview is without effect on the run
+    if (!logs) break;
     ++counts_.ambiguous;
     const int friction = forces_.lock(lock).friction;
     log_.add({t, 2 * (friction >= 0 ? friction : forces_.lock(lock).limit), friction < 0, true});
   }
   doubtful_.clear();
-  enter(t, next, logs);
-  return state() != before;
 }
 
 // next: in, the contacts that are possible; out, the modes of the undecided coordinates. vdot_: their accelerations

@@ -23,13 +23,21 @@ bool is_lost(double speed, double acceleration) {
   return acceleration > 0 && speed * speed <= 2 * acceleration * lowest_rebound * touch_tolerance;
 }
 
-double leaving_depth(double gap) {
-  return gap > touch_tolerance ? 0 : std::max(0.0, -gap) + leaving_fraction * touch_tolerance;
+// Whether they differ in what is closed and what moves.
+bool differ(const std::vector<SpotMode>& a, const std::vector<SpotMode>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    bool same = a[i].closed == b[i].closed;
+    for (std::size_t k = 0; k < contact_groups; ++k) same = same && a[i].groups[k].moves == b[i].groups[k].moves;
+    if (!same) return true;
+  }
+  return false;
 }
+
+double leaving_depth(double gap) { return std::max(0.0, -gap) + leaving_fraction * touch_tolerance; }
 
 }  // namespace
 
-// The impulses of all contacts that are struck.
+// The impulses of everything that is struck.
 void TouchModes::strike(double t, double* y) {
   double* const v = y + mechanism_.nq;
   const double rest = slow(v);
@@ -38,44 +46,65 @@ void TouchModes::strike(double t, double* y) {
   bool any = false;
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const SpotState at = touch_.spots().state(i);
-    if (!mode_of(i).closed && at.gap > touch_tolerance) continue;
+    if (!mode_of(i).closed && !may_touch(i)) continue;
     struck.push_back(i);
     any = any || (at.rate < -rest && !mode_of(i).closed);
   }
+  const std::vector<JointLocks::Struck> limits = locks_.struck(y);
+  any = any || std::ranges::any_of(limits, &JointLocks::Struck::approaches);
   if (!any) return;
   const std::vector<SpotMode> present = touch_.modes();
+  const LockModes::State present_locks = locks_.state();
   touch_.set_modes(std::vector<SpotMode>(present.size()));
+  locks_.let_go();
   equations_.touched_accelerations(t, y, vdot_.data());
-  ContactImpact impact(touch_, struck, v, rest);
+  std::vector<ContactImpact::StruckLimit> rows;
+  for (const JointLocks::Struck& limit : limits) rows.push_back({limit.row, limit.is});
+  ContactImpact impact(touch_, struck, rows, v, rest);
   const bool found = impact.solve(decision_.solver());
-  end_series(struck, impact, impact.approach());
+  const int closed_series = end_series(limits, impact);
   touch_.set_modes(present);
+  locks_.set_state(present_locks);
+  impact.apply(v);
+  record_impacts(t, y, struck, impact, found);
+  locks_.finish_impact(t, y, limits, impact.rebounds().tail(static_cast<Index>(limits.size())), found, closed_series);
+  equations_.touch_changed();
+}
+
+void TouchModes::record_impacts(double t, const double* y, const std::vector<int>& struck, const ContactImpact& impact,
+                                bool found) {
   if (!found) ++counts_.ambiguous;
+  const double rest = slow(y + mechanism_.nq);
   for (std::size_t i = 0; i < struck.size(); ++i) {
     if (!(impact.approach()[static_cast<Index>(i)] < -rest)) continue;
     ++counts_.impacts;
     log_.add({t, first_indicator_ + per_spot * struck[i], true, !found});
   }
-  impact.apply(v);
-  equations_.touch_changed();
 }
 
-// Contacts of which the rebound would be lost in rounding have no restitution.
-void TouchModes::end_series(const std::vector<int>& struck, ContactImpact& impact, const VectorXd& approach) {
+// What would rebound so little that it is lost in rounding has no restitution. Returns the number of limits of which a
+// series of impacts has ended.
+int TouchModes::end_series(const std::vector<JointLocks::Struck>& limits, ContactImpact& impact) {
+  long limits_ended = 0;
+  const std::size_t contacts = impact.count() - limits.size();
   for (bool closed = true; closed;) {
     closed = false;
     const VectorXd rebounds = impact.rebounds();
     const VectorXd falls = impact.accelerations(vdot_.data());
-    for (std::size_t i = 0; i < struck.size(); ++i) {
+    for (std::size_t i = 0; i < impact.count(); ++i) {
       const auto at = static_cast<Index>(i);
       if (impact.restitution(i) == 0 || !(rebounds[at] > 0)) continue;
-      if (!is_lost(rebounds[at], -falls[at])) continue;
+      const bool lost = i < contacts ? is_lost(rebounds[at], -falls[at])
+                                     : locks_.is_lost(limits[i - contacts], rebounds[at], -falls[at]);
+      if (!lost) continue;
       impact.set_inelastic(i);
-      if (approach[at] < 0) ++counts_.closed_series;
       closed = true;
+      if (!(impact.approach()[at] < 0)) continue;
+      (i < contacts ? counts_.closed_series : limits_ended) += 1;
     }
     if (closed) impact.solve(decision_.solver());
   }
+  return static_cast<int>(limits_ended);
 }
 
 // The spots that touch and remain closed if forces keep them so, at the state of the last solve() with the
@@ -84,7 +113,7 @@ void TouchModes::end_series(const std::vector<int>& struck, ContactImpact& impac
 std::vector<int> TouchModes::lasting(double rest) {
   std::vector<int> touching;
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots().gap(i) <= touch_tolerance) touching.push_back(i);
+    if (may_touch(i)) touching.push_back(i);
   }
   std::vector<int> out;
   TouchEquations::Rows rows;
@@ -99,41 +128,55 @@ std::vector<int> TouchModes::lasting(double rest) {
   return out;
 }
 
-// The modes that follow at (t, y). What moves keeps moving; on what is at rest accelerations decide.
-void TouchModes::decide(double t, const double* y, bool logs) {
-  const double rest = slow(y + mechanism_.nq);
+// The modes that follow at (t, y). What moves keeps moving; on what is at rest accelerations decide. Returns whether
+// they are others.
+bool TouchModes::decide(double t, const double* y, bool logs) {
   const std::vector<SpotMode> present = touch_.modes();
   std::vector<SpotMode> next(present.size());
   touch_.set_modes(next);
+  dynamics_.set_position(y);
+  locks_.begin_decision(y);
   equations_.touched_accelerations(t, y, vdot_.data());
+  if (locks_.add_returning(y, vdot_.data())) equations_.touched_accelerations(t, y, vdot_.data());
   go_to(y);
-  for (int i = 0; i < touch_.spots().count(); ++i)
-    next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (may_touch(i)) next[static_cast<std::size_t>(i)].leaves_from = leaving_depth(touch_.spots().gap(i));
+  }
+  find_modes(y, logs, t, next);
+  touch_.set_modes(present);
+  dynamics_.set_position(y);
+  const bool changed = locks_.end_decision(t, logs) || differ(present, next);
+  enter(t, std::move(next), logs);
+  return changed;
+}
+
+// next: out, with the accelerations vdot_ of what is free.
+void TouchModes::find_modes(const double* y, bool logs, double t, std::vector<SpotMode>& next) {
+  const double rest = slow(y + mechanism_.nq);
   const std::vector<int> spots = lasting(rest);
-  if (!spots.empty()) {
-    TouchEquations::Rows rows;
-    touch_.build(spots, next, false, rows);
-    for (const TouchEquations::Entry& entry : rows.entries) {
-      SpotMode& mode = next[static_cast<std::size_t>(entry.spot)];
-      mode.closed = true;
-      for (std::size_t k = 0; k < contact_groups; ++k) {
-        const double speed = entry.slip[k].norm();
-        mode.groups[k].moves = entry.rows[k] >= 0 && speed > rest;
-        if (mode.groups[k].moves) mode.groups[k].direction = entry.slip[k] / speed;
-      }
-    }
-    const auto outcome = decision_.decide(spots, triggered_, vdot_.data(), next);
-    if (outcome != ContactDecision::Outcome::found && logs) {
-      ++counts_.ambiguous;
-      log_.add({t, first_indicator_ + per_spot * spots.front(), true, true});
-      if (outcome == ContactDecision::Outcome::none) {
-        refusal_ = log_.report({t, first_indicator_ + per_spot * spots.front(), true}).text +
-                   ", and no contact forces were found that agree with Coulomb's law (as in Painlev\u00e9's paradox)";
-      }
+  if (spots.empty()) {
+    if (!locks_.problem().locks.empty()) locks_.decide_alone(vdot_.data());
+    return;
+  }
+  TouchEquations::Rows rows;
+  touch_.build(spots, next, false, rows);
+  for (const TouchEquations::Entry& entry : rows.entries) {
+    SpotMode& mode = next[static_cast<std::size_t>(entry.spot)];
+    mode.closed = true;
+    for (std::size_t k = 0; k < contact_groups; ++k) {
+      const double speed = entry.slip[k].norm();
+      mode.groups[k].moves = entry.rows[k] >= 0 && speed > rest;
+      if (mode.groups[k].moves) mode.groups[k].direction = entry.slip[k] / speed;
     }
   }
-  touch_.set_modes(present);
-  enter(t, std::move(next), logs);
+  set_accelerations(t, y);
+  const auto outcome = decision_.decide(spots, triggered_, vdot_.data(), next, locks_.problem());
+  if (outcome == ContactDecision::Outcome::found || !logs) return;
+  ++counts_.ambiguous;
+  log_.add({t, first_indicator_ + per_spot * spots.front(), true, true});
+  if (outcome != ContactDecision::Outcome::none) return;
+  refusal_ = log_.report({t, first_indicator_ + per_spot * spots.front(), true}).text +
+             ", and no contact forces were found that agree with Coulomb's law (as in Painlev\u00e9's paradox)";
 }
 
 void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
@@ -162,6 +205,7 @@ void TouchModes::enter(double t, std::vector<SpotMode> next, bool logs) {
 // What is closed does not approach, and what is at rest, or begins to move from there, does not move.
 void TouchModes::finish(double* y) {
   std::ranges::fill(triggered_, Trigger{});
+  if (!locks_.empty()) locks_.finish(y);
   if (!touch_.any_closed()) return;
   double* const v = y + mechanism_.nq;
   const double rest = slow(v);

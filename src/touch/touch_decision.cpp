@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gelenk {
 namespace {
@@ -24,105 +25,11 @@ constexpr double acceleration_tolerance = 1e-8;
 // Repetitions with the friction of what slides, which follows from the normal forces.
 constexpr int most_repetitions = 200;
 constexpr int most_iterations = 500;
-// The energy that an impact may gain by rounding, relative to what it exchanges.
-constexpr double energy_rounding = 1e-12;
-constexpr int most_bisections = 40;
-
-Cone cone_of(const TouchEquations::Entry& entry, const std::array<double, contact_groups>& coefficients) {
-  Cone cone;
-  cone.first = entry.first;
-  cone.tangential = entry.rows[0] < 0 ? 0 : 2;
-  cone.spin = entry.rows[1] < 0 ? 0 : 1;
-  cone.roll = entry.rows[2] < 0 ? 0 : 2;
-  cone.friction = coefficients[0];
-  cone.spinning = coefficients[1];
-  cone.rolling = coefficients[2];
-  return cone;
-}
+constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 void symmetrize(Eigen::MatrixXd& G) { G = Eigen::MatrixXd((G + G.transpose()) / 2); }
 
 }  // namespace
-
-ContactImpact::ContactImpact(TouchEquations& touch, const std::vector<int>& spots, const double* v, double slow) {
-  touch.build(spots, touch.modes(), false, rows_);
-  touch.respond(rows_.R, Z_);
-  G_ = rows_.R * Z_;
-  symmetrize(G_);
-  speeds_ = rows_.R * Eigen::Map<const VectorXd>(v, rows_.R.cols()) + rows_.demanded;
-  approach_.setZero(static_cast<Index>(spots.size()));
-  restitution_.setZero(approach_.size());
-  x_.setZero(speeds_.size());
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const TouchEquations::Entry& entry = rows_.entries[i];
-    const auto at = static_cast<Index>(i);
-    approach_[at] = speeds_[entry.first];
-    if (approach_[at] < -slow) restitution_[at] = touch.law(entry.spot).restitution;
-    std::array<double, contact_groups> coefficients{};
-    for (int g = 0; g < contact_groups; ++g) {
-      const bool slips = entry.slip[static_cast<std::size_t>(g)].norm() > slow;
-      coefficients[static_cast<std::size_t>(g)] = touch.coefficient(entry.spot, g, slips);
-    }
-    cones_.push_back(cone_of(entry, coefficients));
-  }
-}
-
-bool ContactImpact::solve(ConeSolver& solver, double part) {
-  VectorXd b = speeds_;
-  for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const auto at = static_cast<Index>(i);
-    b[cones_[i].first] += part * restitution_[at] * std::min(0.0, approach_[at]);
-  }
-  const double fastest = b.cwiseAbs().maxCoeff();
-  ConeOptions options;
-  options.tolerance = cone_tolerance * fastest;
-  options.max_iterations = most_iterations;
-  const DenseConeOperator G(G_);
-  const std::span<const double> right(b.data(), static_cast<std::size_t>(b.size()));
-  const ConeResult result = solver.solve({G, right, cones_, true}, options, x_.data());
-  return result.residual <= acceleration_tolerance * fastest;
-}
-
-// That the impulses add.
-double ContactImpact::energy() const {
-  const double before = x_.dot(speeds_);
-  const double change = x_.dot(G_ * x_) / 2;
-  const double added = before + change;
-  return added > energy_rounding * (std::abs(before) + change) ? added : 0;
-}
-
-// Where Newton's law would add energy, as it may with friction (Kane & Levinson 1985), restitution is reduced.
-bool ContactImpact::solve(ConeSolver& solver) {
-  x_.setZero();
-  if (!solve(solver, 1)) return false;
-  if (energy() <= 0) return true;
-  double low = 0;
-  double high = 1;
-  for (int k = 0; k < most_bisections; ++k) {
-    const double middle = (low + high) / 2;
-    (solve(solver, middle) && energy() <= 0 ? low : high) = middle;
-  }
-  return solve(solver, low);
-}
-
-VectorXd ContactImpact::rebounds() const {
-  const VectorXd after = speeds_ + G_ * x_;
-  VectorXd out(approach_.size());
-  for (std::size_t i = 0; i < cones_.size(); ++i) out[static_cast<Index>(i)] = after[cones_[i].first];
-  return out;
-}
-
-VectorXd ContactImpact::accelerations(const double* vdot) const {
-  VectorXd out(approach_.size());
-  for (std::size_t i = 0; i < cones_.size(); ++i) {
-    const int row = cones_[i].first;
-    out[static_cast<Index>(i)] =
-        rows_.R.row(row).dot(Eigen::Map<const VectorXd>(vdot, rows_.R.cols())) + rows_.rates[row];
-  }
-  return out;
-}
-
-void ContactImpact::apply(double* v) const { Eigen::Map<VectorXd>(v, Z_.rows()) += Z_ * x_; }
 
 ContactDecision::ContactDecision(TouchEquations& touch)
     : touch_(touch), solver_(make_cone_solver(cone_solver_kinds().front().name)) {}
@@ -145,6 +52,55 @@ void ContactDecision::set_cones(const std::vector<Trigger>& triggered) {
       for (int k = 0; k < cone.size(); ++k) cones_.push_back(Cone::within(cone.first + k, 0, 0));
     }
   }
+  set_lock_cones();
+}
+
+void ContactDecision::set_lock_cones() {
+  const auto& locks = problem_->locks;
+  const bool breaks_away = std::ranges::any_of(locks, &LockProblem::Lock::triggered);
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const double limit = slips_[i] != 0 ? locks[i].slipping : locks[i].sticking;
+    const double bound = limit * (breaks_away ? 1 - break_away_fraction : 1);
+    const int side = locks[i].contact;
+    cones_.push_back(
+        Cone::within(first_lock_ + static_cast<int>(i), side > 0 ? -unlimited : -bound, side < 0 ? unlimited : bound));
+  }
+}
+
+// What is at a limit and is accelerated against it.
+void ContactDecision::answer_locks() {
+  const VectorXd a = G_ * x_ + C_ * normal_forces() + b_;
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    LockProblem::Lock& lock = problem_->locks[i];
+    const int row = first_lock_ + static_cast<int>(i);
+    const Cone& cone = cones_[cones_.size() - problem_->locks.size() + i];
+    const double slack = limit_fraction * std::max(lock.sticking, least_force * x_.cwiseAbs().maxCoeff());
+    lock.direction = 0;
+    if (x_[row] >= cone.upper - slack) lock.direction = -1;
+    if (x_[row] <= cone.lower + slack && (lock.direction == 0 || a[row] > 0)) lock.direction = 1;
+    lock.leaves = lock.direction * a[row] > (lock.triggered ? least_acceleration : limit_fraction) * scale_;
+  }
+}
+
+// Static friction of joints that does not hold becomes sliding friction; returns whether that is less.
+bool ContactDecision::let_locks_slip() {
+  bool changed = false;
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    const LockProblem::Lock& lock = problem_->locks[i];
+    if (!lock.leaves || slips_[i] != 0) continue;
+    slips_[i] = 1;
+    changed = changed || lock.slipping < lock.sticking;
+  }
+  return changed;
+}
+
+bool ContactDecision::locks_obey(const VectorXd& relative) const {
+  for (std::size_t i = 0; i < problem_->locks.size(); ++i) {
+    const LockProblem::Lock& lock = problem_->locks[i];
+    const double along = lock.direction * relative[first_lock_ + static_cast<int>(i)];
+    if (lock.leaves && along < -acceleration_tolerance * scale_) return false;
+  }
+  return true;
 }
 
 // normal: the normal forces from which the friction of what slides follows.
@@ -205,7 +161,44 @@ VectorXd ContactDecision::normal_forces() const {
   return out;
 }
 
-// The closed contact with the most negative normal force; -1: none.
+// Whether a spot has a normal force in the cone problem with joints at rest.
+bool ContactDecision::presses(int spot) const {
+  if (problem_->locks.empty()) return false;
+  const auto i = static_cast<std::size_t>(std::ranges::find(spots_, spot) - spots_.begin());
+  return i < spots_.size() && x_[rows_.entries[i].first] > least_force * x_.cwiseAbs().maxCoeff();
+}
+
+// By spot: in the modes of the last check().
+VectorXd ContactDecision::normal_forces_in_modes() {
+  VectorXd out = VectorXd::Zero(static_cast<Index>(spots_.size()));
+  const auto& forces = touch_.forces();
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const auto at = std::ranges::find(spots_, touch_.closed()[i]) - spots_.begin();
+    if (at < out.size()) out[at] = forces[i].normal;
+  }
+  return out;
+}
+
+// Whether friction that holds in these modes needs more than its limit.
+bool ContactDecision::exceeds_limits(const std::vector<Trigger>& triggered) {
+  const auto& forces = touch_.forces();
+  double sum = 0;
+  for (const auto& force : forces) sum += std::abs(force.normal);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const TouchEquations::Entry& entry = touch_.rows().entries[i];
+    for (int group = 0; group < contact_groups; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      if (entry.rows[g] < 0) continue;
+      const double limit = touch_.coefficient(entry.spot, group, false) * forces[i].normal;
+      const bool breaks_away = triggered[static_cast<std::size_t>(entry.spot)].groups[g];
+      if (forces[i].held[g] > limit + (breaks_away ? -break_away_fraction * limit : limit_fraction * sum)) return true;
+    }
+  }
+  return false;
+}
+
+// The closed contact with the most negative normal force; -1: none. Where joints at rest exert redundant forces, which
+// are not those of the cone problem, contacts that press in that do not count.
 int ContactDecision::most_pulling() const {
   double largest = 0;
   const auto& forces = touch_.forces();
@@ -213,7 +206,7 @@ int ContactDecision::most_pulling() const {
   double least = -acceleration_tolerance * largest;
   int out = -1;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (!(forces[i].normal < least)) continue;
+    if (!(forces[i].normal < least) || presses(touch_.closed()[i])) continue;
     least = forces[i].normal;
     out = touch_.closed()[i];
   }
@@ -240,14 +233,18 @@ bool ContactDecision::obeys(std::size_t i, const SpotMode& mode, const VectorXd&
 bool ContactDecision::check(const double* vdot, const std::vector<SpotMode>& next, int& pulls) {
   touch_.set_modes(next);
   VectorXd a = Eigen::Map<const VectorXd>(vdot, rows_.R.cols());
-  touch_.accelerate(a.data());
+  if (problem_->locks.empty()) {
+    touch_.accelerate(a.data());
+  } else {
+    problem_->accelerate(a.data());
+  }
   pulls = most_pulling();
   if (pulls >= 0 || !a.allFinite()) return false;
   const VectorXd relative = rows_.R * a + rows_.rates;
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     if (!obeys(i, next[static_cast<std::size_t>(spots_[i])], relative)) return false;
   }
-  return true;
+  return locks_obey(relative);
 }
 
 // Drops closed contacts that would pull until none does.
@@ -263,7 +260,7 @@ bool ContactDecision::refine(const double* vdot, std::vector<SpotMode>& next) {
 
 // Static friction that does not hold becomes sliding friction, which may be less; returns whether it is.
 bool ContactDecision::let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next) {
-  bool changed = false;
+  bool changed = let_locks_slip();
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     const int spot = spots_[i];
     const auto at = static_cast<std::size_t>(spot);
@@ -283,16 +280,31 @@ bool ContactDecision::let_slide(const std::vector<SpotMode>& tentative, const st
   return changed;
 }
 
-ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
-                                                 const double* vdot, std::vector<SpotMode>& next) {
-  const std::vector<SpotMode> tentative = next;
-  spots_ = spots;
-  touch_.build(spots, tentative, true, rows_);
+// The rows of locks follow those of contacts.
+void ContactDecision::add_lock_rows() {
+  first_lock_ = static_cast<int>(rows_.R.rows());
+  const auto& locks = problem_->locks;
+  slips_.assign(locks.size(), 0);
+  if (locks.empty()) return;
+  const auto all = first_lock_ + static_cast<Index>(locks.size());
+  rows_.R.conservativeResize(all, Eigen::NoChange);
+  rows_.rates.conservativeResize(all);
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    const Index row = first_lock_ + static_cast<Index>(i);
+    rows_.R.row(row) = locks[i].row;
+    rows_.rates[row] = 0;
+  }
+}
+
+void ContactDecision::set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered,
+                             const double* vdot) {
+  touch_.build(spots_, tentative, true, rows_);
+  add_lock_rows();
   TouchEquations::RowMatrix Z;
   touch_.respond(rows_.R, Z);
   G_ = rows_.R * Z;
   symmetrize(G_);
-  C_.setZero(rows_.R.rows(), static_cast<Index>(spots.size()));
+  C_.setZero(rows_.R.rows(), static_cast<Index>(spots_.size()));
   if (rows_.any_moves()) {
     touch_.respond(rows_.D, Z);
     C_ = rows_.R * Z;
@@ -300,20 +312,37 @@ ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, 
   const Eigen::Map<const VectorXd> free(vdot, rows_.R.cols());
   b_ = rows_.R * free + rows_.rates;
   scale_ = std::max(b_.cwiseAbs().maxCoeff(), (rows_.R.cwiseAbs() * free.cwiseAbs()).maxCoeff());
-  slides_.assign(spots.size(), {});
-  opens_.assign(spots.size(), 0);
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    opens_[i] = triggered[static_cast<std::size_t>(spots[i])].leaves ? 1 : 0;
+  slides_.assign(spots_.size(), {});
+  opens_.assign(spots_.size(), 0);
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    opens_[i] = triggered[static_cast<std::size_t>(spots_[i])].leaves ? 1 : 0;
   }
   x_.setZero(b_.size());
+}
+
+ContactDecision::Outcome ContactDecision::decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered,
+                                                 const double* vdot, std::vector<SpotMode>& next,
+                                                 LockProblem& problem) {
+  const std::vector<SpotMode> tentative = next;
+  spots_ = spots;
+  problem_ = &problem;
+  set_up(tentative, triggered, vdot);
   VectorXd normal = VectorXd::Zero(static_cast<Index>(spots.size()));
   Outcome outcome = Outcome::none;
   for (int k = 0; k < most_repetitions; ++k) {
     set_cones(triggered);
     solve_cones(normal);
     next = modes_of_solution(tentative, triggered);
+    answer_locks();
     if (let_slide(tentative, next)) continue;
-    if (refine(vdot, next)) return Outcome::found;
+    if (refine(vdot, next)) {
+      const VectorXd found = normal_forces_in_modes();
+      const double change = (found - normal).cwiseAbs().maxCoeff();
+      const bool same = !rows_.any_moves() || change <= limit_fraction * found.cwiseAbs().maxCoeff();
+      if (same || !exceeds_limits(triggered)) return Outcome::found;
+      normal = found;
+      continue;
+    }
     const VectorXd before = normal;
     normal = normal_forces();
     if (!normal.allFinite()) break;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What follows where contacts change: the impulses of an impact, and the modes in which closed contacts continue. Both
-// are cone complementarity problems, of velocities and of accelerations.
+// The modes in which closed contacts and joints at rest continue: a cone complementarity problem of accelerations.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,6 +8,8 @@
 #include <vector>
 
 #include "cone/cone.h"
+#include "modes/joint_locks.h"
+#include "touch/contact_impact.h"
 #include "touch/touch_equations.h"
 
 namespace gelenk {
@@ -16,39 +17,10 @@ namespace gelenk {
 // Which indicators of a spot have changed their sign.
 struct Trigger {
   bool touches = false, leaves = false;
+  bool ends = false;  // beyond the end of a feature
   std::array<bool, contact_groups> groups{};
 
-  bool any() const { return touches || leaves || groups[0] || groups[1] || groups[2]; }
-};
-
-// Impulses of all contacts together: normal velocities of at least -restitution times the approach after it (Moreau
-// 1988), and Coulomb's law for the velocities after it.
-class ContactImpact {
- public:
-  // At the state of the last solve() of `dynamics`, of which v are the velocities.
-  ContactImpact(TouchEquations& touch, const std::vector<int>& spots, const double* v, double slow);
-
-  const Eigen::VectorXd& approach() const { return approach_; }  // by spot: normal velocities before it
-  double restitution(std::size_t i) const { return restitution_[static_cast<Eigen::Index>(i)]; }
-  void set_inelastic(std::size_t i) { restitution_[static_cast<Eigen::Index>(i)] = 0; }
-  // Returns false if no impulses were found.
-  bool solve(ConeSolver& solver);
-  // Normal velocities after it.
-  Eigen::VectorXd rebounds() const;
-  // Normal accelerations for the vdot of that solve().
-  Eigen::VectorXd accelerations(const double* vdot) const;
-  // v after it.
-  void apply(double* v) const;
-
- private:
-  bool solve(ConeSolver& solver, double part);
-  double energy() const;
-
-  TouchEquations::Rows rows_;
-  TouchEquations::RowMatrix Z_;
-  Eigen::MatrixXd G_;
-  Eigen::VectorXd speeds_, approach_, restitution_, x_;
-  std::vector<Cone> cones_;
+  bool any() const { return touches || leaves || ends || groups[0] || groups[1] || groups[2]; }
 };
 
 class ContactDecision {
@@ -56,23 +28,33 @@ class ContactDecision {
   explicit ContactDecision(TouchEquations& touch);
 
   ConeSolver& solver() { return *solver_; }
-  // Decides on spots that touch, at the state of the last solve() of `dynamics` with all contacts open, which gave
-  // vdot. next: in, the modes of those that move and the others' groups at rest; out, the modes that follow.
+  // Decides on spots that touch and on locks, at the state of the last solve() of `dynamics` with all contacts open and
+  // these locks released, which gave vdot. next: in, the modes of those that move and the others' groups at rest; out,
+  // the modes that follow.
   enum class Outcome { found, ambiguous, none };
   Outcome decide(const std::vector<int>& spots, const std::vector<Trigger>& triggered, const double* vdot,
-                 std::vector<SpotMode>& next);
+                 std::vector<SpotMode>& next, LockProblem& problem);
 
  private:
+  void set_up(const std::vector<SpotMode>& tentative, const std::vector<Trigger>& triggered, const double* vdot);
+  void add_lock_rows();
   void set_cones(const std::vector<Trigger>& triggered);
+  void set_lock_cones();
   void solve_cones(const Eigen::VectorXd& normal);
   std::vector<SpotMode> modes_of_solution(const std::vector<SpotMode>& tentative,
                                           const std::vector<Trigger>& triggered) const;
+  void answer_locks();
   void find_motion(std::size_t i, int group, const Eigen::VectorXd& a, bool is_triggered, SpotMode& mode) const;
   Eigen::VectorXd normal_forces() const;
+  Eigen::VectorXd normal_forces_in_modes();
+  bool exceeds_limits(const std::vector<Trigger>& triggered);
+  bool presses(int spot) const;
   int most_pulling() const;
   bool obeys(std::size_t i, const SpotMode& mode, const Eigen::VectorXd& relative) const;
+  bool locks_obey(const Eigen::VectorXd& relative) const;
   bool refine(const double* vdot, std::vector<SpotMode>& next);
   bool check(const double* vdot, const std::vector<SpotMode>& next, int& pulls);
+  bool let_locks_slip();
   bool let_slide(const std::vector<SpotMode>& tentative, const std::vector<SpotMode>& next);
 
   TouchEquations& touch_;
@@ -85,6 +67,9 @@ class ContactDecision {
   std::vector<Cone> cones_;
   std::vector<std::array<bool, contact_groups>> slides_;  // friction that does not hold any more
   std::vector<char> opens_;
+  LockProblem* problem_ = nullptr;  // of the present decision
+  int first_lock_ = 0;              // its row
+  std::vector<char> slips_;         // by lock: friction that does not hold any more
 };
 
 }  // namespace gelenk

@@ -32,16 +32,21 @@ constexpr int most_corrections = 8;
 constexpr int small = 12;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, small, small>;
 
+// Of a singular G.
+VectorXd redundant_solution(const MatrixXd& G, const VectorXd& r) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
+  cod.setThreshold(rank_threshold);
+  cod.compute(G);
+  return cod.solve(r);
+}
+
 template <class Matrix>
 VectorXd solve_least_norm(const Matrix& G, const VectorXd& r) {
   const Eigen::FullPivLU<Matrix> lu(G);
   const double largest = std::abs(lu.maxPivot());
   const double least = lu.matrixLU().diagonal().cwiseAbs().minCoeff();
   if (least > rank_threshold * largest) return lu.solve(r);
-  Eigen::CompleteOrthogonalDecomposition<Matrix> cod;
-  cod.setThreshold(rank_threshold);
-  cod.compute(G);
-  return cod.solve(r);
+  return redundant_solution(G, r);
 }
 
 // The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
@@ -185,7 +190,10 @@ double TouchEquations::weight(const Entry& entry, int group) const {
   if (group == 0) return 1;
   const Index n = entry.first;
   const Index r = entry.rows[static_cast<std::size_t>(group)];
-  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(G_(n, n) / G_(r, r));
+  const double of_moments = std::abs(G_(r, r));
+  const double of_forces = std::abs(G_(n, n));
+  if (!(of_moments > 0 && of_forces > 0)) return 1;  // what joints do not permit to turn
+  return (rows_.entries.size() > 1 ? least_moment : 1) * std::sqrt(of_forces / of_moments);
 }
 
 void TouchEquations::accelerate(double* vdot) {
@@ -210,6 +218,19 @@ void TouchEquations::accelerate(double* vdot) {
   }
   x_ = least_norm_solution(G_, right_, scale_);
   a.noalias() += Z_ * x_;
+  add_holding_forces();
+}
+
+// What contacts do to the forces that keep coordinates of joints at rest.
+void TouchEquations::add_holding_forces() {
+  Branching& branching = dynamics_.branching();
+  if (branching.locks() == 0) return;
+  force_.noalias() = B_.transpose() * x_;
+  zero_.setZero(std::max(1, mechanism_.rows), 1);
+  holding_.resize(static_cast<std::size_t>(branching.locks()));
+  std::ranges::fill(holding_, 0.0);
+  dynamics_.solve_linear(force_.data(), zero_.data(), nullptr, holding_.data());
+  branching.holding_forces().add(holding_);
 }
 
 // Where friction is redundant, as at the corners of a box, it is shared in proportion to the normal forces.
@@ -227,10 +248,7 @@ VectorXd TouchEquations::shared() const {
   }
   // Weights of columns alone.
   const MatrixXd columns = G_ * weights.asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
-  cod.setThreshold(rank_threshold);
-  cod.compute(columns);
-  return weights.asDiagonal() * VectorXd(cod.solve(right_));
+  return weights.asDiagonal() * redundant_solution(columns, right_);
 }
 
 const std::vector<TouchEquations::SpotForce>& TouchEquations::forces() {

@@ -107,6 +107,7 @@ class TouchEquations {
   void set_group(const std::vector<SpotMode>& modes, int group, const RelativeMotion& motion, Entry& entry, Rows& out);
   void add_row(const Entry& entry, const Eigen::Vector3d& d, bool turns, double* out) const;
   double weight(const Entry& entry, int group) const;
+  void add_holding_forces();
   Eigen::VectorXd shared() const;
 
   const Mechanism& mechanism_;
@@ -119,7 +120,8 @@ class TouchEquations {
   Rows rows_, kept_;
   RowMatrix B_, Z_, zero_;
   Eigen::MatrixXd G_;
-  Eigen::VectorXd x_, right_, scale_;
+  Eigen::VectorXd x_, right_, scale_, force_;
+  std::vector<double> holding_;  // by lock
   std::vector<SpotForce> forces_;
 };
 

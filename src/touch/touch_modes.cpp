@@ -30,11 +30,19 @@ TouchModes::TouchModes(const Context& context)
       log_(context.log),
       first_indicator_(context.first_indicator),
       touch_(context.mechanism, context.dynamics, context.loads),
+      locks_(context.locks, context.mechanism.nv),
       decision_(touch_),
       outputs_(context.mechanism, context.dynamics, touch_, context.loads.contacts.size()),
       before_(touch_.modes()),
       triggered_(before_.size()),
-      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {}
+      vdot_(static_cast<std::size_t>(context.mechanism.nv)) {
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    const Spot& spot = touch_.spots()[i];
+    if (spot.kind != Spot::Kind::corner && spot.kind != Spot::Kind::edges) continue;
+    if (std::ranges::find(guards_, spot.contact, &Guard::contact) == guards_.end())
+      guards_.push_back({.contact = spot.contact, .spot = i});
+  }
+}
 
 // Speeds up to this are rest.
 double TouchModes::slow(const double* v) const {
@@ -63,31 +71,51 @@ void TouchModes::indicator_values(double t, const double* y, double* g, double* 
   if (touch_.any_closed()) {
     equations_.touched_accelerations(t, y, vdot_.data());
     indicators_of_closed(g, gdot);
-    find_other_forces(t, y, g);
   }
   go_to(y);
   for (int i = 0; i < n; ++i) {
     if (mode_of(i).closed) continue;
-    const SpotState at = touch_.spots().state(i);
     const auto first = static_cast<std::size_t>(per_spot) * static_cast<std::size_t>(i);
+    g[first] = -touch_.spots()[i].size;
+    if (!touch_.spots().is_near(i)) continue;
+    const SpotState at = touch_.spots().state(i);
     g[first] = -at.gap - mode_of(i).leaves_from;
     gdot[first] = -at.rate;
   }
+  find_penetration(g);
 }
 
-// Where redundant forces of friction at rest exceed their limits, but may be distributed in other ways, corrects the
-// indicators g.
-void TouchModes::find_other_forces(double t, const double* y, double* g) {
-  if (touch_.closed().size() < 2) return;
-  std::vector<double*> exceeded;
+// Shows in the indicators g what penetrates although no feature touches. The position is that of `dynamics`.
+void TouchModes::find_penetration(double* g) {
+  for (const Guard& guard : guards_) {
+    const bool any_closed =
+        std::ranges::any_of(touch_.closed(), [&](int spot) { return touch_.spots()[spot].contact == guard.contact; });
+    if (any_closed || !(guard.allowed < INFINITY)) continue;
+    const double depth = -outputs_.gap(guard.contact);
+    double& value = g[static_cast<std::ptrdiff_t>(per_spot) * guard.spot];
+    if (depth > guard.allowed) value = std::max(value, depth);
+  }
+}
+
+void TouchModes::redistribute(double t, const double* y, double* locks, double* own) {
+  if (!touch_.any_closed()) return;
+  std::vector<double*> yielding;
+  find_yielding(own, yielding);
+  std::size_t kept = touch_.closed().size();
+  if (locks != nullptr) kept += locks_.find_yielding(locks, yielding);
+  if (yielding.empty() || kept < 2 || !holds_by_others(t, y)) return;
+  for (double* value : yielding) *value = *value > 0 ? -*value : std::max(-*value, std::numeric_limits<double>::min());
+}
+
+// Of the indicators g, those that say that a contact gives way in which something is kept at rest.
+void TouchModes::find_yielding(double* g, std::vector<double*>& out) const {
   for (const int spot : touch_.closed()) {
+    double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * spot;
+    if (!(of[0] > 0)) out.push_back(of);
     for (std::size_t k = 0; k < contact_groups; ++k) {
-      double& value = g[per_spot * spot + 1 + static_cast<int>(k)];
-      if (value > 0 && !mode_of(spot).groups[k].moves) exceeded.push_back(&value);
+      if (of[1 + k] > 0 && !mode_of(spot).groups[k].moves) out.push_back(of + 1 + k);
     }
   }
-  if (exceeded.empty() || !holds_by_others(t, y)) return;
-  for (double* value : exceeded) *value = -*value;
 }
 
 void TouchModes::indicators_of_closed(double* g, double* gdot) {
@@ -101,7 +129,8 @@ void TouchModes::indicators_of_closed(double* g, double* gdot) {
     double* const of = g + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
     double* const rate = gdot + static_cast<std::ptrdiff_t>(per_spot) * entry.spot;
     of[0] = forces[i].normal + slack;
-    rate[0] = NAN;
+    of[per_spot - 1] = touch_.spots().margin(entry.spot) + touch_tolerance;
+    rate[0] = rate[per_spot - 1] = NAN;
     for (int group = 0; group < contact_groups; ++group) {
       const auto at = static_cast<std::size_t>(group);
       const SpotMode::Group& mode = mode_of(entry.spot).groups[at];
@@ -120,29 +149,44 @@ void TouchModes::indicators_of_closed(double* g, double* gdot) {
   }
 }
 
-// Whether friction at rest can hold everything that it holds now, by any distribution of redundant forces.
+// Whether everything that is kept at rest can remain so, by any distribution of redundant forces.
 bool TouchModes::holds_by_others(double t, const double* y) {
   const std::vector<SpotMode> present = touch_.modes();
+  const LockModes::State present_locks = locks_.state();
   const std::vector<int> spots(touch_.closed().begin(), touch_.closed().end());
   touch_.set_modes(std::vector<SpotMode>(present.size()));
+  locks_.begin_check();
   equations_.touched_accelerations(t, y, vdot_.data());
   std::vector<SpotMode> next = present;
-  const auto outcome = decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next);
+  set_accelerations(t, y);
+  const auto outcome =
+      decision_.decide(spots, std::vector<Trigger>(present.size()), vdot_.data(), next, locks_.problem());
   touch_.set_modes(present);
+  locks_.set_state(present_locks);
   bool holds = outcome == ContactDecision::Outcome::found;
   for (const int spot : spots) {
     const auto i = static_cast<std::size_t>(spot);
+    holds = holds && next[i].closed;
     for (std::size_t k = 0; k < contact_groups; ++k)
-      holds = holds && (present[i].groups[k].moves || !next[i].closed || !next[i].groups[k].moves);
+      holds = holds && (present[i].groups[k].moves || !next[i].groups[k].moves);
   }
-  return holds;
+  return holds && std::ranges::none_of(locks_.problem().locks, &LockProblem::Lock::leaves);
+}
+
+// Of the problem of locks.
+void TouchModes::set_accelerations(double t, const double* y) {
+  locks_.problem().accelerate = [this, t, y](double* vdot) {
+    dynamics_.set_position(y);
+    locks_.try_answers();
+    equations_.touched_accelerations(t, y, vdot);
+  };
 }
 
 void TouchModes::remembered_mode(bool* positive) const {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     const SpotMode& mode = mode_of(i);
     bool* const of = positive + static_cast<std::ptrdiff_t>(per_spot) * i;
-    of[0] = mode.closed;
+    of[0] = of[per_spot - 1] = mode.closed;
     for (std::size_t k = 0; k < contact_groups; ++k) of[1 + k] = mode.closed && mode.groups[k].moves;
   }
 }
@@ -157,6 +201,7 @@ void TouchModes::check(double t) {
   touch_.spots().read_position(dynamics_);
   for (int i = 0; i < touch_.spots().count(); ++i) {
     if (mode_of(i).closed || touch_.spots().gap(i) >= -watched_depth - mode_of(i).leaves_from) continue;
+    if (!touch_.spots().is_near(i)) continue;
     mode_exit_time_ = t;
     return;
   }
@@ -165,7 +210,9 @@ void TouchModes::check(double t) {
 void TouchModes::found_event(double, int indicator, bool positive) {
   Trigger& trigger = triggered_[static_cast<std::size_t>(indicator / per_spot)];
   const int which = indicator % per_spot;
-  if (which > 0) {
+  if (which == per_spot - 1) {
+    trigger.ends = true;
+  } else if (which > 0) {
     trigger.groups[static_cast<std::size_t>(which - 1)] = true;
   } else {
     (positive ? trigger.touches : trigger.leaves) = true;
@@ -173,14 +220,32 @@ void TouchModes::found_event(double, int indicator, bool positive) {
 }
 
 void TouchModes::change_mode(double t, double* y) {
-  if (std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
+  if (locks_.is_triggered() || std::ranges::any_of(triggered_, &Trigger::any)) determine(t, y);
 }
 
 // Impulses, and the modes that follow.
 void TouchModes::determine(double t, double* y) {
   strike(t, y);
-  decide(t, y, true);
+  if (!decide(t, y, true) && locks_.is_triggered()) locks_.force_away(t);
+  refuse_ends(t);
   finish(y);
+}
+
+// Cylinders on their flat ends have no points of contact that remain when they tilt.
+void TouchModes::refuse_ends(double t) {
+  for (int i = 0; i < touch_.spots().count(); ++i) {
+    if (touch_.spots()[i].kind != Spot::Kind::rim) continue;
+    const bool touches = mode_of(i).closed || touch_.spots().gap(i) <= touch_tolerance;
+    const bool ends = triggered_[static_cast<std::size_t>(i)].ends || touch_.spots().margin(i) <= 0;
+    if (!touches || !ends) continue;
+    refusal_ = log_.report({t, first_indicator_ + per_spot * i, true}).text +
+               " with a flat end, whose contacts are not located: use the integrator moreau-jean";
+  }
+}
+
+// Whether a spot touches, as far as its gap says.
+bool TouchModes::may_touch(int spot) const {
+  return touch_.spots().gap(spot) <= touch_tolerance && touch_.spots().is_near(spot);
 }
 
 // Brings directions and distances up to the state where a step begins; returns whether something touches that was not
@@ -193,9 +258,12 @@ bool TouchModes::update_modes(const double* y) {
   for (int i = 0; i < touch_.spots().count(); ++i) {
     SpotMode& mode = next[static_cast<std::size_t>(i)];
     if (mode.closed) continue;
+    if (!may_touch(i)) {
+      mode.leaves_from = 0;
+      continue;
+    }
     const SpotState at = touch_.spots().state(i);
-    if (at.gap > touch_tolerance) mode.leaves_from = 0;
-    if (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest) touches = true;
+    touches = touches || (mode.leaves_from == 0 && at.gap <= reached_fraction * touch_tolerance && at.rate < -rest);
   }
   if (touch_.any_closed()) {
     TouchEquations::Rows rows;
@@ -209,6 +277,7 @@ bool TouchModes::update_modes(const double* y) {
     }
   }
   touch_.set_modes(next);
+  for (Guard& guard : guards_) guard.allowed = std::max(0.0, -outputs_.gap(guard.contact)) + watched_depth;
   return touches;
 }
 
@@ -219,6 +288,7 @@ bool TouchModes::is_consistent(double t, const double* y) {
   const auto expected = std::make_unique<bool[]>(g.size());
   remembered_mode(expected.get());
   indicator_values(t, y, g.data(), gdot.data());
+  redistribute(t, y, nullptr, g.data());
   for (const int spot : touch_.closed()) {
     for (int k = 0; k < per_spot; ++k) {
       const std::size_t i =
@@ -227,21 +297,22 @@ bool TouchModes::is_consistent(double t, const double* y) {
     }
   }
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (!mode_of(i).closed && touch_.spots().gap(i) <= touch_tolerance) return false;
+    if (!mode_of(i).closed && may_touch(i)) return false;
   }
   return true;
 }
 
 bool TouchModes::recall_mode(double t, double* y) {
   const bool touches = update_modes(y);
-  const bool decides = touches || started_ || (jumped_ && !is_consistent(t, y));
+  const bool decides = locks_.recall(t, y) || touches || started_ || (jumped_ && !is_consistent(t, y));
   started_ = jumped_ = false;
   if (decides) determine(t, y);
   return decides;
 }
 
 void TouchModes::preview(double t, const double* y) {
-  if (!started_ && (!jumped_ || is_consistent(t, y))) return;
+  const bool settled = !started_ && (!jumped_ || (is_consistent(t, y) && !locks_.are_doubtful(t, y)));
+  if (settled) return;
   decide(t, y, false);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The modes of contacts between events: which spots are closed, and where friction holds. They do not follow from the
-// state, so they are remembered from one event to the next.
+// state, so they are remembered from one event to the next. What friction and limits of joints do is decided together
+// with them.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +12,8 @@
 #include <vector>
 
 #include "event/event_log.h"
-#include "event/event_source.h"
+#include "modes/event_modes.h"
+#include "modes/joint_locks.h"
 #include "touch/touch_decision.h"
 #include "touch/touch_equations.h"
 #include "touch/touch_outputs.h"
@@ -20,7 +22,7 @@
 
 namespace gelenk {
 
-class TouchModes final : public EventSource {
+class TouchModes final : public ConnectedModes {
  public:
   struct Context {
     const Mechanism& mechanism;
@@ -28,14 +30,17 @@ class TouchModes final : public EventSource {
     const Loads& loads;
     TouchedEquations& equations;
     EventLog& log;
+    LockModes& locks;         // of the same mechanism
     int first_indicator = 0;  // number of indicators in the log before those of the spots
   };
   explicit TouchModes(const Context& context);
 
-  // Four indicators for each spot: positive while it is closed; and while it slips, spins and rolls against friction.
+  // Five indicators for each spot: positive while it is closed; while it slips, spins and rolls against friction; and
+  // while it is closed within the ends of its features.
   static constexpr int per_spot = TouchOutputs::per_spot;
   int indicators() const override { return per_spot * touch_.spots().count(); }
   void indicator_values(double t, const double* y, double* g, double* gdot) override;
+  void redistribute(double t, const double* y, double* locks, double* own) override;
   bool recall_mode(double t, double* y) override;
   void remembered_mode(bool* positive) const override;
   void hold_mode(double t, const bool* positive) override;
@@ -73,15 +78,22 @@ class TouchModes final : public EventSource {
   void go_to(const double* y);
   void check(double t);
   void indicators_of_closed(double* g, double* gdot);
-  void find_other_forces(double t, const double* y, double* g);
+  void find_yielding(double* g, std::vector<double*>& out) const;
   bool holds_by_others(double t, const double* y);
+  void set_accelerations(double t, const double* y);
+  bool may_touch(int spot) const;
+  void find_penetration(double* g);
   bool update_modes(const double* y);
+  void refuse_ends(double t);
   bool is_consistent(double t, const double* y);
   void determine(double t, double* y);
   void strike(double t, double* y);
-  void end_series(const std::vector<int>& struck, ContactImpact& impact, const Eigen::VectorXd& approach);
+  int end_series(const std::vector<JointLocks::Struck>& limits, ContactImpact& impact);
+  void record_impacts(double t, const double* y, const std::vector<int>& struck, const ContactImpact& impact,
+                      bool found);
   std::vector<int> lasting(double rest);
-  void decide(double t, const double* y, bool logs);
+  bool decide(double t, const double* y, bool logs);
+  void find_modes(const double* y, bool logs, double t, std::vector<SpotMode>& next);
   void enter(double t, std::vector<SpotMode> next, bool logs);
   void finish(double* y);
 
@@ -91,6 +103,7 @@ class TouchModes final : public EventSource {
   EventLog& log_;
   int first_indicator_;
   TouchEquations touch_;
+  JointLocks locks_;
   ContactDecision decision_;
   TouchOutputs outputs_;
   std::vector<SpotMode> before_;
@@ -98,6 +111,12 @@ class TouchModes final : public EventSource {
   bool started_ = true, jumped_ = false, undone_ = false;
   bool held_ = false;
   double held_from_ = 0, mode_exit_time_ = INFINITY;  // s
+  // Contacts of edges, whose features may be passed within a step: penetration of the whole shapes is an event, too.
+  struct Guard {
+    int contact = 0, spot = 0;  // of the scene; its first one, of which the indicator shows it
+    double allowed = INFINITY;  // m: penetration where the step began
+  };
+  std::vector<Guard> guards_;
   Counts counts_;
   std::string refusal_;
   std::vector<double> vdot_;

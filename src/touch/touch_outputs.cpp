@@ -7,7 +7,12 @@
 namespace gelenk {
 
 TouchOutputs::TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts)
-    : mechanism_(mechanism), dynamics_(dynamics), touch_(touch), sums_(contacts), wrenches_(mechanism.links.size()) {}
+    : mechanism_(mechanism),
+      dynamics_(dynamics),
+      touch_(touch),
+      finder_(mechanism, contacts),
+      sums_(contacts),
+      wrenches_(mechanism.links.size()) {}
 
 void TouchOutputs::record() {
   std::ranges::fill(sums_, ContactSum{});
@@ -31,7 +36,12 @@ double TouchOutputs::gap(int contact) {
   touch_.spots().read_position(dynamics_);
   double out = std::numeric_limits<double>::infinity();
   for (int i = 0; i < touch_.spots().count(); ++i) {
-    if (touch_.spots()[i].contact == contact) out = std::min(out, touch_.spots().gap(i));
+    const Spot& spot = touch_.spots()[i];
+    if (spot.contact != contact) continue;
+    // Features that are apart sideways have no gap.
+    if (spot.kind == Spot::Kind::corner || spot.kind == Spot::Kind::edges)
+      return finder_.smallest_gaps(dynamics_.readings())[static_cast<std::size_t>(contact)];
+    out = std::min(out, touch_.spots().gap(i));
   }
   return out;
 }
@@ -50,6 +60,7 @@ std::vector<std::array<std::string, 2>> TouchOutputs::event_texts(const Scene& s
     out.push_back({subject + " stops sliding on " + core, subject + " slides on " + core});
     out.push_back({subject + " stops spinning on " + core, subject + " spins on " + core});
     out.push_back({subject + " stops rolling on " + core, subject + " rolls on " + core});
+    out.push_back({subject + " slides off an edge of " + core, subject + " slides onto " + core});
   }
   return out;
 }

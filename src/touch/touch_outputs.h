@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/contact_finder.h"
 #include "contact/contact_state.h"
 #include "scene/scene.h"
 #include "touch/touch_equations.h"
@@ -15,8 +16,8 @@ namespace gelenk {
 
 class TouchOutputs final : public ContactReadings {
  public:
-  // Numbers of indicators of a spot: of its contact, and of each group of friction.
-  static constexpr int per_spot = 1 + contact_groups;
+  // Numbers of indicators of a spot: of its contact, of each group of friction, and of the ends of its features.
+  static constexpr int per_spot = 2 + contact_groups;
 
   // All must outlive it. contacts: of the scene.
   TouchOutputs(const Mechanism& mechanism, Dynamics& dynamics, TouchEquations& touch, std::size_t contacts);
@@ -36,6 +37,7 @@ class TouchOutputs final : public ContactReadings {
   const Mechanism& mechanism_;
   Dynamics& dynamics_;
   TouchEquations& touch_;
+  ContactFinder finder_;
   std::vector<ContactSum> sums_;          // by contact of the scene
   std::vector<Spatial::Force> wrenches_;  // by link
 };

@@ -8,6 +8,8 @@ import gelenk
 
 from .test_located_contacts import ball
 
+TETRAHEDRON = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]  # m
+
 
 def test_too_many_impacts_are_refused() -> None:
     scene = ball(0.1, 0.7, {"r": [0, 0, 1.1]}, {"restitution": 0.9})
@@ -19,8 +21,9 @@ def test_too_many_impacts_are_refused() -> None:
 @pytest.mark.parametrize(
     ("shape", "other", "said"),
     [
-        ({"cylinder": [0.1, 0.2]}, None, "a cylinder and a plane"),
-        ({"box": [0.1, 0.1, 0.1]}, {"box": [1, 1, 1]}, "two shapes of kind box"),
+        ({"cylinder": [0.1, 0.2]}, {"sphere": 1}, "a cylinder and a sphere"),
+        ({"cylinder": [0.1, 0.2]}, {"cylinder": [0.1, 0.2]}, "two shapes of kind cylinder"),
+        ({"hull": TETRAHEDRON}, {"box": [1, 1, 1]}, "a hull and a box"),
     ],
 )
 def test_other_pairs_are_refused(shape: SceneData, other: SceneData | None, said: str) -> None:
@@ -32,18 +35,3 @@ def test_other_pairs_are_refused(shape: SceneData, other: SceneData | None, said
         gelenk.simulate(scene, stop=1)
     assert said in str(refused.value)
     assert "auto or moreau-jean" in str(refused.value)
-
-
-def test_friction_of_joints_in_the_same_scene_is_refused() -> None:
-    """It is not yet decided on together with contacts."""
-    scene = on_plane({"sphere": 0.1}, 1, [0.004] * 3, {"r": [0, 0, 0.2]}, {})
-    scene["bodies"]["arm"] = {"mass": 1, "com": [0.1, 0, 0], "inertia": [0.1, 0.1, 0.1]}
-    scene["joints"]["A"] = {
-        "type": "revolute",
-        "parent": "ground",
-        "child": "arm",
-        "friction": {"coulomb": 1.0},
-    }
-    scene["solver"] = {"integrator": "ida"}
-    with pytest.raises(gelenk.SceneError, match=r"joints\.A\.friction"):
-        gelenk.simulate(scene, stop=1)
