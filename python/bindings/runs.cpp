@@ -127,8 +127,9 @@ class Batch {
                      std::ranges::find(parameters_, parameters[i], &gelenk::Parameter::name));
     }
     check(channels_, Simulation(scene_));
-    if (times_.empty() || inputs.shape(0) + 1 < times_.size() || inputs.shape(1) != channels_.columns()) {
-      throw nb::index_error("the table of inputs does not have a row for each step");
+    if (times_.empty() || inputs.shape(0) < std::max<std::size_t>(1, times_.size() - 1) ||
+        inputs.shape(1) != channels_.columns()) {
+      throw nb::index_error("the table of inputs does not have a row for each step, or none");
     }
   }
 
@@ -182,7 +183,7 @@ class Batch {
     Simulation simulation(parameters_.empty() ? scene_ : with(parameters));
     Channels channels = channels_;
     for (std::size_t i = 0; i < constants.size(); ++i) channels.constants[i].value = constants[i];
-    gelenk::set_inputs(simulation, channels, std::span(inputs_).first(times_.size() > 1 ? channels.columns() : 0));
+    gelenk::set_inputs(simulation, channels, std::span(inputs_).first(channels.columns()));
     simulation.initialize();
     report.warnings = gelenk::StartReport(simulation).warnings();
     const auto points = static_cast<std::ptrdiff_t>(times_.size());

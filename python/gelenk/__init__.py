@@ -7,7 +7,8 @@
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
-(modes of vibration), `equilibria`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
+(modes of vibration), `equilibria`, `sweeps` (many runs), `chart` (work-precision diagrams), `cli`; each
+is imported at first use.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
+    from gelenk.sweeps import sweep
     from gelenk.viewer import View
 
     __version__: str
@@ -75,6 +77,7 @@ __all__ = [
     "load",
     "modes",
     "simulate",
+    "sweep",
     "view",
 ]
 
@@ -90,6 +93,7 @@ _get, _dir = _lazy.lazy(
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],
+        ".sweeps": ["sweep"],
         ".viewer": ["View"],
     },
 )
