@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "check/check.h"
 #include "plant.h"
 #include "scene_file/read.h"
 #include "simulation/parameters.h"
@@ -126,6 +127,8 @@ class Batch {
       std::iter_swap(parameters_.begin() + static_cast<std::ptrdiff_t>(i),
                      std::ranges::find(parameters_, parameters[i], &gelenk::Parameter::name));
     }
+    only_numbers_ =
+        std::ranges::none_of(parameters, [this](const std::string& name) { return is_method_or_start(name); });
     check(channels_, Simulation(scene_));
     if (times_.empty() || inputs.shape(0) < std::max<std::size_t>(1, times_.size() - 1) ||
         inputs.shape(1) != channels_.columns()) {
@@ -201,6 +204,15 @@ class Batch {
     report.is_complete = done.steps + 1 == times_.size();
   }
 
+  // Whether a parameter is one that every scene has: a start value, a component of gravity, a setting of the solver.
+  // Other parameters are numbers that the scene lists, which are stored as they are set.
+  bool is_method_or_start(const std::string& name) const {
+    Scene without = scene_;
+    without.parameters.clear();
+    const std::vector<gelenk::Parameter> known = gelenk::scene_parameters(without);
+    return std::ranges::find(known, name, &gelenk::Parameter::name) != known.end();
+  }
+
   static void note(RunReport& report, const gelenk::Recorded& done) {
     report.steps = static_cast<int>(done.steps);
     report.events = to_python(done.events);
@@ -209,13 +221,16 @@ class Batch {
   Scene with(const double* values) const {
     Scene changed = scene_;
     for (const gelenk::Parameter& parameter : parameters_) gelenk::set_parameter(changed, parameter, *values++);
-    return gelenk::checked(changed);
+    if (!only_numbers_) return gelenk::checked(changed);
+    gelenk::check_scene(changed);
+    return changed;
   }
 
   Scene scene_;
   Channels channels_;
   std::vector<double> times_, inputs_;
   std::vector<gelenk::Parameter> parameters_;
+  bool only_numbers_ = false;  // so that a changed scene need not be read again to be the same as if it were
   std::atomic<bool> stop_ = false;
 };
 

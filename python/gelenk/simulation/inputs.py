@@ -105,6 +105,17 @@ def set_inputs(plant: Plant, signals: Mapping[str, InputFunction], start: float,
 
 
 @dataclass(frozen=True)
+class Constant:
+    """An input that is constant."""
+
+    value: float
+
+    def __call__(self, _: float) -> float:
+        """Return the value at any time."""
+        return self.value
+
+
+@dataclass(frozen=True)
 class SampledInputs:
     """Inputs of a run, sampled at the start of each step.
 
@@ -143,10 +154,18 @@ def sampled(signals: Mapping[str, InputFunction], times: NDArray[np.float64]) ->
     held = tuple(name for name in signals if not is_motion(name))
     motions = tuple(name for name in signals if is_motion(name))
     table = np.empty((len(times) - 1, len(held) + 5 * len(motions)))
-    at = times.tolist()
-    for step, (start, end) in enumerate(itertools.pairwise(at)):
-        for column, name in enumerate(held):
-            table[step, column] = signals[name](start)
+    changing = []
+    for column, name in enumerate(held):
+        signal = signals[name]
+        if isinstance(signal, Constant):
+            table[:, column] = signal.value
+        else:
+            changing.append((column, signal))
+    if not changing and not motions:
+        return SampledInputs(held, motions, table)
+    for step, (start, end) in enumerate(itertools.pairwise(times.tolist())):
+        for column, signal in changing:
+            table[step, column] = signal(start)
         for i, name in enumerate(motions):
             value, derivatives = polynomial(signals[name], start, end)
             table[step, len(held) + 5 * i :][:5] = value, *derivatives
@@ -240,7 +259,7 @@ def _function(name: str, value: Input) -> InputFunction:
         raise UsageError(
             f"{name}: found {value!r}, expected a number, a function of time, or (times, values)"
         ) from None
-    return lambda _: constant
+    return Constant(constant)
 
 
 def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> InputFunction:

@@ -165,15 +165,16 @@ class Plan:
         return Chunk(first, values, [error] * runs, [""] * runs)
 
     def _reduce(self, chunk: Chunk, i: int, rows: Array, events: Sequence[tuple[float, str]]) -> str:
-        """Compute the variables of a complete run; returns the error of a function of the user."""
+        """Compute the variables of a complete run; returns the errors of functions of the user."""
+        errors = []
         for variable in self.variables:
             if variable.is_trajectory:
                 continue
             try:
                 chunk.values[variable.name][i] = variable.value(self.times, rows, events)
             except Exception as e:  # of the user's function, which may raise anything
-                return f"{variable.name}: {type(e).__name__}: {e}"
-        return ""
+                errors.append(f"{variable.name}: {type(e).__name__}: {e}")
+        return "\n".join(errors)
 
     def _located(self, error: str) -> str:
         if not error or not isinstance(self.plant, Scene) or self.plant._places is None:

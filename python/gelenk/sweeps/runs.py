@@ -53,7 +53,7 @@ def sweep(
     """Simulate a scene or an FMU many times with different parameters.
 
     A run is what `gelenk.simulate` computes, to the bit, independent of the number and the order of workers.
-    A run that fails does not end the sweep: its values are NaN, and `error` says why.
+    A run that fails does not end the sweep: what it lacks is NaN, and `error` says why.
 
     Args:
         plant: a .fmu file, or anything `gelenk.load` accepts.

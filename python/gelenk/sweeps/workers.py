@@ -24,6 +24,7 @@ type Values = tuple[NDArray[Any], NDArray[np.float64]]  # of parameters and of i
 THREAD_SECONDS = 0.1  # s that a chunk should take in a thread; it costs some microseconds
 PROCESS_SECONDS = 1.0  # s in another process; a chunk costs milliseconds
 RETRIES = 3  # of a chunk whose worker has died, before its runs are repeated one by one
+CONNECT = 10.0  # s to wait for an answer of the scheduler
 GRACE = 5.0  # s beyond its longest time after which a run that does not return is ended with its process
 
 
@@ -175,7 +176,7 @@ def _client(distributed: Any, stack: contextlib.ExitStack, cluster: str, count: 
         )
         return distributed.Client(stack.enter_context(local))
     try:
-        return distributed.Client(cluster, timeout=10)
+        return distributed.Client(cluster, timeout=CONNECT)
     except (OSError, ValueError) as e:
         raise UsageError(
             f"cluster: found {cluster!r}, where no scheduler answers ({e}); expected 'local' or an address "
