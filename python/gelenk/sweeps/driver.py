@@ -18,6 +18,7 @@ type Range = tuple[int, int]  # the first run, and the one after the last
 type Progress = Callable[[int, int], None]
 
 MAX_CHUNK_BYTES = 32_000_000  # of recorded signals
+LOST = "cluster: the connection to the scheduler was lost; with a store, the same call continues"
 POLL = 0.2  # s between looks at the clock
 GROWTH = 4  # of a chunk compared with the one before, until the cost of runs is known well
 
@@ -101,9 +102,7 @@ class Driver:
         for future in list(done):
             first, last = self._futures.pop(future)
             if future.cancelled():
-                raise ConnectionError(
-                    "cluster: the connection to the scheduler was lost; with a store, the same call continues"
-                )
+                raise ConnectionError(LOST)
             error = future.exception()
             if error is None:
                 chunk = future.result()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gelenk.errors import UsageError
 from gelenk.extras import extra
-from gelenk.sweeps.driver import Workers
+from gelenk.sweeps.driver import LOST, Workers
 from gelenk.sweeps.plan import Chunk, Plan
 
 type Values = tuple[NDArray[Any], NDArray[np.float64]]  # of parameters and of inputs, a row for each run
@@ -151,16 +151,24 @@ def dask_cluster(plan: Plan, values: Values, cluster: Any, count: int | None) ->
 
         def submit(first: int, last: int) -> Future[Chunk]:
             arguments = (first, parameters[first:last], inputs[first:last])
-            future: Future[Chunk] = executor.submit(Plan.run, shared, *arguments)
+            try:
+                future: Future[Chunk] = executor.submit(Plan.run, shared, *arguments)
+            except Exception:
+                if client.status != "running":
+                    raise ConnectionError(LOST) from None
+                raise
             return future
 
         def died(error: BaseException) -> str | None:
             if isinstance(error, distributed.KilledWorker):
                 return "the worker died while it made the run, and so did those that repeated it"
+            if isinstance(error, distributed.CancelledError):
+                raise ConnectionError(LOST)
             return None
 
         def stop() -> None:
-            executor.shutdown(wait=False)
+            if client.status == "running":
+                executor.shutdown(wait=False)
 
         slots = max(1, sum(client.nthreads().values()))
         try:
@@ -172,7 +180,7 @@ def dask_cluster(plan: Plan, values: Values, cluster: Any, count: int | None) ->
 def _client(distributed: Any, stack: contextlib.ExitStack, cluster: str, count: int | None) -> Any:
     if cluster == "local":
         local = distributed.LocalCluster(
-            n_workers=count or processors(), threads_per_worker=1, processes=True, dashboard_address=None
+            n_workers=count or processors(), threads_per_worker=1, processes=True, dashboard_address=":0"
         )
         return distributed.Client(stack.enter_context(local))
     try:
