@@ -55,7 +55,12 @@ def test_the_plan_is_sent_to_each_worker_once(
     del short_chunks
     sent: list[int] = []
     pickled = workers._pickled
-    monkeypatch.setattr(workers, "_pickled", lambda plan: sent.append(1) or pickled(plan))
+
+    def counted(plan: Any) -> bytes:
+        sent.append(1)
+        return pickled(plan)
+
+    monkeypatch.setattr(workers, "_pickled", counted)
     made(four_bar, cluster=client)
     assert sent == [1]
 

@@ -19,7 +19,7 @@ DEVIATION = 0.0002  # m
 
 
 def swing(lengths: Any) -> float:
-    """The angle between the dead centers of the rocker, where crank and coupler are in line: two triangles."""
+    """The angle between the dead centers of the rocker; crank and coupler are then in line: two triangles."""
     crank, coupler, rocker, frame = lengths
 
     def angle(side: float) -> float:
@@ -46,7 +46,7 @@ def test_the_tolerance_study_has_the_closed_form_propagation(names: dict[str, An
     assert float(mean) == pytest.approx(float(numbers[1]), abs=0.0005)
     assert float(deviation) == pytest.approx(float(numbers[2]), abs=0.0005)
     assert float(study["A.phi.last"].min()) - np.pi / 2 > 2 * np.pi  # a whole revolution
-    # Communication points are up to 0.004 rad of the crank from a dead center, which is 1e-5 rad of the rocker.
+    # Points are up to 0.004 rad of the crank from a dead center, which is 1e-5 rad of the rocker.
     assert float(mean) == pytest.approx(np.degrees(swing(LENGTHS)), abs=1e-3)
     h = 1e-6
     gradient = [(swing(LENGTHS + h * e) - swing(LENGTHS - h * e)) / (2 * h) for e in np.eye(4)]
