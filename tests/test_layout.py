@@ -137,6 +137,7 @@ IMPORTS: dict[str, set[str]] = {"model": set()}
 IMPORTS["viewer"] = {"model"}
 IMPORTS["simulation"] = {"model", "viewer"}
 IMPORTS["sweeps"] = {"simulation", *IMPORTS["simulation"]}
+IMPORTS["learning"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["io"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["linear"] = {"simulation", *IMPORTS["simulation"]}
 IMPORTS["modal"] = {"linear", *IMPORTS["linear"]}

@@ -29,7 +29,18 @@ HEAVY = {
     "yourdfpy",
     "gelenk._core",
 }
-PACKAGES = ("chart", "cli", "equilibria", "io", "linear", "modal", "model", "simulation", "sweeps")
+PACKAGES = (
+    "chart",
+    "cli",
+    "equilibria",
+    "io",
+    "learning",
+    "linear",
+    "modal",
+    "model",
+    "simulation",
+    "sweeps",
+)
 
 
 def run(code: str) -> Any:
