@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 import gelenk
@@ -111,6 +110,8 @@ def parse_values(name: str, text: str) -> Any:
     text = text.strip()
     if text.endswith(")"):
         return text
+    import numpy as np
+
     if found := _RANGE.fullmatch(text):
         try:
             return np.linspace(float(found[1]), float(found[2]), int(found[3]))

@@ -55,7 +55,7 @@ def environment(
             installed.
     """
     extra("gymnasium", "environments are those of Gymnasium")
-    from gelenk.learning.environment import Environment, Task
+    from gelenk.learning.gym import Environment, Task
 
     loaded = load(scene)
     if not starts:

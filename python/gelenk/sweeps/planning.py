@@ -29,7 +29,7 @@ from gelenk.sweeps.workers import Values
 
 
 def identity(plan: Plan, values: Values, attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what tells this sweep from others, as plain data."""
+    """Return what distinguishes this sweep from others, as plain data."""
     parameters, inputs = values
     plant = plan.plant
     content = plant if isinstance(plant, bytes) else _core.write_scene_json(plant._core).encode()

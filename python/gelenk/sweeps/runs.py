@@ -93,7 +93,7 @@ def sweep(
     Returns:
         xarray.Dataset: variables "OUTPUT" (trajectories) and "OUTPUT.REDUCTION" with their units, `error` and
         `warning` (text, empty if there is none). A grid has a dimension for each parameter, other designs
-        have the dimension `run`, trajectories also `time`. The attributes tell the version, the scene, the
+        have the dimension `run`, trajectories also `time`. The attributes give the version, the scene, the
         design. With a store, trajectories of more than 1 GB are read when they are needed.
 
     Raises:

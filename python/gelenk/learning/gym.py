@@ -53,6 +53,8 @@ class Environment(gymnasium.Env[Array, Array]):
             channels = plant.channels(task.actions, (), task.observations)
             self._starts.append((plant, channels, plant.save()))
         self._plant, self._channels, _ = self._starts[0]
+        self._low, self._high = task.bounds[:, 0].copy(), task.bounds[:, 1].copy()
+        self._times = np.zeros(2)  # of the start and the end of a step
         self._count = 0
         self._steps = math.ceil(task.stop / task.step * (1 - 1e-12))
         self.action_space = gymnasium.spaces.Box(task.bounds[:, 0], task.bounds[:, 1], dtype=np.float64)
