@@ -134,3 +134,14 @@ def test_a_scheduler_that_is_lost_leaves_a_store_that_continues(
     stored = len(list(tmp_path.glob("runs-*.parquet")))
     assert 5 <= stored < 64
     assert same(made(four_bar, store=tmp_path), made(four_bar))
+
+
+def test_a_sweep_that_takes_too_long_ends(four_bar: gelenk.Scene, client: Any) -> None:
+    """Each run lasts for some 0.05 s, so that some of them are made within the time, and not all."""
+    found = gelenk.sweep(
+        four_bar, {"crank.m": np.linspace(0.9, 1.1, 1000), "solver.integrator": "rk4"}, stop=25.0,
+        outputs={"A.phi": "last"}, max_time=2.0, cluster=client,
+    )  # fmt: skip
+    errors = found["error"].values.tolist()
+    assert set(errors) == {"", "the run was not made within the time of the sweep, 2 s"}
+    assert np.isnan(found["A.phi.last"].values).tolist() == [bool(error) for error in errors]

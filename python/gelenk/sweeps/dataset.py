@@ -121,6 +121,6 @@ def dataset(
         else:
             data[variable.name] = (dims, values.reshape(shape), own)
     for name, texts in (("error", errors), ("warning", warnings)):
-        data[name] = (dims, np.array(texts, dtype=np.dtypes.StringDType()).astype(object).reshape(shape))
+        data[name] = (dims, np.array(texts, dtype=object).reshape(shape))
     found: xr.Dataset = xarray.Dataset(data, coordinates, dict(attributes))
     return found
