@@ -55,6 +55,8 @@ RESULTS: dict[str, tuple[list[str], dict[str, Any]]] = {
     "assemblies": (["s.yaml"], {}),
     "import": (["r.urdf", "-o", "r.yaml"], {"file": "r.yaml", "name": "r"}),
     "simulate": (["x.fmu", "--stop", "0.01"], {"file": None, "rows": 11, "stop": 0.01, "events": []}),
+    "sweep": (["s.yaml", "--vary", "crank.m=1,1.1", "--outputs", "A.w:max", "--stop", "0.01"],
+              {"file": None, "runs": 2, "failed": 0}),
     "linearize": (["s.yaml"], {"name": "FourBar", "inputs": ["drive.tau"]}),
     "equilibrium": (["s.yaml"], {"name": "FourBar"}),
     "modes": (["s.yaml"], {"name": "FourBar"}),

@@ -29,7 +29,18 @@ HEAVY = {
     "yourdfpy",
     "gelenk._core",
 }
-PACKAGES = ("chart", "cli", "equilibria", "io", "linear", "modal", "model", "simulation")
+PACKAGES = (
+    "chart",
+    "cli",
+    "equilibria",
+    "io",
+    "learning",
+    "linear",
+    "modal",
+    "model",
+    "simulation",
+    "sweeps",
+)
 
 
 def run(code: str) -> Any:
@@ -54,6 +65,10 @@ def test_importing_gelenk_imports_no_more_than_it_needs_to_find_names() -> None:
         ("gelenk.UsageError", HEAVY),
         ("gelenk.__version__", HEAVY),
         ("gelenk.load", HEAVY - {"numpy", "yaml", "gelenk._core"}),
+        (
+            "gelenk.sweep",
+            {"scipy", "control", "matplotlib", "typer", "tqdm", "fmpy", "xarray", "distributed"},
+        ),
         ("gelenk.simulate", {"scipy", "control", "matplotlib", "typer", "tqdm", "fmpy"}),
         ("gelenk.linearize", {"control", "matplotlib", "typer", "tqdm", "fmpy"}),
     ],

@@ -96,7 +96,14 @@ void gelenk::bind_scene(nb::module_& m) {
       .def_ro("outputs", &Scene::outputs, "Names and patterns of the requested outputs; empty: all.")
       .def_ro("is_wanted_part", &Scene::is_wanted_part,
               "Whether parts that no requested output depends on have already been removed.")
-      .def_prop_ro("formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.");
+      .def_prop_ro(
+          "formulation", [](const Scene& s) { return s.solver.formulation; }, "Name of the formulation.")
+      .def("__getstate__",
+           [](const Scene& s) { return std::tuple(gelenk::write_scene_json(s), s.file, s.is_wanted_part); })
+      .def("__setstate__", [](Scene& s, const std::tuple<std::string, std::string, bool>& state) {
+        new (&s) Scene(gelenk::read_scene_json(std::get<0>(state), std::get<1>(state)));
+        s.is_wanted_part = std::get<2>(state);
+      });
 
   bind_friction(m);
   m.def("check_size", &gelenk::check_size, nb::arg("size"), nb::arg("file"),

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -19,38 +18,19 @@
 #include "analysis/equilibrium.h"
 #include "bindings.h"
 #include "inspection/inspection.h"
+#include "plant.h"
 #include "scene/wanted_outputs.h"
 #include "simulation/probe.h"
 #include "simulation/start_report.h"
 #include "simulation/state_derivatives.h"
 
 namespace nb = nanobind;
+using gelenk::Plant;
 using gelenk::Simulation;
 
 namespace {
 
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
-
-// A simulation with a mutex. Steps run without the interpreter's lock, so another Python thread may call meanwhile; it
-// waits here. The interpreter's lock is released before the mutex is locked, since the other order could deadlock.
-class Plant {
- public:
-  explicit Plant(const gelenk::Scene& scene) : simulation_(scene) {}
-
-  template <class Function>
-  auto with(Function&& function) {
-    const nb::gil_scoped_release release;
-    const std::scoped_lock lock(mutex_);
-    return function(simulation_);
-  }
-
-  // Access without lock, for data that do not change after construction.
-  const Simulation& fixed() const { return simulation_; }
-
- private:
-  Simulation simulation_;
-  std::mutex mutex_;
-};
 
 void check_index(int index, std::size_t size) {
   if (index < 0 || static_cast<std::size_t>(index) >= size) {
@@ -372,6 +352,7 @@ void gelenk::bind_simulation(nb::module_& m) {
   bind_derivatives(simulation);
   bind_readings(simulation);
   bind_reports(simulation);
+  bind_runs(m, simulation);
   simulation.def(nb::init<const gelenk::Scene&>(), nb::arg("scene"))
       .def(
           "initialize",

@@ -7,7 +7,8 @@
 >>> fmu = gelenk.export_fmu(scene, "FourBar.fmu")
 
 Packages: `model` (scenes), `io` (URDF import, FMU export), `simulation`, `linear` (linear models), `modal`
-(modes of vibration), `equilibria`, `chart` (work-precision diagrams), `cli`; each is imported at first use.
+(modes of vibration), `equilibria`, `sweeps` (many runs), `learning`, `chart` (work-precision diagrams),
+`cli`; each is imported at first use.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ if TYPE_CHECKING:
         UsageError,
     )
     from gelenk.io import export_fmu, import_urdf
+    from gelenk.learning import environment
     from gelenk.linear import LinearModel, OperatingPoint, linearize
     from gelenk.modal import Mode, Modes, modes
     from gelenk.model import Assemblies, Branch, Inspection, Scene, assemblies, inspect, load
     from gelenk.simulation import Result, Simulation, live_view, simulate, view
+    from gelenk.sweeps import sweep
     from gelenk.viewer import View
 
     __version__: str
@@ -66,6 +69,7 @@ __all__ = [
     "View",
     "__version__",
     "assemblies",
+    "environment",
     "equilibrium",
     "export_fmu",
     "import_urdf",
@@ -75,6 +79,7 @@ __all__ = [
     "load",
     "modes",
     "simulate",
+    "sweep",
     "view",
 ]
 
@@ -86,10 +91,12 @@ _get, _dir = _lazy.lazy(
         ".equilibria": ["Equilibrium", "equilibrium"],
         ".errors": [name for name in __all__ if name.endswith(("Error", "Warning"))],
         ".io": ["export_fmu", "import_urdf"],
+        ".learning": ["environment"],
         ".linear": ["LinearModel", "OperatingPoint", "linearize"],
         ".modal": ["Mode", "Modes", "modes"],
         ".model": ["Assemblies", "Branch", "Inspection", "Scene", "assemblies", "inspect", "load"],
         ".simulation": ["Result", "Simulation", "live_view", "simulate", "view"],
+        ".sweeps": ["sweep"],
         ".viewer": ["View"],
     },
 )

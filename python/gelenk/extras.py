@@ -10,10 +10,14 @@ from gelenk.errors import UsageError
 
 EXTRAS = {
     "PIL": "view",
+    "cloudpickle": "sweep",
+    "distributed": "sweep",
     "h5netcdf": "tables",
     "h5py": "tables",
+    "gymnasium": "learning",
     "matplotlib": "charts",
     "pandas": "tables",
+    "pebble": "sweep",
     "pyarrow": "tables",
     "tqdm": "progress",
     "trimesh": "mesh",

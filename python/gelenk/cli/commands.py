@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 import gelenk
-from gelenk.cli import analysis, completion, pictures, runs
+from gelenk.cli import analysis, completion, pictures, runs, sweep
 from gelenk.cli.arguments import (
     AssemblyTolerance,
     Outputs,
@@ -230,6 +230,7 @@ def import_(
 
 
 runs.register(app)
+sweep.register(app)
 analysis.register(app)
 pictures.register(app)
 

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -102,6 +104,74 @@ def set_inputs(plant: Plant, signals: Mapping[str, InputFunction], start: float,
         plant.set_input_derivatives(name, derivatives)
 
 
+@dataclass(frozen=True)
+class Constant:
+    """An input that is constant."""
+
+    value: float
+
+    def __call__(self, _: float) -> float:
+        """Return the value at any time."""
+        return self.value
+
+
+@dataclass(frozen=True)
+class SampledInputs:
+    """Inputs of a run, sampled at the start of each step.
+
+    Attributes:
+        held: names of the inputs that are held in a step: a column each.
+        motions: names of the motion inputs: then five columns each, value and time derivatives of orders 1
+            to 4.
+        table: a row for each step, shape (steps, columns).
+    """
+
+    held: tuple[str, ...]
+    motions: tuple[str, ...]
+    table: NDArray[np.float64]
+
+    def set(self, plant: Plant, step: int) -> None:
+        """Set the inputs of a plant for a step."""
+        row = self.table[step].tolist()
+        for name, value in zip(self.held, row, strict=False):
+            plant.set_input(name, value)
+        for i, name in enumerate(self.motions):
+            value, *derivatives = row[len(self.held) + 5 * i :][:5]
+            plant.set_input(name, value)
+            plant.set_input_derivatives(name, derivatives)
+
+
+def sampled(signals: Mapping[str, InputFunction], times: NDArray[np.float64]) -> SampledInputs:
+    """Sample inputs as `simulate` does.
+
+    Inputs are held at their values at the start of a step. Motion inputs (NAME.*_ref) must not jump and
+    follow the polynomial through five of their values in the step.
+
+    Args:
+        signals: functions of time by input.
+        times: of the start of the first step and of the ends of all steps [s], shape (steps + 1,).
+    """
+    held = tuple(name for name in signals if not is_motion(name))
+    motions = tuple(name for name in signals if is_motion(name))
+    table = np.empty((len(times) - 1, len(held) + 5 * len(motions)))
+    changing = []
+    for column, name in enumerate(held):
+        signal = signals[name]
+        if isinstance(signal, Constant):
+            table[:, column] = signal.value
+        else:
+            changing.append((column, signal))
+    if not changing and not motions:
+        return SampledInputs(held, motions, table)
+    for step, (start, end) in enumerate(itertools.pairwise(times.tolist())):
+        for column, signal in changing:
+            table[step, column] = signal(start)
+        for i, name in enumerate(motions):
+            value, derivatives = polynomial(signals[name], start, end)
+            table[step, len(held) + 5 * i :][:5] = value, *derivatives
+    return SampledInputs(held, motions, table)
+
+
 def is_motion(name: str) -> bool:
     """Whether an input is a prescribed motion, by its name."""
     return name.endswith("_ref")
@@ -189,7 +259,7 @@ def _function(name: str, value: Input) -> InputFunction:
         raise UsageError(
             f"{name}: found {value!r}, expected a number, a function of time, or (times, values)"
         ) from None
-    return lambda _: constant
+    return Constant(constant)
 
 
 def _interpolated(name: str, times: ArrayLike, values: ArrayLike) -> InputFunction:

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gelenk.errors import GelenkError, StepError, UsageError
 from gelenk.model.scene import Scene
 from gelenk.model.values import Value
 from gelenk.simulation.derivatives import Derivatives
+from gelenk.simulation.inputs import SampledInputs
 
 
 class Plant(Protocol):
@@ -86,6 +89,32 @@ class Plant(Protocol):
 
     def read(self) -> NDArray[np.float64]:
         """Return the present values of the selected quantities, shape (selected,)."""
+
+    def record(
+        self, times: NDArray[np.float64], inputs: SampledInputs, rows: NDArray[np.float64]
+    ) -> tuple[int, list[tuple[float, str]], GelenkError | None]:
+        """Advance over steps, and write what `read` returns after each of them.
+
+        Args:
+            times: start of the first step and ends of all steps [s], shape (steps + 1,).
+            inputs: with a row for each step.
+            rows: shape (steps, selected).
+
+        Returns:
+            int: number of completed steps; at least one, but maybe fewer than all, if there was no error.
+            list: times [s] and descriptions of the events in them.
+            GelenkError | None: why the next step failed.
+        """
+        found: list[tuple[float, str]] = []
+        for k, (start, end) in enumerate(itertools.pairwise(times.tolist())):
+            try:
+                inputs.set(self, k)
+                self.advance(start, end)
+                found += self.events
+                rows[k] = self.read()
+            except (StepError, UsageError) as e:
+                return k, found, e
+        return len(rows), found, None
 
     def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:
         """Return the derivatives of all readings at the present state, after `start`.

@@ -17,7 +17,7 @@ from gelenk import _core
 from gelenk.errors import StepError, UsageError
 from gelenk.model.scene import Scene, load
 from gelenk.model.values import Value, check_names, unknown
-from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, set_inputs
+from gelenk.simulation.inputs import Inputs, functions_and_constants, is_motion, polynomial, sampled
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.progress import progress_bar
 from gelenk.simulation.result import Result
@@ -26,6 +26,7 @@ from gelenk.simulation.scene_plant import ScenePlant
 log = logging.getLogger(__name__)
 
 SINGULAR_CROSSINGS = "solver.singular_positions"  # diagnostic: number of singular configurations crossed
+BLOCK = 256  # steps between looks at what the user wants
 MAX_NUMBERS = 500_000_000  # in a result, 4 GB
 _DIAGNOSTICS = frozenset(_core.diagnostic_names)
 
@@ -263,43 +264,42 @@ def _run(
     signals: dict[str, Callable[[float], float]],
     progress: Callable[[float, float], None] | None,
 ) -> Result:
-    rows = np.empty((len(times), 1 + len(names)))
+    monitored = [] if SINGULAR_CROSSINGS in names or SINGULAR_CROSSINGS not in plant.units else [1]
+    rows = np.empty((len(times), 1 + len(names) + len(monitored)))
     rows[:, 0] = times
-    rows[0, 1:] = plant.read()[: len(names)]
+    rows[0, 1:] = plant.read()
     stop = float(times[-1])
-    crossings: list[float] = []
     events: list[tuple[float, str]] = []
-    column = names.index(SINGULAR_CROSSINGS) if SINGULAR_CROSSINGS in names else len(names)
-    count = 0.0
-
-    def result(count: int) -> Result:
-        found = Result(names, rows[:count], {name: plant.units[name] for name in names})
-        found.assembly_report = plant.assembly_report
-        found.singular_positions = tuple(crossings)
-        found.events = tuple(events)
-        return found
-
-    for k in range(1, len(times)):
-        t = float(times[k - 1])
-        end = float(times[k])
-        set_inputs(plant, signals, t, end)
-        try:
-            plant.advance(t, end)
-            found = plant.events
-            events += found
-            for time, text in found:
-                log.info("t = %.9g s: %s", time, text)
-            values = plant.read()
-            rows[k, 1:] = values[: len(names)]
-            if column < len(values) and values[column] > count:
-                count = float(values[column])
-                crossings.append(end)
-        except StepError as e:
-            e.result = result(k)
-            raise
+    k = 0
+    while k + 1 < len(times):
+        part = times[k : k + 1 + (BLOCK if progress is None else 1)]
+        inputs = sampled(signals, part)
+        steps, found, error = plant.record(part, inputs, rows[k + 1 : k + len(part), 1:])
+        k += steps
+        events += found
+        for time, text in found:
+            log.info("t = %.9g s: %s", time, text)
+        if error is not None:
+            if isinstance(error, StepError):
+                error.result = _result(plant, names, rows[: k + 1], events)
+            raise error
         if progress is not None:
-            progress(end, stop)
-    return result(len(times))
+            progress(float(times[k]), stop)
+    return _result(plant, names, rows, events)
+
+
+def _result(
+    plant: Plant, names: list[str], rows: NDArray[np.float64], events: list[tuple[float, str]]
+) -> Result:
+    """Return the rows of a run as its result; a column after those of the names counts singular positions."""
+    found = Result(names, rows[:, : 1 + len(names)], {name: plant.units[name] for name in names})
+    found.assembly_report = plant.assembly_report
+    found.events = tuple(events)
+    column = 1 + names.index(SINGULAR_CROSSINGS) if SINGULAR_CROSSINGS in names else 1 + len(names)
+    if column < rows.shape[1]:
+        counts = np.maximum.accumulate(np.maximum(rows[:, column], 0.0))
+        found.singular_positions = tuple(rows[1:, 0][np.diff(counts) > 0].tolist())
+    return found
 
 
 def _log_diagnostics(plant: Plant) -> None:

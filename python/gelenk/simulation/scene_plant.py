@@ -9,13 +9,17 @@ from typing import override
 import numpy as np
 from numpy.typing import NDArray
 
-from gelenk.errors import UsageError
+from gelenk.errors import GelenkError, StepBudgetError, StepError, UsageError
 from gelenk.model.scales import Scales
 from gelenk.model.scene import Scene
 from gelenk.model.values import Value
 from gelenk.simulation.derivatives import Derivatives, differentiated_name
+from gelenk.simulation.inputs import SampledInputs
 from gelenk.simulation.plant import Plant
 from gelenk.simulation.simulation import Simulation
+
+LONGEST_CALL = 0.1  # s; longer ones could not be interrupted from the keyboard
+_ERRORS = {error.__name__: error for error in (StepBudgetError, StepError, UsageError)}
 
 
 class ScenePlant(Plant):
@@ -38,6 +42,7 @@ class ScenePlant(Plant):
         self.parameters = list(scene.parameters)
         self.assembly_report = ""
         self._scales = Scales(*scene._core.scales)
+        self._readings: list[str] = []
         self._selection: list[str] = []
         self._diagnostics: list[tuple[int, str]] = []
 
@@ -81,6 +86,7 @@ class ScenePlant(Plant):
     @override
     def select(self, names: list[str]) -> None:
         outputs = set(self.outputs)
+        self._readings = list(names)
         self._selection = [name for name in names if name in outputs]
         self._diagnostics = [(i, name) for i, name in enumerate(names) if name not in outputs]
 
@@ -105,6 +111,18 @@ class ScenePlant(Plant):
             return values
         places = [i - k for k, (i, _) in enumerate(self._diagnostics)]
         return np.insert(values, places, [self._simulation.diagnostic(name) for _, name in self._diagnostics])
+
+    @override
+    def record(
+        self, times: NDArray[np.float64], inputs: SampledInputs, rows: NDArray[np.float64]
+    ) -> tuple[int, list[tuple[float, str]], GelenkError | None]:
+        known = [name for name in (*inputs.held, *inputs.motions) if name in self.idle]
+        if known:  # their columns have no effect
+            return super().record(times, inputs, rows)
+        plant = self._simulation
+        channels = plant.channels(inputs.held, inputs.motions, self._readings)
+        steps, events, kind, text = plant._core.record(channels, times, inputs.table, rows, LONGEST_CALL)
+        return steps, events, _ERRORS[kind](text) if kind else None
 
     @override
     def derivatives(self, coordinates: Sequence[str], friction: str = "present") -> Derivatives:

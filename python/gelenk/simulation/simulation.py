@@ -5,15 +5,17 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gelenk import _core
 from gelenk.errors import StartWarning, UsageError
-from gelenk.model.scene import Source, load
+from gelenk.model.scene import Scene, Source, load
 from gelenk.model.values import unknown
+
+type _Start = tuple[float, float, list[list[float]]]  # time, tolerance, inputs with their derivatives
 
 
 class Simulation:
@@ -44,6 +46,8 @@ class Simulation:
         self._input = {s.name: i for i, s in enumerate(self.inputs)}
         self._diagnostic = {s.name: i for i, s in enumerate(self.diagnostic_signals)}
         self._output = {s.name: i for i, s in enumerate(self._signals) if wanted[i]}
+        self._start: _Start = (0.0, 0.0, [])
+        self._runs = False
         self._body = {name: i for i, name in enumerate(self._core.body_names)}
 
     def initialize(self, time: float = 0.0, tolerance: float = 0.0) -> None:
@@ -60,10 +64,26 @@ class Simulation:
             StartWarning: the start is at or near a singular configuration, or joint frames were moved within
                 `assembly.tolerance`.
         """
+        self._start = (time, tolerance, self._input_values())
         with self.scene.located():
             self._core.initialize(time, tolerance)
+        self._runs = True
         for sentence in self._core.start_warnings():
             warnings.warn(sentence, StartWarning, stacklevel=2)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the scene, how it was initialized, and the state: the copy continues identically."""
+        if not self._runs:
+            return _unpickled, (self.scene, (0.0, 0.0, self._input_values()), None)
+        return _unpickled, (self.scene, self._start, self.save())
+
+    def _input_values(self) -> list[list[float]]:
+        """Return the value of each input and its derivatives of orders 1 to 5."""
+        core, orders = self._core, range(1, 6)
+        return [
+            [core.input(i), *(core.input_derivative(i, order) for order in orders)]
+            for i in range(len(self.inputs))
+        ]
 
     def save(self) -> bytes:
         """Return everything that determines how the simulation continues, as bytes.
@@ -188,6 +208,36 @@ class Simulation:
         numbers = self._core.body_pose(self._index(body, "body", self._body))
         return numbers[:9].reshape(3, 3), numbers[9:]
 
+    def channels(
+        self,
+        held: Iterable[str],
+        motions: Iterable[str],
+        readings: Iterable[str],
+        constants: Iterable[tuple[str, float, bool]] = (),
+    ) -> _core.Channels:
+        """Return the inputs and readings of a run by their indices, for the compiled loop over its points.
+
+        Args:
+            held: inputs that are held in a step.
+            motions: inputs that follow a polynomial in a step.
+            readings: outputs and diagnostics.
+            constants: further inputs, their values, and whether they are motions.
+
+        Raises:
+            UsageError: a name is unknown.
+        """
+
+        def inputs(names: Iterable[str]) -> list[int]:
+            return [self._index(name, "input", self._input) for name in names]
+
+        known = {name: -1 - i for name, i in self._diagnostic.items()} | self._output
+        return _core.Channels(
+            inputs(held),
+            inputs(motions),
+            [self._index(name, "output", known) for name in readings],
+            [(self._index(name, "input", self._input), value, moves) for name, value, moves in constants],
+        )
+
     def diagnostic(self, name: str) -> float:
         """Return the present value of a diagnostic. Raises UsageError for an unknown name."""
         return self._core.diagnostic(self._index(name, "diagnostic", self._diagnostic))
@@ -224,3 +274,17 @@ class Simulation:
         if name not in known:
             raise UsageError(unknown(name, what, known))
         return known[name]
+
+
+def _unpickled(scene: Scene, start: _Start, saved: bytes | None) -> Simulation:
+    plant = Simulation(scene)
+    time, tolerance, inputs = start
+    for i, (value, *derivatives) in enumerate(inputs):
+        plant._core.set_input(i, value)
+        for order, derivative in enumerate(derivatives, 1):
+            plant._core.set_input_derivative(i, order, derivative)
+    if saved is not None:
+        with warnings.catch_warnings(action="ignore", category=StartWarning):  # already given
+            plant.initialize(time, tolerance)
+        plant.restore(saved)
+    return plant

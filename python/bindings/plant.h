@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A simulation as Python holds it.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <mutex>
+
+#include "simulation/simulation.h"
+
+namespace gelenk {
+
+// A simulation with a mutex. Steps run without the interpreter's lock, so another Python thread may call meanwhile; it
+// waits here. The interpreter's lock is released before the mutex is locked, since the other order could deadlock.
+class Plant {
+ public:
+  explicit Plant(const Scene& scene) : simulation_(scene) {}
+
+  template <class Function>
+  auto with(Function&& function) {
+    const nanobind::gil_scoped_release release;
+    const std::scoped_lock lock(mutex_);
+    return function(simulation_);
+  }
+
+  // Access without lock, for data that do not change after construction.
+  const Simulation& fixed() const { return simulation_; }
+
+ private:
+  Simulation simulation_;
+  std::mutex mutex_;
+};
+
+// Runs over many communication points: a method of Simulation, and the class Batch (runs.cpp).
+void bind_runs(nanobind::module_& m, nanobind::class_<Plant>& simulation);
+
+}  // namespace gelenk

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs over many communication points, and many runs of one scene with other numbers.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bindings.h"
+#include "check/check.h"
+#include "plant.h"
+#include "scene_file/read.h"
+#include "simulation/parameters.h"
+#include "simulation/start_report.h"
+#include "simulation/trajectory.h"
+#include "util/text.h"
+
+namespace nb = nanobind;
+using gelenk::Channels;
+using gelenk::Plant;
+using gelenk::Scene;
+using gelenk::Simulation;
+
+namespace {
+
+template <int dimensions>
+using Numbers = nb::ndarray<const double, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
+using Events = std::vector<std::tuple<double, std::string>>;
+using Clock = gelenk::Interruption::Clock;
+
+// The end of a time span [s] from now; of one that never ends if it is not positive.
+Clock::time_point after(double seconds) {
+  if (seconds <= 0 || seconds > 1e9) return Clock::time_point::max();
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+Events to_python(const std::vector<gelenk::EventReport>& events) {
+  Events out;
+  for (const gelenk::EventReport& event : events) out.emplace_back(event.time, event.text);
+  return out;
+}
+
+void check(const Channels& channels, const Simulation& simulation) {
+  const auto in_range = [](const std::vector<int>& indices, int from, std::size_t to) {
+    return std::ranges::all_of(indices, [&](int i) { return i >= from && i < static_cast<int>(to); });
+  };
+  const std::size_t inputs = simulation.inputs().size();
+  const int diagnostics = static_cast<int>(simulation.diagnostics().size());
+  if (!in_range(channels.held, 0, inputs) || !in_range(channels.motions, 0, inputs) ||
+      !in_range(channels.readings, -diagnostics, simulation.outputs().size()) ||
+      !std::ranges::all_of(channels.constants, [&](const gelenk::ConstantInput& constant) {
+        return constant.input >= 0 && constant.input < static_cast<int>(inputs);
+      })) {
+    throw nb::index_error("an index of an input or a reading is out of range");
+  }
+}
+
+using Sample = std::tuple<int, Events, std::string, std::string>;
+
+// Runs a leg; returns the number of steps, the events, and the class and message of an error, empty if there was none.
+Sample record(Plant& plant, const Channels& channels, const Numbers<1>& times, const Numbers<2>& inputs,
+              const nb::ndarray<double, nb::ndim<2>, nb::device::cpu>& rows, double seconds) {
+  check(channels, plant.fixed());
+  const std::size_t steps = times.size() == 0 ? 0 : times.size() - 1;
+  if (inputs.shape(0) < steps || inputs.shape(1) != channels.columns() || rows.shape(0) < steps ||
+      rows.shape(1) != channels.readings.size()) {
+    throw nb::index_error("the tables of inputs and readings do not have a row for each step");
+  }
+  const gelenk::Leg leg{.times = {times.data(), times.size()},
+                        .inputs = {inputs.data(), inputs.size()},
+                        .rows = {rows.data(), rows.stride(0), rows.stride(1)},
+                        .until = {after(seconds)}};
+  gelenk::Recorded done;
+  std::string kind;
+  std::string text;
+  try {
+    plant.with([&](Simulation& s) { gelenk::run_leg(s, channels, leg, done); });
+  } catch (const gelenk::StepBudgetError& error) {
+    kind = "StepBudgetError", text = error.what();
+  } catch (const gelenk::StepError& error) {
+    kind = "StepError", text = error.what();
+  } catch (const gelenk::UsageError& error) {
+    kind = "UsageError", text = error.what();
+  }
+  return {static_cast<int>(done.steps), to_python(done.events), kind, text};
+}
+
+// The outcome of one run of a batch.
+struct RunReport {
+  int steps = 0;             // that were completed
+  bool is_complete = false;  // whether it has reached the end of the times
+  std::string error;         // why not; lines
+  std::vector<std::string> warnings;
+  Events events;
+  double seconds = 0;  // wall-clock time
+
+  void fail(const std::string& text) { error = text; }
+  void fail(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) error += (error.empty() ? "" : "\n") + line;
+  }
+};
+
+// Many runs of a scene, which differ by parameters and constant inputs. Its functions may be called by several threads.
+class Batch {
+ public:
+  // parameters: names of the numbers that differ, in the order of their columns. channels.constants: the inputs that
+  // differ, then others.
+  Batch(Scene scene, const std::vector<std::string>& parameters, Channels channels, const Numbers<1>& times,
+        const Numbers<2>& inputs)
+      : scene_(std::move(scene)),
+        channels_(std::move(channels)),
+        times_(times.data(), times.data() + times.size()),
+        inputs_(inputs.data(), inputs.data() + inputs.size()) {
+    for (gelenk::Parameter& known : gelenk::scene_parameters(scene_)) {
+      if (std::ranges::find(parameters, known.name) != parameters.end()) parameters_.push_back(std::move(known));
+    }
+    if (parameters_.size() != parameters.size()) throw gelenk::UsageError("parameters: found an unknown name");
+    for (std::size_t i = 0; i < parameters.size(); ++i) {  // into the given order
+      std::iter_swap(parameters_.begin() + static_cast<std::ptrdiff_t>(i),
+                     std::ranges::find(parameters_, parameters[i], &gelenk::Parameter::name));
+    }
+    only_numbers_ =
+        std::ranges::none_of(parameters, [this](const std::string& name) { return is_method_or_start(name); });
+    check(channels_, Simulation(scene_));
+    if (times_.empty() || inputs.shape(0) < std::max<std::size_t>(1, times_.size() - 1) ||
+        inputs.shape(1) != channels_.columns()) {
+      throw nb::index_error("the table of inputs does not have a row for each step, or none");
+    }
+  }
+
+  // Makes a run for each row of `parameters` and `constants`, with the readings in rows[run][reading][point]. A run
+  // that takes longer than `seconds` fails. Ends early after stop(); returns the reports of the complete runs.
+  std::vector<RunReport> run(const Numbers<2>& parameters, const Numbers<2>& constants,
+                             const nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& rows,
+                             double seconds) const {
+    const std::size_t runs = rows.shape(0);
+    if (parameters.shape(0) != runs || constants.shape(0) != runs || parameters.shape(1) != parameters_.size() ||
+        constants.shape(1) > channels_.constants.size() || rows.shape(1) != channels_.readings.size() ||
+        rows.shape(2) != times_.size()) {
+      throw nb::index_error("the arrays do not have the shapes of the batch");
+    }
+    const nb::gil_scoped_release release;
+    std::vector<RunReport> out;
+    for (std::size_t i = 0; i < runs && !stop_; ++i) {
+      const double* values = constants.data() + (i * constants.shape(1));
+      RunReport report = guarded(parameters.data() + (i * parameters_.size()), {values, values + constants.shape(1)},
+                                 rows.data() + (i * rows.shape(1) * rows.shape(2)), seconds);
+      if (!stop_) out.push_back(std::move(report));
+    }
+    return out;
+  }
+
+  // Ends the calls of run() in other threads at the next communication point.
+  void stop() { stop_ = true; }
+
+ private:
+  RunReport guarded(const double* parameters, const std::vector<double>& constants, double* rows,
+                    double seconds) const {
+    const Clock::time_point start = Clock::now();
+    RunReport report;
+    try {
+      run_one(report, parameters, constants, rows, after(seconds));
+      if (!report.is_complete) {
+        report.fail("the run has taken longer than " + gelenk::text::number(seconds) + " s; it had reached t = " +
+                    gelenk::text::number(times_[report.steps]) + " s of " + gelenk::text::number(times_.back()) + " s");
+      }
+    } catch (const gelenk::SceneError& error) {
+      report.fail(error.lines());
+    } catch (const std::exception& error) {
+      report.fail(std::string(error.what()));
+    }
+    report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return report;
+  }
+
+  void run_one(RunReport& report, const double* parameters, const std::vector<double>& constants, double* rows,
+               Clock::time_point deadline) const {
+    Simulation simulation(parameters_.empty() ? scene_ : with(parameters));
+    Channels channels = channels_;
+    for (std::size_t i = 0; i < constants.size(); ++i) channels.constants[i].value = constants[i];
+    gelenk::set_inputs(simulation, channels, std::span(inputs_).first(channels.columns()));
+    simulation.initialize();
+    report.warnings = gelenk::StartReport(simulation).warnings();
+    const auto points = static_cast<std::ptrdiff_t>(times_.size());
+    gelenk::read_channels(simulation, channels, rows, points);
+    gelenk::Recorded done;
+    try {
+      const gelenk::Leg leg{
+          .times = times_, .inputs = inputs_, .rows = {rows + 1, 1, points}, .until = {deadline, &stop_}};
+      gelenk::run_leg(simulation, channels, leg, done);
+    } catch (const gelenk::StepError&) {
+      note(report, done);
+      throw;
+    }
+    note(report, done);
+    report.is_complete = done.steps + 1 == times_.size();
+  }
+
+  // Whether a parameter is one that every scene has: a start value, a component of gravity, a setting of the solver.
+  // Other parameters are numbers that the scene lists, which are stored as they are set.
+  bool is_method_or_start(const std::string& name) const {
+    Scene without = scene_;
+    without.parameters.clear();
+    const std::vector<gelenk::Parameter> known = gelenk::scene_parameters(without);
+    return std::ranges::find(known, name, &gelenk::Parameter::name) != known.end();
+  }
+
+  static void note(RunReport& report, const gelenk::Recorded& done) {
+    report.steps = static_cast<int>(done.steps);
+    report.events = to_python(done.events);
+  }
+
+  Scene with(const double* values) const {
+    Scene changed = scene_;
+    for (const gelenk::Parameter& parameter : parameters_) gelenk::set_parameter(changed, parameter, *values++);
+    if (!only_numbers_) return gelenk::checked(changed);
+    gelenk::check_scene(changed);
+    return changed;
+  }
+
+  Scene scene_;
+  Channels channels_;
+  std::vector<double> times_, inputs_;
+  std::vector<gelenk::Parameter> parameters_;
+  bool only_numbers_ = false;  // so that a changed scene need not be read again to be the same as if it were
+  std::atomic<bool> stop_ = false;
+};
+
+}  // namespace
+
+void gelenk::bind_runs(nb::module_& m, nb::class_<Plant>& simulation) {
+  nb::class_<Channels>(m, "Channels", "The inputs and outputs of a run, by their indices.")
+      .def(
+          "__init__",
+          [](Channels* self, const std::vector<int>& held, const std::vector<int>& motions,
+             const std::vector<int>& readings, const std::vector<std::tuple<int, double, bool>>& constants) {
+            new (self) Channels{.held = held, .motions = motions, .constants = {}, .readings = readings};
+            for (const auto& [input, value, moves] : constants) self->constants.push_back({input, value, moves});
+          },
+          nb::arg("held"), nb::arg("motions"), nb::arg("readings"), nb::arg("constants"),
+          "held: inputs with a column in the table of sampled inputs; motions: inputs with five columns; readings: "
+          "outputs, and -1 - i for diagnostic i; constants: (input, value, whether it is a prescribed motion).");
+  simulation.def("record", record, nb::arg("channels"), nb::arg("times"), nb::arg("inputs"), nb::arg("rows"),
+                 nb::arg("seconds"),
+                 "Step to all times but the first, with a row of inputs and of readings for each step; end early after "
+                 "`seconds`. Returns the number of steps, the events, and the class and message of an error.");
+  nb::class_<RunReport>(m, "RunReport", "The outcome of one run of a batch.")
+      .def_ro("steps", &RunReport::steps)
+      .def_ro("error", &RunReport::error)
+      .def_ro("warnings", &RunReport::warnings)
+      .def_ro("events", &RunReport::events)
+      .def_ro("seconds", &RunReport::seconds);
+  nb::class_<Batch>(m, "Batch", "Many runs of a scene, which differ by parameters and constant inputs.")
+      .def(nb::init<Scene, const std::vector<std::string>&, Channels, const Numbers<1>&, const Numbers<2>&>(),
+           nb::arg("scene"), nb::arg("parameters"), nb::arg("channels"), nb::arg("times"), nb::arg("inputs"))
+      .def("run", &Batch::run, nb::arg("parameters"), nb::arg("constants"), nb::arg("rows"), nb::arg("seconds"),
+           "Make a run for each row of `parameters` and `constants`. Returns the reports of the complete runs.")
+      .def("stop", &Batch::stop, "End the calls of `run` in other threads.");
+}

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plants for reinforcement learning."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gelenk._lazy import lazy
+
+if TYPE_CHECKING:
+    from gelenk.learning.make import environment
+
+__all__ = ["environment"]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy(__name__, {".make": ["environment"]})

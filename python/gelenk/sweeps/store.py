@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Outcomes of a sweep in a folder: what has been computed is not computed again.
+
+Each part is a Parquet file of successive runs. It appears by being renamed, complete, and its name contains
+its checksum: an interruption at any time leaves only whole parts, and a damaged one is noticed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import logging
+import os
+import re
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gelenk.errors import UsageError
+from gelenk.extras import extra
+from gelenk.sweeps.driver import Range
+from gelenk.sweeps.outputs import Output
+from gelenk.sweeps.plan import Chunk
+
+log = logging.getLogger(__name__)
+
+FORMAT = 1
+DESCRIPTION = "sweep.json"
+_PART = re.compile(r"runs-(\d+)-(\d+)-([0-9a-f]{16})\.parquet")
+_TEMPORARY = ".writing-"
+
+
+class Store:
+    """A folder with the outcomes of one sweep."""
+
+    def __init__(self, folder: Path, description: Mapping[str, Any], runs: int) -> None:
+        """Open a folder, which is made if there is none.
+
+        Args:
+            folder: the folder.
+            description: what identifies the sweep, as plain data.
+            runs: number of runs.
+
+        Raises:
+            UsageError: the folder contains another sweep or other files, or pyarrow is not installed.
+            OSError: the folder cannot be written.
+        """
+        extra("pyarrow", "stores are Parquet files, written with pyarrow")
+        self._folder = folder
+        self._runs = runs
+        self._parts: dict[Range, Path] = {}
+        folder.mkdir(parents=True, exist_ok=True)
+        identity = {"format": FORMAT, "runs": runs, **description}
+        file = folder / DESCRIPTION
+        if file.exists():
+            _compare(file, json.loads(json.dumps(identity)))
+        else:
+            if any(not path.name.startswith(_TEMPORARY) for path in folder.iterdir()):
+                raise UsageError(
+                    f"{folder}: found other files, expected an empty folder or a store of this sweep"
+                )
+            self._write(file, json.dumps(identity, indent=1).encode())
+        self._find_parts()
+
+    def _find_parts(self) -> None:
+        covered = 0
+        found = []
+        for path in self._folder.iterdir():
+            if path.name.startswith(_TEMPORARY):  # of an interrupted process
+                path.unlink(missing_ok=True)
+            elif name := _PART.fullmatch(path.name):
+                found.append(((int(name[1]), int(name[2]) + 1), name[3], path))
+        for (first, last), checksum, path in sorted(found):
+            if _checksum(path.read_bytes()) != checksum:
+                log.warning("%s: damaged, its checksum is another one; its runs are made again", path)
+                path.unlink()
+            elif first >= covered:  # otherwise two processes have made the same runs
+                self._parts[first, last] = path
+                covered = last
+
+    @property
+    def missing(self) -> list[Range]:
+        """The ranges of runs that have no part, in order."""
+        found = []
+        at = 0
+        for first, last in [*sorted(self._parts), (self._runs, self._runs)]:
+            if first > at:
+                found.append((at, first))
+            at = last
+        return found
+
+    def add(self, chunk: Chunk) -> None:
+        """Write the outcome of successive runs.
+
+        Raises:
+            OSError: the disk is full, or the folder cannot be written; what was written before remains.
+        """
+        if chunk.last == chunk.first:
+            return
+        content = _parquet(chunk)
+        name = f"runs-{chunk.first:09}-{chunk.last - 1:09}-{_checksum(content)}.parquet"
+        self._write(self._folder / name, content)
+        self._parts[chunk.first, chunk.last] = self._folder / name
+
+    def chunks(self, columns: Sequence[str]) -> Iterator[Chunk]:
+        """Yield the values of variables that are stored, in the order of the runs."""
+        for (first, _), path in sorted(self._parts.items()):
+            yield read_part(path, first, columns)
+
+    def parts(self) -> list[tuple[Range, Path]]:
+        """Return the ranges of runs that are stored, and their files, in order."""
+        return sorted(self._parts.items())
+
+    def _write(self, path: Path, content: bytes) -> None:
+        temporary = self._folder / f"{_TEMPORARY}{uuid.uuid4().hex}"
+        try:
+            with temporary.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(path)
+        except OSError as e:
+            temporary.unlink(missing_ok=True)
+            stored = sum(last - first for first, last in self._parts)
+            raise OSError(
+                e.errno,
+                f"{e.strerror}; {stored} of {self._runs} runs are stored, and the same call makes the others",
+                str(self._folder),
+            ) from None
+
+
+def read_part(path: Path, first: int, columns: Sequence[str]) -> Chunk:
+    """Return the chunk in a file.
+
+    Args:
+        path: the file.
+        first: number of its first run.
+        columns: variables to read.
+    """
+    from pyarrow import parquet
+
+    table = parquet.read_table(path, columns=["error", "warning", *columns])
+    values = {}
+    for name in table.column_names:
+        column = table[name].combine_chunks()
+        if name in ("error", "warning"):
+            continue
+        if hasattr(column, "flatten"):
+            points = column.type.list_size
+            values[name] = column.flatten().to_numpy(zero_copy_only=False).reshape(-1, points)
+        else:
+            values[name] = column.to_numpy(zero_copy_only=False)
+    return Chunk(first, values, table["error"].to_pylist(), table["warning"].to_pylist())
+
+
+def fingerprint(*contents: bytes) -> str:
+    """Return a checksum of several contents."""
+    total = hashlib.sha256()
+    for content in contents:
+        total.update(len(content).to_bytes(8, "little"))
+        total.update(content)
+    return total.hexdigest()
+
+
+def described(variables: Sequence[Output]) -> list[str]:
+    """Return a text for each variable that changes when the variable does."""
+    import inspect
+
+    texts = []
+    for variable in variables:
+        text = repr((variable.name, variable.unit, variable.signals, variable.pattern))
+        function = variable.function
+        if function is not None and not (getattr(function, "__module__", "") or "").startswith("gelenk."):
+            try:
+                text += inspect.getsource(function)
+            except (TypeError, OSError):
+                text += getattr(function, "__qualname__", "")
+        texts.append(text)
+    return texts
+
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def _parquet(chunk: Chunk) -> bytes:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    columns: dict[str, Any] = {"run": pa.array(np.arange(chunk.first, chunk.last))}
+    for name, values in chunk.values.items():
+        flat = pa.array(np.ascontiguousarray(values).reshape(-1))
+        columns[name] = flat if values.ndim == 1 else pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
+    columns["error"] = pa.array(chunk.errors, pa.string())
+    columns["warning"] = pa.array(chunk.warnings, pa.string())
+    buffer = io.BytesIO()
+    parquet.write_table(pa.table(columns), buffer, compression="zstd")
+    return buffer.getvalue()
+
+
+def _compare(file: Path, identity: dict[str, Any]) -> None:
+    """Check that a description is that of this sweep."""
+    try:
+        found = json.loads(file.read_text("utf-8"))
+    except ValueError:
+        raise UsageError(f"{file}: found no description of a sweep; expected an empty folder") from None
+    names = [name for name in {**identity, **found} if found.get(name) != identity.get(name)]
+    if names:
+        details = "; ".join(
+            f"{name}: found {_short(found.get(name))}, expected {_short(identity.get(name))}"
+            for name in names[:3]
+        )
+        raise UsageError(f"{file.parent}: found a store of another sweep ({details}); use another folder")
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
