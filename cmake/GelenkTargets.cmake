@@ -15,9 +15,26 @@ list(REMOVE_ITEM core_sources ${yaml_source} ${stubs_source})
 set(small ${core_sources})
 list(FILTER small INCLUDE REGEX
   "/(util|field|shape|element|event|scene|check|scene_file|scene_schema|assembly|preparation|modelDescription|runtime|export|mechanism)/[^/]*$|/derivatives/(residual_evaluator|residual_kernels)\\.cpp$")
-set(once ${core_sources})
-list(FILTER once INCLUDE REGEX
-  "/(formulation/(branch_acceleration|contact_motion|registry)|integrator/registry|cone/registry|derivatives/forward_ad|analysis/(equilibrium|independent_columns|rest_forces|rest_pose|singular_start|mobility)|kinematics/(loads|model)|contact/(contact_state|recorded_problem)|dynamics/(distributed_forces|spot_features|spots)|modes/(joint_locks|mode_changes)|linear/(box_complementarity|least_load|singular_values)|outputs/(outputs_dual|port_readings)|inspection/inspection|touch/(contact_impact|touch_changes|touch_decision|touch_modes|touch_outputs)|simulation/(assemblies|assembled_start|events|parameters|probe|replay|sensitivity|set_up|start_at_equilibrium|state_derivatives))\\.cpp$")
+set(once
+  formulation/branch_acceleration formulation/contact_motion formulation/registry
+  integrator/registry
+  cone/registry
+  derivatives/forward_ad
+  analysis/equilibrium analysis/independent_columns analysis/rest_forces analysis/rest_pose analysis/singular_start
+  analysis/mobility
+  kinematics/loads kinematics/model
+  contact/contact_state contact/recorded_problem
+  dynamics/distributed_forces dynamics/spot_features dynamics/spots
+  modes/joint_locks modes/mode_changes
+  linear/box_complementarity linear/least_load linear/singular_values
+  outputs/outputs_dual outputs/port_readings
+  inspection/inspection
+  touch/contact_impact touch/touch_changes touch/touch_decision touch/touch_modes touch/touch_outputs
+  simulation/assemblies simulation/assembled_start simulation/events simulation/parameters simulation/probe
+  simulation/replay simulation/sensitivity simulation/set_up simulation/start_at_equilibrium
+  simulation/state_derivatives)
+list(TRANSFORM once PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
+list(TRANSFORM once APPEND .cpp)
 list(APPEND small ${once})
 list(FILTER small EXCLUDE REGEX "/(plant|motion_law)\\.cpp$")  # executed in every step
 set_source_files_properties(${small} PROPERTIES COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-Os>")
