@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "touch/touch_equations.h"
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -28,10 +27,6 @@ constexpr double slow_sliding = 1e-4;
 constexpr double gap_rounding = 1e-15;
 constexpr int most_corrections = 8;
 
-// Matrices up to this size need no memory of the heap.
-constexpr int small = 12;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, small, small>;
-
 // Of a singular G.
 VectorXd redundant_solution(const MatrixXd& G, const VectorXd& r) {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod;
@@ -40,24 +35,13 @@ VectorXd redundant_solution(const MatrixXd& G, const VectorXd& r) {
   return cod.solve(r);
 }
 
-template <class Matrix>
-VectorXd solve_least_norm(const Matrix& G, const VectorXd& r) {
-  const Eigen::FullPivLU<Matrix> lu(G);
-  const double largest = std::abs(lu.maxPivot());
-  const double least = lu.matrixLU().diagonal().cwiseAbs().minCoeff();
-  if (least > rank_threshold * largest) return lu.solve(r);
-  return redundant_solution(G, r);
-}
-
 // The solution of G x = r of least norm, if G is singular; weights: of the entries of x in that norm.
-VectorXd least_norm_solution(const MatrixXd& G, const VectorXd& r, const VectorXd& weights) {
+VectorXd least_norm_solution(LeastNormSolver& solver, const MatrixXd& G, const VectorXd& r, const VectorXd& weights) {
   const VectorXd right = weights.asDiagonal() * r;
-  if (G.rows() <= small) {
-    const SmallMatrix scaled = weights.asDiagonal() * G * weights.asDiagonal();
-    return weights.asDiagonal() * solve_least_norm(scaled, right);
-  }
   const MatrixXd scaled = weights.asDiagonal() * G * weights.asDiagonal();
-  return weights.asDiagonal() * solve_least_norm(scaled, right);
+  VectorXd x;
+  if (!solver.solve(scaled, right, rank_threshold, x)) x = redundant_solution(scaled, right);
+  return weights.asDiagonal() * x;
 }
 
 }  // namespace
@@ -216,7 +200,7 @@ void TouchEquations::accelerate(double* vdot) {
       if (row >= 0) scale_.segment(row, entry.kept(group)).setConstant(weight(entry, group));
     }
   }
-  x_ = least_norm_solution(G_, right_, scale_);
+  x_ = least_norm_solution(least_norm_, G_, right_, scale_);
   a.noalias() += Z_ * x_;
   add_holding_forces();
 }
@@ -290,7 +274,7 @@ bool TouchEquations::close_position(double* q) {
     for (std::size_t i = 0; i < closed_.size(); ++i) N.row(static_cast<Index>(i)) = kept_.R.row(kept_.entries[i].first);
     RowMatrix Z;
     respond(N, Z);
-    const VectorXd dq = -(Z * least_norm_solution(N * Z, gaps, VectorXd::Ones(gaps.size())));
+    const VectorXd dq = -(Z * least_norm_solution(least_norm_, N * Z, gaps, VectorXd::Ones(gaps.size())));
     dynamics_.displace(q, dq.data());
     moved = true;
     if (gaps.cwiseAbs().maxCoeff() < 1e-9) break;  // the error that remains is its square
@@ -307,7 +291,7 @@ void TouchEquations::close_velocity(double* v) {
   if (left.isZero(0)) return;
   RowMatrix Z;
   respond(kept_.R, Z);
-  speeds -= Z * least_norm_solution(kept_.R * Z, left, VectorXd::Ones(left.size()));
+  speeds -= Z * least_norm_solution(least_norm_, kept_.R * Z, left, VectorXd::Ones(left.size()));
 }
 
 }  // namespace gelenk

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "dynamics/spots.h"
+#include "linear/least_norm.h"
 
 namespace gelenk {
 
@@ -121,6 +122,7 @@ class TouchEquations {
   RowMatrix B_, Z_, zero_;
   Eigen::MatrixXd G_;
   Eigen::VectorXd x_, right_, scale_, force_;
+  LeastNormSolver least_norm_;
   std::vector<double> holding_;  // by lock
   std::vector<SpotForce> forces_;
 };

@@ -2,6 +2,7 @@
 #include "linear/box_complementarity.h"
 
 #include "linear/least_load.h"
+#include "linear/least_norm.h"
 #include "units.h"
 
 namespace nb = nanobind;
@@ -38,6 +39,15 @@ void bind_box_complementarity(nb::module_& m) {
         return list(gelenk::least_load(square(W), vector(b), vector(lower), vector(upper)));
       },
       nb::arg("W"), nb::arg("b"), nb::arg("lower"), nb::arg("upper"));
+  // An empty list: another method is to be used.
+  m.def(
+      "least_norm",
+      [](const Table& G, const Numbers& r, double threshold) {
+        gelenk::LeastNormSolver solver;
+        Eigen::VectorXd x;
+        return solver.solve(square(G), vector(r), threshold, x) ? list(x) : Numbers();
+      },
+      nb::arg("G"), nb::arg("r"), nb::arg("threshold"));
 }
 
 }  // namespace native
