@@ -34,7 +34,7 @@ class JointModes final : public Branching {
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
         input_numbers_(inputs_of_forces()),
-        inputs_(input_numbers_.empty() ? 0 : static_cast<std::size_t>(input_numbers_.back()) + 1),
+        inputs_(inputs_up_to_last()),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
     for (const auto& link : state.model.links) mass += link.G.m;
@@ -272,6 +272,17 @@ class JointModes final : public Branching {
     for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
     std::ranges::sort(out);
     return out;
+  }
+
+  // Room for those before the last one that a force with modes has, or would have.
+  std::vector<double> inputs_up_to_last() const {
+    int last = 0;
+    const auto look = [&](const auto& force) {
+      last = std::max(last, force.input + count_of(own_inputs(force.element)));
+    };
+    state_.loads.tree.each_branching(look);
+    for (const JointLoads& on : state_.loads.cuts) on.each_branching(look);
+    return std::vector<double>(static_cast<std::size_t>(last) + 1);
   }
 
   std::vector<double> signs() const {
