@@ -13,7 +13,6 @@ namespace {
 using Eigen::Index;
 
 // Weights of the proximal term, relative to the mean diagonal of G.
-constexpr double largest_weight = 1e-3;
 constexpr double last_weight = 1e-9;
 constexpr double weight_decay = 0.1;
 // The weight decays where the proximal term causes more than this fraction of the error that the shift causes: a

@@ -17,8 +17,11 @@ namespace gelenk {
 
 class AugmentedLagrangian {
  public:
-  // Up to max_outer proximal steps. hessian: started with the problem. first_weight: of the proximal term, relative to
-  // the mean diagonal of G.
+  // Of the proximal term, relative to the mean diagonal of G.
+  static constexpr double largest_weight = 1e-3;
+
+  // Up to max_outer proximal steps. hessian: started with the problem. first_weight: of the proximal term, up to
+  // largest_weight.
   void run(ConeIteration& at, VelocityHessian& hessian, int max_outer, double first_weight);
 
  private:

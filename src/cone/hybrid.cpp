@@ -38,10 +38,10 @@ constexpr double near_enough = 1e-6;
 constexpr int last_newton_steps = 5;  // they suffice where the right contacts slide
 constexpr int sparse_newton_steps = 30;
 constexpr int proximal_steps = 12;
-constexpr double proximal_weight = 1e-3;  // relative to the mean diagonal of G: the first one
-constexpr double resting_weight = 1e-5;   // the same at rest; smaller ones make the first step of Newton's method fail
-constexpr double least_gain = 0.5;        // of the residual, by both methods; otherwise they failed
-constexpr int max_failures = 3;           // in a row
+// At rest, relative to the mean diagonal of G: smaller weights make the first step of Newton's method fail.
+constexpr double resting_weight = 1e-5;
+constexpr double least_gain = 0.5;  // of the residual, by both methods; otherwise they failed
+constexpr int max_failures = 3;     // in a row
 
 class HybridSolver final : public IterativeConeSolver {
   void run(ConeIteration& at) override {
@@ -85,7 +85,7 @@ class HybridSolver final : public IterativeConeSolver {
       const double before = at.best_residual();
       newton_.run(at, sparse_newton_steps);
       at.return_to(Iterate::best);
-      if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps, proximal_weight);
+      if (!at.done()) lagrangian_.run(at, hessian_, proximal_steps, AugmentedLagrangian::largest_weight);
       at.return_to(Iterate::best);
       failures = at.best_residual() < least_gain * before ? 0 : failures + 1;
     }

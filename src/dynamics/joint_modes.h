@@ -33,12 +33,11 @@ class JointModes final : public Branching {
         locks_(M, Y, state.model.nv, state.model.rows, find_locks()),
         contact_rows_(state.model, state.ws, M, Y, locks_),
         holding_(signs()),
-        input_numbers_(inputs_of_forces()),
-        inputs_(inputs_up_to_last()),
         work_(static_cast<std::size_t>(state.model.nv)) {
     double mass = 0;
     for (const auto& link : state.model.links) mass += link.G.m;
     sqrt_mass_ = std::sqrt(mass);
+    find_inputs();
   }
 
   // The modes in which forces are held, or null: of the tree and the cuts, or from the first cut on.
@@ -188,7 +187,7 @@ class JointModes final : public Branching {
   }
 
  private:
-  // Only for those who know the interface.
+  // Called by users of Branching alone.
   const double* inputs() const override { return inputs_.data(); }
   bool is_redundant() const override { return locks_.rank() < locks_.locked_count(); }
 
@@ -262,27 +261,17 @@ class JointModes final : public Branching {
     return rows;
   }
 
-  // Their numbers, in ascending order.
-  std::vector<int> inputs_of_forces() const {
-    std::vector<int> out;
+  // Fills input_numbers_, and makes room for all inputs up to the last one that a force has, or would have.
+  void find_inputs() {
+    int end = 0;
     const auto add = [&](const auto& force) {
-      for (int i = 0; i < count_of(own_inputs(force.element)); ++i) out.push_back(force.input + i);
+      const int own = count_of(own_inputs(force.element));
+      for (int i = 0; i < own; ++i) input_numbers_.push_back(force.input + i);
+      end = std::max(end, force.input + own);
     };
     state_.loads.tree.each_branching(add);
     for (const JointLoads& on : state_.loads.cuts) on.each_branching(add);
-    std::ranges::sort(out);
-    return out;
-  }
-
-  // Room for those before the last one that a force with modes has, or would have.
-  std::vector<double> inputs_up_to_last() const {
-    int last = 0;
-    const auto look = [&](const auto& force) {
-      last = std::max(last, force.input + count_of(own_inputs(force.element)));
-    };
-    state_.loads.tree.each_branching(look);
-    for (const JointLoads& on : state_.loads.cuts) on.each_branching(look);
-    return std::vector<double>(static_cast<std::size_t>(last) + 1);
+    inputs_.resize(static_cast<std::size_t>(end) + 1);
   }
 
   std::vector<double> signs() const {

@@ -78,6 +78,14 @@ void add_along(std::vector<Signal>& signals, const Joint& joint, int index, Grou
   }
 }
 
+int inputs_along_count(const JointForces& forces) {
+  int out = 0;
+  for (const JointForceKind& kind : joint_force_kinds()) {
+    if (const void* element = kind.in(forces)) out += count_of(kind.inputs(element));
+  }
+  return out;
+}
+
 std::span<const SignalGroup> inputs_along(const JointForceKind& kind, const void* element) {
   return kind.inputs(element);
 }
@@ -132,10 +140,9 @@ std::vector<std::vector<int>> first_inputs(const Scene& scene) {
     }
   });
   std::vector<int>& of_joints = out.emplace_back();
-  std::vector<Signal> along;
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    of_joints.push_back(input + static_cast<int>(along.size()));
-    add_along(along, scene.joints[j], static_cast<int>(j), inputs_along);
+  for (const Joint& joint : scene.joints) {
+    of_joints.push_back(input);
+    for (const JointForces& forces : joint.along) input += inputs_along_count(forces);
   }
   return out;
 }
