@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from typing import IO, Any
 
@@ -20,11 +20,14 @@ type Report = Callable[[float, float], None]
 
 
 @contextmanager
-def progress_bar(wanted: Report | bool | None) -> Iterator[Report | None]:
-    """Yield a function to be called with the time reached and the end [s].
+def reports[R](
+    wanted: R | bool | None, opened: Callable[[Any], AbstractContextManager[R]]
+) -> Iterator[R | None]:
+    """Yield a function to which progress is reported.
 
     Args:
         wanted: this function itself, or None. True: one that draws a bar, in notebooks as a widget.
+        opened: the context of a bar, made with tqdm's class.
 
     Raises:
         UsageError: tqdm is not installed.
@@ -35,8 +38,20 @@ def progress_bar(wanted: Report | bool | None) -> Iterator[Report | None]:
         yield None
     else:
         extra("tqdm", "progress is shown by tqdm")
-        with _bar(import_module("tqdm.auto").tqdm) as reached:
+        with opened(import_module("tqdm.auto").tqdm) as reached:
             yield reached
+
+
+def progress_bar(wanted: Report | bool | None) -> AbstractContextManager[Report | None]:
+    """Return the context of a function to be called with the time reached and the end [s].
+
+    Args:
+        wanted: this function itself, or None. True: one that draws a bar, in notebooks as a widget.
+
+    Raises:
+        UsageError: tqdm is not installed, on entry.
+    """
+    return reports(wanted, _bar)
 
 
 @contextmanager

@@ -7,11 +7,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from gelenk.extras import extra
+from gelenk.simulation.progress import reports
 from gelenk.sweeps.plan import Chunk
 
 type Range = tuple[int, int]  # the first run, and the one after the last
@@ -124,26 +124,21 @@ class Driver:
             self._size = max(1, min(wanted, GROWTH * max(self._size, runs)))
 
 
-@contextmanager
-def progress_of(wanted: Progress | bool | None) -> Iterator[Progress | None]:
-    """Yield a function to be called with the number of completed runs and of all runs.
+def progress_of(wanted: Progress | bool | None) -> AbstractContextManager[Progress | None]:
+    """Return the context of a function to be called with the number of completed runs and of all runs.
 
     Args:
         wanted: this function itself, or None. True: one that draws a bar, in notebooks as a widget.
 
     Raises:
-        UsageError: tqdm is not installed.
+        UsageError: tqdm is not installed, on entry.
     """
-    if not isinstance(wanted, bool):
-        yield wanted
-        return
-    if not wanted:
-        yield None
-        return
-    extra("tqdm", "progress is shown by tqdm")
-    from tqdm.auto import tqdm
+    return reports(wanted, _bar)
 
-    bar: Any = tqdm(unit="run", leave=False, delay=0.5)
+
+@contextmanager
+def _bar(make: Callable[..., Any]) -> Iterator[Progress]:
+    bar: Any = make(unit="run", leave=False, delay=0.5)
 
     def reached(done: int, total: int) -> None:
         bar.total = total
