@@ -19,7 +19,7 @@ from typing import Any
 import element_tables
 import joint_table
 import pytest
-from pages import blocks
+from pages import blocks, executed
 
 import gelenk
 from gelenk import _core
@@ -62,9 +62,7 @@ def test_commands_of_a_page_print_what_it_shows(page: str, least: int, root: Pat
 
 @pytest.mark.usefixtures("folder")
 def test_python_of_the_readme_runs(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    names: dict[str, object] = {}
-    for block in blocks(root / "README.md", "python"):
-        exec(compile(block, "README.md", "exec"), names)
+    executed(root / "README.md")
     angle, gap, torque = map(float, capsys.readouterr().out.split())
     assert abs(angle - 1.2) > 0.1  # rad: it moved
     assert gap < 1e-10  # m: the projection's own bound

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pages import blocks
+from pages import blocks, executed
 
 import gelenk
 
@@ -19,9 +19,7 @@ import gelenk
 @pytest.mark.filterwarnings("error::gelenk.OperatingPointWarning")
 def test_tutorial_balances_the_stick(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Numbers of the page, to the digits they have there."""
-    names: dict[str, Any] = {}
-    for block in blocks(root / "docs" / "tutorial-lqr.md", "python"):
-        exec(compile(block, "tutorial-lqr.md", "exec"), names)
+    names = executed(root / "docs" / "tutorial-lqr.md")
     trim, plant, poles, lean = (names[n] for n in ("trim", "plant", "poles", "lean"))
     assert list(trim.inputs.values())[:2] == pytest.approx([-2.31, 2.84], abs=0.005)  # N m
     assert trim.values["foot.phi"] == pytest.approx(1.06, abs=0.005)
@@ -93,9 +91,7 @@ def test_tutorial_with_wheels_shows_when_one_lifts_off(wheels: dict[str, Any]) -
 @pytest.fixture
 def stiction(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     """What the code of the tutorial on static friction leaves behind, and in "printed" what it printed."""
-    names: dict[str, Any] = {}
-    for block in blocks(root / "docs" / "tutorial-stiction.md", "python"):
-        exec(compile(block, "tutorial-stiction.md", "exec"), names)
+    names = executed(root / "docs" / "tutorial-stiction.md")
     assert folder == Path.cwd()
     return names | {"printed": capsys.readouterr().out}
 

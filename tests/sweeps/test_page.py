@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pages import blocks
+from pages import blocks, executed
 
 LENGTHS = np.array([0.5, 1.75, 1.5, 2.0])  # m: crank, coupler, rocker, frame
 DEVIATION = 0.0002  # m
@@ -30,9 +30,7 @@ def swing(lengths: Any) -> float:
 
 @pytest.fixture
 def names(folder: Path, root: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for block in blocks(root / "docs" / "sweeps.md", "python"):
-        exec(compile(block, "sweeps.md", "exec"), found)
+    found = executed(root / "docs" / "sweeps.md")
     assert folder == Path.cwd()
     return found | {"printed": capsys.readouterr().out}
 
