@@ -109,3 +109,16 @@ def assert_same(first: Mapping[str, Array], second: Mapping[str, Array], bound: 
     assert set(first) == set(second)
     for name, value in first.items():
         assert_close(name, value, second[name], bound, why)
+
+
+def assert_restored_run_continues(source: Any, time: float, later: Sequence[float]) -> None:
+    """Check that a run restored at a time has the same bits after steps to later times after it [s]."""
+    first, second = gelenk.Simulation(source), gelenk.Simulation(source)
+    for simulation in (first, second):
+        simulation.initialize()
+    first.step_to(time)
+    second.restore(first.save())
+    for simulation in (first, second):
+        for step in later:
+            simulation.step_to(time + step)
+    assert list(first.values()) == list(second.values())

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from models.running import assert_restored_run_continues
 
 import gelenk
 
@@ -347,12 +348,4 @@ def test_integrators_agree(integrator: str) -> None:
 
 @pytest.mark.parametrize("time", [0.1, 0.25, 0.4, 0.6])
 def test_a_restored_run_continues_with_the_same_bits(time: float) -> None:
-    first, second = gelenk.Simulation(two_links("erk")), gelenk.Simulation(two_links("erk"))
-    for simulation in (first, second):
-        simulation.initialize()
-    first.step_to(time)
-    second.restore(first.save())
-    for simulation in (first, second):
-        simulation.step_to(time + 0.2)
-        simulation.step_to(time + 0.4)
-    assert list(first.values()) == list(second.values())
+    assert_restored_run_continues(two_links("erk"), time, [0.2, 0.4])

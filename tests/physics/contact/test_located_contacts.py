@@ -7,6 +7,7 @@ from math import asin, atan, cos, radians, sin, sqrt
 import numpy as np
 import pytest
 from benchmarks.contacts.problems import Problem, problems
+from models.running import assert_restored_run_continues
 from models.touching import SceneData, inertia_of_box, on_plane
 
 import gelenk
@@ -362,12 +363,4 @@ def test_a_restored_run_continues_with_the_same_bits(integrator: str, time: floa
         0.1, 0.7, {"r": [0, 0, 1.1], "v": [2, 1, 0], "w": [5, 0, 3]}, {"restitution": 0.5, "friction": 0.1}
     )
     scene["solver"] = {"integrator": integrator}
-    first, second = gelenk.Simulation(scene), gelenk.Simulation(scene)
-    for simulation in (first, second):
-        simulation.initialize()
-    first.step_to(time)
-    second.restore(first.save())
-    for simulation in (first, second):
-        simulation.step_to(time + 0.3)
-        simulation.step_to(time + 0.7)
-    assert list(first.values()) == list(second.values())
+    assert_restored_run_continues(scene, time, [0.3, 0.7])
