@@ -43,6 +43,8 @@ void StepCourse::end(double t, const double* y) {
 
 bool StepCourse::any_changed() const { return !std::equal(after_.get(), after_.get() + size(), before_.get()); }
 
+double StepCourse::at_end(std::size_t i) const { return g_[i] != 0 ? g_[i] : after_[i] ? smallest : -smallest; }
+
 Cubic StepCourse::cubic(std::size_t i) const {
   const double h = t_ - start_t_;
   return {start_g_[i], h * start_gdot_[i], g_[i], h * gdot_[i]};

@@ -23,7 +23,8 @@ class StepCourse {
   double start() const { return start_t_; }           // s
   const bool* mode() const { return before_.get(); }  // flags of the indicators that are positive at its start
   double at_start(std::size_t i) const { return start_g_[i]; }
-  double at_end(std::size_t i) const { return g_[i]; }
+  // With the sign of positive(i), also where the indicator is exactly zero.
+  double at_end(std::size_t i) const;
   bool positive(std::size_t i) const { return after_[i]; }  // at its end
   bool changed(std::size_t i) const { return after_[i] != before_[i]; }
   bool any_changed() const;
